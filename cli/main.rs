@@ -1,0 +1,3 @@
+//! The `msk` command line.
+
+fn main() {}

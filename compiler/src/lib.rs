@@ -1,0 +1,6 @@
+//! Compiler of the `.msk` language: text -> syntax tree -> resolved and typed tree -> dataflow graph -> closures.
+
+pub mod body;
+pub mod frame;
+pub mod task;
+pub mod vocabulary;

@@ -1,0 +1,176 @@
+//! What the compiler hands to the runtime.
+//!
+//! A [`CompiledTask`] is immutable and shared between episodes and threads; what changes over an episode is in a
+//! [`TaskState`], plain data that can be snapshot and restored bit for bit.
+
+use crate::body::BodyDescription;
+use crate::frame::FrameLayout;
+use std::sync::Arc;
+
+/// A task ready to run: closures over a flat frame and a flat state record.
+pub struct CompiledTask {
+    /// Name of the task.
+    pub name: String,
+    /// Family it belongs to.
+    pub family: String,
+    /// First paragraph of the task's documentation.
+    pub summary: String,
+    /// The body.
+    pub body: Arc<BodyDescription>,
+    /// Control steps per second, Hz.
+    pub control_frequency: f64,
+    /// Episode length, control steps.
+    pub horizon: u32,
+    /// Whether mirroring left and right must not change the pay.
+    pub symmetric: bool,
+    /// How an episode begins.
+    pub init: Init,
+    /// Channels of the observation, in order.
+    pub channels: Vec<Channel>,
+    /// Reward terms, in order.
+    pub terms: Vec<Term>,
+    /// Reasons that end an episode as a failure, in order.
+    pub terminations: Vec<String>,
+    /// Sensors to fill before every evaluation.
+    pub frame: FrameLayout,
+    /// Hash of the task's meaning: the same text layout or comments aside.
+    pub hash: String,
+    pub(crate) program: Program,
+}
+
+/// A named part of the observation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Label.
+    pub name: String,
+    /// First index in the observation.
+    pub offset: usize,
+    /// Number of values.
+    pub size: usize,
+    /// Unit, as printed (`rad/s`), empty for plain numbers.
+    pub unit: String,
+}
+
+/// A named reward term.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    /// Label.
+    pub name: String,
+    /// Weight in the source.
+    pub weight: f64,
+    /// Range a tuner may choose from, if given.
+    pub weight_range: Option<[f64; 2]>,
+    /// Whether the weight is fixed.
+    pub fixed: bool,
+    /// The formula as written.
+    pub source: String,
+}
+
+/// How an episode begins.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Init {
+    /// Joint coordinates in the order of the vocabulary's joints, rad or m.
+    pub coordinates: Vec<f64>,
+    /// Where the root starts.
+    pub root: RootPlacement,
+    /// Standard deviation of normal noise on independent hinges, rad.
+    pub joint_noise: f64,
+    /// Standard deviation of normal noise on their velocities, rad/s.
+    pub velocity_noise: f64,
+}
+
+/// Where the root starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RootPlacement {
+    /// Height of the root, m; `None` puts the lowest point of the body on the ground.
+    pub height: Option<f64>,
+    /// Horizontal position, m.
+    pub position: [f64; 2],
+    /// Turn about the vertical, rad; 0 faces world x.
+    pub heading: f64,
+    /// Linear velocity in world axes, m/s.
+    pub velocity: [f64; 3],
+}
+
+impl Default for RootPlacement {
+    fn default() -> Self {
+        Self { height: None, position: [0.0; 2], heading: 0.0, velocity: [0.0; 3] }
+    }
+}
+
+/// What a task reports of one control step. Allocated once per episode, overwritten every step.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StepReport {
+    /// Unweighted value of every reward term.
+    pub terms: Vec<f64>,
+    /// Sum of weight times value.
+    pub reward: f64,
+    /// Which terminations hold, in the task's order.
+    pub terminations: Vec<bool>,
+    /// Whether the success expression holds at this step.
+    pub success: bool,
+}
+
+/// The task's own state over one episode: plain data.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TaskState {
+    /// Control steps since reset.
+    pub step: u32,
+    /// Cells of operators and states.
+    pub cells: Vec<f64>,
+}
+
+/// A term whose value is not a finite number: an error of this episode, never a silent zero.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("term `{term}` is {value} at step {step}: {formula}")]
+pub struct NonFiniteTerm {
+    /// Label of the term.
+    pub term: String,
+    /// The value.
+    pub value: f64,
+    /// Control step.
+    pub step: u32,
+    /// The formula as written.
+    pub formula: String,
+}
+
+/// The lowered closures.
+pub(crate) struct Program {}
+
+impl CompiledTask {
+    /// Starts the task's state from the reset snapshot. `frame` has `self.frame.size()` values.
+    pub fn reset(&self, frame: &[f64], state: &mut TaskState) {
+        let _ = (frame, state);
+    }
+
+    /// Advances every operator by one control step and evaluates terms, terminations and success. `weights` has one entry
+    /// per term.
+    ///
+    /// # Errors
+    /// A term that is not finite.
+    pub fn step(
+        &self,
+        frame: &[f64],
+        weights: &[f64],
+        state: &mut TaskState,
+        report: &mut StepReport,
+    ) -> Result<(), NonFiniteTerm> {
+        let _ = (frame, weights, state, report);
+        Ok(())
+    }
+
+    /// Writes the observation; `out` has `self.observation_size()` values.
+    pub fn observe(&self, frame: &[f64], state: &TaskState, out: &mut [f64]) {
+        let _ = (frame, state, out);
+    }
+
+    /// Number of values of the observation.
+    pub fn observation_size(&self) -> usize {
+        self.channels.iter().map(|channel| channel.size).sum()
+    }
+
+    /// The weights as written in the source.
+    pub fn weights(&self) -> Vec<f64> {
+        self.terms.iter().map(|term| term.weight).collect()
+    }
+}
