@@ -1,6 +1,8 @@
 //! Compiler of the `.msk` language: text -> syntax tree -> resolved and typed tree -> dataflow graph -> closures.
 
 pub mod body;
+pub mod diagnostics;
 pub mod frame;
+pub mod syntax;
 pub mod task;
 pub mod vocabulary;

@@ -1,0 +1,3 @@
+//! Codes of lints: compiled, but probably not what was meant (W05).
+
+codes! {}

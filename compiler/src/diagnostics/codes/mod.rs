@@ -1,0 +1,58 @@
+//! The codes of all errors and warnings: one table, a page for each.
+//!
+//! `E01` syntax, `E02` names, `E03` types, dimensions and frames, `E04` what tasks mean, `W05` lints. A code never changes its
+//! meaning; a code that is no longer used is not given again.
+
+/// A stable code with its page.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Code {
+    /// `E0103`
+    pub id: &'static str,
+    /// A few words.
+    pub title: &'static str,
+    /// What it means and why it is refused.
+    pub explanation: &'static str,
+    /// A text that causes it.
+    pub example: &'static str,
+    /// The same, right.
+    pub fix: &'static str,
+}
+
+/// Declares a part of the table: a constant per code and the list of all.
+macro_rules! codes {
+    ($($name:ident = $id:literal {
+        title: $title:literal,
+        explanation: $explanation:literal,
+        example: $example:literal,
+        fix: $fix:literal $(,)?
+    })*) => {
+        $(
+            #[doc = $title]
+            pub const $name: &$crate::diagnostics::Code = &$crate::diagnostics::Code {
+                id: $id,
+                title: $title,
+                explanation: $explanation,
+                example: $example,
+                fix: $fix,
+            };
+        )*
+        /// All of this part, in order.
+        pub const ALL: &[&$crate::diagnostics::Code] = &[$($name),*];
+    };
+}
+
+pub mod lints;
+pub mod names;
+pub mod syntax;
+pub mod tasks;
+pub mod types;
+
+/// Every code, in order.
+pub fn all() -> impl Iterator<Item = &'static Code> {
+    [syntax::ALL, names::ALL, types::ALL, tasks::ALL, lints::ALL].into_iter().flatten().copied()
+}
+
+/// The page of a code such as `E0103`, whatever the case of its letter.
+pub fn find(id: &str) -> Option<&'static Code> {
+    all().find(|code| code.id.eq_ignore_ascii_case(id))
+}

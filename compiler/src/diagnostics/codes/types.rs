@@ -1,0 +1,3 @@
+//! Codes of types, dimensions and frames (E03).
+
+codes! {}

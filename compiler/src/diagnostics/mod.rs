@@ -1,0 +1,181 @@
+//! What the compiler tells: errors and warnings with exact places, what was expected and found, and fixes.
+//!
+//! 1. Every stage makes [`Diagnostic`]s; none stops at the first.
+//! 2. A [`Report`] holds those of all files, sorted, beside the [`SourceMap`] they point into.
+//! 3. It is rendered as text with the source and carets, or as JSON with edits a machine can apply.
+//!
+//! The codes, with an explanation and an example for each, are one table: [`codes`].
+
+pub mod codes;
+mod source;
+
+pub use codes::Code;
+pub use source::{FileId, SourceMap, Span};
+
+use serde::Serialize;
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Nothing is compiled.
+    Error,
+    /// Compiled, but probably not what was meant.
+    Warning,
+}
+
+/// A stretch of a file with what there is to say about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Label {
+    /// Which file.
+    pub file: FileId,
+    /// Which bytes of it.
+    pub span: Span,
+    /// A few words beside the carets; may be empty.
+    pub text: String,
+}
+
+/// Replaces bytes of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Edit {
+    /// Which file.
+    pub file: FileId,
+    /// Which bytes of it; empty to insert.
+    pub span: Span,
+    /// By what.
+    pub replacement: String,
+}
+
+/// A change that resolves a diagnostic.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fix {
+    /// What it does, as an order: "write `1 m^-2`".
+    pub title: String,
+    /// All of them together, or none.
+    pub edits: Vec<Edit>,
+    /// Whether it surely is what was meant, so that it may be applied unasked.
+    pub automatic: bool,
+}
+
+/// One error or warning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagnostic {
+    /// Its stable code.
+    pub code: &'static Code,
+    /// How bad it is.
+    pub severity: Severity,
+    /// One sentence without a full stop, names in backquotes.
+    pub message: String,
+    /// The first is where it is; the others explain.
+    pub labels: Vec<Label>,
+    /// What would have been right, to be set above `found`.
+    pub expected: Option<String>,
+    /// What is there.
+    pub found: Option<String>,
+    /// What to do, one sentence each.
+    pub help: Vec<String>,
+    /// Changes that resolve it, the likeliest first.
+    pub fixes: Vec<Fix>,
+}
+
+impl Diagnostic {
+    /// A diagnostic at one place; codes that begin with `W` are warnings.
+    pub fn new(code: &'static Code, file: FileId, span: Span, message: impl Into<String>) -> Self {
+        let severity = if code.id.starts_with('W') { Severity::Warning } else { Severity::Error };
+        let place = Label { file, span, text: String::new() };
+        Self {
+            code,
+            severity,
+            message: message.into(),
+            labels: vec![place],
+            expected: None,
+            found: None,
+            help: Vec::new(),
+            fixes: Vec::new(),
+        }
+    }
+
+    /// Puts words beside the carets of the main place.
+    pub fn here(mut self, text: impl Into<String>) -> Self {
+        if let Some(first) = self.labels.first_mut() {
+            first.text = text.into();
+        }
+        self
+    }
+
+    /// Points at a further place.
+    pub fn label(mut self, file: FileId, span: Span, text: impl Into<String>) -> Self {
+        self.labels.push(Label { file, span, text: text.into() });
+        self
+    }
+
+    /// Says what would have been right.
+    pub fn expected(mut self, expected: impl Into<String>) -> Self {
+        self.expected = Some(expected.into());
+        self
+    }
+
+    /// Says what is there.
+    pub fn found(mut self, found: impl Into<String>) -> Self {
+        self.found = Some(found.into());
+        self
+    }
+
+    /// Adds a sentence of help.
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help.push(help.into());
+        self
+    }
+
+    /// Offers to replace `span` of the main file: a change that surely is what was meant.
+    pub fn fix(self, title: impl Into<String>, span: Span, replacement: impl Into<String>) -> Self {
+        self.offer(title, span, replacement, true)
+    }
+
+    /// Offers a change that may be what was meant, such as the nearest name.
+    pub fn suggest(self, title: impl Into<String>, span: Span, replacement: impl Into<String>) -> Self {
+        self.offer(title, span, replacement, false)
+    }
+
+    fn offer(mut self, title: impl Into<String>, span: Span, replacement: impl Into<String>, automatic: bool) -> Self {
+        let edit = Edit { file: self.file(), span, replacement: replacement.into() };
+        self.fixes.push(Fix { title: title.into(), edits: vec![edit], automatic });
+        self
+    }
+
+    /// The file of the main place.
+    pub fn file(&self) -> FileId {
+        self.labels.first().map_or(FileId::default(), |label| label.file)
+    }
+
+    /// The main place.
+    pub fn span(&self) -> Span {
+        self.labels.first().map_or(Span::default(), |label| label.span)
+    }
+}
+
+/// All diagnostics of all files, with the files.
+#[derive(Debug, Clone, Default)]
+pub struct Report {
+    /// The files they point into.
+    pub sources: SourceMap,
+    /// Sorted by file, place and code.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Report {
+    /// Sorts the diagnostics and drops repetitions.
+    pub fn new(sources: SourceMap, mut diagnostics: Vec<Diagnostic>) -> Self {
+        diagnostics.sort_by(|a, b| {
+            let key = |d: &Diagnostic| (d.file(), d.span().start, d.span().end, d.code.id);
+            key(a).cmp(&key(b)).then_with(|| a.message.cmp(&b.message))
+        });
+        diagnostics.dedup();
+        Self { sources, diagnostics }
+    }
+
+    /// Whether anything in it forbids to go on.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+}

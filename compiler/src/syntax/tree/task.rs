@@ -1,0 +1,405 @@
+//! Declarations of tasks and what they share: bindings, functions, observations.
+
+use super::{Docs, Element, Expr, Ident, InitStatement, Name, SceneStatement, Test, Text};
+use crate::diagnostics::Span;
+
+/// `use "lib/posture.msk"`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Use {
+    /// Relative to the file that uses it.
+    pub path: Text,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `let x: length = ...` or `const x = ...`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Binding {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// The name it binds.
+    pub name: Ident,
+    /// The optional annotation: `length`, `int`, `vec3`, ...
+    pub annotation: Option<Ident>,
+    /// What it stands for.
+    pub value: Expr,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `fn bell(x, width) = exp(-(x / width)^2)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Function {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// In order.
+    pub parameters: Vec<Parameter>,
+    /// The optional annotation of the result.
+    pub annotation: Option<Ident>,
+    /// The formula.
+    pub body: Expr,
+    /// The statement.
+    pub span: Span,
+}
+
+/// A parameter of a function.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: Ident,
+    /// The optional annotation.
+    pub annotation: Option<Ident>,
+}
+
+/// `observation proprioception { ... }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// What it holds.
+    pub channels: Vec<Entry<Channel>>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `task stand extends quiet { ... }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// The task it overrides.
+    pub extends: Option<Ident>,
+    /// In the order of the text.
+    pub statements: Vec<TaskStatement>,
+    /// The declaration.
+    pub span: Span,
+}
+
+/// `sequence carry_and_sit { ... }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sequence {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// In the order of the text; phases are among them.
+    pub statements: Vec<TaskStatement>,
+    /// The declaration.
+    pub span: Span,
+}
+
+/// A line of a list that an extending task may override, or whose lints may be allowed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Entry<T> {
+    /// The line itself.
+    Item(T),
+    /// `remove gait`
+    Remove(Remove),
+    /// `allow dead_term "pays only in phase 2"`: for the entry below.
+    Allow(Allow),
+}
+
+/// `remove gait`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remove {
+    /// What is left out.
+    pub name: Name,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `allow dead_term "pays only in phase 2"`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Allow {
+    /// Name of the lint.
+    pub lint: Ident,
+    /// Why it does not matter here.
+    pub reason: Text,
+    /// The statement.
+    pub span: Span,
+}
+
+/// A statement of a task or a sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TaskStatement {
+    /// `family stabilization`
+    Family(Ident),
+    /// `body human with core.peak_force *= 3`
+    Body(BodyUse),
+    /// `control 100 Hz`
+    Control(Expr),
+    /// `horizon 1000 steps`
+    Horizon(Expr),
+    /// `symmetric`
+    Symmetric(Span),
+    /// `params { ... }`
+    Params(Block<Entry<TaskParameter>>),
+    /// `scene { ... }`
+    Scene(Block<SceneStatement>),
+    /// `init { ... }`
+    Init(Block<InitStatement>),
+    /// `observe { ... }`
+    Observe(Block<Entry<Channel>>),
+    /// `reward { ... }`
+    Reward(Reward),
+    /// `metrics { ... }`
+    Metrics(Block<Entry<Channel>>),
+    /// `terminate after 20 steps { ... }`
+    Terminate(Ends),
+    /// `finish { ... }`
+    Finish(Ends),
+    /// `success survived`
+    Success(Expr),
+    /// `let lean = ...`
+    Let(Binding),
+    /// `state passed: int = 0 becomes passed + 1 when reached`
+    State(StateDeclaration),
+    /// `clock phase at 1.1 Hz`
+    Clock(Clock),
+    /// `random target = uniform(...) where ... redraw when ...`
+    Random(Random),
+    /// `reference gait = motion "gait" start uniform`
+    Reference(Reference),
+    /// `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`
+    Disturb(Element),
+    /// `phase walk until at_bar`: only in a sequence
+    Phase(Phase),
+    /// `test "a fall ends the episode" { ... }` and `cheat "heel raises" { ... }`
+    Test(Test),
+    /// `allow unobserved "..."`
+    Allow(Allow),
+}
+
+/// A block in braces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Block<T> {
+    /// The word before the brace.
+    pub keyword: Span,
+    /// In the order of the text.
+    pub entries: Vec<T>,
+    /// From the word to the closing brace.
+    pub span: Span,
+}
+
+/// `body human with core.peak_force *= 3, calves.peak_force = 2000 N`
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyUse {
+    /// Which body.
+    pub name: Ident,
+    /// What is changed on it.
+    pub edits: Vec<BodyEdit>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `core.peak_force *= 3`
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyEdit {
+    /// What is changed.
+    pub target: Expr,
+    /// `*=` rather than `=`.
+    pub scales: bool,
+    /// By or to what.
+    pub value: Expr,
+}
+
+/// `speed: velocity = 1.3 m/s (0.5..2 m/s)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskParameter {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// The optional annotation.
+    pub annotation: Option<Ident>,
+    /// The value unless set from outside.
+    pub value: Expr,
+    /// What it may be set to: a `Range`.
+    pub range: Option<Expr>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// A line of `observe`, `metrics` or an observation: `torso.orientation`, `lean = torso.up.x`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// The label before `=`.
+    pub label: Option<Ident>,
+    /// What is observed.
+    pub value: Expr,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `reward { ... }` or `reward per second { ... }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reward {
+    /// Whether the terms are rates, multiplied by the control step.
+    pub per_second: bool,
+    /// The terms.
+    pub terms: Vec<Entry<Term>>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `15 (5..30) stillness = exp(-10 s/m * com.speed)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// What it pays; an extending task may leave it out.
+    pub weight: Option<Weight>,
+    /// Its name.
+    pub name: Ident,
+    /// What is paid for; an extending task may leave it out.
+    pub formula: Option<Expr>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// The weight of a term: `15 (5..30)`, `-0.01`, `5 (fixed)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weight {
+    /// With its sign.
+    pub value: f64,
+    /// The sign and the digits, for edits that change nothing else.
+    pub span: Span,
+    /// What a tuner may do.
+    pub bounds: Bounds,
+}
+
+/// What a tuner may do with a weight.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Bounds {
+    /// Anything that keeps the sign.
+    Free,
+    /// Nothing: `(fixed)`.
+    Fixed(Span),
+    /// `(5..30)`
+    Range {
+        /// Lowest weight.
+        low: f64,
+        /// Highest weight.
+        high: f64,
+        /// From bracket to bracket.
+        span: Span,
+    },
+}
+
+/// `terminate after 20 steps { ... }` or `finish { ... }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ends {
+    /// `after 20 steps`
+    pub after: Option<Expr>,
+    /// The reasons.
+    pub reasons: Vec<Entry<Reason>>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `fallen when com.height < 0.8 m`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reason {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// When it holds.
+    pub condition: Expr,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `state passed: int = 0 becomes passed + 1 when reached`
+#[derive(Debug, Clone, PartialEq)]
+pub struct StateDeclaration {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// The optional annotation.
+    pub annotation: Option<Ident>,
+    /// At reset.
+    pub initial: Expr,
+    /// The first whose condition holds is taken.
+    pub updates: Vec<Update>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `becomes passed + 1 when reached`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Update {
+    /// The new value.
+    pub value: Expr,
+    /// When; always if left out.
+    pub condition: Option<Expr>,
+    /// The clause.
+    pub span: Span,
+}
+
+/// `clock phase at 1.1 Hz`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clock {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// Turns per second.
+    pub frequency: Expr,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `random target = uniform(0 m .. 1 m) where accepted redraw when touched`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Random {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// The optional annotation.
+    pub annotation: Option<Ident>,
+    /// What is drawn.
+    pub distribution: Expr,
+    /// Draws are repeated until it holds.
+    pub accept: Option<Expr>,
+    /// When it is drawn anew.
+    pub redraw: Option<Expr>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `reference gait = motion "gait" start uniform`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// Documentation.
+    pub docs: Option<Docs>,
+    /// Its name.
+    pub name: Ident,
+    /// Name of the motion.
+    pub motion: Text,
+    /// Where in it an episode starts.
+    pub start: Option<Expr>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `phase walk until at_bar`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phase {
+    /// Which task.
+    pub task: Ident,
+    /// When the next phase begins.
+    pub until: Option<Expr>,
+    /// The statement.
+    pub span: Span,
+}
