@@ -146,7 +146,7 @@ pub enum InitStatement {
     /// `pose hanging { elbow_flex_{l,r} = 20 deg }`
     Pose(PoseUse),
     /// `root { height on ground, heading 0 deg }`, `cube_target { velocity [-4 m/s, 0, 1 m/s] }`
-    Object(Element),
+    Object(Placement),
     /// `noise joints normal(0, 0.005 rad)`
     Noise(Noise),
     /// `settle 50 ms with activation 0.2 at rest`
@@ -162,6 +162,17 @@ pub struct PoseUse {
     pub name: Ident,
     /// What differs from it.
     pub adjustments: Vec<Assignment>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// `root { height on ground }`, `cube_target { velocity [-4 m/s, 0, 1 m/s] }`: where a thing starts and how fast.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placement {
+    /// What is placed.
+    pub object: Name,
+    /// In the order of the text.
+    pub fields: Vec<Field>,
     /// The statement.
     pub span: Span,
 }

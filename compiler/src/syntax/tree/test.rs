@@ -1,6 +1,6 @@
 //! Tests inside files.
 
-use super::{Element, Expr, Ident, PoseUse, Text};
+use super::{Expr, Ident, Placement, PoseUse, Text};
 use crate::diagnostics::Span;
 
 /// `test "a fall ends the episode" { ... }` or `cheat "heel raises" { ... }`
@@ -29,7 +29,7 @@ pub enum TestStatement {
         pose: PoseUse,
     },
     /// `cube_target { at [1 m, 0, 0] }`
-    Object(Element),
+    Object(Placement),
     /// `run zero for 2 s`
     Run {
         /// Name of the policy.
