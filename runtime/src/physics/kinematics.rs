@@ -1,6 +1,14 @@
 //! Frames and the motion subspace.
 
-use crate::scalar::Real;
+use super::{
+    rotation::{constant_quaternion, from_axis_angle, matrix, multiply, normalize},
+    spatial::{Spatial, constant, cross, rotate, scale, spatial_zero, zero},
+    state::State,
+};
+use crate::{
+    model::{JointKind, Model},
+    scalar::Real,
+};
 use nalgebra::{Matrix3, Vector3};
 
 /// Outputs of position kinematics, MuJoCo's names in words. World frame, metres.
@@ -24,10 +32,219 @@ pub struct Kinematics<T: Real> {
     pub geom_position: Vec<Vector3<T>>,
     /// Geom rotation matrices (`geom_xmat`).
     pub geom_rotation: Vec<Matrix3<T>>,
-    /// Site positions (`site_xpos`).
-    pub site_position: Vec<Vector3<T>>,
     /// Centre of mass of each body's subtree (`subtree_com`).
     pub subtree_com: Vec<Vector3<T>>,
     /// Motion axis of every dof, angular then linear, about the centre of mass of its kinematic tree (`cdof`).
-    pub dof_axis: Vec<[Vector3<T>; 2]>,
+    pub dof_axis: Vec<Spatial<T>>,
+    local: Local,
+}
+
+/// Rotation matrices of the frames that are fixed in their bodies; `None` where they coincide with the body's.
+#[derive(Debug, Clone)]
+struct Local {
+    inertial: Vec<Option<Matrix3<f64>>>,
+    geom: Vec<Option<Matrix3<f64>>>,
+}
+
+impl Local {
+    fn new(model: &Model) -> Self {
+        let turned = |q: &[f64; 4]| (*q != [1.0, 0.0, 0.0, 0.0]).then(|| matrix(q));
+        Self {
+            inertial: model.bodies.inertial_orientation.iter().map(turned).collect(),
+            geom: model.geoms.orientation.iter().map(turned).collect(),
+        }
+    }
+}
+
+impl<T: Real> Kinematics<T> {
+    /// Memory for `model`, with every frame at the world's.
+    pub fn new(model: &Model) -> Self {
+        let bodies = model.bodies.parent.len();
+        let joints = model.joints.kind.len();
+        let geoms = model.geoms.kind.len();
+        let identity = Matrix3::from_diagonal_element(T::splat(1.0));
+        Self {
+            body_position: vec![zero(); bodies],
+            body_orientation: vec![constant_quaternion(&[1.0, 0.0, 0.0, 0.0]); bodies],
+            body_rotation: vec![identity; bodies],
+            inertial_position: vec![zero(); bodies],
+            inertial_rotation: vec![identity; bodies],
+            joint_anchor: vec![zero(); joints],
+            joint_axis: vec![zero(); joints],
+            geom_position: vec![zero(); geoms],
+            geom_rotation: vec![identity; geoms],
+            subtree_com: vec![zero(); bodies],
+            dof_axis: vec![spatial_zero(); model.nv],
+            local: Local::new(model),
+        }
+    }
+
+    /// World position of a point given in the frame of `body`, m.
+    #[inline(always)]
+    pub fn point(&self, body: usize, local: &Vector3<T>) -> Vector3<T> {
+        rotate(&self.body_rotation[body], local) + self.body_position[body]
+    }
+
+    /// World position of a site (`site_xpos`), m. Computed on request: the step itself needs only those on tendon paths.
+    pub fn site_position(&self, model: &Model, site: usize) -> Vector3<T> {
+        self.point(model.sites.body[site], &constant(&model.sites.position[site]))
+    }
+
+    /// World orientation of a site (`site_xmat`).
+    pub fn site_rotation(&self, model: &Model, site: usize) -> Matrix3<T> {
+        multiply_matrix(
+            &self.body_rotation[model.sites.body[site]],
+            &matrix(&constant_quaternion(&model.sites.orientation[site])),
+        )
+    }
+
+    /// The point that all spatial vectors of `body` refer to: the centre of mass of its kinematic tree.
+    #[inline(always)]
+    pub fn reference(&self, model: &Model, body: usize) -> Vector3<T> {
+        self.subtree_com[model.bodies.root[body]]
+    }
+}
+
+/// Fills all frames from the positions of `state`, then the centres of mass and motion axes.
+pub fn update<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>) {
+    for body in 1..model.bodies.parent.len() {
+        place_body(model, state, out, body);
+    }
+    place_geoms(model, out);
+    centres_of_mass(model, out);
+    motion_axes(model, out);
+}
+
+/// Places one body and its joints from its parent's frame, then its inertial frame.
+fn place_body<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>, body: usize) {
+    let bodies = &model.bodies;
+    let joints = bodies.joints[body].clone();
+    let free = joints.len() == 1 && model.joints.kind[joints.start] == JointKind::Free;
+    let (mut position, mut orientation);
+    if free {
+        let q = &state.position[model.joints.position_address[joints.start]..];
+        position = Vector3::new(q[0], q[1], q[2]);
+        orientation = normalize(&[q[3], q[4], q[5], q[6]]);
+        out.joint_anchor[joints.start] = position;
+        out.joint_axis[joints.start] = constant(&model.joints.axis[joints.start]);
+    } else {
+        let parent = bodies.parent[body];
+        position = out.point(parent, &constant(&bodies.position[body]));
+        orientation = multiply(&out.body_orientation[parent], &constant_quaternion(&bodies.orientation[body]));
+        for joint in joints {
+            move_by_joint(model, state, out, joint, &mut position, &mut orientation);
+        }
+        orientation = normalize(&orientation);
+    }
+    let rotation = matrix(&orientation);
+    out.body_position[body] = position;
+    out.body_orientation[body] = orientation;
+    out.body_rotation[body] = rotation;
+    out.inertial_position[body] = rotate(&rotation, &constant(&bodies.inertial_position[body])) + position;
+    out.inertial_rotation[body] = turned(&rotation, &out.local.inertial[body]);
+}
+
+/// Moves a body's frame by one hinge, slide or ball joint.
+#[inline(always)]
+fn move_by_joint<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    out: &mut Kinematics<T>,
+    joint: usize,
+    position: &mut Vector3<T>,
+    orientation: &mut [T; 4],
+) {
+    let address = model.joints.position_address[joint];
+    let local_anchor = constant(&model.joints.anchor[joint]);
+    let local_axis = constant(&model.joints.axis[joint]);
+    let rotation = matrix(orientation);
+    let anchor = rotate(&rotation, &local_anchor) + *position;
+    let axis = rotate(&rotation, &local_axis);
+    let displacement = state.position[address] - T::splat(model.reference_position[address]);
+    let turn = match model.joints.kind[joint] {
+        JointKind::Slide => {
+            *position += scale(&axis, displacement);
+            None
+        }
+        JointKind::Hinge => Some(from_axis_angle(&local_axis, displacement)),
+        JointKind::Ball | JointKind::Free => {
+            let q = &state.position[address..];
+            Some(normalize(&[q[0], q[1], q[2], q[3]]))
+        }
+    };
+    if let Some(turn) = turn {
+        *orientation = multiply(orientation, &turn);
+        // The anchor stays where it was: a joint may turn the body about a point away from its origin.
+        *position = anchor - rotate(&matrix(orientation), &local_anchor);
+    }
+    out.joint_anchor[joint] = anchor;
+    out.joint_axis[joint] = axis;
+}
+
+fn place_geoms<T: Real>(model: &Model, out: &mut Kinematics<T>) {
+    for geom in 0..model.geoms.kind.len() {
+        let body = model.geoms.body[geom];
+        out.geom_position[geom] = out.point(body, &constant(&model.geoms.position[geom]));
+        out.geom_rotation[geom] = turned(&out.body_rotation[body], &out.local.geom[geom]);
+    }
+}
+
+/// Centre of mass of every subtree, swept from the leaves to the root.
+fn centres_of_mass<T: Real>(model: &Model, out: &mut Kinematics<T>) {
+    let bodies = &model.bodies;
+    for body in 0..bodies.parent.len() {
+        out.subtree_com[body] = scale(&out.inertial_position[body], T::splat(bodies.mass[body]));
+    }
+    for body in (1..bodies.parent.len()).rev() {
+        let moment = out.subtree_com[body];
+        out.subtree_com[bodies.parent[body]] += moment;
+        out.subtree_com[body] = divided(&moment, &out.inertial_position[body], bodies.subtree_mass[body]);
+    }
+    out.subtree_com[0] = divided(&out.subtree_com[0], &out.inertial_position[0], bodies.subtree_mass[0]);
+}
+
+fn divided<T: Real>(moment: &Vector3<T>, massless: &Vector3<T>, mass: f64) -> Vector3<T> {
+    if mass < super::rotation::MINIMUM { *massless } else { scale(moment, T::splat(1.0 / mass)) }
+}
+
+/// Motion axes of all dofs about the centre of mass of their tree.
+fn motion_axes<T: Real>(model: &Model, out: &mut Kinematics<T>) {
+    let unit = |axis: usize| Vector3::from_fn(|row, _| T::splat(if row == axis { 1.0 } else { 0.0 }));
+    for joint in 0..model.joints.kind.len() {
+        let body = model.joints.body[joint];
+        let first = model.joints.dof_address[joint];
+        let arm = out.reference(model, body) - out.joint_anchor[joint];
+        let turning = |axis: Vector3<T>| [axis, cross(&axis, &arm)];
+        let rotation = out.body_rotation[body];
+        match model.joints.kind[joint] {
+            JointKind::Hinge => out.dof_axis[first] = turning(out.joint_axis[joint]),
+            JointKind::Slide => out.dof_axis[first] = [zero(), out.joint_axis[joint]],
+            JointKind::Ball => {
+                for axis in 0..3 {
+                    out.dof_axis[first + axis] = turning(rotation.column(axis).into_owned());
+                }
+            }
+            JointKind::Free => {
+                for axis in 0..3 {
+                    out.dof_axis[first + axis] = [zero(), unit(axis)];
+                    out.dof_axis[first + 3 + axis] = turning(rotation.column(axis).into_owned());
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn turned<T: Real>(rotation: &Matrix3<T>, local: &Option<Matrix3<f64>>) -> Matrix3<T> {
+    match local {
+        None => *rotation,
+        Some(local) => multiply_matrix(rotation, &local.map(T::splat)),
+    }
+}
+
+/// A B, written out so that it inlines over any scalar.
+#[inline(always)]
+fn multiply_matrix<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
+    let column = |j: usize| rotate(a, &Vector3::new(b[(0, j)], b[(1, j)], b[(2, j)]));
+    Matrix3::from_columns(&[column(0), column(1), column(2)])
 }

@@ -1,0 +1,43 @@
+//! What changes from step to step and must be kept to continue an episode bit for bit.
+
+use crate::{model::Model, scalar::Real};
+use nalgebra::Vector3;
+
+/// The dynamic state of one body (or scene), with everything that acts on it from outside. `Clone` is a snapshot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State<T: Real> {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Generalised positions, `nq` entries: m, rad, and quaternions w x y z of free and ball joints.
+    pub position: Vec<T>,
+    /// Generalised velocities, `nv` entries: m/s and rad/s. A free joint moves in world axes and turns in its body's axes.
+    pub velocity: Vec<T>,
+    /// Muscle activations, one per muscle.
+    pub activation: Vec<T>,
+    /// Muscle excitations, one per muscle.
+    pub control: Vec<T>,
+    /// Generalised forces applied from outside, `nv` entries: N and N m.
+    pub applied_force: Vec<T>,
+    /// Force (N) and torque (N m) applied from outside at each body's centre of mass, world axes.
+    pub body_force: Vec<[Vector3<T>; 2]>,
+    /// Acceleration of the last step, from which the constraint solver starts, `nv` entries.
+    pub warm_start: Vec<T>,
+}
+
+impl<T: Real> State<T> {
+    /// The reference configuration at rest, with silent muscles and nothing applied.
+    pub fn new(model: &Model) -> Self {
+        let zero = T::splat(0.0);
+        let muscles = model.actuators.name.len();
+        Self {
+            time: 0.0,
+            position: model.reference_position.iter().map(|&value| T::splat(value)).collect(),
+            velocity: vec![zero; model.nv],
+            activation: vec![zero; muscles],
+            control: vec![zero; muscles],
+            applied_force: vec![zero; model.nv],
+            body_force: vec![[Vector3::from_element(zero); 2]; model.bodies.parent.len()],
+            warm_start: vec![zero; model.nv],
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Body velocities and the rates of the motion axes.
+
+use super::{
+    kinematics::Kinematics,
+    spatial::{Spatial, add_scaled, cross_motion, spatial_zero},
+    state::State,
+};
+use crate::{
+    model::{JointKind, Model},
+    scalar::Real,
+};
+
+/// Velocities in world axes about the centre of mass of each kinematic tree: rad/s and m/s.
+#[derive(Debug, Clone)]
+pub struct Velocities<T: Real> {
+    /// Velocity of every body (`cvel`).
+    pub body: Vec<Spatial<T>>,
+    /// Rate of change of every dof's motion axis (`cdof_dot`).
+    pub dof_axis_rate: Vec<Spatial<T>>,
+}
+
+impl<T: Real> Velocities<T> {
+    /// Memory for `model`.
+    pub fn new(model: &Model) -> Self {
+        Self { body: vec![spatial_zero(); model.bodies.parent.len()], dof_axis_rate: vec![spatial_zero(); model.nv] }
+    }
+}
+
+/// Sweeps velocities from the root to the leaves.
+pub fn update<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<T>, out: &mut Velocities<T>) {
+    for body in 1..model.bodies.parent.len() {
+        let mut velocity = out.body[model.bodies.parent[body]];
+        for joint in model.bodies.joints[body].clone() {
+            let first = model.joints.dof_address[joint];
+            let mut carry = |dofs: core::ops::Range<usize>, velocity: &mut Spatial<T>| {
+                // All axes of one ball turn together: their rates see the velocity before the joint moves.
+                let before = *velocity;
+                for dof in dofs {
+                    let axis = &kinematics.dof_axis[dof];
+                    out.dof_axis_rate[dof] = cross_motion(&before, axis);
+                    add_scaled(velocity, axis, state.velocity[dof]);
+                }
+            };
+            match model.joints.kind[joint] {
+                JointKind::Hinge | JointKind::Slide => carry(first..first + 1, &mut velocity),
+                JointKind::Ball => carry(first..first + 3, &mut velocity),
+                JointKind::Free => {
+                    for dof in first..first + 3 {
+                        // Translation along fixed world axes.
+                        add_scaled(&mut velocity, &kinematics.dof_axis[dof], state.velocity[dof]);
+                    }
+                    carry(first + 3..first + 6, &mut velocity);
+                }
+            }
+        }
+        out.body[body] = velocity;
+    }
+}

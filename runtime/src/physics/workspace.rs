@@ -1,0 +1,41 @@
+//! The outputs of all stages, allocated once per worker.
+
+use super::{
+    forces::Forces, inertia::Inertia, kinematics::Kinematics, muscles::Muscles, tendons::TendonPaths, velocities::Velocities,
+};
+use crate::{model::Model, scalar::Real};
+
+/// Scratch memory and results of one forward step, in the order of the stages. Nothing in it outlives the step: whatever an
+/// episode needs to continue is in [`State`](super::state::State).
+#[derive(Debug, Clone)]
+pub struct Workspace<T: Real> {
+    /// Frames, centres of mass and motion axes.
+    pub kinematics: Kinematics<T>,
+    /// The mass matrix and its factor.
+    pub inertia: Inertia<T>,
+    /// Tendon lengths and velocities and the lines of force between bodies.
+    pub tendons: TendonPaths<T>,
+    /// Body velocities.
+    pub velocities: Velocities<T>,
+    /// Muscle lengths, velocities, activation rates and forces.
+    pub muscles: Muscles<T>,
+    /// Generalised forces and the acceleration that they cause without constraints.
+    pub forces: Forces<T>,
+    /// Generalised acceleration, constraints included, `nv` entries.
+    pub acceleration: Vec<T>,
+}
+
+impl<T: Real> Workspace<T> {
+    /// Memory for `model`; also decides what depends on the model alone (which points and segments its tendons need).
+    pub fn new(model: &Model) -> Self {
+        Self {
+            kinematics: Kinematics::new(model),
+            inertia: Inertia::new(model),
+            tendons: TendonPaths::new(model),
+            velocities: Velocities::new(model),
+            muscles: Muscles::new(model),
+            forces: Forces::new(model),
+            acceleration: vec![T::splat(0.0); model.nv],
+        }
+    }
+}
