@@ -1,3 +1,40 @@
-//! The `msk` command line.
+//! The `msk` command line: one file per subcommand, each a thin door to the libraries.
+//!
+//! A subcommand's file holds its `Args` and `run`; here it gets one line in [`Command`] and one in [`Command::run`].
+//! What goes wrong comes back as an [`Error`] and is printed in one place.
 
-fn main() {}
+mod error;
+mod help;
+mod physics;
+
+use clap::{Parser, Subcommand};
+use error::Error;
+use std::process::ExitCode;
+
+/// MSK: write full-body motor-control tasks as text, check them, and run them on a 416-muscle human.
+#[derive(Parser)]
+#[command(name = "msk", version, disable_help_subcommand = true, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    #[command(hide = true)]
+    Physics(physics::Args),
+    Help(help::Args),
+}
+
+impl Command {
+    fn run(self) -> Result<ExitCode, Error> {
+        match self {
+            Self::Physics(args) => physics::run(args),
+            Self::Help(args) => help::run(args),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    Cli::parse().command.run().unwrap_or_else(|error| error.report())
+}

@@ -1,0 +1,136 @@
+//! What a command says when it cannot go on: one message, its causes, and what to do about it.
+
+use std::error::Error as StdError;
+use std::fmt::{self, Display};
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// Exit code of a command that was understood but failed.
+pub const FAILURE: u8 = 1;
+/// Exit code of a command that was not understood; clap uses the same.
+pub const USAGE: u8 = 2;
+/// Exit code after an interrupt from the keyboard, as shells expect it (128 + SIGINT).
+pub const INTERRUPTED: u8 = 130;
+
+/// Why a command failed. Any library error becomes one with `?`.
+#[derive(Debug)]
+pub struct Error {
+    message: String,
+    cause: Option<Box<dyn StdError + Send + Sync>>,
+    hint: Option<String>,
+    code: u8,
+    quiet: bool,
+}
+
+impl Error {
+    /// A failure with nothing beneath it.
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), cause: None, hint: None, code: FAILURE, quiet: false }
+    }
+
+    /// A wrong use of the command line.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self { code: USAGE, ..Self::new(message) }
+    }
+
+    /// Says what to do about it, as one sentence.
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// Prints the message to standard error and gives the exit code.
+    ///
+    /// A reader that closed the pipe (`msk vocabulary | head`) has what it wanted: that ends quietly and well.
+    pub fn report(&self) -> ExitCode {
+        if self.quiet {
+            return ExitCode::SUCCESS;
+        }
+        // Nothing is left to be done when standard error itself cannot be written.
+        let _ = write!(io::stderr().lock(), "{self}");
+        ExitCode::from(self.code)
+    }
+}
+
+impl Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "error: {}", self.message)?;
+        let mut printed = self.message.clone();
+        let mut cause = self.cause.as_deref().map(|cause| cause as &dyn StdError);
+        while let Some(error) = cause {
+            let text = error.to_string();
+            // Some errors repeat their cause in their own text.
+            if !printed.contains(&text) {
+                writeln!(f, "  because: {text}")?;
+                printed = text;
+            }
+            cause = error.source();
+        }
+        if let Some(hint) = &self.hint {
+            writeln!(f, "  hint: {hint}")?;
+        }
+        Ok(())
+    }
+}
+
+impl<E: StdError + Send + Sync + 'static> From<E> for Error {
+    fn from(error: E) -> Self {
+        let boxed: Box<dyn StdError + Send + Sync> = Box::new(error);
+        let quiet = boxed.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe);
+        Self { quiet, cause: Some(boxed), ..Self::new(String::new()) }.with_cause_as_message()
+    }
+}
+
+impl Error {
+    /// The outermost cause speaks for itself; those beneath it follow.
+    fn with_cause_as_message(mut self) -> Self {
+        if let Some(cause) = &self.cause {
+            self.message = cause.to_string();
+        }
+        self
+    }
+}
+
+/// Puts what was being done in front of why it failed.
+pub trait Context<T> {
+    /// `message` says what could not be done.
+    ///
+    /// # Errors
+    /// The same failure, with the message before it.
+    fn context(self, message: impl FnOnce() -> String) -> Result<T, Error>;
+}
+
+impl<T, E: StdError + Send + Sync + 'static> Context<T> for Result<T, E> {
+    fn context(self, message: impl FnOnce() -> String) -> Result<T, Error> {
+        self.map_err(|error| Error { message: message(), ..Error::from(error) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn message_causes_and_hint_come_in_this_order() {
+        let denied = io::Error::new(io::ErrorKind::PermissionDenied, "permission denied");
+        let error = Err::<(), _>(denied).context(|| "cannot write `results`".into()).unwrap_err();
+        let error = error.hint("choose another folder with --out");
+        assert_eq!(
+            error.to_string(),
+            "error: cannot write `results`\n  because: permission denied\n  hint: choose another folder with --out\n"
+        );
+    }
+
+    #[test]
+    fn a_lone_cause_is_the_message_and_is_said_once() {
+        let error = Error::from(io::Error::other("disk is full"));
+        assert_eq!(error.to_string(), "error: disk is full\n");
+    }
+
+    #[test]
+    fn a_closed_pipe_is_no_failure() {
+        let error = Error::from(io::Error::from(io::ErrorKind::BrokenPipe));
+        assert!(error.quiet);
+        assert!(!Error::from(io::Error::other("disk is full")).quiet);
+    }
+}
