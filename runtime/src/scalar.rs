@@ -32,6 +32,12 @@ pub trait Real:
     fn less(self, other: Self) -> Self::Mask;
     /// `a` where the mask holds, `b` elsewhere.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+    /// Both masks.
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Either mask.
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Where the mask does not hold.
+    fn not(mask: Self::Mask) -> Self::Mask;
     /// Whether the mask holds in any lane.
     fn any(mask: Self::Mask) -> bool;
     /// Whether the mask holds in every lane.
@@ -84,6 +90,18 @@ impl Real for f64 {
     #[inline(always)]
     fn select(mask: bool, a: Self, b: Self) -> Self {
         if mask { a } else { b }
+    }
+    #[inline(always)]
+    fn and(a: bool, b: bool) -> bool {
+        a & b
+    }
+    #[inline(always)]
+    fn or(a: bool, b: bool) -> bool {
+        a | b
+    }
+    #[inline(always)]
+    fn not(mask: bool) -> bool {
+        !mask
     }
     #[inline(always)]
     fn any(mask: bool) -> bool {

@@ -1,7 +1,18 @@
 //! Generalised forces and the acceleration that they cause without constraints.
 
-use super::spatial::{Spatial, spatial_zero};
-use crate::{model::Model, scalar::Real};
+use super::{
+    inertia::{self, Inertia},
+    kinematics::Kinematics,
+    rotation::{constant_quaternion, difference, normalize},
+    spatial::{Spatial, add, add_scaled, constant, cross, cross_force, dot, pair, spatial_zero, zero},
+    state::State,
+    tendons::TendonPaths,
+    velocities::Velocities,
+};
+use crate::{
+    model::{JointKind, Model},
+    scalar::Real,
+};
 
 /// Generalised forces, `nv` entries each: N and N m.
 #[derive(Debug, Clone)]
@@ -16,10 +27,12 @@ pub struct Forces<T: Real> {
     pub smooth: Vec<T>,
     /// M^-1 smooth (`qacc_smooth`), m/s² and rad/s².
     pub smooth_acceleration: Vec<T>,
-    /// Acceleration of every body without joint accelerations, then scratch of the sweeps.
-    pub(super) body_acceleration: Vec<Spatial<T>>,
-    /// Forces on bodies, scratch of the sweeps.
+    /// Scratch: acceleration of every body without joint accelerations.
+    body_acceleration: Vec<Spatial<T>>,
+    /// Scratch: forces on bodies.
     pub(super) body_force: Vec<Spatial<T>>,
+    /// Scratch: a generalised force before it is added to another.
+    swept: Vec<T>,
 }
 
 impl<T: Real> Forces<T> {
@@ -32,9 +45,164 @@ impl<T: Real> Forces<T> {
             bias: zeros.clone(),
             actuator: zeros.clone(),
             smooth: zeros.clone(),
-            smooth_acceleration: zeros,
+            smooth_acceleration: zeros.clone(),
             body_acceleration: bodies.clone(),
             body_force: bodies,
+            swept: zeros,
         }
     }
+}
+
+/// Sweeps forces on bodies up the tree into generalised forces: out = sum over bodies of (body's Jacobian)' force.
+/// On return `body_force` holds the total on every subtree.
+pub fn gather<T: Real>(model: &Model, kinematics: &Kinematics<T>, body_force: &mut [Spatial<T>], out: &mut [T]) {
+    for body in (1..model.bodies.parent.len()).rev() {
+        let force = body_force[body];
+        for dof in model.bodies.dofs[body].clone() {
+            out[dof] = pair(&kinematics.dof_axis[dof], &force);
+        }
+        let parent = model.bodies.parent[body];
+        if parent > 0 {
+            add(&mut body_force[parent], &force);
+        }
+    }
+}
+
+/// Bias forces by recursive Newton-Euler without joint accelerations.
+pub fn bias<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    kinematics: &Kinematics<T>,
+    body_inertia: &Inertia<T>,
+    velocities: &Velocities<T>,
+    out: &mut Forces<T>,
+) {
+    // Gravity enters as an upward acceleration of the world.
+    out.body_acceleration[0] = [zero(), -constant(&model.options.gravity)];
+    for body in 1..model.bodies.parent.len() {
+        let mut acceleration = out.body_acceleration[model.bodies.parent[body]];
+        for dof in model.bodies.dofs[body].clone() {
+            add_scaled(&mut acceleration, &velocities.dof_axis_rate[dof], state.velocity[dof]);
+        }
+        out.body_acceleration[body] = acceleration;
+        let inertia = &body_inertia.body[body];
+        let velocity = &velocities.body[body];
+        let mut force = inertia.momentum(&acceleration);
+        add(&mut force, &cross_force(velocity, &inertia.momentum(velocity)));
+        out.body_force[body] = force;
+    }
+    gather(model, kinematics, &mut out.body_force, &mut out.bias);
+}
+
+/// Springs and dampers of joints and tendons.
+pub fn passive<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    kinematics: &Kinematics<T>,
+    tendons: &TendonPaths<T>,
+    out: &mut Forces<T>,
+) {
+    for dof in 0..model.nv {
+        out.passive[dof] = -T::splat(model.dofs.damping[dof]) * state.velocity[dof];
+    }
+    for joint in 0..model.joints.kind.len() {
+        if model.joints.stiffness[joint] != 0.0 {
+            joint_spring(model, state, joint, &mut out.passive);
+        }
+    }
+    let elastic = |tendon: &usize| model.tendons.stiffness[*tendon] != 0.0 || model.tendons.damping[*tendon] != 0.0;
+    let tendon_count = model.tendons.path.len();
+    if !(0..tendon_count).any(|tendon| elastic(&tendon)) {
+        return;
+    }
+    out.body_force.fill(spatial_zero());
+    for tendon in (0..tendon_count).filter(elastic) {
+        tendons.pull(tendon, tendon_force(model, tendons, tendon), &mut out.body_force);
+    }
+    gather(model, kinematics, &mut out.body_force, &mut out.swept);
+    for (total, part) in out.passive.iter_mut().zip(&out.swept) {
+        *total += *part;
+    }
+}
+
+/// Adds the spring of one joint.
+fn joint_spring<T: Real>(model: &Model, state: &State<T>, joint: usize, passive: &mut [T]) {
+    let joints = &model.joints;
+    let stiffness = T::splat(joints.stiffness[joint]);
+    let address = joints.position_address[joint];
+    let dof = joints.dof_address[joint];
+    let q = &state.position[address..];
+    let mut turn_back = |q: &[T], rest: &[f64], dof: usize| {
+        let now = normalize(&[q[0], q[1], q[2], q[3]]);
+        let displacement = difference(&now, &constant_quaternion(&[rest[0], rest[1], rest[2], rest[3]]));
+        for axis in 0..3 {
+            passive[dof + axis] -= stiffness * displacement[axis];
+        }
+    };
+    // A free or ball joint's spring rests at the reference configuration.
+    let rest = &model.reference_position[address..];
+    match joints.kind[joint] {
+        JointKind::Hinge | JointKind::Slide => passive[dof] -= stiffness * (q[0] - T::splat(joints.spring_reference[joint])),
+        JointKind::Ball => turn_back(q, rest, dof),
+        JointKind::Free => {
+            turn_back(&q[3..], &rest[3..], dof + 3);
+            for axis in 0..3 {
+                passive[dof + axis] -= stiffness * (q[axis] - T::splat(rest[axis]));
+            }
+        }
+    }
+}
+
+/// Force of a tendon's spring, slack between two lengths, and damper, N; positive lengthens.
+fn tendon_force<T: Real>(model: &Model, tendons: &TendonPaths<T>, tendon: usize) -> T {
+    let (length, velocity) = (tendons.length[tendon], tendons.velocity[tendon]);
+    let rest = model.tendons.reference_length[tendon];
+    let [low, high] = model.tendons.spring_length[tendon].unwrap_or([rest, rest]);
+    let slack = (T::splat(low) - length).max(T::splat(0.0)) + (T::splat(high) - length).min(T::splat(0.0));
+    T::splat(model.tendons.stiffness[tendon]) * slack - T::splat(model.tendons.damping[tendon]) * velocity
+}
+
+/// Sums everything but constraints and solves for the acceleration.
+pub fn smooth<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<T>, inertia: &Inertia<T>, out: &mut Forces<T>) {
+    for dof in 0..model.nv {
+        out.smooth[dof] = out.passive[dof] - out.bias[dof] + out.actuator[dof] + state.applied_force[dof];
+    }
+    let nothing = |applied: &[nalgebra::Vector3<T>; 2]| applied.iter().flatten().all(|part| *part == T::splat(0.0));
+    if !state.body_force.iter().all(nothing) {
+        for (body, [force, torque]) in state.body_force.iter().enumerate() {
+            let arm = kinematics.inertial_position[body] - kinematics.reference(model, body);
+            out.body_force[body] = [torque + cross(&arm, force), *force];
+        }
+        gather(model, kinematics, &mut out.body_force, &mut out.swept);
+        for (total, part) in out.smooth.iter_mut().zip(&out.swept) {
+            *total += *part;
+        }
+    }
+    out.smooth_acceleration.copy_from_slice(&out.smooth);
+    inertia::solve(model, &inertia.factor, &mut out.smooth_acceleration);
+}
+
+/// Potential (of gravity and joint springs of hinges and slides) and kinetic energy, J.
+pub fn energy<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    kinematics: &Kinematics<T>,
+    inertia: &Inertia<T>,
+    scratch: &mut [T],
+) -> [T; 2] {
+    let half = T::splat(0.5);
+    let mut potential = T::splat(0.0);
+    for body in 1..model.bodies.parent.len() {
+        let height = dot(&constant(&model.options.gravity), &kinematics.inertial_position[body]);
+        potential -= T::splat(model.bodies.mass[body]) * height;
+    }
+    for joint in 0..model.joints.kind.len() {
+        if matches!(model.joints.kind[joint], JointKind::Hinge | JointKind::Slide) {
+            let q = state.position[model.joints.position_address[joint]] - T::splat(model.joints.spring_reference[joint]);
+            potential += half * T::splat(model.joints.stiffness[joint]) * q * q;
+        }
+    }
+    inertia::multiply(model, &inertia.matrix, &state.velocity, scratch);
+    let kinetic = state.velocity.iter().zip(scratch.iter()).fold(T::splat(0.0), |sum, (v, p)| sum + half * *v * *p);
+    [potential, kinetic]
 }

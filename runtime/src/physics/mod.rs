@@ -16,11 +16,14 @@ pub mod inertia;
 pub mod kinematics;
 pub mod muscles;
 pub mod rotation;
+pub mod smooth;
 pub mod spatial;
 pub mod state;
 pub mod tendons;
 pub mod velocities;
 pub mod workspace;
 
+pub use smooth::smooth;
 pub use state::State;
+pub use tendons::moment_arms;
 pub use workspace::Workspace;

@@ -1,5 +1,16 @@
 //! Muscles: activation dynamics and force.
+//!
+//! Force = -(active(L) active(V) activation + passive(L)) F0, with L and V the fibre's length and velocity scaled by its
+//! optimal length, which follows from the operating range of the path (MuJoCo's manual, "Muscles"; the activation dynamics
+//! are those of Millard et al., J. Biomech. Eng. 135, 2013). Positive path force lengthens; muscles pull, so theirs is negative.
 
+use super::{
+    kinematics::Kinematics,
+    rotation::MINIMUM,
+    spatial::{Spatial, spatial_zero},
+    state::State,
+    tendons::TendonPaths,
+};
 use crate::{model::Model, scalar::Real};
 
 /// One entry per muscle.
@@ -11,14 +22,187 @@ pub struct Muscles<T: Real> {
     pub velocity: Vec<T>,
     /// Rate of activation, 1/s (`act_dot`).
     pub activation_rate: Vec<T>,
-    /// Force, N; negative pulls (`actuator_force`).
+    /// Active force at full activation, N (the actuator's gain); negative pulls.
+    pub gain: Vec<T>,
+    /// Passive force, N (the actuator's bias); negative pulls.
+    pub bias: Vec<T>,
+    /// Force, N (`actuator_force`); negative pulls.
     pub force: Vec<T>,
+    /// Constants of each muscle's active and passive force.
+    curves: Vec<[Curve; 2]>,
 }
 
 impl<T: Real> Muscles<T> {
-    /// Memory for `model`.
+    /// Memory for `model`, and constants that follow from it.
     pub fn new(model: &Model) -> Self {
-        let zeros = vec![T::splat(0.0); model.actuators.name.len()];
-        Self { length: zeros.clone(), velocity: zeros.clone(), activation_rate: zeros.clone(), force: zeros }
+        let actuators = &model.actuators;
+        let zeros = vec![T::splat(0.0); actuators.tendon.len()];
+        let curves = |muscle: usize| {
+            [&actuators.gain[muscle], &actuators.bias[muscle]]
+                .map(|figures| Curve::new(figures, actuators.length_range[muscle], actuators.acceleration_scale[muscle]))
+        };
+        Self {
+            length: zeros.clone(),
+            velocity: zeros.clone(),
+            activation_rate: zeros.clone(),
+            gain: zeros.clone(),
+            bias: zeros.clone(),
+            force: zeros,
+            curves: (0..actuators.tendon.len()).map(curves).collect(),
+        }
+    }
+}
+
+/// Fills lengths, velocities, activation rates and forces from those of the tendons.
+pub fn update<T: Real>(model: &Model, state: &State<T>, tendons: &TendonPaths<T>, out: &mut Muscles<T>) {
+    let actuators = &model.actuators;
+    for muscle in 0..actuators.tendon.len() {
+        let (tendon, gear) = (actuators.tendon[muscle], T::splat(actuators.gear[muscle]));
+        let (length, velocity) = (tendons.length[tendon] * gear, tendons.velocity[tendon] * gear);
+        let activation = state.activation[muscle];
+        let mut excitation = state.control[muscle];
+        if let Some([low, high]) = actuators.control_range[muscle] {
+            excitation = excitation.max(T::splat(low)).min(T::splat(high));
+        }
+        let [active, passive] = &out.curves[muscle];
+        let gain = -active.gain(length, velocity);
+        let bias = -passive.passive(length);
+        out.length[muscle] = length;
+        out.velocity[muscle] = velocity;
+        out.activation_rate[muscle] = activation_rate(excitation, activation, &actuators.time_constants[muscle]);
+        out.gain[muscle] = gain;
+        out.bias[muscle] = bias;
+        out.force[muscle] = gain * activation + bias;
+    }
+}
+
+/// Generalised force of all muscles (`qfrc_actuator`): their pulls gathered per body and swept up the tree.
+pub fn generalised_force<T: Real>(
+    model: &Model,
+    kinematics: &Kinematics<T>,
+    tendons: &TendonPaths<T>,
+    muscles: &Muscles<T>,
+    body_force: &mut [Spatial<T>],
+    out: &mut [T],
+) {
+    body_force.fill(spatial_zero());
+    for (muscle, &force) in muscles.force.iter().enumerate() {
+        tendons.pull(model.actuators.tendon[muscle], force * T::splat(model.actuators.gear[muscle]), body_force);
+    }
+    super::forces::gather(model, kinematics, body_force, out);
+}
+
+/// Rate of activation (1/s) under `excitation`; `constants` are the activation and deactivation times (s) and the width of
+/// the smooth transition between them.
+#[inline(always)]
+pub fn activation_rate<T: Real>(excitation: T, activation: T, constants: &[f64; 3]) -> T {
+    let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
+    let unit = |value: T| value.max(zero).min(one);
+    let pace = half + T::splat(1.5) * unit(activation);
+    let (rise, fall) = (T::splat(constants[0]) * pace, T::splat(constants[1]) / pace);
+    let change = unit(excitation) - activation;
+    let width = constants[2];
+    let time = if width < MINIMUM {
+        T::select(zero.less(change), rise, fall)
+    } else {
+        // Smootherstep: 6 x^5 - 15 x^4 + 10 x^3.
+        let x = unit(change / T::splat(width) + half);
+        let share = x * x * x * (T::splat(3.0) * x * (T::splat(2.0) * x - T::splat(5.0)) + T::splat(10.0));
+        fall + (rise - fall) * share
+    };
+    change / time.max(T::splat(MINIMUM))
+}
+
+/// The constants of a force-length-velocity curve: peaks and scales ready for use.
+#[derive(Debug, Clone)]
+struct Curve {
+    /// F0, N.
+    peak: f64,
+    /// Scaled length = scale * path length + offset.
+    scale: f64,
+    offset: f64,
+    /// One over the maximal shortening velocity of the path, s/m.
+    velocity_scale: f64,
+    /// Scaled lengths between which the muscle is active, and half-way from either to the optimum.
+    shortest: f64,
+    ascending: f64,
+    descending: f64,
+    longest: f64,
+    /// Active force at the fastest lengthening, passive force half-way to the longest, in units of F0.
+    lengthening_peak: f64,
+    passive_peak: f64,
+}
+
+impl Curve {
+    /// From MuJoCo's nine figures: range (2), force, scale, lmin, lmax, vmax, fpmax, fvmax.
+    fn new(figures: &[f64; 9], length_range: [f64; 2], acceleration_scale: f64) -> Self {
+        let [low, high, force, force_scale, shortest, longest, fastest, passive_peak, lengthening_peak] = *figures;
+        let optimal = (length_range[1] - length_range[0]) / (high - low).max(MINIMUM);
+        let scale = 1.0 / optimal.max(MINIMUM);
+        Self {
+            peak: if force < 0.0 { force_scale / acceleration_scale.max(MINIMUM) } else { force },
+            scale,
+            offset: low - length_range[0] * scale,
+            velocity_scale: 1.0 / (optimal * fastest).max(MINIMUM),
+            shortest,
+            ascending: 0.5 * (shortest + 1.0),
+            descending: 0.5 * (1.0 + longest),
+            longest,
+            lengthening_peak,
+            passive_peak,
+        }
+    }
+
+    /// Active force at full activation, N.
+    #[inline(always)]
+    fn gain<T: Real>(&self, length: T, velocity: T) -> T {
+        let length = length * T::splat(self.scale) + T::splat(self.offset);
+        let velocity = velocity * T::splat(self.velocity_scale);
+        T::splat(self.peak) * self.active_by_length(length) * self.active_by_velocity(velocity)
+    }
+
+    /// Four parabolas: zero outside [lmin, lmax], one at 1.
+    #[inline(always)]
+    fn active_by_length<T: Real>(&self, length: T) -> T {
+        let (one, half) = (T::splat(1.0), T::splat(0.5));
+        let share = |from: f64, to: f64| (length - T::splat(from)) * T::splat(1.0 / (to - from).max(MINIMUM));
+        let rising = share(self.shortest, self.ascending);
+        let falling = (T::splat(self.longest) - length) * T::splat(1.0 / (self.longest - self.descending).max(MINIMUM));
+        let below = (one - length) * T::splat(1.0 / (1.0 - self.ascending).max(MINIMUM));
+        let above = share(1.0, self.descending);
+        let top = |x: T| one - half * x * x;
+        let foot = |x: T| half * x * x;
+        let mut value = foot(falling);
+        value = T::select(T::splat(self.descending).less(length), value, top(above));
+        value = T::select(one.less(length), value, top(below));
+        value = T::select(T::splat(self.ascending).less(length), value, foot(rising));
+        let outside = T::or(length.less(T::splat(self.shortest)), T::splat(self.longest).less(length));
+        T::select(outside, T::splat(0.0), value)
+    }
+
+    /// A parabola while shortening, another while lengthening, constant beyond.
+    #[inline(always)]
+    fn active_by_velocity<T: Real>(&self, velocity: T) -> T {
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let peak = T::splat(self.lengthening_peak);
+        let knee = self.lengthening_peak - 1.0;
+        let slower = T::splat(knee) - velocity;
+        let lengthening = peak - slower * slower * T::splat(1.0 / knee.max(MINIMUM));
+        let shortening = (velocity + one) * (velocity + one);
+        let mut value = T::select(T::splat(knee).less(velocity), peak, lengthening);
+        value = T::select(zero.less(velocity), value, shortening);
+        T::select(T::less(-one, velocity), value, zero)
+    }
+
+    /// Passive force, N: zero up to the optimal length, then a parabola, then a straight line.
+    #[inline(always)]
+    fn passive<T: Real>(&self, length: T) -> T {
+        let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
+        let length = length * T::splat(self.scale) + T::splat(self.offset);
+        let inverse = T::splat(1.0 / (self.descending - 1.0).max(MINIMUM));
+        let curve = (length - one) * inverse;
+        let line = (length - T::splat(self.descending)) * inverse;
+        let value = T::select(T::splat(self.descending).less(length), half + line, half * curve * curve);
+        T::select(one.less(length), T::splat(self.peak * self.passive_peak) * value, zero)
     }
 }

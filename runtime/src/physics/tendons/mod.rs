@@ -9,7 +9,24 @@
 //!
 //! both in spatial vectors. A sweep up the tree turns the gathered pulls into generalised forces, which is J'f without J.
 
+mod path;
+mod plan;
+mod wrap;
+
+use super::{
+    forces::gather,
+    kinematics::Kinematics,
+    rotation::MINIMUM,
+    spatial::{Spatial, add_scaled, constant, cross, norm, pair, scale, spatial_zero, zero},
+    velocities::Velocities,
+};
 use crate::{model::Model, scalar::Real};
+use nalgebra::Vector3;
+use plan::{Plan, Segment, Side, Wrap};
+use std::sync::Arc;
+
+pub use path::{PathVertex, VertexKind, path};
+pub use wrap::{Bend, Obstacle, WrapShape, bend};
 
 /// Lengths, velocities and lines of force of all tendons.
 #[derive(Debug, Clone)]
@@ -18,12 +35,124 @@ pub struct TendonPaths<T: Real> {
     pub length: Vec<T>,
     /// Rate of lengthening, m/s (`ten_velocity`); filled once body velocities are known.
     pub velocity: Vec<T>,
+    /// World positions of the sites that segments join, m.
+    point: Vec<Vector3<T>>,
+    /// Lines of force: moment about the tree's centre of mass and unit direction.
+    line: Vec<Spatial<T>>,
+    plan: Arc<Plan>,
 }
 
 impl<T: Real> TendonPaths<T> {
     /// Memory for `model`, and the decisions that depend on it alone.
     pub fn new(model: &Model) -> Self {
-        let zeros = vec![T::splat(0.0); model.tendons.name.len()];
-        Self { length: zeros.clone(), velocity: zeros }
+        let plan = Plan::new(model);
+        let zeros = vec![T::splat(0.0); model.tendons.path.len()];
+        Self {
+            length: zeros.clone(),
+            velocity: zeros,
+            point: vec![zero(); plan.points.len()],
+            line: vec![spatial_zero(); plan.lines.len()],
+            plan: Arc::new(plan),
+        }
     }
+
+    /// Adds `force * weight` along every line of `tendon` to the forces on the bodies it pulls together: a positive force
+    /// lengthens (MuJoCo's sign: a muscle's pull is negative).
+    #[inline(always)]
+    pub(super) fn pull(&self, tendon: usize, force: T, body_force: &mut [Spatial<T>]) {
+        let lines = self.plan.tendon_lines[tendon].clone();
+        for (line, plan) in self.line[lines.clone()].iter().zip(&self.plan.lines[lines]) {
+            let force = force * T::splat(plan.weight);
+            add_scaled(&mut body_force[plan.from], line, -force);
+            add_scaled(&mut body_force[plan.to], line, force);
+        }
+    }
+}
+
+/// Fills lengths and lines of force.
+pub fn update<T: Real>(kinematics: &Kinematics<T>, out: &mut TendonPaths<T>) {
+    let plan = Arc::clone(&out.plan);
+    for (position, point) in out.point.iter_mut().zip(&plan.points) {
+        *position = kinematics.point(point.body, &constant(&point.local));
+    }
+    for (length, constant) in out.length.iter_mut().zip(&plan.constant_length) {
+        *length = T::splat(*constant);
+    }
+    for segment in &plan.segments {
+        lay_segment(kinematics, &plan, segment, out);
+    }
+    for wrap in &plan.wraps {
+        lay_wrap(kinematics, &plan, wrap, out);
+    }
+}
+
+fn lay_segment<T: Real>(kinematics: &Kinematics<T>, plan: &Plan, segment: &Segment, out: &mut TendonPaths<T>) {
+    let [start, end] = segment.ends.map(|end| out.point[end]);
+    let (length, direction) = straight(&start, &end);
+    out.length[segment.tendon] += length * T::splat(segment.weight);
+    for line in segment.lines.clone() {
+        out.line[line] = line_through(&start, &direction, &kinematics.subtree_com[plan.lines[line].root]);
+    }
+}
+
+fn lay_wrap<T: Real>(kinematics: &Kinematics<T>, plan: &Plan, wrap: &Wrap, out: &mut TendonPaths<T>) {
+    let [start, end] = wrap.ends.map(|end| out.point[end]);
+    let (position, rotation) = (kinematics.geom_position[wrap.geom], kinematics.geom_rotation[wrap.geom]);
+    let side = match &wrap.side {
+        Side::None => None,
+        Side::Fixed(local) => Some(constant(local)),
+        Side::Moving(point) => Some(super::spatial::rotate_back(&rotation, &(out.point[*point] - position))),
+    };
+    let obstacle = Obstacle { shape: wrap.shape, position, rotation, radius: T::splat(wrap.radius), side };
+    let (mut length, direction) = straight(&start, &end);
+    let mut directions = [direction; 2];
+    if let Some(bend) = bend(&start, &end, &obstacle) {
+        let (before, approach) = straight(&start, &bend.first);
+        let (after, departure) = straight(&bend.second, &end);
+        let mixed = |bent: &Vector3<T>| Vector3::from_fn(|row, _| T::select(bend.touches, bent[row], direction[row]));
+        directions = [mixed(&approach), mixed(&departure)];
+        length = T::select(bend.touches, before + bend.arc + after, length);
+    }
+    out.length[wrap.tendon] += length * T::splat(wrap.weight);
+    for (part, through) in [start, end].iter().enumerate() {
+        for line in wrap.lines[part].clone() {
+            out.line[line] = line_through(through, &directions[part], &kinematics.subtree_com[plan.lines[line].root]);
+        }
+    }
+}
+
+/// Length and unit direction from `start` to `end`; along x where they coincide.
+#[inline(always)]
+fn straight<T: Real>(start: &Vector3<T>, end: &Vector3<T>) -> (T, Vector3<T>) {
+    let gap = end - start;
+    let length = norm(&gap);
+    let vanishes = length.less(T::splat(MINIMUM));
+    let direction = scale(&gap, T::splat(1.0) / length.max(T::splat(MINIMUM)));
+    let along = |value: T, other: f64| T::select(vanishes, T::splat(other), value);
+    (length, Vector3::new(along(direction.x, 1.0), along(direction.y, 0.0), along(direction.z, 0.0)))
+}
+
+#[inline(always)]
+fn line_through<T: Real>(point: &Vector3<T>, direction: &Vector3<T>, reference: &Vector3<T>) -> Spatial<T> {
+    [cross(&(point - reference), direction), *direction]
+}
+
+/// Fills the velocities of all tendons from those of the bodies.
+pub fn update_velocities<T: Real>(velocities: &Velocities<T>, out: &mut TendonPaths<T>) {
+    for (velocity, lines) in out.velocity.iter_mut().zip(&out.plan.tendon_lines) {
+        let mut sum = T::splat(0.0);
+        for (line, plan) in out.line[lines.clone()].iter().zip(&out.plan.lines[lines.clone()]) {
+            let (from, to) = (&velocities.body[plan.from], &velocities.body[plan.to]);
+            sum += T::splat(plan.weight) * pair(line, &[to[0] - from[0], to[1] - from[1]]);
+        }
+        *velocity = sum;
+    }
+}
+
+/// Writes into `row` (`nv` entries) how the length of `tendon` changes with every dof, m or m/rad: its row of the tendon
+/// Jacobian, the negative of the muscle's moment arms. On request only; the step has no use for it.
+pub fn moment_arms<T: Real>(model: &Model, kinematics: &Kinematics<T>, paths: &TendonPaths<T>, tendon: usize, row: &mut [T]) {
+    let mut body_force = vec![spatial_zero(); model.bodies.parent.len()];
+    paths.pull(tendon, T::splat(1.0), &mut body_force);
+    gather(model, kinematics, &mut body_force, row);
 }

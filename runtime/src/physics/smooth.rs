@@ -1,0 +1,35 @@
+//! The constraint-free half of a step.
+
+use super::{forces, inertia, kinematics, muscles, state::State, tendons, velocities, workspace::Workspace};
+use crate::{model::Model, scalar::Real};
+
+/// Everything up to the acceleration without constraints, stage by stage.
+pub fn smooth<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    positions(model, state, workspace);
+    motions(model, state, workspace);
+    inputs(model, state, workspace);
+}
+
+/// Stages that depend on positions alone: frames, the mass matrix and its factor, tendon lengths.
+pub fn positions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    kinematics::update(model, state, &mut workspace.kinematics);
+    inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
+    tendons::update(&workspace.kinematics, &mut workspace.tendons);
+}
+
+/// Stages that depend on positions and velocities: velocities of bodies and tendons, bias and passive forces.
+pub fn motions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    let Workspace { kinematics, inertia, tendons, velocities, forces, .. } = workspace;
+    velocities::update(model, state, kinematics, velocities);
+    tendons::update_velocities(velocities, tendons);
+    forces::bias(model, state, kinematics, inertia, velocities, forces);
+    forces::passive(model, state, kinematics, tendons, forces);
+}
+
+/// Stages that depend on excitations, activations and applied forces too: muscles, total force, acceleration.
+pub fn inputs<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    let Workspace { kinematics, inertia, tendons, muscles, forces, .. } = workspace;
+    muscles::update(model, state, tendons, muscles);
+    muscles::generalised_force(model, kinematics, tendons, muscles, &mut forces.body_force, &mut forces.actuator);
+    forces::smooth(model, state, kinematics, inertia, forces);
+}
