@@ -1,0 +1,94 @@
+//! What follows from the tree's shape alone: roots, welds, subtree masses, the sparsity of the mass matrix.
+
+use crate::model::Model;
+use crate::model::mjcf::document::Element;
+use crate::model::mjcf::error::ModelError;
+
+/// The mass matrix may have this many entries.
+const MOST_ENTRIES: usize = 20_000_000;
+
+/// Masses and moments below this count as zero (MuJoCo's `mjMINVAL`).
+const LEAST: f64 = 1e-15;
+
+/// Fills the derived arrays. Constants that need the physics are left at zero, with the right lengths.
+pub(super) fn derive(model: &mut Model, root: &Element) -> Result<(), ModelError> {
+    model.nq = model.reference_position.len();
+    model.nv = model.dofs.body.len();
+    bodies(model);
+    check_masses(model, root)?;
+    dofs(model, root)?;
+    model.bodies.inverse_weight = vec![[0.0; 2]; model.bodies.name.len()];
+    model.dofs.inverse_weight = vec![0.0; model.nv];
+    model.tendons.reference_length = vec![0.0; model.tendons.name.len()];
+    model.actuators.acceleration_scale = vec![0.0; model.actuators.name.len()];
+    Ok(())
+}
+
+fn bodies(model: &mut Model) {
+    let bodies = &mut model.bodies;
+    let count = bodies.name.len();
+    bodies.subtree_mass = bodies.mass.clone();
+    for body in (1..count).rev() {
+        bodies.subtree_mass[bodies.parent[body]] += bodies.subtree_mass[body];
+    }
+    // Parents come before children, so one pass down the tree carries roots and welds along.
+    for body in 0..count {
+        let parent = bodies.parent[body];
+        bodies.root.push(if parent == 0 { body } else { bodies.root[parent] });
+        bodies.weld.push(if body == 0 || !bodies.joints[body].is_empty() { body } else { bodies.weld[parent] });
+        // Bodies are read in order, and so are their dofs: a body's start where the previous one's end.
+        let end = bodies.joints[body].end;
+        let dof_end = model.joints.dof_address.get(end).copied().unwrap_or(model.nv);
+        let start = bodies.dofs.last().map_or(0, |range: &core::ops::Range<usize>| range.end);
+        bodies.dofs.push(start..dof_end);
+    }
+}
+
+/// Parents of dofs, and the rows of the mass matrix: a dof couples to those on its path to the root.
+fn dofs(model: &mut Model, root: &Element) -> Result<(), ModelError> {
+    for dof in 0..model.nv {
+        let body = model.dofs.body[dof];
+        let first = dof == model.bodies.dofs[body].start;
+        let parent = if first { last_dof_above(model, body) } else { Some(dof - 1) };
+        let start = model.dofs.column.len();
+        if let Some(parent) = parent {
+            let row = model.dofs.row[parent].clone();
+            model.dofs.column.extend_from_within(row);
+        }
+        model.dofs.column.push(dof);
+        if model.dofs.column.len() > MOST_ENTRIES {
+            return Err(root.invalid(format!("the mass matrix has more than {MOST_ENTRIES} entries")));
+        }
+        model.dofs.parent.push(parent);
+        model.dofs.row.push(start..model.dofs.column.len());
+    }
+    Ok(())
+}
+
+fn last_dof_above(model: &Model, mut body: usize) -> Option<usize> {
+    while body != 0 {
+        body = model.bodies.parent[body];
+        if !model.bodies.dofs[body].is_empty() {
+            return Some(model.bodies.dofs[body].end - 1);
+        }
+    }
+    None
+}
+
+/// Refuses bodies that move without mass or inertia: the mass matrix would be singular.
+fn check_masses(model: &Model, root: &Element) -> Result<(), ModelError> {
+    let bodies = &model.bodies;
+    let heavy = |body: usize| bodies.mass[body] > LEAST && bodies.inertia[body].iter().all(|moment| *moment > LEAST);
+    let mut carried = vec![false; bodies.name.len()];
+    for body in 1..bodies.name.len() {
+        carried[bodies.weld[body]] |= heavy(body);
+    }
+    let light = (1..bodies.name.len()).find(|body| bodies.weld[*body] == *body && !carried[*body]);
+    match light {
+        Some(body) => {
+            let name = &bodies.name[body];
+            Err(root.invalid(format!("the moving body `{name}` (number {body}) has no mass or no inertia")))
+        }
+        None => Ok(()),
+    }
+}

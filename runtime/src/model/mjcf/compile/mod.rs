@@ -1,0 +1,73 @@
+//! From resolved elements to the arrays of a [`Model`].
+//!
+//! 1. [`settings`]: the `compiler` and `option` elements;
+//! 2. meshes are listed, to be read only if a body's inertia depends on them;
+//! 3. [`tree`]: bodies in depth-first order with their frames, joints, shapes and sites; [`shapes`] reads one geom or site;
+//! 4. [`inertias`]: explicit or inferred mass properties, bounded and balanced;
+//! 5. [`couplings`], [`tendons`], [`actuators`]: what refers to the tree by name;
+//! 6. [`derive`]: topology, degrees of freedom, the rows of the mass matrix, subtree masses.
+
+mod actuators;
+mod couplings;
+mod derive;
+mod inertias;
+mod names;
+mod settings;
+mod shapes;
+mod tendons;
+mod tree;
+
+use super::defaults::Defaults;
+use super::document::{Document, Element};
+use super::error::{ModelError, Unsupported};
+use super::mesh::Mesh;
+use super::schema;
+use crate::model::Model;
+use names::Names;
+use settings::Settings;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Everything that the parts of the compiler share.
+struct Compiler<'a> {
+    document: &'a Document,
+    settings: Settings,
+    defaults: Defaults,
+    names: Names,
+    /// Meshes read so far.
+    meshes: BTreeMap<String, Rc<Mesh>>,
+    /// Features found missing while reading; reported together.
+    unsupported: Vec<Unsupported>,
+    model: Model,
+}
+
+/// Compiles a document.
+pub(super) fn compile(document: &Document) -> Result<Model, ModelError> {
+    let root = &document.root;
+    schema::check(root)?;
+    let mut compiler = Compiler {
+        document,
+        settings: settings::compiler_settings(root)?,
+        defaults: Defaults::collect(root)?,
+        names: Names::default(),
+        meshes: BTreeMap::new(),
+        unsupported: Vec::new(),
+        model: Model { name: root.text("model").unwrap_or("MuJoCo Model").to_owned(), ..Model::default() },
+    };
+    compiler.model.options = settings::options(root)?;
+    compiler.read_tree()?;
+    compiler.read_contacts()?;
+    compiler.read_couplings()?;
+    compiler.read_tendons()?;
+    compiler.read_actuators()?;
+    if !compiler.unsupported.is_empty() {
+        return Err(ModelError::Unsupported(compiler.unsupported));
+    }
+    derive::derive(&mut compiler.model, root)?;
+    Ok(compiler.model)
+}
+
+/// The children of all sections with a name, in order.
+fn section<'a>(root: &'a Element, name: &'static str) -> impl Iterator<Item = &'a Element> {
+    root.children.iter().filter(move |child| child.tag == name).flat_map(|section| &section.children)
+}

@@ -1,0 +1,141 @@
+//! Default classes: attributes that elements inherit.
+//!
+//! A class starts as a copy of its parent *as the parent is at that point*, so the order of sections matters: what a later
+//! section adds to `main` does not reach classes that an earlier one defined.
+
+use super::document::Element;
+use super::error::ModelError;
+use super::shortcut;
+use std::collections::BTreeMap;
+
+/// The class that everything inherits from.
+const MAIN: &str = "main";
+
+/// Attributes of which the later one replaces only as many numbers as it has.
+const OVERLAID: [&str; 10] =
+    ["size", "friction", "solref", "solimp", "solreflimit", "solimplimit", "gainprm", "biasprm", "dynprm", "gear"];
+
+/// Attributes that say the same thing in different ways: giving one takes back the others.
+const ALTERNATIVES: [&[&str]; 1] = [&["quat", "axisangle", "xyaxes", "zaxis", "euler"]];
+
+/// One class: for each kind of element the attributes it starts with.
+#[derive(Debug, Clone, Default)]
+struct Class {
+    attributes: BTreeMap<&'static str, Vec<(String, String)>>,
+}
+
+/// All classes of a model.
+#[derive(Debug)]
+pub(super) struct Defaults {
+    classes: BTreeMap<String, Class>,
+}
+
+/// The default that applies to an element: all tendons share one, and all actuators.
+fn kind_of(tag: &str) -> Option<&'static str> {
+    Some(match tag {
+        "joint" => "joint",
+        "geom" => "geom",
+        "site" => "site",
+        "mesh" => "mesh",
+        "pair" => "pair",
+        "equality" => "equality",
+        "tendon" | "spatial" => "tendon",
+        "general" | "muscle" => "actuator",
+        _ => return None,
+    })
+}
+
+impl Defaults {
+    /// Collects the classes of all `default` sections in order.
+    pub fn collect(root: &Element) -> Result<Self, ModelError> {
+        let mut defaults = Self { classes: BTreeMap::from([(MAIN.to_owned(), Class::default())]) };
+        for section in root.children.iter().filter(|child| child.tag == "default") {
+            if section.text("class").is_some_and(|name| name != MAIN) {
+                return Err(section.invalid("the top-level default class is called `main`"));
+            }
+            defaults.extend(section, MAIN)?;
+        }
+        Ok(defaults)
+    }
+
+    /// Adds the elements of a `default` to the class `name`, then its nested classes.
+    fn extend(&mut self, section: &Element, name: &str) -> Result<(), ModelError> {
+        let mut class = self.classes.get(name).cloned().unwrap_or_default();
+        for child in section.children.iter().filter(|child| child.tag != "default") {
+            let Some(kind) = kind_of(&child.tag) else { continue };
+            let inherited = class.attributes.entry(kind).or_default();
+            *inherited = inherit(child, inherited)?;
+        }
+        self.classes.insert(name.to_owned(), class.clone());
+        for nested in section.children.iter().filter(|child| child.tag == "default") {
+            let nested_name = nested.required("class")?;
+            if self.classes.insert(nested_name.to_owned(), class.clone()).is_some() {
+                return Err(nested.invalid(format!("the default class `{nested_name}` is defined twice")));
+            }
+            self.extend(nested, nested_name)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a class exists.
+    pub fn contains(&self, class: &str) -> bool {
+        self.classes.contains_key(class)
+    }
+
+    /// The element with the attributes of its class filled in: its own `class`, else the surrounding `childclass`.
+    pub fn resolve(&self, element: &Element, surrounding: Option<&str>) -> Result<Element, ModelError> {
+        self.resolve_kind(kind_of(&element.tag), element, surrounding)
+    }
+
+    /// The same for an equality, whose tags mean something else elsewhere.
+    pub fn resolve_equality(&self, element: &Element) -> Result<Element, ModelError> {
+        self.resolve_kind(Some("equality"), element, None)
+    }
+
+    fn resolve_kind(
+        &self,
+        kind: Option<&'static str>,
+        element: &Element,
+        surrounding: Option<&str>,
+    ) -> Result<Element, ModelError> {
+        let name = element.text("class").or(surrounding).unwrap_or(MAIN);
+        let class = self.classes.get(name);
+        let class = class.ok_or_else(|| element.invalid(format!("there is no default class `{name}`")))?;
+        let inherited = kind.and_then(|kind| class.attributes.get(kind));
+        let attributes = inherit(element, inherited.map_or(&[], Vec::as_slice))?;
+        Ok(Element { tag: element.tag.clone(), attributes, children: element.children.clone(), place: element.place.clone() })
+    }
+}
+
+/// The element's own attributes over the inherited ones; shortcuts become what they stand for.
+fn inherit(element: &Element, inherited: &[(String, String)]) -> Result<Vec<(String, String)>, ModelError> {
+    if element.tag == "muscle" {
+        let raw = shortcut::muscle(element, inherited)?;
+        return Ok(merged(&raw, inherited));
+    }
+    Ok(merged(&element.attributes, inherited))
+}
+
+/// `own` attributes, then those inherited ones that `own` does not replace.
+fn merged(own: &[(String, String)], inherited: &[(String, String)]) -> Vec<(String, String)> {
+    let gives = |name: &str| own.iter().any(|(own_name, _)| own_name == name);
+    let replaced = |name: &str| {
+        gives(name) || ALTERNATIVES.iter().any(|group| group.contains(&name) && group.iter().any(|other| gives(other)))
+    };
+    let inherited_value = |name: &str| inherited.iter().find(|(key, _)| key == name).map(|(_, value)| value);
+    let mut result: Vec<(String, String)> = own
+        .iter()
+        .map(|(name, value)| match inherited_value(name) {
+            Some(below) if OVERLAID.contains(&name.as_str()) => (name.clone(), overlaid(value, below)),
+            _ => (name.clone(), value.clone()),
+        })
+        .collect();
+    result.extend(inherited.iter().filter(|(name, _)| !replaced(name)).cloned());
+    result
+}
+
+/// The numbers of `above`, then those of `below` that it leaves standing.
+fn overlaid(above: &str, below: &str) -> String {
+    let standing = below.split_whitespace().skip(above.split_whitespace().count());
+    above.split_whitespace().chain(standing).collect::<Vec<_>>().join(" ")
+}

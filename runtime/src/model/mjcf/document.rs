@@ -1,0 +1,183 @@
+//! Model files as a tree of elements: XML parsed, includes spliced in, every element with its file and line.
+
+use super::error::{ModelError, Place};
+use std::collections::BTreeSet;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Elements may nest this deep (MuJoCo's own parser stops at a similar depth).
+const DEEPEST: usize = 256;
+/// One file may hold this many bytes.
+const LONGEST_FILE: u64 = 64 << 20;
+/// All files of a model together may hold this many elements.
+const MOST_ELEMENTS: usize = 1_000_000;
+/// A model may be spread over this many files.
+const MOST_FILES: usize = 1_000;
+
+/// An element with its attributes as written.
+#[derive(Debug, Clone)]
+pub(super) struct Element {
+    pub tag: String,
+    pub attributes: Vec<(String, String)>,
+    pub children: Vec<Element>,
+    pub place: Place,
+}
+
+/// A model's elements, and the folder that its file names are relative to.
+#[derive(Debug)]
+pub(super) struct Document {
+    pub root: Element,
+    /// `None` for text without a file.
+    pub folder: Option<PathBuf>,
+}
+
+/// Reads a model file with its includes.
+pub(super) fn read_file(path: &Path) -> Result<Document, ModelError> {
+    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let mut reader = Reader { folder: Some(folder), seen: BTreeSet::new(), elements: 0 };
+    let root = reader.file(path)?;
+    Ok(Document { root, folder: reader.folder })
+}
+
+/// Reads a model from text that includes nothing.
+pub(super) fn read_text(text: &str) -> Result<Document, ModelError> {
+    let mut reader = Reader { folder: None, seen: BTreeSet::new(), elements: 0 };
+    let root = reader.text(text, Path::new(""), 0)?;
+    Ok(Document { root, folder: None })
+}
+
+/// Reads a whole file of bounded size; devices and pipes are refused, because they may never end.
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ModelError> {
+    let failed = |source| ModelError::Read { path: path.to_path_buf(), source };
+    let wrong = |reason: &str| ModelError::File { path: path.to_path_buf(), reason: reason.to_owned() };
+    let metadata = std::fs::metadata(path).map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(wrong("not a regular file"));
+    }
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(failed)?;
+    file.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > LONGEST_FILE {
+        return Err(wrong("larger than 64 MiB"));
+    }
+    Ok(bytes)
+}
+
+/// Carries what must be bounded or unique over all files of one model.
+struct Reader {
+    folder: Option<PathBuf>,
+    seen: BTreeSet<PathBuf>,
+    elements: usize,
+}
+
+impl Reader {
+    fn file(&mut self, path: &Path) -> Result<Element, ModelError> {
+        self.file_at_depth(path, 0)
+    }
+
+    fn file_at_depth(&mut self, path: &Path, depth: usize) -> Result<Element, ModelError> {
+        let identity = path.canonicalize().map_err(|source| ModelError::Read { path: path.to_path_buf(), source })?;
+        let wrong = |reason: &str| ModelError::File { path: path.to_path_buf(), reason: reason.to_owned() };
+        if !self.seen.insert(identity) {
+            return Err(wrong("included more than once; a file may be part of a model only once"));
+        }
+        if self.seen.len() > MOST_FILES {
+            return Err(wrong("the model includes more than 1000 files"));
+        }
+        let bytes = read_bytes(path)?;
+        let text = String::from_utf8(bytes).map_err(|_| wrong("not UTF-8 text"))?;
+        self.text(&text, path, depth)
+    }
+
+    fn text(&mut self, text: &str, path: &Path, depth: usize) -> Result<Element, ModelError> {
+        let file: Arc<Path> = Arc::from(path);
+        let options = roxmltree::ParsingOptions { nodes_limit: 4 * MOST_ELEMENTS as u32, ..Default::default() };
+        let xml = roxmltree::Document::parse_with_options(text, options).map_err(|error| ModelError::Syntax {
+            place: Place { file: file.clone(), line: error.pos().row },
+            reason: error.to_string(),
+        })?;
+        let lines = Lines { file, starts: line_starts(text) };
+        let mut spliced = Vec::new();
+        self.convert(xml.root_element(), &lines, depth, &mut spliced)?;
+        let mut spliced = spliced.into_iter();
+        match (spliced.next(), spliced.next()) {
+            (Some(root), None) => Ok(root),
+            _ => Err(invalid(&lines.place(0), "the top-level element cannot be an include".to_owned())),
+        }
+    }
+
+    /// Appends the element, or the children of the file that it includes, to `into`.
+    fn convert(
+        &mut self,
+        node: roxmltree::Node<'_, '_>,
+        lines: &Lines,
+        depth: usize,
+        into: &mut Vec<Element>,
+    ) -> Result<(), ModelError> {
+        let place = lines.place(node.range().start);
+        if depth > DEEPEST {
+            return Err(invalid(&place, format!("elements nest deeper than {DEEPEST} levels")));
+        }
+        self.elements += 1;
+        if self.elements > MOST_ELEMENTS {
+            return Err(invalid(&place, format!("the model has more than {MOST_ELEMENTS} elements")));
+        }
+        let tag = node.tag_name().name().to_owned();
+        if tag == "include" {
+            return self.include(node, &place, depth, into);
+        }
+        let attributes = node.attributes().filter(|attribute| attribute.namespace().is_none());
+        let attributes = attributes.map(|attribute| (attribute.name().to_owned(), attribute.value().to_owned())).collect();
+        let mut children = Vec::new();
+        for child in node.children().filter(roxmltree::Node::is_element) {
+            self.convert(child, lines, depth + 1, &mut children)?;
+        }
+        into.push(Element { tag, attributes, children, place });
+        Ok(())
+    }
+
+    fn include(
+        &mut self,
+        node: roxmltree::Node<'_, '_>,
+        place: &Place,
+        depth: usize,
+        into: &mut Vec<Element>,
+    ) -> Result<(), ModelError> {
+        let name = node.attribute("file").ok_or_else(|| invalid(place, "`include` needs the attribute `file`".to_owned()))?;
+        let folder = self.folder.as_ref();
+        let folder = folder.ok_or_else(|| invalid(place, "text without a file cannot include files".to_owned()))?;
+        // MuJoCo looks in the main file's folder first, then in the including file's.
+        let beside = place.file.parent().unwrap_or(Path::new("")).join(name);
+        let path = folder.join(name);
+        let included = self.file_at_depth(if path.exists() { &path } else { &beside }, depth + 1)?;
+        if included.children.is_empty() {
+            return Err(invalid(place, format!("the included file `{name}` holds no elements")));
+        }
+        into.extend(included.children);
+        Ok(())
+    }
+}
+
+/// Byte offsets to lines: looked up by bisection, since asking the parser costs a scan of the file for every element.
+struct Lines {
+    file: Arc<Path>,
+    starts: Vec<usize>,
+}
+
+impl Lines {
+    fn place(&self, offset: usize) -> Place {
+        let line = self.starts.partition_point(|start| *start <= offset);
+        Place { file: self.file.clone(), line: u32::try_from(line).unwrap_or(u32::MAX) }
+    }
+}
+
+fn line_starts(text: &str) -> Vec<usize> {
+    let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+    core::iter::once(0).chain(breaks.map(|(offset, _)| offset + 1)).collect()
+}
+
+/// A mistake at a place.
+pub(super) fn invalid(place: &Place, message: String) -> ModelError {
+    ModelError::Invalid { place: place.clone(), message }
+}

@@ -1,0 +1,88 @@
+//! What can be wrong with a model file.
+
+use core::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A line of a model file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file; empty for text that came without one.
+    pub file: Arc<Path>,
+    /// Line, counted from one.
+    pub line: u32,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.file.as_os_str().is_empty() {
+            write!(f, "line {}", self.line)
+        } else {
+            write!(f, "{}:{}", self.file.display(), self.line)
+        }
+    }
+}
+
+/// A physical feature that the file asks for and the simulator does not have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unsupported {
+    /// Where.
+    pub place: Place,
+    /// What: an element, an attribute of an element, or an attribute with its value.
+    pub what: String,
+}
+
+/// Why a model could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// The file could not be opened or read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file is not what it should be: too large, not text, not a mesh.
+    #[error("{}: {reason}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The text is not well-formed XML.
+    #[error("{place}: not well-formed XML: {reason}")]
+    Syntax {
+        /// Where parsing stopped.
+        place: Place,
+        /// The parser's words.
+        reason: String,
+    },
+    /// A value, name or structure that makes no sense.
+    #[error("{place}: {message}")]
+    Invalid {
+        /// Where.
+        place: Place,
+        /// What, and what was expected.
+        message: String,
+    },
+    /// Physical features that are not implemented: all of them.
+    #[error("{}", list(.0))]
+    Unsupported(Vec<Unsupported>),
+}
+
+/// The most unsupported features that are printed; the error holds them all.
+const MOST_PRINTED: usize = 50;
+
+fn list(items: &[Unsupported]) -> String {
+    let mut text = format!("the model uses {} unsupported feature{}:", items.len(), if items.len() == 1 { "" } else { "s" });
+    for item in items.iter().take(MOST_PRINTED) {
+        text.push_str(&format!("\n  {}: {}", item.place, item.what));
+    }
+    if items.len() > MOST_PRINTED {
+        text.push_str(&format!("\n  and {} more", items.len() - MOST_PRINTED));
+    }
+    text
+}

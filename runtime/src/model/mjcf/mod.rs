@@ -1,0 +1,45 @@
+//! Reading and writing MJCF, MuJoCo's model format.
+//!
+//! 1. [`document`] reads the XML files, splices includes, and keeps where every element stood;
+//! 2. [`schema`] knows every element and attribute that is read, skipped or refused, and lists all that are refused at once;
+//! 3. [`defaults`] merges the attributes of default classes into each element;
+//! 4. [`compile`] turns elements into the arrays of a [`Model`], in MuJoCo's orders;
+//!
+//! Files come from strangers: sizes, nesting and numbers are bounded, and every failure is one [`ModelError`].
+
+mod compile;
+mod defaults;
+mod document;
+mod error;
+mod mesh;
+mod schema;
+mod shortcut;
+mod values;
+
+pub use error::{ModelError, Place, Unsupported};
+
+use super::Model;
+use std::path::Path;
+
+impl Model {
+    /// Reads and compiles an MJCF file with everything it includes.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read or is not well formed, a value that makes no sense, a name that is not defined, or
+    /// physical features that the simulator does not have (all of them, each with its line).
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ModelError> {
+        let document = document::read_file(path.as_ref())?;
+        compile::compile(&document)
+    }
+
+    /// Compiles MJCF text that stands alone: it may not include files or load meshes.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::from_file`].
+    pub fn from_mjcf(text: &str) -> Result<Self, ModelError> {
+        let document = document::read_text(text)?;
+        compile::compile(&document)
+    }
+}

@@ -1,0 +1,213 @@
+//! Which elements and attributes the reader takes, skips or refuses.
+//!
+//! Everything physical is either read or refused; what is skipped (appearance, bookkeeping, sensors, stored states) is
+//! named here one by one. An attribute may also be *neutral*: read only in the sense that its one harmless value is
+//! accepted and every other value is refused.
+
+use super::document::Element;
+use super::error::{ModelError, Unsupported};
+
+/// What is known of an element in its context.
+struct Rule {
+    /// Context and tag.
+    element: &'static str,
+    /// Attributes that the compiler reads.
+    read: &'static str,
+    /// Attributes without influence on the physics.
+    skipped: &'static str,
+    /// Attributes accepted only with one value (numbers: every one of them).
+    neutral: &'static [(&'static str, &'static str)],
+}
+
+const fn rule(
+    element: &'static str,
+    read: &'static str,
+    skipped: &'static str,
+    neutral: &'static [(&'static str, &'static str)],
+) -> Rule {
+    Rule { element, read, skipped, neutral }
+}
+
+/// Elements skipped with everything in them.
+const SKIPPED: [&str; 16] = [
+    "mujoco/visual",
+    "mujoco/statistic",
+    "mujoco/custom",
+    "mujoco/sensor",
+    "mujoco/keyframe",
+    "mujoco/size",
+    "compiler/lengthrange",
+    "asset/texture",
+    "asset/material",
+    "asset/skin",
+    "body/camera",
+    "body/light",
+    "default/camera",
+    "default/light",
+    "default/material",
+    "default/texture",
+];
+
+const GEOM: &str = "name class type contype conaffinity condim group priority size friction mass density solmix solref \
+    solimp margin gap fromto pos quat axisangle xyaxes zaxis euler mesh";
+const GEOM_SKIPPED: &str = "material rgba castshadow user fitscale";
+const GEOM_NEUTRAL: &[(&str, &str)] =
+    &[("shellinertia", "false"), ("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")];
+const JOINT: &str = "name class type pos axis limited range ref springref stiffness damping armature frictionloss margin \
+    solreflimit solimplimit";
+const JOINT_NEUTRAL: &[(&str, &str)] = &[
+    ("solreffriction", "0.02 1"),
+    ("solimpfriction", "0.9 0.95 0.001 0.5 2"),
+    ("springdamper", "0"),
+    ("actuatorfrclimited", "false"),
+    ("actuatorfrcrange", "0"),
+    ("actuatorgravcomp", "false"),
+    ("springyield", "0"),
+];
+const SITE: &str = "name class pos quat axisangle xyaxes zaxis euler fromto";
+const TENDON: &str = "name class limited range margin stiffness damping springlength solreflimit solimplimit";
+const TENDON_SKIPPED: &str = "group width material rgba user";
+const TENDON_NEUTRAL: &[(&str, &str)] = &[
+    ("solreffriction", "0.02 1"),
+    ("solimpfriction", "0.9 0.95 0.001 0.5 2"),
+    ("frictionloss", "0"),
+    ("armature", "0"),
+    ("springyield", "0"),
+    ("actuatorfrclimited", "false"),
+    ("actuatorfrcrange", "0"),
+];
+const ACTUATOR_NEUTRAL: &[(&str, &str)] = &[
+    ("forcelimited", "false"),
+    ("forcerange", "0"),
+    ("actlimited", "false"),
+    ("actrange", "0"),
+    ("actdim", "1"),
+    ("actearly", "false"),
+    ("damping", "0"),
+    ("armature", "0"),
+    ("delay", "0"),
+    ("nsample", "0"),
+    ("inheritrange", "0"),
+];
+const MUSCLE: &str = "name class tendon ctrllimited ctrlrange lengthrange gear timeconst tausmooth range force scale lmin \
+    lmax vmax fpmax fvmax";
+const GENERAL: &str = "name class tendon ctrllimited ctrlrange lengthrange gear dyntype gaintype biastype dynprm gainprm \
+    biasprm";
+const PAIR: &str = "name class geom1 geom2 condim friction solref solreffriction solimp gap margin";
+const FRAME: &str = "name childclass pos quat axisangle xyaxes zaxis euler";
+const OPTION_NEUTRAL: &[(&str, &str)] = &[
+    ("integrator", "Euler"),
+    ("cone", "pyramidal"),
+    ("solver", "Newton"),
+    ("noslip_iterations", "0"),
+    ("density", "0"),
+    ("viscosity", "0"),
+    ("actuatorgroupdisable", ""),
+];
+
+#[rustfmt::skip]
+const RULES: [Rule; 38] = [
+    rule("mujoco", "model", "", &[]),
+    rule("mujoco/compiler", "angle autolimits eulerseq meshdir assetdir strippath inertiafromgeom inertiagrouprange boundmass boundinertia balanceinertia",
+        "texturedir usethread discardvisual saveinertial savecompiled savecanonical conflict passthrough fitaabb",
+        &[("settotalmass", "-1"), ("coordinate", "local"), ("alignfree", "false"), ("fusestatic", "false")]),
+    rule("mujoco/option", "timestep gravity iterations ls_iterations tolerance ls_tolerance impratio",
+        "magnetic wind jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
+         o_margin o_solref o_solimp o_friction", OPTION_NEUTRAL),
+    rule("option/flag", "", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
+        ("constraint", "enable"), ("equality", "enable"), ("frictionloss", "enable"), ("limit", "enable"),
+        ("contact", "enable"), ("spring", "enable"), ("damper", "enable"), ("gravity", "enable"), ("clampctrl", "enable"),
+        ("filterparent", "enable"), ("actuation", "enable"), ("refsafe", "enable"), ("eulerdamp", "enable"),
+        ("override", "disable"), ("invdiscrete", "disable"), ("sleep", "disable"), ("diagexact", "disable"),
+        ("ipc", "disable"), ("speculative", "disable")]),
+    rule("mujoco/asset", "", "", &[]),
+    rule("asset/mesh", "name class file scale inertia", "maxhullvert smoothnormal content_type material", &[]),
+    rule("mujoco/default", "class", "", &[]),
+    rule("default/default", "class", "", &[]),
+    rule("default/mesh", "scale inertia", "maxhullvert", &[]),
+    rule("default/geom", GEOM, GEOM_SKIPPED, GEOM_NEUTRAL),
+    rule("default/joint", JOINT, "group user", JOINT_NEUTRAL),
+    rule("default/site", SITE, "type group material mesh size rgba user", &[]),
+    rule("default/tendon", TENDON, TENDON_SKIPPED, TENDON_NEUTRAL),
+    rule("default/pair", PAIR, "", &[("adhesion", "0")]),
+    rule("default/equality", "solref solimp", "", &[("active", "true")]),
+    rule("default/general", GENERAL, "group user interp", ACTUATOR_NEUTRAL),
+    rule("default/muscle", MUSCLE, "group user interp", ACTUATOR_NEUTRAL),
+    rule("mujoco/worldbody", "", "name", &[]),
+    rule("body/body", FRAME, "user fuse",
+        &[("mocap", "false"), ("gravcomp", "0"), ("sleep", "auto"), ("simple", "auto")]),
+    rule("body/frame", FRAME, "", &[]),
+    rule("body/inertial", "pos quat axisangle xyaxes zaxis euler mass diaginertia fullinertia", "", &[]),
+    rule("body/joint", JOINT, "group user", JOINT_NEUTRAL),
+    rule("body/freejoint", "name", "group", &[("align", "false")]),
+    rule("body/geom", GEOM, GEOM_SKIPPED, GEOM_NEUTRAL),
+    rule("body/site", SITE, "type group material mesh size rgba user", &[]),
+    rule("mujoco/contact", "", "", &[]),
+    rule("contact/pair", PAIR, "", &[("adhesion", "0")]),
+    rule("contact/exclude", "name body1 body2", "", &[]),
+    rule("mujoco/equality", "", "", &[]),
+    rule("equality/joint", "name class joint1 joint2 polycoef solref solimp", "", &[("active", "true")]),
+    rule("mujoco/tendon", "", "", &[]),
+    rule("tendon/spatial", TENDON, TENDON_SKIPPED, TENDON_NEUTRAL),
+    rule("spatial/site", "site", "", &[]),
+    rule("spatial/geom", "geom sidesite", "", &[]),
+    rule("spatial/pulley", "divisor", "", &[]),
+    rule("mujoco/actuator", "", "", &[]),
+    rule("actuator/general", GENERAL, "group user interp", ACTUATOR_NEUTRAL),
+    rule("actuator/muscle", MUSCLE, "group user interp", ACTUATOR_NEUTRAL),
+];
+
+/// Refuses a model that uses anything physical that the simulator does not have, naming every instance.
+pub(super) fn check(root: &Element) -> Result<(), ModelError> {
+    if root.tag != "mujoco" {
+        return Err(root.invalid(format!("a model's top-level element is `mujoco`, found `{}`", root.tag)));
+    }
+    let mut refused = Vec::new();
+    visit(root, "", &mut refused);
+    if refused.is_empty() { Ok(()) } else { Err(ModelError::Unsupported(refused)) }
+}
+
+fn visit(element: &Element, context: &str, refused: &mut Vec<Unsupported>) {
+    let mut refuse = |what: String| refused.push(Unsupported { place: element.place.clone(), what });
+    let path = if context.is_empty() { element.tag.clone() } else { format!("{context}/{}", element.tag) };
+    if SKIPPED.contains(&path.as_str()) {
+        return;
+    }
+    let Some(rule) = RULES.iter().find(|rule| rule.element == path) else {
+        return refuse(format!("element `{}` in `{context}`", element.tag));
+    };
+    for (name, value) in &element.attributes {
+        let listed = |names: &str| names.split_whitespace().any(|known| known == name);
+        if listed(rule.read) || listed(rule.skipped) {
+            continue;
+        }
+        match rule.neutral.iter().find(|(neutral, _)| neutral == name) {
+            Some((_, harmless)) if is_neutral(value, harmless) => {}
+            Some(_) => refuse(format!("attribute `{name}` of `{}` with the value `{value}`", element.tag)),
+            None => refuse(format!("attribute `{name}` of `{}`", element.tag)),
+        }
+    }
+    let inner = context_of(&element.tag);
+    for child in &element.children {
+        visit(child, inner, refused);
+    }
+}
+
+/// What surrounds the children of an element: bodies, frames and the world hold the same things.
+fn context_of(tag: &str) -> &str {
+    match tag {
+        "worldbody" | "body" | "frame" => "body",
+        other => other,
+    }
+}
+
+/// Whether a value says what its absence would: the same word, or numbers that are all the harmless ones.
+fn is_neutral(value: &str, harmless: &str) -> bool {
+    if value.trim() == harmless || value.trim() == "auto" {
+        return true;
+    }
+    let expected: Vec<f64> = harmless.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let Some(last) = expected.last() else { return false };
+    let expected_at = |index: usize| expected.get(index).unwrap_or(last);
+    value.split_whitespace().enumerate().all(|(index, word)| word.parse::<f64>().ok().as_ref() == Some(expected_at(index)))
+}

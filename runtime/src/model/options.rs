@@ -1,0 +1,36 @@
+//! Simulation options.
+
+use nalgebra::Vector3;
+
+/// Simulation options, MuJoCo's `option` element.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Physics step in seconds.
+    pub timestep: f64,
+    /// Gravity in m/s².
+    pub gravity: Vector3<f64>,
+    /// Solver iterations at most.
+    pub iterations: usize,
+    /// Line-search iterations at most.
+    pub line_search_iterations: usize,
+    /// Solver stops when the scaled improvement or gradient falls below this.
+    pub tolerance: f64,
+    /// Line search stops at this fraction of the solver's tolerance.
+    pub line_search_tolerance: f64,
+    /// Ratio of frictional to normal constraint impedance.
+    pub impedance_ratio: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            timestep: 0.002,
+            gravity: Vector3::new(0.0, 0.0, -9.81),
+            iterations: 100,
+            line_search_iterations: 50,
+            tolerance: 1e-8,
+            line_search_tolerance: 0.01,
+            impedance_ratio: 1.0,
+        }
+    }
+}
