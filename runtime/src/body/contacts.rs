@@ -1,0 +1,52 @@
+//! What the body touches.
+
+use super::sensors::Snapshot;
+use nalgebra::Vector3;
+
+/// A contact that carries force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// The two shapes.
+    pub geoms: [usize; 2],
+    /// Where they touch, world frame, m.
+    pub position: Vector3<f64>,
+    /// Force on the second by the first, world axes, N.
+    pub force: Vector3<f64>,
+}
+
+/// A contact of the body with something else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct External {
+    /// The body's shape.
+    pub shape: usize,
+    /// The other shape.
+    pub other: usize,
+    /// Where they touch, world frame, m.
+    pub position: Vector3<f64>,
+    /// Force on the body, world axes, N.
+    pub force: Vector3<f64>,
+}
+
+impl Snapshot<'_> {
+    /// The contacts of the body with anything that is not the body.
+    pub fn external_contacts(&self) -> impl Iterator<Item = External> + '_ {
+        let owns = |geom: usize| self.body.members.contains(&self.model.geoms.body[geom]);
+        self.contacts.iter().filter_map(move |&Touch { geoms: [first, second], position, force }| {
+            match [owns(first), owns(second)] {
+                [false, true] => Some(External { shape: second, other: first, position, force }),
+                [true, false] => Some(External { shape: first, other: second, position, force: -force }),
+                _ => None,
+            }
+        })
+    }
+
+    /// The contacts of a landmark's segment with the ground.
+    pub(super) fn ground_contacts(&self, segment: &[usize]) -> impl Iterator<Item = External> {
+        self.external_contacts().filter(|contact| segment.contains(&contact.shape) && self.body.ground.contains(&contact.other))
+    }
+
+    /// Force of the ground on a landmark's segment, world axes, N.
+    pub(super) fn ground_force(&self, segment: &[usize]) -> Vector3<f64> {
+        self.ground_contacts(segment).map(|contact| contact.force).sum()
+    }
+}

@@ -1,0 +1,143 @@
+//! A body file bound to its model: names become indices, poses become coordinates, landmarks get their frames.
+//!
+//! 1. [`bind`](Body::bind) resolves every name of a [`BodyDescription`] in a [`Model`] and reports all problems at once;
+//! 2. [`Body::vocabulary`] tells the compiler what exists;
+//! 3. [`Body::place`] puts the body into a pose with its lowest point on the ground, facing where it should;
+//! 4. [`sensors`] measures the quantities that a compiled task reads.
+//!
+//! The model may hold more than the body (a ground, scenery): whole-body quantities are those of the root's own subtree.
+
+mod bind;
+pub mod contacts;
+mod coupling;
+mod placement;
+pub mod sensors;
+pub mod shape;
+mod vocabulary;
+
+pub use bind::{BindError, Problem};
+
+use crate::model::JointKind;
+use core::ops::Range;
+use msk_compiler::body::{Axis, ExcitationMap};
+use nalgebra::{Matrix3, Vector3};
+
+/// A body file bound to a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Name in tasks.
+    pub name: String,
+    /// How a policy's action becomes excitation.
+    pub excitation: ExcitationMap,
+    /// The body of the model that everything hangs on.
+    pub root: Root,
+    /// Bodies of the model that belong to this body: the root and all that hangs on it.
+    pub members: Range<usize>,
+    /// Landmarks, in the order of the body file.
+    pub landmarks: Vec<Landmark>,
+    /// Hinges and slides, in the order of the model.
+    pub joints: Vec<Joint>,
+    /// Muscles, in the order of the model.
+    pub muscles: Vec<Muscle>,
+    /// Named sets, in the order of the body file.
+    pub groups: Vec<msk_compiler::vocabulary::Group>,
+    /// Named poses with couplings solved, coordinates in the order of `joints`; one of them is `neutral`.
+    pub poses: Vec<msk_compiler::vocabulary::Pose>,
+    /// Shapes of the body that can touch the ground.
+    pub shapes: Vec<usize>,
+    /// Fixed planes of the scene, which the body stands on; none means the level z = 0.
+    pub ground: Vec<usize>,
+}
+
+/// The body of the model that carries the whole body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Root {
+    /// Its index.
+    pub body: usize,
+    /// Anatomical axes forward, left, up as columns in the root's frame.
+    pub axes: Matrix3<f64>,
+    /// First coordinate and first dof of its free joint; `None` for a body fixed to the world.
+    pub free: Option<(usize, usize)>,
+}
+
+/// A named place with anatomical axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Landmark {
+    /// Name in tasks.
+    pub name: String,
+    /// One sentence for hovers.
+    pub description: String,
+    /// Body of the model that carries it.
+    pub body: usize,
+    /// Position in that body's frame, m.
+    pub point: Vector3<f64>,
+    /// Anatomical axes forward, left, up as columns in that body's frame.
+    pub axes: Matrix3<f64>,
+    /// Shapes of its segment.
+    pub segment: Vec<usize>,
+}
+
+/// A hinge or slide.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name in tasks.
+    pub name: String,
+    /// Index in the model.
+    pub index: usize,
+    /// Turns or slides.
+    pub kind: JointKind,
+    /// Its coordinate in the position vector.
+    pub position: usize,
+    /// Its degree of freedom.
+    pub dof: usize,
+    /// Range if limited, rad or m.
+    pub range: Option<[f64; 2]>,
+    /// Whether no coupling slaves it to another joint.
+    pub independent: bool,
+}
+
+/// A muscle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Muscle {
+    /// Name in tasks.
+    pub name: String,
+    /// Peak isometric force, N.
+    pub peak_force: f64,
+    /// Recruitment family; empty if the body file has none.
+    pub family: String,
+}
+
+impl Body {
+    /// The pose of that name: coordinates in the order of `joints`, rad or m.
+    pub fn pose(&self, name: &str) -> Option<&[f64]> {
+        self.poses.iter().find(|pose| pose.name == name).map(|pose| pose.coordinates.as_slice())
+    }
+
+    /// The coordinates of the standing pose, in the order of `joints`, rad or m.
+    pub fn neutral(&self) -> &[f64] {
+        // Binding fails without this pose.
+        self.pose(NEUTRAL).unwrap_or_default()
+    }
+}
+
+/// The pose that `neutral(...)` in tasks refers to.
+const NEUTRAL: &str = "neutral";
+
+/// The unit vector of a signed axis.
+fn unit(axis: Axis) -> Vector3<f64> {
+    match axis {
+        Axis::PlusX => Vector3::x(),
+        Axis::MinusX => -Vector3::x(),
+        Axis::PlusY => Vector3::y(),
+        Axis::MinusY => -Vector3::y(),
+        Axis::PlusZ => Vector3::z(),
+        Axis::MinusZ => -Vector3::z(),
+    }
+}
+
+/// The axes forward, left, up as columns, or `None` where forward and up lie on one line.
+fn anatomical_axes(forward: Axis, up: Axis) -> Option<Matrix3<f64>> {
+    let (forward, up) = (unit(forward), unit(up));
+    let left = up.cross(&forward);
+    (left != Vector3::zeros()).then(|| Matrix3::from_columns(&[forward, left, up]))
+}

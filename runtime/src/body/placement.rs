@@ -1,0 +1,49 @@
+//! Where a body begins: joints in a pose, the root turned to its heading and lowered until something touches the ground.
+
+use super::{Body, shape};
+use crate::model::Model;
+use crate::physics::{self, State, Workspace};
+use msk_compiler::task::RootPlacement;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+impl Body {
+    /// Sets positions and velocities of the body: `coordinates` (rad or m, in the order of `joints`) and the root's placement.
+    /// All joint velocities become zero. A body fixed to the world ignores the placement.
+    ///
+    /// Without a given height the lowest point of the body's shapes touches the ground.
+    pub fn place(
+        &self,
+        model: &Model,
+        placement: &RootPlacement,
+        coordinates: &[f64],
+        state: &mut State<f64>,
+        workspace: &mut Workspace<f64>,
+    ) {
+        for (joint, &coordinate) in self.joints.iter().zip(coordinates) {
+            state.position[joint.position] = coordinate;
+            state.velocity[joint.dof] = 0.0;
+        }
+        let Some((position, dof)) = self.root.free else { return };
+        let facing = Rotation3::from_matrix_unchecked(self.facing(placement.heading));
+        let facing = UnitQuaternion::from_rotation_matrix(&facing);
+        let orientation = [facing.w, facing.i, facing.j, facing.k];
+        let [x, y] = placement.position;
+        state.position[position..position + 3].copy_from_slice(&[x, y, placement.height.unwrap_or(0.0)]);
+        state.position[position + 3..position + 7].copy_from_slice(&orientation);
+        state.velocity[dof..dof + 3].copy_from_slice(&placement.velocity);
+        state.velocity[dof + 3..dof + 6].fill(0.0);
+        if placement.height.is_none() {
+            physics::kinematics::update(model, state, &mut workspace.kinematics);
+            let clearance = shape::clearance(&model.geoms, &workspace.kinematics, &self.shapes, &self.ground);
+            // A body without shapes stands on its root.
+            state.position[position + 2] = if clearance.is_finite() { -clearance } else { 0.0 };
+        }
+    }
+
+    /// The root's rotation when it stands upright and faces `heading` (rad about the vertical, 0 along world x).
+    fn facing(&self, heading: f64) -> Matrix3<f64> {
+        let (sin, cos) = libm::sincos(heading);
+        let world = Matrix3::from_columns(&[Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0), Vector3::z()]);
+        world * self.root.axes.transpose()
+    }
+}

@@ -1,0 +1,174 @@
+//! Sensors: the quantities that a compiled task reads, measured once per control step.
+//!
+//! Everything is measured in one configuration: the workspace must hold the forward pass of the state. Velocities are those
+//! of the very point. A mean acceleration is the change of velocity over the control step; [`Memory`] keeps what it needs.
+
+use super::contacts::Touch;
+use super::{Body, Landmark, shape};
+use crate::model::Model;
+use crate::physics::{State, Workspace};
+use msk_compiler::frame::{FrameLayout, Sensor};
+use nalgebra::{Matrix3, Vector3};
+
+/// What the control loop knows and the physics does not.
+#[derive(Debug, Clone, Copy)]
+pub struct Control<'a> {
+    /// The policy's raw action, one entry per muscle.
+    pub action: &'a [f64],
+    /// Time since reset, s.
+    pub time: f64,
+    /// Length of the control step that has just passed, s; zero at the reset snapshot, where mean accelerations are zero.
+    pub elapsed: f64,
+}
+
+/// Velocities of the previous control step, from which mean accelerations follow: part of an episode's snapshot.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Memory {
+    velocities: Vec<Vector3<f64>>,
+}
+
+/// One configuration of a body in its scene, with everything the physics knows about it.
+#[derive(Debug, Clone, Copy)]
+pub struct Snapshot<'a> {
+    /// The body.
+    pub body: &'a Body,
+    /// The model it is bound to.
+    pub model: &'a Model,
+    /// The state.
+    pub state: &'a State<f64>,
+    /// The forward pass of that state.
+    pub workspace: &'a Workspace<f64>,
+    /// The contacts of that forward pass that carry force.
+    pub contacts: &'a [Touch],
+}
+
+/// Fills the record of `layout`: `frame` has `layout.size()` values.
+pub fn fill(layout: &FrameLayout, snapshot: &Snapshot<'_>, control: &Control<'_>, memory: &mut Memory, frame: &mut [f64]) {
+    let mut accelerations = 0;
+    let mut mean_acceleration = |velocity: Vector3<f64>| {
+        let slot = accelerations;
+        accelerations += 1;
+        if memory.velocities.len() <= slot {
+            memory.velocities.resize(slot + 1, velocity);
+        }
+        let change = velocity - core::mem::replace(&mut memory.velocities[slot], velocity);
+        if control.elapsed > 0.0 { change / control.elapsed } else { Vector3::zeros() }
+    };
+    for &(sensor, offset) in layout.entries() {
+        let value = match sensor {
+            Sensor::LandmarkAcceleration(landmark) => Value::Vector(mean_acceleration(snapshot.landmark_velocity(landmark))),
+            Sensor::ComAcceleration => Value::Vector(mean_acceleration(snapshot.com_velocity())),
+            sensor => snapshot.measure(sensor, control),
+        };
+        value.write(&mut frame[offset..offset + sensor.size()]);
+    }
+}
+
+/// One block of the record.
+enum Value {
+    Scalar(f64),
+    Vector(Vector3<f64>),
+    Axes(Matrix3<f64>),
+}
+
+impl Value {
+    fn write(self, block: &mut [f64]) {
+        match self {
+            Self::Scalar(value) => block.copy_from_slice(&[value]),
+            Self::Vector(value) => block.copy_from_slice(value.as_slice()),
+            Self::Axes(value) => block.copy_from_slice(value.as_slice()),
+        }
+    }
+}
+
+impl Snapshot<'_> {
+    /// Any sensor but the mean accelerations, which need a memory.
+    fn measure(&self, sensor: Sensor, control: &Control<'_>) -> Value {
+        use Value::{Axes, Scalar, Vector};
+        let (body, state, workspace) = (self.body, self.state, self.workspace);
+        let (kinematics, muscles) = (&workspace.kinematics, &workspace.muscles);
+        match sensor {
+            Sensor::LandmarkPosition(landmark) => Vector(self.landmark_position(&body.landmarks[landmark])),
+            Sensor::LandmarkVelocity(landmark) => Vector(self.landmark_velocity(landmark)),
+            Sensor::LandmarkAcceleration(_) | Sensor::ComAcceleration => Vector(Vector3::zeros()),
+            Sensor::LandmarkAxes(landmark) => {
+                let landmark = &body.landmarks[landmark];
+                Axes(kinematics.body_rotation[landmark.body] * landmark.axes)
+            }
+            Sensor::LandmarkAngularVelocity(landmark) => Vector(self.angular_velocity(body.landmarks[landmark].body)),
+            Sensor::LandmarkClearance(landmark) => {
+                let segment = &body.landmarks[landmark].segment;
+                Scalar(shape::clearance(&self.model.geoms, kinematics, segment, &body.ground))
+            }
+            Sensor::JointPosition(joint) => Scalar(state.position[body.joints[joint].position]),
+            Sensor::JointVelocity(joint) => Scalar(state.velocity[body.joints[joint].dof]),
+            Sensor::JointAcceleration(joint) => Scalar(workspace.acceleration[body.joints[joint].dof]),
+            Sensor::JointTorque(joint) => Scalar(workspace.forces.actuator[body.joints[joint].dof]),
+            Sensor::MuscleLength(muscle) => Scalar(muscles.length[muscle]),
+            Sensor::MuscleVelocity(muscle) => Scalar(muscles.velocity[muscle]),
+            Sensor::MuscleForce(muscle) => Scalar(muscles.force[muscle]),
+            Sensor::MuscleActivation(muscle) => Scalar(state.activation[muscle]),
+            Sensor::MuscleExcitation(muscle) => Scalar(state.control[muscle]),
+            Sensor::Action(muscle) => Scalar(control.action[muscle]),
+            Sensor::ComPosition => Vector(kinematics.subtree_com[body.root.body]),
+            Sensor::ComVelocity => Vector(self.com_velocity()),
+            Sensor::AngularMomentum => Vector(self.angular_momentum()),
+            Sensor::RootPosition => Vector(kinematics.body_position[body.root.body]),
+            Sensor::RootAxes => Axes(kinematics.body_rotation[body.root.body] * body.root.axes),
+            Sensor::RootVelocity => Vector(self.velocity_of(body.root.body, kinematics.body_position[body.root.body])),
+            Sensor::RootAngularVelocity => Vector(self.angular_velocity(body.root.body)),
+            Sensor::GroundForce(landmark) => Vector(self.ground_force(&body.landmarks[landmark].segment)),
+            Sensor::GroundContact(landmark) => {
+                let touches = self.ground_contacts(&body.landmarks[landmark].segment).next().is_some();
+                Scalar(f64::from(u8::from(touches)))
+            }
+            Sensor::Time => Scalar(control.time),
+        }
+    }
+
+    fn landmark_position(&self, landmark: &Landmark) -> Vector3<f64> {
+        let kinematics = &self.workspace.kinematics;
+        kinematics.body_position[landmark.body] + kinematics.body_rotation[landmark.body] * landmark.point
+    }
+
+    fn landmark_velocity(&self, landmark: usize) -> Vector3<f64> {
+        let landmark = &self.body.landmarks[landmark];
+        self.velocity_of(landmark.body, self.landmark_position(landmark))
+    }
+
+    /// Velocity of the material point of `body` that is at `point`: v = v_c + ω × (p - c), where the body's spatial velocity
+    /// refers to c, the centre of mass of its kinematic tree.
+    fn velocity_of(&self, body: usize, point: Vector3<f64>) -> Vector3<f64> {
+        let [angular, linear] = self.workspace.velocities.body[body];
+        let centre = self.workspace.kinematics.subtree_com[self.model.bodies.root[body]];
+        linear + angular.cross(&(point - centre))
+    }
+
+    fn angular_velocity(&self, body: usize) -> Vector3<f64> {
+        self.workspace.velocities.body[body][0]
+    }
+
+    /// Velocity of the body's own centre of mass: momentum over mass.
+    fn com_velocity(&self) -> Vector3<f64> {
+        let mass = &self.model.bodies.mass;
+        let positions = &self.workspace.kinematics.inertial_position;
+        let momentum: Vector3<f64> =
+            self.body.members.clone().map(|body| self.velocity_of(body, positions[body]) * mass[body]).sum();
+        momentum / self.model.bodies.subtree_mass[self.body.root.body]
+    }
+
+    /// Angular momentum about the body's own centre of mass: Σ R I R'ω + m (x - c) × (v - v_c).
+    fn angular_momentum(&self) -> Vector3<f64> {
+        let (bodies, kinematics) = (&self.model.bodies, &self.workspace.kinematics);
+        let centre = kinematics.subtree_com[self.body.root.body];
+        let drift = self.com_velocity();
+        let part = |body: usize| {
+            let axes = kinematics.inertial_rotation[body];
+            let spin = axes * bodies.inertia[body].component_mul(&(axes.transpose() * self.angular_velocity(body)));
+            let position = kinematics.inertial_position[body];
+            let orbit = (position - centre).cross(&(self.velocity_of(body, position) - drift));
+            spin + orbit * bodies.mass[body]
+        };
+        self.body.members.clone().map(part).sum()
+    }
+}

@@ -1,0 +1,49 @@
+//! What the compiler may know of a body.
+
+use super::Body;
+use crate::model::{self, Model};
+use crate::physics::{self, State, Workspace};
+use msk_compiler::task::RootPlacement;
+use msk_compiler::vocabulary::{Joint, JointKind, Landmark, Muscle, Vocabulary};
+
+impl Body {
+    /// What exists on this body, for the compiler: plain data without any physics.
+    pub fn vocabulary(&self, model: &Model) -> Vocabulary {
+        let neutral = self.neutral();
+        let mut state = State::new(model);
+        let mut workspace = Workspace::new(model);
+        self.place(model, &RootPlacement::default(), neutral, &mut state, &mut workspace);
+        physics::kinematics::update(model, &state, &mut workspace.kinematics);
+        let kinematics = &workspace.kinematics;
+        let landmark = |landmark: &super::Landmark| Landmark {
+            name: landmark.name.clone(),
+            description: landmark.description.clone(),
+            mass: model.bodies.mass[landmark.body],
+            neutral_height: (kinematics.body_position[landmark.body] + kinematics.body_rotation[landmark.body] * landmark.point)
+                .z,
+            has_segment: !landmark.segment.is_empty(),
+        };
+        let joint = |(joint, &neutral): (&super::Joint, &f64)| Joint {
+            name: joint.name.clone(),
+            kind: if joint.kind == model::JointKind::Slide { JointKind::Slide } else { JointKind::Hinge },
+            range: joint.range,
+            neutral,
+            independent: joint.independent,
+        };
+        let muscle = |muscle: &super::Muscle| Muscle {
+            name: muscle.name.clone(),
+            peak_force: muscle.peak_force,
+            family: muscle.family.clone(),
+        };
+        Vocabulary {
+            body: self.name.clone(),
+            physics_step: model.options.timestep,
+            mass: model.bodies.subtree_mass[self.root.body],
+            landmarks: self.landmarks.iter().map(landmark).collect(),
+            joints: self.joints.iter().zip(neutral).map(joint).collect(),
+            muscles: self.muscles.iter().map(muscle).collect(),
+            groups: self.groups.clone(),
+            poses: self.poses.clone(),
+        }
+    }
+}

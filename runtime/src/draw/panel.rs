@@ -1,0 +1,102 @@
+//! One view: everything that is to be painted, far things first.
+
+use super::palette;
+use super::path::{Bounds, Path, number};
+use core::fmt::Write;
+
+/// Something to paint. Depths are distances from the viewer, m.
+#[derive(Debug, Clone)]
+pub(super) enum Item {
+    /// A limb; `near` says how near it is to the viewer against the rest of the body, 0..1.
+    Silhouette {
+        depth: f64,
+        path: Path,
+        near: f64,
+    },
+    Scenery {
+        depth: f64,
+        path: Path,
+    },
+    Bone {
+        depth: f64,
+        path: Path,
+    },
+    Muscle {
+        depth: f64,
+        path: Path,
+        belly: Path,
+        width: f64,
+        activation: f64,
+    },
+}
+
+impl Item {
+    fn depth(&self) -> f64 {
+        match self {
+            Self::Silhouette { depth, .. }
+            | Self::Scenery { depth, .. }
+            | Self::Bone { depth, .. }
+            | Self::Muscle { depth, .. } => *depth,
+        }
+    }
+
+    fn path(&self) -> &Path {
+        match self {
+            Self::Silhouette { path, .. } | Self::Scenery { path, .. } | Self::Bone { path, .. } | Self::Muscle { path, .. } => {
+                path
+            }
+        }
+    }
+}
+
+/// The items of one view.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Panel {
+    items: Vec<Item>,
+    bounds: Bounds,
+}
+
+impl Panel {
+    /// Adds an item; empty ones are left out.
+    pub fn add(&mut self, item: Item) {
+        if !item.path().data().is_empty() {
+            self.bounds.join(item.path().bounds());
+            self.items.push(item);
+        }
+    }
+
+    /// The rectangle around all items, mm.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Writes the items, the farthest first; things at one depth stay in the order in which they came. `name` tells the
+    /// definitions of several panels apart.
+    pub fn write(&mut self, name: &str, out: &mut String) {
+        self.items.sort_by(|a, b| b.depth().total_cmp(&a.depth()));
+        for (index, item) in self.items.iter().enumerate() {
+            let data = item.path().data();
+            // Writing to a string cannot fail.
+            let _ = match item {
+                Item::Silhouette { near, .. } => {
+                    // Stroked first and filled over it, a figure of several outlines shows only its outer edge.
+                    let skin = palette::skin(*near);
+                    writeln!(
+                        out,
+                        r##"<g class="edge"><path id="{name}{index}" d="{data}"/></g><use xlink:href="#{name}{index}" fill="{skin}"/>"##
+                    )
+                }
+                Item::Scenery { .. } => writeln!(out, r#"<path class="scenery" d="{data}"/>"#),
+                Item::Bone { .. } => writeln!(out, r#"<path class="bone" d="{data}"/>"#),
+                Item::Muscle { belly, width, activation, .. } => {
+                    let (colour, belly) = (palette::activation(*activation), belly.data());
+                    let [thick, thin] = [*width, (0.3 * width).max(0.8)].map(number);
+                    writeln!(
+                        out,
+                        r#"<g class="muscle" stroke="{colour}"><path stroke-width="{thin}" d="{data}"/><path stroke-width="{thick}" d="{belly}"/></g>"#
+                    )
+                }
+            };
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Silhouettes: the collision shapes of each limb as one outline.
+
+use super::camera::Camera;
+use super::outline::Shape;
+use super::panel::{Item, Panel};
+use super::path::Path;
+use crate::body::sensors::Snapshot;
+use crate::body::shape::support;
+use crate::model::{GeomKind, Model};
+
+/// Parts lighter than this share of the body are no limbs of their own.
+const SMALLEST_LIMB: f64 = 0.02;
+
+/// Distance from the nearest tone to the farthest, m.
+const DEPTH_OF_TONES: f64 = 0.5;
+
+/// Adds the body's silhouettes: one item per limb, behind everything that lies in it.
+pub(super) fn add(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
+    let limbs = limbs(snapshot.model, snapshot.body.members.clone());
+    let com = snapshot.workspace.kinematics.subtree_com[snapshot.body.root.body];
+    let count = limbs.iter().max().map_or(0, |last| last + 1);
+    for limb in 0..count {
+        let (mut path, mut depth) = (Path::default(), f64::NEG_INFINITY);
+        let (mut middle, mut shapes) = (0.0, 0.0_f64);
+        for &geom in &snapshot.body.shapes {
+            let geoms = &snapshot.model.geoms;
+            if limbs[geoms.body[geom] - snapshot.body.members.start] != limb {
+                continue;
+            }
+            let shape = shape(snapshot, geom);
+            shape.outline(camera, &mut path);
+            let away = shape.rotation.transpose() * camera.away();
+            middle += camera.depth(shape.centre);
+            shapes += 1.0;
+            depth = depth.max(camera.depth(shape.centre) + support(shape.kind, shape.size, away));
+        }
+        let offset = middle / shapes.max(1.0) - camera.depth(com);
+        panel.add(Item::Silhouette { depth, path, near: 0.6 - offset / DEPTH_OF_TONES });
+    }
+}
+
+/// Adds the solid shapes of the scene, other than the ground.
+pub(super) fn add_scenery(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
+    let geoms = &snapshot.model.geoms;
+    for geom in 0..geoms.body.len() {
+        let solid = geoms.contact_type[geom] != 0 || geoms.contact_affinity[geom] != 0;
+        if !solid || geoms.kind[geom] == GeomKind::Plane || snapshot.body.members.contains(&geoms.body[geom]) {
+            continue;
+        }
+        let shape = shape(snapshot, geom);
+        let mut path = Path::default();
+        shape.outline(camera, &mut path);
+        panel.add(Item::Scenery { depth: camera.depth(shape.centre), path });
+    }
+}
+
+fn shape(snapshot: &Snapshot<'_>, geom: usize) -> Shape {
+    let (geoms, kinematics) = (&snapshot.model.geoms, &snapshot.workspace.kinematics);
+    Shape {
+        kind: geoms.kind[geom],
+        size: geoms.size[geom],
+        centre: kinematics.geom_position[geom],
+        rotation: kinematics.geom_rotation[geom],
+    }
+}
+
+/// The limb of each member: 0 is the trunk, from which limbs branch off where the tree parts into heavy branches. A branch
+/// that parts again (the shoulder girdle, the pelvis) still counts as trunk.
+fn limbs(model: &Model, members: core::ops::Range<usize>) -> Vec<usize> {
+    let bodies = &model.bodies;
+    let threshold = SMALLEST_LIMB * bodies.subtree_mass[members.start];
+    let heavy = |body: usize| bodies.subtree_mass[body] >= threshold;
+    let children = |parent: usize| members.clone().filter(move |&body| body > parent && bodies.parent[body] == parent);
+    let parts = |body: usize| children(body).filter(|&child| heavy(child)).count() > 1;
+    // From the leaves to the root: whether anything at or below a body parts.
+    let mut inner = vec![false; members.len()];
+    for body in members.clone().rev() {
+        inner[body - members.start] = parts(body) || children(body).any(|child| inner[child - members.start]);
+    }
+    let mut limb = vec![0; members.len()];
+    let mut count = 1;
+    for body in members.clone().skip(1) {
+        let (index, parent) = (body - members.start, bodies.parent[body] - members.start);
+        let branches = !inner[index] && inner[parent] && heavy(body);
+        limb[index] = if branches { count } else { limb[parent] };
+        count += usize::from(branches);
+    }
+    limb
+}
