@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct BodyDescription {
     /// Name in tasks (`body human`).
     pub name: String,
-    /// Path of the model file, relative to the body file.
+    /// Path of the model file: in the body file relative to it, here joined to the body file's folder.
     pub model: String,
     /// Body that carries the free joint.
     pub root: String,

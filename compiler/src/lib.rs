@@ -2,6 +2,7 @@
 
 pub mod body;
 pub mod diagnostics;
+pub mod files;
 pub mod frame;
 pub mod syntax;
 pub mod task;

@@ -142,7 +142,8 @@ impl Binder<'_> {
         let joints = self.joints();
         let muscles = self.muscles();
         let groups = self.groups(&landmarks, &joints, &muscles);
-        let poses = self.poses(&joints);
+        let couplings = self.couplings();
+        let poses = self.poses(&joints, &couplings);
         let geoms = &self.model.geoms;
         let touches = |&geom: &usize| geoms.contact_type[geom] != 0 || geoms.contact_affinity[geom] != 0;
         let shapes = (0..geoms.body.len()).filter(|&geom| self.members.contains(&geoms.body[geom])).filter(touches).collect();
@@ -160,6 +161,7 @@ impl Binder<'_> {
             muscles,
             groups,
             poses,
+            couplings,
             shapes,
             ground,
         })
@@ -312,12 +314,16 @@ impl Binder<'_> {
         groups
     }
 
-    fn poses(&mut self, joints: &[Joint]) -> Vec<Pose> {
-        let (description, model) = (self.description, self.model);
-        let order = coupling::order(model).unwrap_or_else(|joints| {
+    /// The model's couplings, leaders before followers.
+    fn couplings(&mut self) -> Vec<usize> {
+        coupling::order(self.model).unwrap_or_else(|joints| {
             self.problems.push(Problem::CircularCouplings { joints });
             Vec::new()
-        });
+        })
+    }
+
+    fn poses(&mut self, joints: &[Joint], couplings: &[usize]) -> Vec<Pose> {
+        let (description, model) = (self.description, self.model);
         self.unique("pose", description.poses.iter().map(|(name, _)| name.as_str()));
         if !description.poses.iter().any(|(name, _)| name == NEUTRAL) {
             self.problems.push(Problem::NoNeutral);
@@ -334,7 +340,7 @@ impl Binder<'_> {
                     position[joint.position] = *value;
                 }
             }
-            coupling::solve(model, &order, &mut position);
+            coupling::solve(model, couplings, &mut position);
             let coordinates = joints.iter().map(|joint| position[joint.position]).collect();
             poses.push(Pose { name: pose.clone(), coordinates });
         }

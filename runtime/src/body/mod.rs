@@ -17,7 +17,7 @@ mod vocabulary;
 
 pub use bind::{BindError, Problem};
 
-use crate::model::JointKind;
+use crate::model::{JointKind, Model};
 use core::ops::Range;
 use msk_compiler::body::{Axis, ExcitationMap};
 use nalgebra::{Matrix3, Vector3};
@@ -43,6 +43,8 @@ pub struct Body {
     pub groups: Vec<msk_compiler::vocabulary::Group>,
     /// Named poses with couplings solved, coordinates in the order of `joints`; one of them is `neutral`.
     pub poses: Vec<msk_compiler::vocabulary::Pose>,
+    /// The model's couplings, leaders before followers.
+    pub couplings: Vec<usize>,
     /// Shapes of the body that can touch the ground.
     pub shapes: Vec<usize>,
     /// Fixed planes of the scene, which the body stands on; none means the level z = 0.
@@ -111,6 +113,16 @@ impl Body {
     /// The pose of that name: coordinates in the order of `joints`, rad or m.
     pub fn pose(&self, name: &str) -> Option<&[f64]> {
         self.poses.iter().find(|pose| pose.name == name).map(|pose| pose.coordinates.as_slice())
+    }
+
+    /// Sets the coordinates of all slaved joints in `position` (length `nq`) from those that lead them.
+    pub fn solve_couplings(&self, model: &Model, position: &mut [f64]) {
+        coupling::solve(model, &self.couplings, position);
+    }
+
+    /// Sets the velocities of all slaved joints in `velocity` (length `nv`) from those that lead them, at `position`.
+    pub fn solve_coupled_velocities(&self, model: &Model, position: &[f64], velocity: &mut [f64]) {
+        coupling::solve_velocities(model, &self.couplings, position, velocity);
     }
 
     /// The coordinates of the standing pose, in the order of `joints`, rad or m.

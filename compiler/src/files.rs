@@ -1,0 +1,58 @@
+//! Where texts and bodies come from: what the compiler asks of its surroundings. It opens no file itself.
+
+use crate::body::BodyDescription;
+use crate::vocabulary::Vocabulary;
+use std::path::{Path, PathBuf};
+
+/// Size from which on a file is refused, bytes.
+pub const LARGEST_FILE: u64 = 256 * 1024;
+
+/// Reads the files that a text names with `use`.
+pub trait Loader {
+    /// The text at `path`.
+    ///
+    /// # Errors
+    /// There is no such file, it is too large, it is not UTF-8, or it cannot be read.
+    fn load(&self, path: &Path) -> Result<String, LoadError>;
+}
+
+/// Knows the bodies that tasks may name.
+pub trait BodySource {
+    /// Path and text of the built-in body file of that name.
+    ///
+    /// A file `bodies/NAME.msk` beside or above the task file wins over it.
+    fn find(&self, name: &str) -> Option<(PathBuf, String)>;
+
+    /// What exists on a body. In `description` the model's path has been joined to the folder of the body file.
+    ///
+    /// # Errors
+    /// The model cannot be read, or the body file names what the model does not have: in words, one problem a line.
+    fn vocabulary(&self, description: &BodyDescription) -> Result<Vocabulary, String>;
+}
+
+/// Why a text cannot be had.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum LoadError {
+    /// There is no such file.
+    #[error("there is no file `{}`", .0.display())]
+    Missing(PathBuf),
+    /// Larger than [`LARGEST_FILE`].
+    #[error("`{}` has {size} bytes; at most {LARGEST_FILE} are read", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size, bytes.
+        size: u64,
+    },
+    /// Not UTF-8.
+    #[error("`{}` is not a text in UTF-8", .0.display())]
+    NotText(PathBuf),
+    /// The operating system refuses.
+    #[error("cannot read `{}`: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Its reason.
+        reason: String,
+    },
+}
