@@ -1,0 +1,360 @@
+//! What is wrong with a statement that fits no rule.
+//!
+//! The statement is parsed again under the strict rule of its block. Where that stops, and what could have stood there, is
+//! what pest says; the mistakes that people make most are recognised first.
+
+use super::grammar::{Grammar, Rule};
+use super::scanner::Masked;
+use super::{units, wording};
+use crate::diagnostics::{Diagnostic, FileId, Span};
+use pest::Parser;
+use pest::error::{Error, ErrorVariant, InputLocation};
+
+/// Where pest stopped.
+pub(super) fn position(error: &Error<Rule>) -> usize {
+    match error.location {
+        InputLocation::Pos(position) | InputLocation::Span((position, _)) => position,
+    }
+}
+
+/// Explains a piece of junk at byte `start` of the mask, in a block whose statements are read by `context`.
+pub(super) fn explain(file: FileId, masked: &Masked, start: usize, junk: &str, context: Rule) -> Diagnostic {
+    let statement = junk.trim_end();
+    let whole = masked.span(start, start + statement.len());
+    let Err(error) = Grammar::parse(context, statement) else {
+        return wording::unexpected(file, whole, &[], "this");
+    };
+    let stop = Stop::new(&error, statement);
+    let place = |from: usize, to: usize| masked.span(start + from, start + to);
+    let here = place(stop.at, stop.at + stop.found.len());
+    let failure = Failure { file, statement, context, stop, here };
+    failure.at_the_first_word().or_else(|| failure.common_mistake(&place)).unwrap_or_else(|| failure.plain())
+}
+
+/// Where and why the strict rule stopped.
+struct Stop {
+    /// Byte of the statement.
+    at: usize,
+    /// The token there; empty at the end.
+    found: String,
+    /// The token before.
+    before: String,
+    /// Byte of the statement where that begins.
+    before_at: usize,
+    /// What could have stood there, in words.
+    expected: Vec<String>,
+    /// The rules behind it.
+    rules: Vec<Rule>,
+}
+
+impl Stop {
+    fn new(error: &Error<Rule>, statement: &str) -> Self {
+        let at = position(error).min(statement.len());
+        let rest = &statement[at..];
+        let at = at + (rest.len() - rest.trim_start().len());
+        let found = statement[at..].split_at(token_length(&statement[at..])).0.to_owned();
+        let before_text = statement[..at].trim_end();
+        let before_at = last_token_start(before_text);
+        let at = if found.is_empty() { before_text.len() } else { at };
+        let rules = match &error.variant {
+            ErrorVariant::ParsingError { positives, .. } => positives.clone(),
+            ErrorVariant::CustomError { .. } => Vec::new(),
+        };
+        let expected = in_words(&rules);
+        Self { at, found, before: before_text[before_at..].to_owned(), before_at, expected, rules }
+    }
+
+    fn expects(&self, rule: Rule) -> bool {
+        self.rules.contains(&rule)
+    }
+}
+
+/// A statement that fits no rule, with all that is known of it.
+struct Failure<'a> {
+    file: FileId,
+    statement: &'a str,
+    context: Rule,
+    stop: Stop,
+    here: Span,
+}
+
+impl Failure<'_> {
+    fn is_word(text: &str) -> bool {
+        text.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
+    }
+
+    /// Statements that begin with no word of their block.
+    fn at_the_first_word(&self) -> Option<Diagnostic> {
+        let word = &self.stop.found;
+        if self.stop.at != 0 || !Self::is_word(word) {
+            return None;
+        }
+        let known = statements(self.context);
+        if known.is_empty() {
+            return None;
+        }
+        Some(match elsewhere(self.context, word) {
+            Some(place) => wording::elsewhere(self.file, self.here, word, place),
+            None => wording::unknown_statement(self.file, self.here, word, known),
+        })
+    }
+
+    fn common_mistake(&self, place: &dyn Fn(usize, usize) -> Span) -> Option<Diagnostic> {
+        let Self { file, statement, ref stop, here, context } = *self;
+        let (found, before) = (stop.found.as_str(), stop.before.as_str());
+        let after_operand = stop.rules.iter().any(|rule| is_operator(*rule));
+        let names_value = Self::is_word(before) && !is_reserved(before);
+        let in_fields = matches!(context, Rule::one_field | Rule::one_assignment | Rule::one_task_name);
+        if found.is_empty() {
+            let block = stop.rules.iter().any(|rule| is_block(*rule));
+            return block.then(|| wording::missing_block(file, here));
+        }
+        if found.starts_with(|first: char| first.is_ascii_digit()) && found.ends_with(is_word_end) {
+            return Some(wording::glued_number(file, here, found));
+        }
+        if Self::is_word(found) && before.starts_with(|first: char| first.is_ascii_digit()) {
+            if context == Rule::one_term && units::UNITS.contains(&found) && statement[..stop.before_at].trim().len() < 2 {
+                return Some(wording::weight_with_unit(file, here, found));
+            }
+            if after_operand && !is_reserved(found) && !starts_clause(found) {
+                return Some(wording::unknown_unit(file, here, found));
+            }
+        }
+        if matches!(found, "(" | "[") && names_value && after_operand {
+            let blank = place(stop.before_at + before.len(), stop.at);
+            let first = statement.split_whitespace().next() == Some(before);
+            return Some(if in_fields && !first && found == "[" {
+                wording::missing_comma(file, place(stop.before_at, stop.before_at + before.len()), before)
+            } else {
+                wording::spaced_call(file, blank, before)
+            });
+        }
+        match found {
+            "=" if after_operand => return Some(wording::single_equals(file, here)),
+            "when" if after_operand => return Some(wording::bare_when(file, here)),
+            "not" => return Some(wording::misplaced_not(file, here)),
+            _ => {}
+        }
+        if is_reserved(found) && (stop.expects(Rule::identifier) || stop.expects(Rule::name)) {
+            return Some(wording::reserved_word(file, here, found));
+        }
+        if Self::is_word(found) && !is_reserved(found) && after_operand {
+            return Some(if in_fields {
+                wording::missing_comma(file, here, found)
+            } else {
+                wording::missing_semicolon(file, here, found)
+            });
+        }
+        None
+    }
+
+    fn plain(&self) -> Diagnostic {
+        let found = match self.stop.found.as_str() {
+            "" => "the end of the statement".to_owned(),
+            found => format!("`{found}`"),
+        };
+        wording::unexpected(self.file, self.here, &self.stop.expected, &found)
+    }
+}
+
+fn is_word_end(character: char) -> bool {
+    character.is_ascii_alphanumeric() || character == '_'
+}
+
+fn is_reserved(word: &str) -> bool {
+    Grammar::parse(Rule::reserved, word).is_ok_and(|mut pairs| pairs.next().is_some_and(|pair| pair.as_str() == word))
+}
+
+/// Words that follow a whole expression in some statement.
+fn starts_clause(word: &str) -> bool {
+    matches!(word, "at" | "to" | "with" | "start" | "here" | "release" | "on" | "pose")
+}
+
+/// Bytes of the first token of `text`: a number or word with what is glued to it, a quoted text, or a mark.
+fn token_length(text: &str) -> usize {
+    let Some(first) = text.chars().next() else { return 0 };
+    if is_word_end(first) {
+        return text.find(|character| !is_word_end(character)).unwrap_or(text.len());
+    }
+    if first == '"' {
+        return text[1..].find('"').map_or(text.len(), |end| end + 2);
+    }
+    let long = ["..", "<=", ">=", "==", "!=", "*="].iter().any(|mark| text.starts_with(mark));
+    if long { 2 } else { first.len_utf8() }
+}
+
+fn last_token_start(text: &str) -> usize {
+    let Some(last) = text.chars().next_back() else { return 0 };
+    if is_word_end(last) {
+        text.rfind(|character| !is_word_end(character) && character != '.').map_or(0, |byte| byte + 1)
+    } else {
+        text.len() - last.len_utf8()
+    }
+}
+
+/// If `unit` follows `NUMBER [UNIT] (*|/)`, the byte where that number begins and the quantity that was meant.
+pub(super) fn unit_of_number_before(text: &str, unit: &str) -> Option<(usize, String)> {
+    let text = text.rsplit('\n').next().map_or(text, |line| &text[text.len() - line.len()..]);
+    let operator = text.trim_end().chars().next_back().filter(|operator| matches!(operator, '*' | '/'))?;
+    let operand = text.trim_end().strip_suffix(operator)?.trim_end();
+    let start = operand.rfind([' ', '(', '[', ',', '\n', '=', '+', '-', '*', '/', '<', '>']).map_or(0, |byte| byte + 1);
+    let quantity = &operand[start..];
+    let is_number = |text: &str| text.parse::<f64>().is_ok() && text.starts_with(|first: char| first.is_ascii_digit());
+    if is_number(quantity) {
+        let meant = if operator == '*' { unit.to_owned() } else { inverse(unit)? };
+        return Some((start, format!("{quantity} {meant}")));
+    }
+    // `10 m * s`: the last word is a unit and a number stands before it.
+    let number = operand[..start].trim_end();
+    let number_start = number.rfind([' ', '(', '[', ',', '\n']).map_or(0, |byte| byte + 1);
+    let starts_unit = quantity.split(['*', '/', '^']).next().is_some_and(|word| units::UNITS.contains(&word));
+    let whole = format!("{} {quantity}{operator}{unit}", &number[number_start..]);
+    (starts_unit && is_number(&number[number_start..])).then_some((number_start, whole))
+}
+
+/// `m^2` to `m^-2`; only for a single power, since `1/m*s` may mean either.
+fn inverse(unit: &str) -> Option<String> {
+    if unit.contains(['*', '/', '(']) {
+        return None;
+    }
+    Some(match unit.split_once('^') {
+        None => format!("{unit}^-1"),
+        Some((word, exponent)) => match exponent.strip_prefix('-') {
+            Some("1") => word.to_owned(),
+            Some(positive) => format!("{word}^{positive}"),
+            None => format!("{word}^-{exponent}"),
+        },
+    })
+}
+
+fn is_operator(rule: Rule) -> bool {
+    matches!(
+        rule,
+        Rule::plus | Rule::minus | Rule::times | Rule::divide | Rule::comparison | Rule::kw_and | Rule::kw_or | Rule::frame
+    )
+}
+
+fn is_block(rule: Rule) -> bool {
+    matches!(
+        rule,
+        Rule::open_brace
+            | Rule::task_block
+            | Rule::sequence_block
+            | Rule::params_block
+            | Rule::channels
+            | Rule::terms
+            | Rule::reasons
+            | Rule::scene_block
+            | Rule::field_block
+            | Rule::init_block
+            | Rule::test_block
+            | Rule::body_block
+            | Rule::suite_block
+            | Rule::task_names
+    )
+}
+
+/// What could have stood somewhere, in words, each once.
+fn in_words(rules: &[Rule]) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    for rule in rules {
+        if let Some(word) = in_word(*rule)
+            && !words.contains(&word)
+        {
+            words.push(word);
+        }
+    }
+    words
+}
+
+fn in_word(rule: Rule) -> Option<String> {
+    let word = match rule {
+        _ if is_operator(rule) || matches!(rule, Rule::power | Rule::kw_when | Rule::kw_in) => "an operator",
+        _ if is_block(rule) => "`{`",
+        Rule::newline | Rule::semicolon | Rule::close_brace | Rule::EOI => "the end of the statement",
+        Rule::identifier | Rule::name => "a name",
+        Rule::word => "a field",
+        Rule::text => "a text in quotes",
+        Rule::number | Rule::signed_number | Rule::weight | Rule::digits => "a number",
+        Rule::expression | Rule::chain | Rule::postfixed | Rule::if_then_else | Rule::argument | Rule::moment => "a value",
+        Rule::exponent => "an exponent",
+        Rule::unit | Rule::unit_power | Rule::unit_word => "a unit",
+        Rule::equals => "`=`",
+        Rule::times_equals => "`*=`",
+        Rule::colon | Rule::annotation => "`:`",
+        Rule::comma => "`,`",
+        Rule::dots => "`..`",
+        Rule::open_round | Rule::parameters | Rule::parameter_range | Rule::weight_range | Rule::fixed => "`(`",
+        Rule::close_round => "`)`",
+        Rule::open_square | Rule::square_list => "`[`",
+        Rule::close_square => "`]`",
+        _ => {
+            let name = format!("{rule:?}");
+            return name.strip_prefix("kw_").map(|word| format!("`{word}`"));
+        }
+    };
+    Some(word.to_owned())
+}
+
+/// The words with which the statements of a block begin; empty where they begin with names.
+fn statements(context: Rule) -> &'static [&'static str] {
+    match context {
+        Rule::one_declaration => &["use", "task", "sequence", "suite", "body", "observation", "const", "fn"],
+        Rule::one_task_statement | Rule::one_sequence_statement => &[
+            "family",
+            "body",
+            "control",
+            "horizon",
+            "symmetric",
+            "params",
+            "scene",
+            "init",
+            "observe",
+            "reward",
+            "metrics",
+            "terminate",
+            "finish",
+            "success",
+            "let",
+            "state",
+            "clock",
+            "random",
+            "reference",
+            "disturb",
+            "test",
+            "cheat",
+            "allow",
+            "phase",
+        ],
+        Rule::one_body_statement => &[
+            "model",
+            "root",
+            "excitation",
+            "tendons",
+            "landmark",
+            "joint",
+            "joints",
+            "muscle",
+            "muscles",
+            "landmarks",
+            "family",
+            "pose",
+        ],
+        Rule::one_suite_statement => &["family", "protocol"],
+        _ => &[],
+    }
+}
+
+/// Where a statement belongs that is one of the language but not of this block.
+fn elsewhere(context: Rule, word: &str) -> Option<&'static str> {
+    match (context, word) {
+        (Rule::one_declaration, "let") => Some("write `const` outside tasks; `let` belongs to a task"),
+        (Rule::one_task_statement | Rule::one_sequence_statement, "const") => Some("write `let` inside a task"),
+        (Rule::one_task_statement | Rule::one_sequence_statement, "fn" | "use" | "observation") => {
+            Some("it stands at the top of a file, outside tasks")
+        }
+        (Rule::one_task_statement, "phase") => Some("phases belong to a `sequence`"),
+        (Rule::one_declaration, _) if statements(Rule::one_task_statement).contains(&word) => Some("it belongs into a task"),
+        _ => None,
+    }
+}

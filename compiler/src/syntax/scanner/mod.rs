@@ -1,0 +1,53 @@
+//! Before the grammar: comments, brackets and line ends.
+//!
+//! 1. [`lexer`]: characters to tokens; comments are set aside, foreign signs replaced.
+//! 2. [`lines`]: which line goes on with the statement of the line before.
+//! 3. [`brackets`]: brackets are paired and repaired.
+//! 4. [`mask`]: the text the grammar sees. A newline in it always ends a statement.
+
+mod brackets;
+mod lexer;
+mod lines;
+mod mask;
+
+pub(crate) use brackets::MAXIMUM_DEPTH;
+pub(crate) use mask::{DocRun, Masked};
+
+use super::tree::{Comment, CommentKind};
+use crate::diagnostics::{Diagnostic, FileId};
+
+/// What the scanner makes of a text.
+pub(crate) struct Scanned {
+    /// What the grammar sees.
+    pub(crate) masked: Masked,
+    /// In the order of the text.
+    pub(crate) comments: Vec<Comment>,
+    /// Runs of `///`.
+    pub(crate) docs: Vec<DocRun>,
+    /// Runs of `//!`.
+    pub(crate) file_docs: Vec<DocRun>,
+    /// Errors of characters, quotes, brackets and line ends.
+    pub(crate) diagnostics: Vec<Diagnostic>,
+}
+
+/// Scans a text.
+pub(crate) fn scan(file: FileId, source: &str) -> Scanned {
+    let lexed = lexer::lex(file, source);
+    let lines = lines::describe(source, &lexed.tokens);
+    let mut brackets = brackets::pair(file, source, &lexed.tokens, &lines);
+    let mut diagnostics = lexed.diagnostics;
+    diagnostics.append(&mut brackets.diagnostics);
+    let masked = if brackets.too_deep {
+        Masked::default()
+    } else {
+        let newlines = lines::masked(file, source, &lexed.tokens, &lines, &brackets.paired, &mut diagnostics);
+        mask::mask(source, &lexed.tokens, &newlines, &brackets)
+    };
+    Scanned {
+        masked,
+        docs: mask::doc_runs(source, &lexed.comments, CommentKind::Doc),
+        file_docs: mask::doc_runs(source, &lexed.comments, CommentKind::FileDoc),
+        comments: lexed.comments,
+        diagnostics,
+    }
+}
