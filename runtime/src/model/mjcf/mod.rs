@@ -4,6 +4,7 @@
 //! 2. [`schema`] knows every element and attribute that is read, skipped or refused, and lists all that are refused at once;
 //! 3. [`defaults`] merges the attributes of default classes into each element;
 //! 4. [`compile`] turns elements into the arrays of a [`Model`], in MuJoCo's orders;
+//! 5. [`write`](mod@write) prints a model as one flat file.
 //!
 //! Files come from strangers: sizes, nesting and numbers are bounded, and every failure is one [`ModelError`].
 
@@ -15,6 +16,7 @@ mod mesh;
 mod schema;
 mod shortcut;
 mod values;
+mod write;
 
 pub use error::{ModelError, Place, Unsupported};
 
@@ -41,5 +43,10 @@ impl Model {
     pub fn from_mjcf(text: &str) -> Result<Self, ModelError> {
         let document = document::read_text(text)?;
         compile::compile(&document)
+    }
+
+    /// Prints the model as flat MJCF; reading it back gives an equal model.
+    pub fn to_mjcf(&self) -> String {
+        write::write(self)
     }
 }

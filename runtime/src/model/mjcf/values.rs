@@ -4,6 +4,9 @@ use super::document::{Element, invalid};
 use super::error::ModelError;
 use nalgebra::Vector3;
 
+/// The largest magnitude that a number may have: products of a few such numbers stay finite.
+const LARGEST: f64 = 1e30;
+
 impl Element {
     /// The text of an attribute.
     pub fn text(&self, attribute: &str) -> Option<&str> {
@@ -25,7 +28,7 @@ impl Element {
         self.text("name").unwrap_or_default().to_owned()
     }
 
-    /// One to `most` finite numbers.
+    /// One to `most` numbers.
     pub fn list(&self, attribute: &str, most: usize) -> Result<Option<Vec<f64>>, ModelError> {
         let Some(text) = self.text(attribute) else { return Ok(None) };
         let mut numbers = Vec::new();
@@ -33,11 +36,10 @@ impl Element {
             if numbers.len() == most {
                 return Err(self.invalid(format!("`{attribute}` takes at most {most} numbers")));
             }
-            let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
-            numbers.push(
-                number
-                    .ok_or_else(|| self.invalid(format!("`{attribute}` expects finite numbers, found `{}`", shortened(word))))?,
-            );
+            let number = word.parse::<f64>().ok().filter(|number| number.abs() <= LARGEST);
+            numbers.push(number.ok_or_else(|| {
+                self.invalid(format!("`{attribute}` expects numbers of at most 1e30, found `{}`", shortened(word)))
+            })?);
         }
         if numbers.is_empty() {
             return Err(self.invalid(format!("`{attribute}` is empty; it expects numbers")));

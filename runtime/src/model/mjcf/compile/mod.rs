@@ -25,6 +25,7 @@ use super::schema;
 use crate::model::Model;
 use names::Names;
 use settings::Settings;
+pub(super) use shapes::GEOM_KINDS;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 

@@ -9,7 +9,7 @@ use crate::model::{GeomKind, rotation};
 use nalgebra::Vector3;
 
 /// The words for the kinds that the model holds; `mesh` and other kinds are dealt with before.
-pub(in crate::model::mjcf) const KINDS: [(&str, GeomKind); 6] = [
+pub(in crate::model::mjcf) const GEOM_KINDS: [(&str, GeomKind); 6] = [
     ("plane", GeomKind::Plane),
     ("sphere", GeomKind::Sphere),
     ("capsule", GeomKind::Capsule),
@@ -43,8 +43,8 @@ fn bounding_radius(kind: GeomKind, size: Vector3<f64>) -> f64 {
 impl Compiler<'_> {
     /// Reads a primitive geom with its class attributes already filled in. `frame` is the enclosing frame in the body.
     pub(super) fn read_geom(&mut self, element: &Element, body: usize, frame: &Frame) -> Result<(), ModelError> {
-        let words = KINDS.map(|(word, _)| word);
-        let kind = element.keyword("type", &words)?.map_or(GeomKind::Sphere, |index| KINDS[index].1);
+        let words = GEOM_KINDS.map(|(word, _)| word);
+        let kind = element.keyword("type", &words)?.map_or(GeomKind::Sphere, |index| GEOM_KINDS[index].1);
         let (size, local) = self.size_and_frame(element, kind)?;
         let placed = frame.then(&local);
         let geoms = &mut self.model.geoms;

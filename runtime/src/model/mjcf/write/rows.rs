@@ -1,0 +1,287 @@
+//! Elements as rows of attributes, those with MuJoCo's standard value left out.
+
+use super::super::compile::GEOM_KINDS;
+use super::{JointKind, Model, PathPoint};
+use crate::model::{GeomKind, Options, Quaternion, Softness, rotation};
+use nalgebra::Vector3;
+
+/// An element's tag and attributes, as text.
+#[derive(Debug, Clone)]
+pub(super) struct Row {
+    pub tag: &'static str,
+    pub attributes: Vec<(&'static str, String)>,
+}
+
+impl Row {
+    pub fn new(tag: &'static str) -> Self {
+        Self { tag, attributes: Vec::new() }
+    }
+
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(own, _)| *own == name).map(|(_, value)| value.as_str())
+    }
+
+    /// Adds a name; nothing if it is empty.
+    pub fn text(mut self, name: &'static str, value: &str) -> Self {
+        if !value.is_empty() {
+            self.attributes.push((name, value.to_owned()));
+        }
+        self
+    }
+
+    /// Adds a word whatever it is.
+    pub fn word(mut self, name: &'static str, value: &str) -> Self {
+        self.attributes.push((name, value.to_owned()));
+        self
+    }
+
+    /// Adds numbers whatever they are.
+    fn numbers(self, name: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
+        let text = spaced(values);
+        self.word(name, &text)
+    }
+
+    /// Adds numbers unless they are the element's standard ones.
+    fn unless_standard(self, kind: &str, name: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
+        let text = spaced(values);
+        if text == standard(kind, name) { self } else { self.word(name, &text) }
+    }
+
+    /// Adds a whole number unless it is the element's standard one.
+    fn integer(self, kind: &str, name: &'static str, value: impl ToString) -> Self {
+        let text = value.to_string();
+        if text == standard(kind, name) { self } else { self.word(name, &text) }
+    }
+
+    fn vector(self, name: &'static str, value: Vector3<f64>) -> Self {
+        if value == Vector3::zeros() { self } else { self.numbers(name, value.iter().copied()) }
+    }
+
+    fn orientation(self, value: Quaternion) -> Self {
+        if value == rotation::IDENTITY { self } else { self.numbers("quat", value) }
+    }
+
+    fn range(self, name: &'static str, value: Option<[f64; 2]>) -> Self {
+        match value {
+            Some(range) => self.numbers(name, range),
+            None => self,
+        }
+    }
+
+    fn softness(self, kind: &str, names: [&'static str; 2], value: &Softness) -> Self {
+        self.unless_standard(kind, names[0], value.reference).unless_standard(kind, names[1], value.impedance)
+    }
+}
+
+/// What MuJoCo takes for an attribute that is not given. Only attributes that the `default` section may set are listed.
+pub(super) fn standard(kind: &str, name: &str) -> &'static str {
+    match (kind, name) {
+        ("geom", "type") => "sphere",
+        ("geom", "friction") => "1 0.005 0.0001",
+        ("pair", "friction") => "1 1 0.005 0.0001 0.0001",
+        ("pair", "solreffriction") => "0 0",
+        ("geom" | "pair", "condim") => "3",
+        ("geom", "contype" | "conaffinity" | "solmix") | ("general", "gear") => "1",
+        ("tendon", "springlength") => "-1 -1",
+        ("general", "dyntype" | "gaintype" | "biastype") => "muscle",
+        ("general", "ctrlrange") => "0 0",
+        (_, "solref" | "solreflimit") => "0.02 1",
+        (_, "solimp" | "solimplimit") => "0.9 0.95 0.001 0.5 2",
+        _ => "0",
+    }
+}
+
+/// Numbers with spaces between them.
+fn spaced(values: impl IntoIterator<Item = f64>) -> String {
+    values.into_iter().map(shortest).collect::<Vec<_>>().join(" ")
+}
+
+/// The shortest decimal that reads back to the same number, with an exponent where that is shorter.
+fn shortest(value: f64) -> String {
+    let (plain, scientific) = (format!("{value}"), format!("{value:e}"));
+    if scientific.len() < plain.len() { scientific } else { plain }
+}
+
+/// Text as it may stand between double quotes.
+pub(super) fn escaped(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => result.push_str("&amp;"),
+            '<' => result.push_str("&lt;"),
+            '>' => result.push_str("&gt;"),
+            '"' => result.push_str("&quot;"),
+            '\t' | '\n' | '\r' => result.push_str(&format!("&#{};", character as u32)),
+            other => result.push(other),
+        }
+    }
+    result
+}
+
+pub(super) fn options(options: &Options) -> Row {
+    let standard = Options::default();
+    let mut row = Row::new("option").numbers("timestep", [options.timestep]);
+    if options.gravity != standard.gravity {
+        row = row.numbers("gravity", options.gravity.iter().copied());
+    }
+    let numbers = [
+        ("tolerance", options.tolerance, standard.tolerance),
+        ("ls_tolerance", options.line_search_tolerance, standard.line_search_tolerance),
+        ("impratio", options.impedance_ratio, standard.impedance_ratio),
+    ];
+    for (name, value, standard) in numbers.into_iter().filter(|(_, value, standard)| value != standard) {
+        row = row.numbers(name, [value]);
+    }
+    let counts = [
+        ("iterations", options.iterations, standard.iterations),
+        ("ls_iterations", options.line_search_iterations, standard.line_search_iterations),
+    ];
+    for (name, count, _) in counts.into_iter().filter(|(_, count, standard)| count != standard) {
+        row = row.word(name, &count.to_string());
+    }
+    row
+}
+
+pub(super) fn body(model: &Model, body: usize) -> Row {
+    let bodies = &model.bodies;
+    Row::new("body").text("name", &bodies.name[body]).vector("pos", bodies.position[body]).orientation(bodies.orientation[body])
+}
+
+pub(super) fn inertial(model: &Model, body: usize) -> Row {
+    let bodies = &model.bodies;
+    Row::new("inertial")
+        .numbers("pos", bodies.inertial_position[body].iter().copied())
+        .orientation(bodies.inertial_orientation[body])
+        .numbers("mass", [bodies.mass[body]])
+        .numbers("diaginertia", bodies.inertia[body].iter().copied())
+}
+
+/// A joint; the free joint without armature, damping and the like is the element that takes no defaults.
+pub(super) fn joint(model: &Model, joint: usize) -> Row {
+    let (joints, dofs) = (&model.joints, &model.dofs);
+    let (kind, dof) = (joints.kind[joint], joints.dof_address[joint]);
+    let directed = matches!(kind, JointKind::Slide | JointKind::Hinge);
+    let tag = match kind {
+        JointKind::Free => "free",
+        JointKind::Ball => "ball",
+        JointKind::Slide => "slide",
+        JointKind::Hinge => "hinge",
+    };
+    let mut row = Row::new("joint").text("name", &joints.name[joint]);
+    if kind != JointKind::Hinge {
+        row = row.word("type", tag);
+    }
+    row = row.vector("pos", joints.anchor[joint]);
+    if directed && joints.axis[joint] != Vector3::z() {
+        row = row.numbers("axis", joints.axis[joint].iter().copied());
+    }
+    if directed {
+        let reference = model.reference_position[joints.position_address[joint]];
+        row = row.unless_standard("joint", "ref", [reference]);
+        row = row.unless_standard("joint", "springref", [joints.spring_reference[joint]]);
+    }
+    row = row
+        .range("range", joints.range[joint])
+        .unless_standard("joint", "armature", [dofs.armature[dof]])
+        .unless_standard("joint", "damping", [dofs.damping[dof]])
+        .unless_standard("joint", "frictionloss", [dofs.friction_loss[dof]])
+        .unless_standard("joint", "stiffness", [joints.stiffness[joint]])
+        .unless_standard("joint", "margin", [joints.margin[joint]])
+        .softness("joint", ["solreflimit", "solimplimit"], &joints.limit_softness[joint]);
+    let plain = row.attributes.iter().all(|(name, _)| matches!(*name, "name" | "type"));
+    if kind == JointKind::Free && plain {
+        row = Row::new("freejoint").text("name", &joints.name[joint]);
+    }
+    row
+}
+
+pub(super) fn geom(model: &Model, geom: usize) -> Row {
+    let geoms = &model.geoms;
+    let kind = geoms.kind[geom];
+    let word = GEOM_KINDS.iter().find(|(_, known)| *known == kind).map_or("sphere", |(word, _)| word);
+    let mut row = Row::new("geom").text("name", &geoms.name[geom]);
+    if kind != GeomKind::Sphere {
+        row = row.word("type", word);
+    }
+    row.numbers("size", geoms.size[geom].iter().copied())
+        .vector("pos", geoms.position[geom])
+        .orientation(geoms.orientation[geom])
+        .integer("geom", "contype", geoms.contact_type[geom])
+        .integer("geom", "conaffinity", geoms.contact_affinity[geom])
+        .integer("geom", "condim", geoms.contact_dimension[geom])
+        .integer("geom", "group", geoms.group[geom])
+        .integer("geom", "priority", geoms.priority[geom])
+        .unless_standard("geom", "friction", geoms.friction[geom])
+        .unless_standard("geom", "solmix", [geoms.softness_mix[geom]])
+        .softness("geom", ["solref", "solimp"], &geoms.softness[geom])
+        .unless_standard("geom", "margin", [geoms.margin[geom]])
+        .unless_standard("geom", "gap", [geoms.gap[geom]])
+}
+
+pub(super) fn site(model: &Model, site: usize) -> Row {
+    let sites = &model.sites;
+    Row::new("site").text("name", &sites.name[site]).vector("pos", sites.position[site]).orientation(sites.orientation[site])
+}
+
+pub(super) fn pair(model: &Model, pair: usize) -> Row {
+    let pairs = &model.pairs;
+    let [first, second] = pairs.geoms[pair];
+    Row::new("pair")
+        .text("geom1", &model.geoms.name[first])
+        .text("geom2", &model.geoms.name[second])
+        .integer("pair", "condim", pairs.dimension[pair])
+        .unless_standard("pair", "friction", pairs.friction[pair])
+        .softness("pair", ["solref", "solimp"], &pairs.softness[pair])
+        .unless_standard("pair", "solreffriction", pairs.friction_reference[pair])
+        .unless_standard("pair", "margin", [pairs.margin[pair]])
+        .unless_standard("pair", "gap", [pairs.gap[pair]])
+}
+
+pub(super) fn coupling(model: &Model, coupling: usize) -> Row {
+    let couplings = &model.couplings;
+    let leader = couplings.leader[coupling].map_or("", |joint| &model.joints.name[joint]);
+    Row::new("joint")
+        .text("name", &couplings.name[coupling])
+        .text("joint1", &model.joints.name[couplings.joint[coupling]])
+        .text("joint2", leader)
+        .numbers("polycoef", couplings.polynomial[coupling])
+        .softness("equality", ["solref", "solimp"], &couplings.softness[coupling])
+}
+
+pub(super) fn tendon(model: &Model, tendon: usize) -> Row {
+    let tendons = &model.tendons;
+    Row::new("spatial")
+        .text("name", &tendons.name[tendon])
+        .range("range", tendons.range[tendon])
+        .unless_standard("tendon", "stiffness", [tendons.stiffness[tendon]])
+        .unless_standard("tendon", "damping", [tendons.damping[tendon]])
+        .range("springlength", tendons.spring_length[tendon])
+        .unless_standard("tendon", "margin", [tendons.margin[tendon]])
+        .softness("tendon", ["solreflimit", "solimplimit"], &tendons.limit_softness[tendon])
+}
+
+pub(super) fn path_point(model: &Model, point: &PathPoint) -> Row {
+    match point {
+        PathPoint::Site(site) => Row::new("site").text("site", &model.sites.name[*site]),
+        PathPoint::Wrap { geom, side } => Row::new("geom")
+            .text("geom", &model.geoms.name[*geom])
+            .text("sidesite", side.map_or("", |site| &model.sites.name[site])),
+        PathPoint::Pulley(divisor) => Row::new("pulley").numbers("divisor", [*divisor]),
+    }
+}
+
+pub(super) fn actuator(model: &Model, actuator: usize) -> Row {
+    let actuators = &model.actuators;
+    Row::new("general")
+        .text("name", &actuators.name[actuator])
+        .text("tendon", &model.tendons.name[actuators.tendon[actuator]])
+        .word("dyntype", "muscle")
+        .word("gaintype", "muscle")
+        .word("biastype", "muscle")
+        .range("ctrlrange", actuators.control_range[actuator])
+        .numbers("lengthrange", actuators.length_range[actuator])
+        .unless_standard("general", "gear", [actuators.gear[actuator]])
+        .numbers("dynprm", actuators.time_constants[actuator])
+        .numbers("gainprm", actuators.gain[actuator])
+        .numbers("biasprm", actuators.bias[actuator])
+}
