@@ -21,7 +21,6 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    #[command(hide = true)]
     Physics(physics::Args),
     Help(help::Args),
 }

@@ -2,6 +2,8 @@
 //!
 //! As in the root, a subcommand's file holds its `Args` and `run`, and gets one line in [`Command`] and one in [`run`].
 
+mod import;
+
 use crate::error::Error;
 use std::process::ExitCode;
 
@@ -13,12 +15,16 @@ pub struct Args {
 }
 
 #[derive(clap::Subcommand)]
-enum Command {}
+enum Command {
+    Import(import::Args),
+}
 
 /// Runs the chosen subcommand.
 ///
 /// # Errors
 /// Those of the subcommand.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    match args.command {}
+    match args.command {
+        Command::Import(args) => import::run(args),
+    }
 }

@@ -11,6 +11,7 @@
 mod bodies;
 mod constraints;
 mod geometry;
+pub mod import;
 mod inertia;
 pub mod mjcf;
 mod muscles;

@@ -96,10 +96,10 @@ fn spaced(values: impl IntoIterator<Item = f64>) -> String {
     values.into_iter().map(shortest).collect::<Vec<_>>().join(" ")
 }
 
-/// The shortest decimal that reads back to the same number, with an exponent where that is shorter.
+/// The shortest decimal that reads back to the same number, with an exponent where zeros would fill the line.
 fn shortest(value: f64) -> String {
-    let (plain, scientific) = (format!("{value}"), format!("{value:e}"));
-    if scientific.len() < plain.len() { scientific } else { plain }
+    let size = value.abs();
+    if value == 0.0 || (1e-4..1e16).contains(&size) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// Text as it may stand between double quotes.
@@ -129,7 +129,7 @@ pub(super) fn options(options: &Options) -> Row {
         ("ls_tolerance", options.line_search_tolerance, standard.line_search_tolerance),
         ("impratio", options.impedance_ratio, standard.impedance_ratio),
     ];
-    for (name, value, standard) in numbers.into_iter().filter(|(_, value, standard)| value != standard) {
+    for (name, value, _) in numbers.into_iter().filter(|(_, value, standard)| value != standard) {
         row = row.numbers(name, [value]);
     }
     let counts = [
