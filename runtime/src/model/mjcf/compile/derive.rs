@@ -7,6 +7,12 @@ use crate::model::mjcf::error::ModelError;
 /// The mass matrix may have this many entries.
 const MOST_ENTRIES: usize = 20_000_000;
 
+/// A model may have this many geoms: every two of them may meet.
+const MOST_GEOMS: usize = 20_000;
+
+/// Constants are derived by one solve with the mass matrix per body, dof and muscle: entries visited in all, at most.
+const MOST_WORK: usize = 4_000_000_000;
+
 /// Masses and moments below this count as zero (MuJoCo's `mjMINVAL`).
 const LEAST: f64 = 1e-15;
 
@@ -17,6 +23,7 @@ pub(super) fn derive(model: &mut Model, root: &Element) -> Result<(), ModelError
     bodies(model);
     check_masses(model, root)?;
     dofs(model, root)?;
+    check_size(model, root)?;
     model.bodies.inverse_weight = vec![[0.0; 2]; model.bodies.name.len()];
     model.dofs.inverse_weight = vec![0.0; model.nv];
     model.tendons.reference_length = vec![0.0; model.tendons.name.len()];
@@ -73,6 +80,21 @@ fn last_dof_above(model: &Model, mut body: usize) -> Option<usize> {
         }
     }
     None
+}
+
+/// Refuses models so large that compiling them would take minutes.
+fn check_size(model: &Model, root: &Element) -> Result<(), ModelError> {
+    let geoms = model.geoms.name.len();
+    if geoms > MOST_GEOMS {
+        return Err(root.invalid(format!("the model has {geoms} geoms; at most {MOST_GEOMS} are supported")));
+    }
+    let solves = model.bodies.name.len() + model.nv + model.actuators.name.len();
+    let entries = model.dofs.column.len() + model.nv;
+    if solves.saturating_mul(entries) > MOST_WORK {
+        return Err(root
+            .invalid(format!("the model is too large: {} degrees of freedom, {solves} bodies, degrees and muscles", model.nv)));
+    }
+    Ok(())
 }
 
 /// Refuses bodies that move without mass or inertia: the mass matrix would be singular.
