@@ -13,6 +13,7 @@
 
 pub mod forces;
 pub mod inertia;
+pub mod jacobian;
 pub mod kinematics;
 pub mod muscles;
 pub mod rotation;
@@ -23,6 +24,7 @@ pub mod tendons;
 pub mod velocities;
 pub mod workspace;
 
+pub use jacobian::{center_of_mass_jacobian, point_jacobian};
 pub use smooth::smooth;
 pub use state::State;
 pub use tendons::moment_arms;
