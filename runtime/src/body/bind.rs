@@ -26,7 +26,7 @@ fn list(problems: &[Problem]) -> String {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// A name that the model does not have.
-    #[error("{user} names the {kind} `{name}`, which the model does not have{}", hint(.nearest))]
+    #[error("{user} names the {kind} `{name}`, which does not exist{}", hint(.nearest))]
     Unknown {
         /// Kind of element: body, joint, muscle, shape, landmark.
         kind: &'static str,
@@ -141,7 +141,7 @@ impl Binder<'_> {
         let landmarks = self.landmarks();
         let joints = self.joints();
         let muscles = self.muscles();
-        let groups = self.groups(&landmarks, &joints, &muscles);
+        let groups = self.groups(&joints, &muscles);
         let couplings = self.couplings();
         let poses = self.poses(&joints, &couplings);
         let geoms = &self.model.geoms;
@@ -284,12 +284,13 @@ impl Binder<'_> {
         bound
     }
 
-    fn groups(&mut self, landmarks: &[Landmark], joints: &[Joint], muscles: &[Muscle]) -> Vec<Group> {
+    fn groups(&mut self, joints: &[Joint], muscles: &[Muscle]) -> Vec<Group> {
         let description = self.description;
         let joint_names: Vec<String> = joints.iter().map(|joint| joint.name.clone()).collect();
         let joint_originals: Vec<String> = joints.iter().map(|joint| self.model.joints.name[joint.index].clone()).collect();
         let muscle_names: Vec<String> = muscles.iter().map(|muscle| muscle.name.clone()).collect();
-        let landmark_names: Vec<String> = landmarks.iter().map(|landmark| landmark.name.clone()).collect();
+        // As described: a landmark that does not resolve is reported once, where it stands.
+        let landmark_names: Vec<String> = description.landmarks.iter().map(|landmark| landmark.name.clone()).collect();
 
         let mut groups = Vec::new();
         let kinds = [

@@ -153,3 +153,6 @@ fn anatomical_axes(forward: Axis, up: Axis) -> Option<Matrix3<f64>> {
     let left = up.cross(&forward);
     (left != Vector3::zeros()).then(|| Matrix3::from_columns(&[forward, left, up]))
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,10 +1,10 @@
 //! Where a body begins: joints in a pose, the root turned to its heading and lowered until something touches the ground.
 
 use super::{Body, shape};
-use crate::model::Model;
+use crate::model::{Model, rotation};
 use crate::physics::{self, State, Workspace};
 use msk_compiler::task::RootPlacement;
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 impl Body {
     /// Sets positions and velocities of the body: `coordinates` (rad or m, in the order of `joints`) and the root's placement.
@@ -24,9 +24,7 @@ impl Body {
             state.velocity[joint.dof] = 0.0;
         }
         let Some((position, dof)) = self.root.free else { return };
-        let facing = Rotation3::from_matrix_unchecked(self.facing(placement.heading));
-        let facing = UnitQuaternion::from_rotation_matrix(&facing);
-        let orientation = [facing.w, facing.i, facing.j, facing.k];
+        let orientation = rotation::from_matrix(&self.facing(placement.heading));
         let [x, y] = placement.position;
         state.position[position..position + 3].copy_from_slice(&[x, y, placement.height.unwrap_or(0.0)]);
         state.position[position + 3..position + 7].copy_from_slice(&orientation);
