@@ -78,25 +78,32 @@ def dense_tendon_jacobian(model, data):
     return dense
 
 
-def lower_mass_matrix(model, data):
-    """The mass matrix on the sparsity of the tree: MuJoCo's own keeps only the diagonal of bodies it calls simple."""
-    dense = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, dense)
-    entries = []
-    for dof in range(model.nv):
-        path = []
-        while dof >= 0:
-            path.insert(0, dof)
-            dof = model.dof_parentid[dof]
-        entries += [dense[path[-1], column] for column in path]
-    return np.array(entries)
-
-
 def quantities(model, data):
+    """All compared quantities, flat.
+
+    Those of the joints are scaled by the inertia that each dof feels, lest a finger's error hide behind the pelvis's size:
+    forces by 1/sqrt(M_ii), accelerations by sqrt(M_ii), M_ij by 1/sqrt(M_ii M_jj), and of M_ii itself the logarithm. M is
+    listed on the sparsity of the tree (MuJoCo's own keeps only the diagonal of bodies it calls simple).
+    """
     mujoco.mj_forward(model, data)
     out = {name: np.array(getattr(data, name)).ravel() for name in GROUPS if name not in ("ten_J", "M")}
-    out["M"] = lower_mass_matrix(model, data)
     out["ten_J"] = dense_tendon_jacobian(model, data).ravel()
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    root = np.sqrt(np.diag(mass))
+    for name in out:
+        if name.startswith("qfrc"):
+            out[name] = out[name] / root
+    out["qacc_smooth"] = out["qacc_smooth"] * root
+    entries = []
+    for dof in range(model.nv):
+        above = model.dof_parentid[dof]
+        path = []
+        while above >= 0:
+            path.insert(0, mass[dof, above] / root[dof] / root[above])
+            above = model.dof_parentid[above]
+        entries += path + [2 * np.log(root[dof])]
+    out["M"] = np.array(entries)
     return out
 
 
