@@ -8,6 +8,9 @@ const WIDTH: usize = 120;
 /// Columns a tab takes.
 const TAB: usize = 4;
 
+/// Lines, from 1, with the labels that begin on them.
+type LabelledLines<'a> = Vec<(usize, Vec<&'a Label>)>;
+
 /// Whether to colour the text for a terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
@@ -72,7 +75,10 @@ impl Diagnostic {
                     let _ = writeln!(text, "{}", paint.quiet("..."));
                 }
                 previous = Some(line);
-                self.render_line(&mut text, sources, file, line, &labels, margin, paint);
+                if let Some(span) = sources.line(file, line) {
+                    let source = Layout::new(span.of(sources.text(file)), span.start as usize, &labels);
+                    self.render_line(&mut text, line, &source, &labels, margin, paint);
+                }
             }
         }
         self.render_notes(&mut text, margin, paint);
@@ -85,8 +91,8 @@ impl Diagnostic {
     }
 
     /// The labels by file and line: the main file first, lines in order.
-    fn lines(&self, sources: &SourceMap) -> Vec<(FileId, Vec<(usize, Vec<&Label>)>)> {
-        let mut files: Vec<(FileId, Vec<(usize, Vec<&Label>)>)> = Vec::new();
+    fn lines(&self, sources: &SourceMap) -> Vec<(FileId, LabelledLines<'_>)> {
+        let mut files: Vec<(FileId, LabelledLines<'_>)> = Vec::new();
         for label in &self.labels {
             let line = sources.line_column(label.file, label.span.start as usize).0;
             let file = match files.iter().position(|(file, _)| *file == label.file) {
@@ -108,19 +114,7 @@ impl Diagnostic {
         files
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn render_line(
-        &self,
-        text: &mut String,
-        sources: &SourceMap,
-        file: FileId,
-        line: usize,
-        labels: &[&Label],
-        margin: usize,
-        paint: Paint,
-    ) {
-        let Some(span) = sources.line(file, line) else { return };
-        let source = Layout::new(span.of(sources.text(file)), span.start as usize, labels);
+    fn render_line(&self, text: &mut String, line: usize, source: &Layout, labels: &[&Label], margin: usize, paint: Paint) {
         let _ = writeln!(text, "{} {} {}", paint.quiet(&format!("{line:>margin$}")), paint.quiet("|"), source.shown);
         for label in labels {
             let is_main = self.labels.first().is_some_and(|main| std::ptr::eq(main, *label));

@@ -22,7 +22,7 @@ pub(super) fn explain(file: FileId, masked: &Masked, start: usize, junk: &str, c
     let statement = junk.trim_end();
     let whole = masked.span(start, start + statement.len());
     let Err(error) = Grammar::parse(context, statement) else {
-        return wording::unexpected(file, whole, &[], "this");
+        return wording::unexpected(file, whole, &[], statement);
     };
     let stop = Stop::new(&error, statement);
     let place = |from: usize, to: usize| masked.span(start + from, start + to);
@@ -60,12 +60,38 @@ impl Stop {
             ErrorVariant::ParsingError { positives, .. } => positives.clone(),
             ErrorVariant::CustomError { .. } => Vec::new(),
         };
-        let expected = in_words(&rules);
+        let mut expected = in_words(&rules);
+        let touching = |word: &String| matches!(word.as_str(), "`(`" | "`[`");
+        if is_word(&before_text[before_at..]) && !expected.iter().all(touching) {
+            // A bracket could only have touched the word before.
+            expected.retain(|word| !touching(word));
+        }
         Self { at, found, before: before_text[before_at..].to_owned(), before_at, expected, rules }
     }
 
     fn expects(&self, rule: Rule) -> bool {
         self.rules.contains(&rule)
+    }
+
+    fn expects_name(&self) -> bool {
+        self.expects(Rule::identifier) || self.expects(Rule::name)
+    }
+
+    fn expects_value(&self) -> bool {
+        [Rule::expression, Rule::chain, Rule::postfixed, Rule::order].into_iter().any(|rule| self.expects(rule))
+    }
+
+    fn expects_name_or_value(&self) -> bool {
+        self.expects_name() || self.expects_value()
+    }
+
+    /// Whether a whole value stands before, so that an operator could follow.
+    fn after_operand(&self) -> bool {
+        after_operand(&self.rules)
+    }
+
+    fn after_number(&self) -> bool {
+        self.before.starts_with(|first: char| first.is_ascii_digit())
     }
 }
 
@@ -79,14 +105,13 @@ struct Failure<'a> {
 }
 
 impl Failure<'_> {
-    fn is_word(text: &str) -> bool {
-        text.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
-    }
-
     /// Statements that begin with no word of their block.
     fn at_the_first_word(&self) -> Option<Diagnostic> {
         let word = &self.stop.found;
-        if self.stop.at != 0 || !Self::is_word(word) {
+        if self.stop.at == 0 && word == "-" {
+            return Some(wording::leading_minus(self.file, self.here));
+        }
+        if self.stop.at != 0 || !is_word(word) {
             return None;
         }
         let known = statements(self.context);
@@ -100,61 +125,99 @@ impl Failure<'_> {
     }
 
     fn common_mistake(&self, place: &dyn Fn(usize, usize) -> Span) -> Option<Diagnostic> {
-        let Self { file, statement, ref stop, here, context } = *self;
+        let (file, here, stop) = (self.file, self.here, &self.stop);
         let (found, before) = (stop.found.as_str(), stop.before.as_str());
-        let after_operand = stop.rules.iter().any(|rule| is_operator(*rule));
-        let names_value = Self::is_word(before) && !is_reserved(before);
-        let in_fields = matches!(context, Rule::one_field | Rule::one_assignment | Rule::one_task_name);
         if found.is_empty() {
-            let block = stop.rules.iter().any(|rule| is_block(*rule));
+            let block = stop.rules.iter().any(|rule| is_block(*rule)) && !stop.expects_name_or_value();
             return block.then(|| wording::missing_block(file, here));
         }
-        if found.starts_with(|first: char| first.is_ascii_digit()) && found.ends_with(is_word_end) {
-            return Some(wording::glued_number(file, here, found));
+        match found {
+            "=" if stop.after_operand() => return Some(wording::single_equals(file, here)),
+            "=" if stop.expects_value() => return Some(wording::needless_equals(file, here)),
+            "when" if stop.after_operand() => return Some(wording::bare_when(file, here)),
+            "not" => return Some(wording::misplaced_not(file, here)),
+            "." if stop.after_number() => return Some(wording::lonely_point(file, here, &format!("{before}.0"))),
+            "." if stop.expects_value() => {
+                let rest = &self.statement[stop.at + 1..];
+                let digits = rest.find(|character: char| !character.is_ascii_digit()).unwrap_or(rest.len());
+                return Some(wording::lonely_point(file, here, &format!("0.{}", &rest[..digits])));
+            }
+            "(" | "[" => return self.bracket(place),
+            _ => {}
         }
-        if Self::is_word(found) && before.starts_with(|first: char| first.is_ascii_digit()) {
-            if context == Rule::one_term && units::UNITS.contains(&found) && statement[..stop.before_at].trim().len() < 2 {
+        if found.starts_with(|first: char| first.is_ascii_digit()) {
+            let glued = found.bytes().any(|byte| !byte.is_ascii_digit());
+            return glued.then(|| wording::glued_number(file, here, found));
+        }
+        if is_word(found) { self.word() } else { None }
+    }
+
+    /// A bracket that does not touch what stands before it.
+    fn bracket(&self, place: &dyn Fn(usize, usize) -> Span) -> Option<Diagnostic> {
+        let (stop, file) = (&self.stop, self.file);
+        let before = &stop.before;
+        if !is_word(before) || is_reserved(before) || !stop.after_operand() {
+            return None;
+        }
+        let end = stop.before_at + before.len();
+        let first = self.statement.split_whitespace().next() == Some(before);
+        let forgotten_comma = self.in_fields() && !first && stop.found == "[";
+        Some(if forgotten_comma {
+            wording::missing_comma(file, place(stop.before_at, end), before)
+        } else {
+            wording::spaced_call(file, place(end, stop.at), before)
+        })
+    }
+
+    /// A word where none can stand.
+    fn word(&self) -> Option<Diagnostic> {
+        let (file, here, stop) = (self.file, self.here, &self.stop);
+        let (found, before) = (stop.found.as_str(), stop.before.as_str());
+        if stop.after_number() {
+            if self.context == Rule::one_term && units::UNITS.contains(&found) && stop.before_at < 2 {
                 return Some(wording::weight_with_unit(file, here, found));
             }
-            if after_operand && !is_reserved(found) && !starts_clause(found) {
+            if stop.after_operand() && !is_reserved(found) && !starts_clause(found) {
                 return Some(wording::unknown_unit(file, here, found));
             }
         }
-        if matches!(found, "(" | "[") && names_value && after_operand {
-            let blank = place(stop.before_at + before.len(), stop.at);
-            let first = statement.split_whitespace().next() == Some(before);
-            return Some(if in_fields && !first && found == "[" {
-                wording::missing_comma(file, place(stop.before_at, stop.before_at + before.len()), before)
-            } else {
-                wording::spaced_call(file, blank, before)
-            });
+        if is_reserved(found) {
+            return stop.expects_name().then(|| wording::reserved_word(file, here, found));
         }
-        match found {
-            "=" if after_operand => return Some(wording::single_equals(file, here)),
-            "when" if after_operand => return Some(wording::bare_when(file, here)),
-            "not" => return Some(wording::misplaced_not(file, here)),
-            _ => {}
+        if before == "at" && self.context == Rule::one_test_statement {
+            return Some(self.plain().help("write the value on both sides: `reward.pose at a < reward.pose at b`"));
         }
-        if is_reserved(found) && (stop.expects(Rule::identifier) || stop.expects(Rule::name)) {
-            return Some(wording::reserved_word(file, here, found));
+        if self.context == Rule::one_field && self.statement.split_whitespace().nth(1) == Some("at") {
+            return Some(wording::repeat_so(file, here, self.statement));
         }
-        if Self::is_word(found) && !is_reserved(found) && after_operand {
-            return Some(if in_fields {
-                wording::missing_comma(file, here, found)
-            } else {
-                wording::missing_semicolon(file, here, found)
-            });
+        if self.in_fields() && (stop.after_operand() || stop.expects(Rule::comma) || stop.expects(Rule::EOI)) {
+            return Some(wording::missing_comma(file, here, found));
         }
-        None
+        stop.after_operand().then(|| wording::missing_semicolon(file, here, found))
+    }
+
+    fn in_fields(&self) -> bool {
+        matches!(self.context, Rule::one_field | Rule::one_assignment | Rule::one_task_name)
     }
 
     fn plain(&self) -> Diagnostic {
-        let found = match self.stop.found.as_str() {
-            "" => "the end of the statement".to_owned(),
-            found => format!("`{found}`"),
+        let begins = match self.context {
+            Rule::one_term => Some("a weight such as `10`"),
+            Rule::one_channel => Some("a value"),
+            Rule::one_reason | Rule::one_parameter | Rule::one_task_name => Some("a name"),
+            Rule::one_field => Some("a field"),
+            _ => None,
         };
-        wording::unexpected(self.file, self.here, &self.stop.expected, &found)
+        let expected = match begins.filter(|_| self.stop.at == 0) {
+            Some(begins) => vec![begins.to_owned()],
+            None => self.stop.expected.clone(),
+        };
+        wording::unexpected(self.file, self.here, &expected, &self.stop.found)
     }
+}
+
+fn is_word(text: &str) -> bool {
+    text.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
 }
 
 fn is_word_end(character: char) -> bool {
@@ -174,7 +237,9 @@ fn starts_clause(word: &str) -> bool {
 fn token_length(text: &str) -> usize {
     let Some(first) = text.chars().next() else { return 0 };
     if is_word_end(first) {
-        return text.find(|character| !is_word_end(character)).unwrap_or(text.len());
+        let end = text.find(|character| !is_word_end(character)).unwrap_or(text.len());
+        let braces = text[..end].ends_with('_') && text[end..].starts_with('{');
+        return if braces { text.find('}').map_or(end, |close| close + 1) } else { end };
     }
     if first == '"' {
         return text[1..].find('"').map_or(text.len(), |end| end + 2);
@@ -254,22 +319,36 @@ fn is_block(rule: Rule) -> bool {
     )
 }
 
-/// What could have stood somewhere, in words, each once.
+fn after_operand(rules: &[Rule]) -> bool {
+    rules.iter().any(|rule| matches!(rule, Rule::plus | Rule::times | Rule::kw_and))
+}
+
+/// What could have stood somewhere, in words, each once; the end of the statement last.
 fn in_words(rules: &[Rule]) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
-    for rule in rules {
-        if let Some(word) = in_word(*rule)
-            && !words.contains(&word)
-        {
-            words.push(word);
+    const END: &str = "the end of the statement";
+    let operand_before = after_operand(rules);
+    let names_the_rest = |rule: Rule| {
+        if operand_before {
+            // What could touch the operand, or be its unit, is not worth a word beside the operators.
+            !matches!(rule, Rule::open_round | Rule::open_square | Rule::text | Rule::unit)
+        } else {
+            // Before a value a minus is its sign.
+            rule != Rule::minus
         }
+    };
+    let mut words: Vec<String> = Vec::new();
+    for rule in rules.iter().copied().filter(|rule| names_the_rest(*rule)) {
+        let operator = matches!(rule, Rule::power | Rule::kw_when | Rule::kw_in) && operand_before;
+        let word = if operator { Some("an operator".to_owned()) } else { in_word(rule) };
+        words.extend(word.filter(|word| !words.contains(word)));
     }
+    words.sort_by_key(|word| word == END);
     words
 }
 
 fn in_word(rule: Rule) -> Option<String> {
     let word = match rule {
-        _ if is_operator(rule) || matches!(rule, Rule::power | Rule::kw_when | Rule::kw_in) => "an operator",
+        _ if is_operator(rule) => "an operator",
         _ if is_block(rule) => "`{`",
         Rule::newline | Rule::semicolon | Rule::close_brace | Rule::EOI => "the end of the statement",
         Rule::identifier | Rule::name => "a name",

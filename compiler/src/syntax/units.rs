@@ -22,6 +22,14 @@ pub(super) fn meant(word: &str) -> Option<&'static str> {
     })
 }
 
+/// `Nm` to `N*m`: two units written as one word.
+pub(super) fn product(word: &str) -> Option<String> {
+    let cuts = (1..word.len()).filter(|cut| word.is_char_boundary(*cut));
+    let mut pairs = cuts.map(|cut| word.split_at(cut));
+    let (first, second) = pairs.find(|(first, second)| UNITS.contains(first) && UNITS.contains(second))?;
+    Some(format!("{first}*{second}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::UNITS;

@@ -202,8 +202,8 @@ pub(super) fn bare_unit(file: FileId, span: Span, unit: &str, meant: Option<(Spa
 
 pub(super) fn unknown_unit(file: FileId, span: Span, word: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(codes::UNKNOWN_UNIT, file, span, format!("`{word}` is not a unit"));
-    let near = nearest(word, units::UNITS.into_iter().filter(|unit| unit.len() > 1));
-    match units::meant(word).or_else(|| near.first().copied()) {
+    let near = || nearest(word, units::UNITS.into_iter().filter(|unit| unit.len() > 2)).first().map(|near| (*near).to_owned());
+    match units::meant(word).map(str::to_owned).or_else(|| units::product(word)).or_else(near) {
         Some(unit) => diagnostic.suggest(format!("write `{unit}`"), span, unit),
         None => diagnostic.help(format!("units are {}", units::UNITS.join(" "))),
     }
@@ -290,6 +290,23 @@ pub(super) fn single_equals(file: FileId, span: Span) -> Diagnostic {
     Diagnostic::new(codes::SINGLE_EQUALS, file, span, "a comparison is written `==`").suggest("write `==`", span, "==")
 }
 
+pub(super) fn needless_equals(file: FileId, span: Span) -> Diagnostic {
+    Diagnostic::new(codes::UNEXPECTED, file, span, "no `=` stands here")
+        .help("`=` gives a name to a formula; settings and fields are followed by their value")
+        .fix("remove it", span, "")
+}
+
+pub(super) fn lonely_point(file: FileId, span: Span, number: &str) -> Diagnostic {
+    Diagnostic::new(codes::UNEXPECTED, file, span, "digits stand on both sides of a decimal point")
+        .help(format!("write `{number}`"))
+}
+
+/// `so a at x, b at y`
+pub(super) fn repeat_so(file: FileId, span: Span, statement: &str) -> Diagnostic {
+    Diagnostic::new(codes::UNEXPECTED, file, span, "`so` is missing before this meeting of places")
+        .help(format!("write `so {statement}`"))
+}
+
 pub(super) fn bare_when(file: FileId, span: Span) -> Diagnostic {
     Diagnostic::new(codes::BARE_WHEN, file, span, "what comes before this `when` needs brackets")
         .help("write `(if a then b else c) when d`, or `(x when a) when b`")
@@ -310,15 +327,19 @@ pub(super) fn missing_block(file: FileId, end: Span) -> Diagnostic {
     Diagnostic::new(codes::MISSING_BLOCK, file, end, "a block in braces is missing here").expected("`{`")
 }
 
+/// Anything else. `found` is what is there, empty at the end of the statement.
 pub(super) fn unexpected(file: FileId, span: Span, expected: &[String], found: &str) -> Diagnostic {
-    let diagnostic = if expected.is_empty() {
-        Diagnostic::new(codes::UNEXPECTED, file, span, format!("{found} cannot stand here"))
-    } else {
-        let expected = choices(expected.iter().cloned());
-        let message = format!("expected {expected}, found {found}");
-        Diagnostic::new(codes::UNEXPECTED, file, span, message).expected(expected)
+    let (message, found) = match found {
+        "" => ("the statement is not complete".to_owned(), "the end of the statement".to_owned()),
+        found => (format!("`{found}` cannot stand here"), format!("`{found}`")),
     };
-    diagnostic.found(found)
+    let diagnostic = Diagnostic::new(codes::UNEXPECTED, file, span, message);
+    if expected.is_empty() { diagnostic } else { diagnostic.expected(choices(expected.iter().cloned())).found(found) }
+}
+
+pub(super) fn leading_minus(file: FileId, span: Span) -> Diagnostic {
+    Diagnostic::new(codes::BEGINS_WITH_OPERATOR, file, span, "a line cannot begin with `-` here")
+        .help("if it goes on with the line before, end that line with `-`")
 }
 
 /// `a`, `a or b`, `a, b or c`

@@ -40,11 +40,10 @@ pub(super) fn pair(file: FileId, source: &str, tokens: &[Token], lines: &[Line])
     let surplus = brace_surplus(tokens);
     let brackets = Brackets { paired: vec![false; tokens.len()], ..Brackets::default() };
     let mut pairing = Pairing { file, source, tokens, lines, surplus, open: Vec::new(), brackets };
-    for index in 0..tokens.len() {
+    for (index, token) in tokens.iter().enumerate() {
         pairing.visit(index);
         if pairing.open.len() > MAXIMUM_DEPTH {
-            let span = tokens[index].span();
-            let diagnostic = wording::too_deep(file, span, MAXIMUM_DEPTH);
+            let diagnostic = wording::too_deep(file, token.span(), MAXIMUM_DEPTH);
             return Brackets { too_deep: true, diagnostics: vec![diagnostic], ..pairing.brackets };
         }
     }

@@ -52,6 +52,7 @@ impl Token {
 }
 
 /// All tokens of a text, its comments, and what was wrong with its characters.
+#[derive(Default)]
 pub(super) struct Lexed {
     pub(super) tokens: Vec<Token>,
     pub(super) comments: Vec<Comment>,
@@ -65,12 +66,6 @@ pub(super) fn lex(file: FileId, text: &str) -> Lexed {
         lexer.next(character);
     }
     lexer.lexed
-}
-
-impl Default for Lexed {
-    fn default() -> Self {
-        Self { tokens: Vec::new(), comments: Vec::new(), diagnostics: Vec::new() }
-    }
 }
 
 /// Operators and marks of more than one character, the longest first.
