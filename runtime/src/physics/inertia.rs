@@ -87,24 +87,58 @@ fn mass_matrix<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Ine
 /// `matrix` holds M's sparse lower triangle on entry, L below and D on the diagonal on return. A pivot that is not positive
 /// (a massless dof without armature) shows as a non-finite acceleration.
 pub fn factor<T: Real>(model: &Model, matrix: &mut [T]) {
-    for dof in (0..model.nv).rev() {
-        let row = model.dofs.row[dof].clone();
-        let last = row.len() - 1;
-        // The rows of ancestors come before this one.
-        let (ancestors, rest) = matrix.split_at_mut(row.start);
-        let (entries, diagonal) = rest[..=last].split_at_mut(last);
-        let inverse = T::splat(1.0) / diagonal[0];
-        let columns = &model.dofs.column[row.start..row.start + last];
-        for (index, &ancestor) in columns.iter().enumerate() {
-            let weight = entries[index] * inverse;
-            let start = model.dofs.row[ancestor].start;
-            for (target, &entry) in ancestors[start..=start + index].iter_mut().zip(&entries[..=index]) {
-                *target -= weight * entry;
+    let dofs = &model.dofs;
+    let mut dof = model.nv;
+    while dof > 0 {
+        dof -= 1;
+        let row = dofs.row[dof].clone();
+        // Rows of ancestors come before this one, and the parent's, if it is the one just before, is its prefix: such pairs
+        // are eliminated together, which touches the rows of their common ancestors once instead of twice.
+        let (above, rest) = matrix.split_at_mut(row.start);
+        let (entries, pivot) = rest[..row.len()].split_at_mut(row.len() - 1);
+        let inverse = T::splat(1.0) / pivot[0];
+        if dof > 0 && dofs.parent[dof] == Some(dof - 1) {
+            let parent = dofs.row[dof - 1].clone();
+            let (above, rest) = above.split_at_mut(parent.start);
+            let parent_row = &mut rest[..parent.len()];
+            subtract(parent_row, entries, entries[entries.len() - 1] * inverse);
+            let (parent_entries, parent_pivot) = parent_row.split_at_mut(parent.len() - 1);
+            let parent_inverse = T::splat(1.0) / parent_pivot[0];
+            for (index, &ancestor) in dofs.column[parent.start..parent.end - 1].iter().enumerate() {
+                let weights = [entries[index] * inverse, parent_entries[index] * parent_inverse];
+                let start = dofs.row[ancestor].start;
+                subtract_both(&mut above[start..=start + index], entries, parent_entries, weights);
+            }
+            scale_row(parent_entries, parent_inverse);
+            dof -= 1;
+        } else {
+            for (index, &ancestor) in dofs.column[row.start..row.end - 1].iter().enumerate() {
+                let start = dofs.row[ancestor].start;
+                subtract(&mut above[start..=start + index], entries, entries[index] * inverse);
             }
         }
-        for entry in entries {
-            *entry *= inverse;
-        }
+        scale_row(entries, inverse);
+    }
+}
+
+#[inline(always)]
+fn subtract<T: Real>(target: &mut [T], row: &[T], weight: T) {
+    for (target, &entry) in target.iter_mut().zip(row) {
+        *target -= weight * entry;
+    }
+}
+
+#[inline(always)]
+fn subtract_both<T: Real>(target: &mut [T], first: &[T], second: &[T], weights: [T; 2]) {
+    for ((target, &first), &second) in target.iter_mut().zip(first).zip(second) {
+        *target -= weights[0] * first + weights[1] * second;
+    }
+}
+
+#[inline(always)]
+fn scale_row<T: Real>(row: &mut [T], factor: T) {
+    for entry in row {
+        *entry *= factor;
     }
 }
 

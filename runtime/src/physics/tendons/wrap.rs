@@ -197,32 +197,36 @@ fn inside<T: Real>(a: &[T; 2], b: &[T; 2], radius: T) -> Option<PlanarBend<T>> {
         return None;
     }
     // With t the angle of incidence, equal on both sides, the three angles at the centre, at a and at b close the figure:
-    // asin(A sin t) + asin(B sin t) - 2 t + G = 0. Newton's method from t = pi/2 approaches the root from one side;
-    // MuJoCo stops at 1e-6, where the length, stationary at the root, is good to 1e-12.
+    // f = asin(A sin t) + asin(B sin t) - 2 t + G = 0. Newton's method from t = pi/2 approaches the root from one side;
+    // MuJoCo stops at 1e-6, where the length, stationary at the root, is good to 1e-12. Angles are summed as a product of
+    // unit complex numbers, (cos, sin), which leaves one arc tangent to an iteration.
     let (ratio_a, ratio_b) = (radius / length_a.max(tiny), radius / length_b.max(tiny));
-    let gap = [b[0] - a[0], b[1] - a[1]];
-    let cosine = (length_a * length_a + length_b * length_b - dot2(&gap, &gap)) / (two * length_a * length_b).max(tiny);
-    let angle_between = cosine.acos();
+    let scale = one / (length_a * length_b).max(tiny);
+    let turn = cross2(a, b);
+    let between = [dot2(a, b) * scale, turn.abs() * scale];
+    let cosine = |sin: T| (one - sin * sin).max(tiny).sqrt();
     let mut incidence = T::splat(core::f64::consts::FRAC_PI_2);
+    let (mut sin, mut cos) = (one, T::splat(0.0));
     for _ in 0..20 {
-        let (sin, cos) = incidence.sin_cos();
-        let (sin_a, sin_b) = (ratio_a * sin, ratio_b * sin);
-        let error = sin_a.asin() + sin_b.asin() - two * incidence + angle_between;
+        let (at_a, at_b) = ([cosine(ratio_a * sin), ratio_a * sin], [cosine(ratio_b * sin), ratio_b * sin]);
+        let back = [cos * cos - sin * sin, -two * sin * cos];
+        let sum = multiply(multiply(at_a, at_b), multiply(back, between));
+        let error = sum[1].atan2(sum[0]);
         let going = T::and(touches, T::splat(1e-6).less(error.abs()));
         if !T::any(going) {
             break;
         }
-        let share = |ratio: T, sin: T| ratio * cos / (one - sin * sin).max(tiny).sqrt();
-        let slope = share(ratio_a, sin_a) + share(ratio_b, sin_b) - two;
+        let slope = cos * (ratio_a / at_a[0] + ratio_b / at_b[0]) - two;
         incidence = T::select(going, incidence - error / slope, incidence);
+        (sin, cos) = incidence.sin_cos();
     }
-    // Turn from a or b to the point of contact, counter-clockwise.
-    let from_a = T::splat(0.0).less(cross2(a, b));
+    // Turn from a or b, whichever lies clockwise, by t less the angle there.
+    let from_a = T::splat(0.0).less(turn);
     let base = select(from_a, *a, *b);
     let (length, ratio) = (T::select(from_a, length_a, length_b), T::select(from_a, ratio_a, ratio_b));
-    let (sin, cos) = (incidence - (ratio * incidence.sin_cos().0).asin()).sin_cos();
+    let angle = multiply([cos, sin], [cosine(ratio * sin), -ratio * sin]);
     let reach = radius / length.max(tiny);
-    let point = [reach * (cos * base[0] - sin * base[1]), reach * (sin * base[0] + cos * base[1])];
+    let point = multiply([base[0] * reach, base[1] * reach], angle);
     Some(PlanarBend { touches, first: point, second: point, arc: T::splat(0.0) })
 }
 
@@ -239,6 +243,12 @@ fn passes_within<T: Real>(a: &[T; 2], b: &[T; 2], square: T) -> T::Mask {
 #[inline(always)]
 fn select<T: Real>(mask: T::Mask, a: [T; 2], b: [T; 2]) -> [T; 2] {
     [T::select(mask, a[0], b[0]), T::select(mask, a[1], b[1])]
+}
+
+/// Product of two complex numbers, which adds their angles.
+#[inline(always)]
+fn multiply<T: Real>(a: [T; 2], b: [T; 2]) -> [T; 2] {
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
 #[inline(always)]
