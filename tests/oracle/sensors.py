@@ -1,16 +1,21 @@
-"""What MuJoCo measures on the human body, for tests/sensors.rs.
+"""Golden numbers of what a task can measure on the full body, from MuJoCo.
 
-    python tests/oracle/sensors.py        (needs mujoco 4.0.0 and numpy; writes tests/golden/sensors.json)
+    python tests/oracle/sensors.py
+
+writes tests/golden/sensors.json.gz, which tests/sensors.rs reads.
 
 Velocities of points come from Jacobians, whole-body quantities from MuJoCo's subtree velocities, clearances from its own
 distance function, ground forces from its contact forces: none of them repeats a formula of the code under test.
 """
 
+import gzip
 import json
 import pathlib
 
 import mujoco
 import numpy as np
+
+assert mujoco.__version__ == "4.0.0", mujoco.__version__
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MODEL = ROOT / "bodies/models/human416.xml"
@@ -132,9 +137,9 @@ def main():
     for height in (0.4, -0.003, -0.008):
         random_state(model, data, rng, height)
         cases.append(measure(model, data))
-    target = ROOT / "tests/golden/sensors.json"
-    target.parent.mkdir(exist_ok=True)
-    target.write_text(json.dumps({"mujoco": mujoco.__version__, "cases": cases}) + "\n")
+    with open(ROOT / "tests/golden/sensors.json.gz", "wb") as file:
+        with gzip.GzipFile(filename="", fileobj=file, mode="wb", mtime=0) as packed:
+            packed.write(json.dumps({"mujoco": mujoco.__version__, "cases": cases}).encode())
 
 
 if __name__ == "__main__":

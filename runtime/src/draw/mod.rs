@@ -38,6 +38,8 @@ pub struct Options {
 
 /// Room around and between views, mm.
 const MARGIN: f64 = 90.0;
+/// The legend needs this width, mm.
+const NARROWEST: f64 = 1250.0;
 /// Depth of the strip of ground that is shown, mm.
 const GROUND: f64 = 26.0;
 /// Height of the strip under the ground for scale, captions and legend, mm.
@@ -59,7 +61,8 @@ text{font:30px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-se
 pub fn svg(snapshot: &Snapshot<'_>, options: &Options) -> String {
     let mut views: Vec<Drawing> = options.views.iter().map(|&view| Drawing::new(snapshot, view)).collect();
     let top = views.iter().map(|view| view.bounds.low.y).fold(0.0, f64::min) - MARGIN;
-    let width = views.iter().map(|view| view.bounds.high.x - view.bounds.low.x + MARGIN).sum::<f64>() + MARGIN;
+    let extent = views.iter().map(|view| view.bounds.high.x - view.bounds.low.x + MARGIN).sum::<f64>() + MARGIN;
+    let width = extent.max(NARROWEST);
     let depth = views.iter().map(|view| view.bounds.high.y).fold(GROUND, f64::max);
     let height = depth - top + FOOTER;
 
@@ -69,7 +72,7 @@ pub fn svg(snapshot: &Snapshot<'_>, options: &Options) -> String {
     let _ = writeln!(out, r#"<g transform="translate(0 {})">"#, number(-top));
     let _ = writeln!(out, r#"<path class="ground" d="M0 0h{}v{}H0z"/>"#, number(width), number(GROUND));
     let _ = writeln!(out, r#"<path class="horizon" d="M0 0h{}"/>"#, number(width));
-    let mut left = MARGIN;
+    let mut left = MARGIN + 0.5 * (width - extent);
     for view in &mut views {
         view.write(left, depth, &mut out);
         left += view.bounds.high.x - view.bounds.low.x + MARGIN;
@@ -177,3 +180,6 @@ fn legend(out: &mut String, width: f64, depth: f64, options: &Options) {
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
+
+#[cfg(test)]
+mod tests;

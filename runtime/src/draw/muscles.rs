@@ -20,9 +20,7 @@ const ARC_STEP: f64 = 0.35;
 /// Adds all muscles.
 pub(super) fn add(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
     for (index, muscle) in snapshot.body.muscles.iter().enumerate() {
-        let kinematics = &snapshot.workspace.kinematics;
-        let vertices = path(snapshot.model, kinematics, snapshot.model.actuators.tendon[index]);
-        for points in branches(snapshot, &vertices) {
+        for points in lines(snapshot, index) {
             let sum: Vector3<f64> = points.iter().sum();
             let (mut whole, mut belly) = (Path::default(), Path::default());
             let project =
@@ -40,10 +38,10 @@ pub(super) fn add(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
     }
 }
 
-/// The branches of a path as lines of points, with arcs resolved.
-fn branches(snapshot: &Snapshot<'_>, vertices: &[PathVertex<f64>]) -> Vec<Vec<Vector3<f64>>> {
+/// The branches of a muscle's path as lines of points, with arcs resolved.
+pub(super) fn lines(snapshot: &Snapshot<'_>, muscle: usize) -> Vec<Vec<Vector3<f64>>> {
     let mut lines: Vec<Vec<Vector3<f64>>> = Vec::new();
-    for vertex in vertices {
+    for vertex in &path(snapshot.model, &snapshot.workspace.kinematics, snapshot.model.actuators.tendon[muscle]) {
         match (vertex.kind, lines.last_mut()) {
             (VertexKind::Leave(geom), Some(line)) => {
                 if let Some(&touch) = line.last() {
