@@ -1,5 +1,5 @@
 //! The smooth half of a step gives MuJoCo 4.0.0's numbers: `tests/oracle/smooth.py` made the golden ones.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod support;
 
@@ -142,7 +142,7 @@ fn the_full_body_at_200_states() {
     println!("worst errors in units of their tolerances: {worst:?}");
 }
 
-/// Random obstacles and side points, a fifth of them next to the onset of contact.
+/// Random obstacles and side points, a fifth of them next to the onset of contact, some with the ends in line.
 #[test]
 fn wraps_bend_as_mujocos() {
     for (number, case) in golden("wrap")["cases"].as_array().expect("cases").iter().enumerate() {
@@ -155,7 +155,10 @@ fn wraps_bend_as_mujocos() {
             Some(_) => {
                 let points = numbers(&case["points"]);
                 let [first, second] = [0, 3].map(|at| Vector3::from_column_slice(&points[at..at + 3]));
-                if let Some(bend) = &bend {
+                let center = obstacle(case).position;
+                let aligned = (start - center).cross(&(end - center)).norm() < 1e-12;
+                // Opposite end points leave the plane of a sphere open: any great circle is as short.
+                if let Some(bend) = bend.as_ref().filter(|_| !aligned) {
                     let off = (bend.first - first).norm().max((bend.second - second).norm());
                     assert!(off < 1e-9, "case {number}: touches {off:e} m away");
                     assert!((bend.arc - arc).abs() < 1e-9, "case {number}: arc {} for {arc}", bend.arc);

@@ -154,6 +154,10 @@ def wraps(seed=11, count=600):
             ends = np.array([[-random.uniform(0.5, 2), depth, 0.0], [random.uniform(0.5, 2), depth, 0.0]])
             if shape == "cylinder":
                 ends[:, 2] = random.normal(size=2)
+        if case % 25 == 7:  # end points exactly in line with the centre, which leaves the plane of a sphere open
+            ends[0] = np.round(64 * ends[0]) / 64  # products without rounding
+            rotation, position, ends[1] = np.eye(3), np.zeros(3), -2 * ends[0]
+            matrix = rotation.ravel().copy()
         side = None
         if case % 4:
             side = random.normal(size=3)

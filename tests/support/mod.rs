@@ -1,5 +1,11 @@
 //! What the comparisons with MuJoCo share: golden files and the random states both sides draw.
-#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, reason = "test support: a broken golden file fails the test")]
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "test support: a broken golden file fails the test"
+)]
 
 use flate2::read::GzDecoder;
 use msk_runtime::{

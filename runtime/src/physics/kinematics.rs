@@ -167,6 +167,7 @@ fn move_by_joint<T: Real>(
             None
         }
         JointKind::Hinge => Some(from_axis_angle(&local_axis, displacement)),
+        // A free joint is alone on its body and placed by `place_body`.
         JointKind::Ball | JointKind::Free => {
             let q = &state.position[address..];
             Some(normalize(&[q[0], q[1], q[2], q[3]]))

@@ -9,7 +9,7 @@
 //! 7. solver: Newton on the primal problem;
 //! 8. integrator: Euler with implicit joint damping.
 //!
-//! Every stage owns a struct of outputs (structure of arrays) inside [`Workspace`](workspace::Workspace), which is allocated once per worker.
+//! Every stage owns a struct of outputs (structure of arrays) inside [`Workspace`], which is allocated once per worker.
 
 pub mod forces;
 pub mod inertia;
