@@ -105,6 +105,11 @@ impl FrameLayout {
         if let Some(&(_, offset)) = self.entries.iter().find(|(known, _)| *known == sensor) {
             return offset;
         }
+        self.append(sensor)
+    }
+
+    /// Appends a sensor that the layout does not have yet.
+    pub(crate) fn append(&mut self, sensor: Sensor) -> usize {
         let offset = self.size;
         self.entries.push((sensor, offset));
         self.size += sensor.size();

@@ -1,9 +1,18 @@
-//! Compiler of the `.msk` language: text -> syntax tree -> resolved and typed tree -> dataflow graph -> closures.
+//! Compiler of the `.msk` language: text -> syntax tree -> resolved and typed tree -> dataflow graph -> program.
+//!
+//! [`compile`](compile::compile) is the entry; [`explain`] tells what was understood; [`task::CompiledTask`] is what runs.
 
 pub mod body;
+pub mod check;
+pub mod compile;
 pub mod diagnostics;
+pub mod explain;
 pub mod files;
 pub mod frame;
+pub mod graph;
+mod lower;
 pub mod syntax;
 pub mod task;
 pub mod vocabulary;
+
+pub use compile::{Compilation, Protocol, Suite, compile};

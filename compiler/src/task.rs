@@ -5,9 +5,12 @@
 
 use crate::body::BodyDescription;
 use crate::frame::FrameLayout;
+use crate::graph::Graph;
+use crate::graph::interval::Bounds;
+use crate::lower::{Outputs, Program};
 use std::sync::Arc;
 
-/// A task ready to run: closures over a flat frame and a flat state record.
+/// A task ready to run: a program over a flat frame and a flat state record.
 pub struct CompiledTask {
     /// Name of the task.
     pub name: String,
@@ -36,6 +39,30 @@ pub struct CompiledTask {
     /// Hash of the task's meaning: the same text layout or comments aside.
     pub hash: String,
     pub(crate) program: Program,
+    pub(crate) meaning: Meaning,
+}
+
+/// What explanations and snapshots need beyond what runs.
+pub(crate) struct Meaning {
+    pub graph: Graph,
+    pub outputs: Outputs,
+    /// Per term.
+    pub terms: Vec<TermMeaning>,
+    /// Conditions of the terminations as written.
+    pub terminations: Vec<String>,
+    pub success: String,
+    /// Between which values each term stays.
+    pub term_bounds: Vec<Bounds>,
+}
+
+/// What is told of a term.
+pub(crate) struct TermMeaning {
+    /// The formula as mathematics.
+    pub mathematics: String,
+    /// Signals and declared names in it.
+    pub reads: Vec<String>,
+    /// Whether the formula is a condition, which counts 0 or 1.
+    pub condition: bool,
 }
 
 /// A named part of the observation.
@@ -118,6 +145,8 @@ pub struct TaskState {
     pub step: u32,
     /// Cells of operators and states.
     pub cells: Vec<f64>,
+    /// Everything computed at this step, read by observations.
+    pub values: Vec<f64>,
 }
 
 /// A term whose value is not a finite number: an error of this episode, never a silent zero.
@@ -134,20 +163,18 @@ pub struct NonFiniteTerm {
     pub formula: String,
 }
 
-/// The lowered closures.
-pub(crate) struct Program {}
-
 impl CompiledTask {
     /// Starts the task's state from the reset snapshot. `frame` has `self.frame.size()` values.
     pub fn reset(&self, frame: &[f64], state: &mut TaskState) {
-        let _ = (frame, state);
+        state.step = 0;
+        self.program.reset(frame, &mut state.cells, &mut state.values);
     }
 
     /// Advances every operator by one control step and evaluates terms, terminations and success. `weights` has one entry
     /// per term.
     ///
     /// # Errors
-    /// A term that is not finite.
+    /// A term that is not finite; the report is filled all the same.
     pub fn step(
         &self,
         frame: &[f64],
@@ -155,13 +182,37 @@ impl CompiledTask {
         state: &mut TaskState,
         report: &mut StepReport,
     ) -> Result<(), NonFiniteTerm> {
-        let _ = (frame, weights, state, report);
-        Ok(())
+        state.step += 1;
+        self.program.step(state.step, frame, &mut state.cells, &mut state.values);
+        self.report(frame, weights, state, report);
+        match report.terms.iter().position(|value| !value.is_finite()) {
+            None => Ok(()),
+            Some(index) => Err(NonFiniteTerm {
+                term: self.terms[index].name.clone(),
+                value: report.terms[index],
+                step: state.step,
+                formula: self.terms[index].source.clone(),
+            }),
+        }
     }
 
-    /// Writes the observation; `out` has `self.observation_size()` values.
+    /// Terms, terminations and success at the present snapshot, which may be that of the reset; nothing advances.
+    pub fn report(&self, frame: &[f64], weights: &[f64], state: &TaskState, report: &mut StepReport) {
+        let lane = |operand| self.program.read(operand, frame, &state.values).first().copied().unwrap_or(0.0);
+        report.terms.clear();
+        report.terms.extend(self.program.terms.iter().map(|&operand| lane(operand)));
+        report.terminations.clear();
+        report.terminations.extend(self.program.terminations.iter().map(|&operand| lane(operand) != 0.0));
+        report.success = self.program.success.is_some_and(|operand| lane(operand) != 0.0);
+        report.reward = report.terms.iter().zip(weights).map(|(value, weight)| value * weight).sum();
+    }
+
+    /// Writes the observation; `out` has `self.observation_size()` values, `frame` is that of the last `reset` or `step`.
     pub fn observe(&self, frame: &[f64], state: &TaskState, out: &mut [f64]) {
-        let _ = (frame, state, out);
+        for (channel, &operand) in self.channels.iter().zip(&self.program.channels) {
+            let values = self.program.read(operand, frame, &state.values);
+            out[channel.offset..channel.offset + channel.size].copy_from_slice(values);
+        }
     }
 
     /// Number of values of the observation.

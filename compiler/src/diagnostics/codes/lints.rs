@@ -7,4 +7,64 @@ codes! {
         example: "task t {\n    /// Keeps upright.\n\n    let lean = 1 - torso.up.z\n}",
         fix: "task t {\n    /// Keeps upright.\n    let lean = 1 - torso.up.z\n}",
     }
+    DEAD_TERM = "W0501" {
+        title: "a term that is always zero",
+        explanation: "The ranges of what the term reads leave it no other value: its weight is wasted.",
+        example: "reward { 1 a = max(0, 1 - 2 * 1) }",
+        fix: "reward { 1 a = max(0, 1 - torso.up.z) }",
+    }
+    CONSTANT_TERM = "W0502" {
+        title: "a term that never changes",
+        explanation: "The ranges of what the term reads leave it one value: it pays the same for everything.",
+        example: "reward { 1 a = 1 }",
+        fix: "reward { 1 a = not terminated }",
+    }
+    DECIDED = "W0503" {
+        title: "an end that can never hold, or always holds",
+        explanation: "The ranges of what the condition reads decide it: a threshold beyond the range of a joint, for example.",
+        example: "terminate { bent when knee_angle_r.q > 300 deg }",
+        fix: "terminate { bent when knee_angle_r.q > 100 deg }",
+    }
+    DOUBLED_SIGN = "W0504" {
+        title: "a cost whose two signs make it pay",
+        explanation: "The formula is never positive and the weight is negative: what was to be a cost is paid.",
+        example: "reward { -1 a = -com.speed / 1 m/s }",
+        fix: "reward { -1 a = com.speed / 1 m/s }",
+    }
+    HIDDEN_SIGN = "W0505" {
+        title: "a cost whose sign is hidden in the formula",
+        explanation: "The column of weights should tell what is paid and what is charged.",
+        example: "reward { 1 a = -com.speed / 1 m/s }",
+        fix: "reward { -1 a = com.speed / 1 m/s }",
+    }
+    FACTOR_IN_TERM = "W0506" {
+        title: "a plain factor in front of a term",
+        explanation: "It belongs in the weight, where people and tuners look for it; otherwise a weight is multiplied twice.",
+        example: "reward { 1 a = 0.5 * com.speed / 1 m/s }",
+        fix: "reward { 0.5 a = com.speed / 1 m/s }",
+    }
+    UNUSED = "W0507" {
+        title: "a name that nothing reads",
+        explanation: "A let, state or clock that no formula reads has no effect: probably another name was meant to be read.",
+        example: "let low = com.height < 0.9 m",
+        fix: "let low = com.height < 0.9 m\nterminate { sunk when low }",
+    }
+    IDENTICAL = "W0508" {
+        title: "both sides are the same thing",
+        explanation: "A difference of equal things is zero, a comparison of equal things decided.",
+        example: "reward { 1 a = exp(-abs(knee_angle_r.q - knee_angle_r.q) / 1 rad) }",
+        fix: "reward { 1 a = exp(-abs(knee_angle_r.q - knee_angle_l.q) / 1 rad) }",
+    }
+    UNOBSERVED = "W0509" {
+        title: "pay that depends on what the policy cannot see",
+        explanation: "A state that the reward reads and no channel carries makes the same observation pay differently.",
+        example: "state low: int = 0 becomes low + 1 when com.height < 0.9 m\nreward { -1 a = low / 100 }",
+        fix: "state low: int = 0 becomes low + 1 when com.height < 0.9 m\nreward { -1 a = low / 100 }\nobserve { low }",
+    }
+    TWICE_OBSERVED = "W0510" {
+        title: "two channels with the same numbers",
+        explanation: "One of them was probably to be another.",
+        example: "observe { com.height\n tall = com.height }",
+        fix: "observe { com.height }",
+    }
 }

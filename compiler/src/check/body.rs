@@ -1,0 +1,373 @@
+//! A body file: from tree to [`BodyDescription`], all problems reported at their places.
+//!
+//! Names of the model are not known here; the runtime checks them when it binds the description to the model.
+
+use super::constant::{self, NotConstant};
+use super::dimension::Dimension;
+use crate::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription};
+use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
+use crate::syntax::tree::{
+    Body, BodyGroup, BodyStatement, Element, ElementName, Expr, ExprKind, Field, FieldValue, Ident, Name, NamePart, Text,
+    UnaryOperator,
+};
+use std::collections::BTreeMap;
+
+/// Longest list that a brace pattern may unfold to.
+const LONGEST_PATTERN: usize = 4096;
+
+/// Describes a body; without errors in `diagnostics` the description is whole.
+pub(crate) fn describe(body: &Body, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> BodyDescription {
+    let mut reader = Reader {
+        file,
+        diagnostics,
+        body: BodyDescription { name: body.name.text.clone(), ..BodyDescription::default() },
+        said: BTreeMap::new(),
+    };
+    for statement in &body.statements {
+        reader.statement(statement);
+    }
+    for word in ["model", "root"] {
+        if !reader.said.contains_key(word) {
+            let message = format!("the body `{}` does not say its `{word}`", body.name.text);
+            reader.error(codes::tasks::MISSING, body.name.span, message);
+        }
+    }
+    reader.body
+}
+
+struct Reader<'a> {
+    file: FileId,
+    diagnostics: &'a mut Vec<Diagnostic>,
+    body: BodyDescription,
+    /// Names and settings already there.
+    said: BTreeMap<String, Span>,
+}
+
+impl Reader<'_> {
+    fn error(&mut self, code: &'static Code, span: Span, message: impl Into<String>) {
+        self.diagnostics.push(Diagnostic::new(code, self.file, span, message));
+    }
+
+    fn not_constant(&mut self, wrong: NotConstant) {
+        self.error(codes::types::NOT_CONSTANT, wrong.span, wrong.message);
+    }
+
+    /// Reports a name or setting that is there already.
+    fn once(&mut self, name: &str, span: Span) {
+        if let Some(first) = self.said.insert(name.to_owned(), span) {
+            let diagnostic =
+                Diagnostic::new(codes::names::DECLARED_TWICE, self.file, span, format!("`{name}` is declared twice"));
+            self.diagnostics.push(diagnostic.here("again here").label(self.file, first, "first here"));
+        }
+    }
+
+    fn statement(&mut self, statement: &BodyStatement) {
+        match statement {
+            BodyStatement::Model(path) => {
+                self.once("model", path.span);
+                self.body.model.clone_from(&path.value);
+            }
+            BodyStatement::Setting { name, value } => self.setting(name, value),
+            BodyStatement::Element(element) => match element.kind.text.as_str() {
+                "root" => self.root(element),
+                "landmark" => self.landmark(element),
+                other => {
+                    let message = format!("a body has no `{other}`; it has a `root` and `landmark`s");
+                    self.error(codes::tasks::UNKNOWN_SETTING, element.kind.span, message);
+                }
+            },
+            BodyStatement::Group(group) => self.group(group),
+            BodyStatement::Pose(pose) => {
+                self.once(&format!("pose {}", pose.name.text), pose.name.span);
+                let mut joints = Vec::new();
+                for assignment in &pose.joints {
+                    let value = self.coordinate(&assignment.value);
+                    for name in self.names(&assignment.target) {
+                        joints.extend(value.map(|value| (name, value)));
+                    }
+                }
+                self.body.poses.push((pose.name.text.clone(), joints));
+            }
+        }
+    }
+
+    fn setting(&mut self, name: &Ident, value: &Ident) {
+        self.once(&name.text, name.span);
+        match (name.text.as_str(), value.text.as_str()) {
+            ("excitation", "linear") => self.body.excitation = ExcitationMap::Linear,
+            ("excitation", "sigmoid") => self.body.excitation = ExcitationMap::Sigmoid,
+            ("tendons", "rigid") => {}
+            ("tendons", "elastic") => {
+                self.error(
+                    codes::tasks::NOT_YET,
+                    value.span,
+                    "elastic tendons belong to the language, but are not supported yet",
+                );
+            }
+            ("excitation" | "tendons", other) => {
+                let choices = if name.text == "excitation" { "`linear` or `sigmoid`" } else { "`rigid`" };
+                let message = format!("`{}` cannot be `{other}`; it is {choices}", name.text);
+                self.error(codes::tasks::UNKNOWN_SETTING, value.span, message);
+            }
+            (other, _) => {
+                let message = format!("a body has no setting `{other}`; it has `excitation` and `tendons`");
+                self.error(codes::tasks::UNKNOWN_SETTING, name.span, message);
+            }
+        }
+    }
+
+    fn root(&mut self, element: &Element) {
+        self.once("root", element.kind.span);
+        match &element.name {
+            Some(ElementName::Name(name)) => self.body.root.clone_from(&name.text),
+            Some(ElementName::Quoted(text)) => self.body.root.clone_from(&text.value),
+            None => self.error(codes::tasks::MISSING, element.kind.span, "the root does not say which body of the model it is"),
+        }
+        let (mut forward, mut up) = (None, None);
+        for field in &element.fields {
+            match field.name.text.as_str() {
+                "forward" => forward = self.axis(field),
+                "up" => up = self.axis(field),
+                _ => self.unknown_field(field, "`forward` and `up`"),
+            }
+        }
+        match (forward, up) {
+            (Some(forward), Some(up)) => {
+                self.must_be_across(forward, up, element.kind.span);
+                (self.body.root_forward, self.body.root_up) = (forward, up);
+            }
+            _ => self.error(codes::tasks::MISSING, element.kind.span, "the root must say which axes are `forward` and `up`"),
+        }
+    }
+
+    fn must_be_across(&mut self, forward: Axis, up: Axis, span: Span) {
+        let line = |axis| match axis {
+            Axis::PlusX | Axis::MinusX => 0,
+            Axis::PlusY | Axis::MinusY => 1,
+            Axis::PlusZ | Axis::MinusZ => 2,
+        };
+        if line(forward) == line(up) {
+            self.error(codes::tasks::OUT_OF_RANGE, span, "`forward` and `up` must stand across each other");
+        }
+    }
+
+    fn unknown_field(&mut self, field: &Field, known: &str) {
+        let message = format!("there is no `{}` here; there is {known}", field.name.text);
+        self.error(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
+    }
+
+    fn landmark(&mut self, element: &Element) {
+        let Some(ElementName::Name(name)) = &element.name else {
+            return self.error(codes::tasks::MISSING, element.kind.span, "a landmark needs a name");
+        };
+        let names = self.expand(name);
+        let description = element.docs.as_ref().map_or(String::new(), |docs| docs.text.replace('\n', " ").trim().to_owned());
+        let mut parts = LandmarkParts::default();
+        for field in &element.fields {
+            self.landmark_field(field, names.len(), &mut parts);
+        }
+        let missing: Vec<&str> = [
+            ("on", parts.bodies.is_empty()),
+            ("at", parts.point.is_none()),
+            ("forward", parts.forward.is_none()),
+            ("up", parts.up.is_none()),
+        ]
+        .iter()
+        .filter(|(_, missing)| *missing)
+        .map(|(word, _)| *word)
+        .collect();
+        let (Some(point), Some(forward), Some(up)) = (parts.point, parts.forward, parts.up) else {
+            let message = format!("the landmark `{}` does not say `{}`", name.text, missing.join("`, `"));
+            return self.error(codes::tasks::MISSING, name.span, message);
+        };
+        self.must_be_across(forward, up, name.span);
+        for (place, own) in names.into_iter().enumerate() {
+            self.once(&own, name.span);
+            let Some(body) = pick(&parts.bodies, place) else { continue };
+            let segment = parts.segment.iter().filter_map(|shapes| pick(shapes, place)).cloned().collect();
+            let description = description.clone();
+            let landmark = LandmarkDescription { name: own, description, body: body.clone(), point, forward, up, segment };
+            self.body.landmarks.push(landmark);
+        }
+    }
+
+    fn landmark_field(&mut self, field: &Field, count: usize, parts: &mut LandmarkParts) {
+        match (field.name.text.as_str(), &field.value) {
+            ("on", FieldValue::Value(value) | FieldValue::On(value)) => {
+                parts.bodies = self.names(value);
+                self.must_pair(parts.bodies.len(), count, value.span);
+            }
+            ("at", FieldValue::Value(value)) => match point(value) {
+                Ok(point) => parts.point = Some(point),
+                Err(wrong) => self.not_constant(wrong),
+            },
+            ("forward", _) => parts.forward = self.axis(field),
+            ("up", _) => parts.up = self.axis(field),
+            ("segment", FieldValue::Value(Expr { kind: ExprKind::List(shapes), .. })) => {
+                for shape in shapes {
+                    let names = self.names(shape);
+                    if names.len() == count && count > 1 || names.len() == 1 {
+                        parts.segment.push(names);
+                    } else {
+                        // A pattern inside a single landmark's segment simply lists its shapes.
+                        parts.segment.extend(names.into_iter().map(|name| vec![name]));
+                    }
+                }
+            }
+            _ => self.unknown_field(field, "`on`, `at`, `forward`, `up` and `segment [...]`"),
+        }
+    }
+
+    fn must_pair(&mut self, found: usize, count: usize, span: Span) {
+        if found != count && found != 1 {
+            let message = format!("these {found} names cannot be paired with {count}");
+            self.error(codes::types::LENGTHS_DIFFER, span, message);
+        }
+    }
+
+    fn axis(&mut self, field: &Field) -> Option<Axis> {
+        let axis = match &field.value {
+            FieldValue::Value(expr) => match &expr.kind {
+                ExprKind::Unary { operator: UnaryOperator::Negate, operand } => word(operand).and_then(|w| axis_of(w, true)),
+                _ => word(expr).and_then(|w| axis_of(w, false)),
+            },
+            _ => None,
+        };
+        if axis.is_none() {
+            self.error(codes::tasks::UNKNOWN_SETTING, field.span, "an axis is one of x, y, z, -x, -y, -z");
+        }
+        axis
+    }
+
+    fn group(&mut self, group: &BodyGroup) {
+        let members = self.names(&group.members);
+        let names = self.expand(&group.name);
+        match group.kind.text.as_str() {
+            "joint" => {
+                self.must_pair(members.len(), names.len(), group.members.span);
+                for (place, name) in names.into_iter().enumerate() {
+                    self.once(&name, group.name.span);
+                    let joint = pick(&members, place).cloned();
+                    self.body.joint_aliases.extend(joint.map(|joint| (name, joint)));
+                }
+            }
+            "joints" | "muscles" | "landmarks" | "family" => {
+                self.once(&group.name.text, group.name.span);
+                self.must_not_repeat(&members, group.members.span);
+                let entry = (group.name.text.clone(), members);
+                match group.kind.text.as_str() {
+                    "joints" => self.body.joint_groups.push(entry),
+                    "landmarks" => self.body.landmark_groups.push(entry),
+                    "muscles" => self.body.muscle_groups.push(entry),
+                    _ => {
+                        let title = group.title.as_ref().map_or(&group.name.text, |Text { value, .. }| value).clone();
+                        self.body.families.push((title, entry.1.clone()));
+                        self.body.muscle_groups.push(entry);
+                    }
+                }
+            }
+            other => {
+                let message = format!("a body has no `{other}`; it groups `joints`, `muscles`, `landmarks` and makes a `family`");
+                self.error(codes::tasks::UNKNOWN_SETTING, group.kind.span, message);
+            }
+        }
+    }
+
+    fn must_not_repeat(&mut self, members: &[String], span: Span) {
+        let mut sorted: Vec<&String> = members.iter().collect();
+        sorted.sort();
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            let message = format!("`{}` is in this list twice", pair[0]);
+            self.error(codes::names::DECLARED_TWICE, span, message);
+        }
+    }
+
+    fn coordinate(&mut self, value: &Expr) -> Option<f64> {
+        match constant::quantity(value) {
+            Ok(found) if [Dimension::ANGLE, Dimension::LENGTH].contains(&found.dimension) || found.value == 0.0 => {
+                Some(found.value)
+            }
+            Ok(found) => {
+                let message = format!("a coordinate is an angle or a length, this is {}", found.dimension.described());
+                self.error(codes::types::DIMENSIONS_DIFFER, value.span, message);
+                None
+            }
+            Err(wrong) => {
+                self.not_constant(wrong);
+                None
+            }
+        }
+    }
+
+    /// The names that an expression lists: a name, a quoted name, a selector, or a bracket of them.
+    fn names(&mut self, expr: &Expr) -> Vec<String> {
+        match &expr.kind {
+            ExprKind::Name(name) => self.expand(name),
+            ExprKind::Text(text) => vec![text.clone()],
+            ExprKind::Selector { pattern, .. } => vec![pattern.value.clone()],
+            ExprKind::List(elements) => elements.iter().flat_map(|element| self.names(element)).collect(),
+            ExprKind::Error => Vec::new(),
+            _ => {
+                self.error(codes::types::WRONG_TYPE, expr.span, "names of the model are wanted here");
+                Vec::new()
+            }
+        }
+    }
+
+    fn expand(&mut self, name: &Name) -> Vec<String> {
+        let mut texts = vec![String::new()];
+        for part in &name.parts {
+            let choices: Vec<String> = match part {
+                NamePart::Literal(text) => vec![text.clone()],
+                NamePart::Words(words) => words.clone(),
+                NamePart::Range(low, high) if (high.saturating_sub(*low) as usize) <= LONGEST_PATTERN => {
+                    (*low..*high).map(|number| number.to_string()).collect()
+                }
+                _ => Vec::new(),
+            };
+            if choices.is_empty() || texts.len() * choices.len() > LONGEST_PATTERN {
+                let message = "in a body file every name is written out, or listed in braces: `_{l,r}`";
+                self.error(codes::names::NOTHING_FITS, name.span, message);
+                return Vec::new();
+            }
+            texts = texts.iter().flat_map(|text| choices.iter().map(move |choice| format!("{text}{choice}"))).collect();
+        }
+        texts
+    }
+}
+
+#[derive(Default)]
+struct LandmarkParts {
+    bodies: Vec<String>,
+    point: Option<[f64; 3]>,
+    forward: Option<Axis>,
+    up: Option<Axis>,
+    /// Each shape: one name for all sides, or one per side.
+    segment: Vec<Vec<String>>,
+}
+
+/// The entry for one side: the only one, or the one at the same place.
+fn pick<T>(entries: &[T], place: usize) -> Option<&T> {
+    if entries.len() == 1 { entries.first() } else { entries.get(place) }
+}
+
+fn word(expr: &Expr) -> Option<&str> {
+    if let ExprKind::Name(name) = &expr.kind { Some(&name.text) } else { None }
+}
+
+fn axis_of(word: &str, negative: bool) -> Option<Axis> {
+    Some(match (word, negative) {
+        ("x", false) => Axis::PlusX,
+        ("x", true) => Axis::MinusX,
+        ("y", false) => Axis::PlusY,
+        ("y", true) => Axis::MinusY,
+        ("z", false) => Axis::PlusZ,
+        ("z", true) => Axis::MinusZ,
+        _ => return None,
+    })
+}
+
+/// A point in the frame of a model's body; plain numbers are metres, as in the model file.
+fn point(expr: &Expr) -> Result<[f64; 3], NotConstant> {
+    constant::bracket(expr, Dimension::NONE).or_else(|_| constant::bracket(expr, Dimension::LENGTH))
+}

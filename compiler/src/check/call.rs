@@ -1,0 +1,269 @@
+//! Calls: built-in functions, and functions of the files, inlined and checked at each call.
+
+use super::context::{Checked, Checker, Reported, Step};
+use super::dimension::Dimension;
+use super::functions;
+use super::scope::Definition;
+use super::types::{Frame, Type};
+use super::value::{Data, Thing, Value};
+use super::wording::did_you_mean;
+use crate::diagnostics::nearest;
+use crate::diagnostics::{Span, codes};
+use crate::frame::Sensor;
+use crate::graph::NodeId;
+use crate::graph::operation::{Binary, Reduction};
+use crate::syntax::tree::{self, Argument, Expr, ExprKind, Function, Ident};
+
+impl<'a> Checker<'a> {
+    pub(crate) fn call(&mut self, function: &'a Expr, arguments: &'a [Argument], span: Span) -> Checked<Value> {
+        let ExprKind::Name(name) = &function.kind else {
+            return Err(self.error(codes::names::NOT_YET, function.span, "calls on a property are not supported yet"));
+        };
+        if let Some((declared, place)) = self.names.find(self.place, &name.text) {
+            let Definition::Function(callee) = declared.definition else {
+                let message = format!("`{}` is not a function", name.text);
+                let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, name.span, message).label(
+                    declared.file,
+                    declared.definition.span(),
+                    "declared here",
+                );
+                return Err(self.report(diagnostic));
+            };
+            let values = self.bind_arguments(callee, arguments, span)?;
+            self.enter(Step { name: name.text.clone(), file: self.place.file, span, call: true }, declared)?;
+            let value = self.deeper(span, |checker| {
+                checker.elsewhere(place, |checker| {
+                    checker.locals = values;
+                    let value = checker.value(&callee.body)?;
+                    checker.check_annotation(callee.annotation.as_ref(), &value)?;
+                    Ok(value)
+                })
+            });
+            self.path.pop();
+            return value;
+        }
+        match functions::find(&name.text) {
+            Some(function) => function.call(self, arguments, span).map(Value::Data),
+            None if functions::is_later(&name.text) => {
+                let message = format!("`{}` belongs to the language, but is not supported yet", name.text);
+                Err(self.error(codes::names::NOT_YET, name.span, message))
+            }
+            None => Err(self.unknown_function(&name.text, name.span)),
+        }
+    }
+
+    fn unknown_function(&mut self, text: &str, span: Span) -> Reported {
+        let known = functions::FUNCTIONS.iter().chain(functions::OPERATORS).map(|function| function.name);
+        let names: Vec<&str> = known.chain(self.names.in_sight(self.place)).collect();
+        let near = nearest(text, names.into_iter());
+        let message = format!("there is no function `{text}`");
+        let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
+        diagnostic = match did_you_mean(&near) {
+            Some(help) => diagnostic.help(help),
+            None => diagnostic.help("functions of a library come with `use \"...\"`"),
+        };
+        for name in near {
+            diagnostic = diagnostic.suggest(format!("write `{name}`"), span, name);
+        }
+        self.report(diagnostic)
+    }
+
+    /// The arguments by the names of the parameters.
+    fn bind_arguments(&mut self, callee: &'a Function, arguments: &'a [Argument], span: Span) -> Checked<Vec<(String, Value)>> {
+        let mut slots: Vec<Option<&'a Expr>> = vec![None; callee.parameters.len()];
+        let mut next = 0;
+        for argument in arguments {
+            let place = match &argument.name {
+                Some(name) => callee.parameters.iter().position(|parameter| parameter.name.text == name.text),
+                None => {
+                    next += 1;
+                    Some(next - 1)
+                }
+            };
+            match place.and_then(|place| slots.get_mut(place)) {
+                Some(slot @ None) => *slot = Some(&argument.value),
+                _ => return Err(self.wrong_count(callee, arguments.len(), span)),
+            }
+        }
+        let mut values = Vec::new();
+        let mut broken = false;
+        for (parameter, slot) in callee.parameters.iter().zip(slots) {
+            let Some(expr) = slot else { return Err(self.wrong_count(callee, arguments.len(), span)) };
+            match self.value(expr) {
+                Ok(value) => {
+                    broken |= self.check_annotation(parameter.annotation.as_ref(), &value).is_err();
+                    values.push((parameter.name.text.clone(), value));
+                }
+                Err(Reported) => broken = true,
+            }
+        }
+        if broken { Err(Reported) } else { Ok(values) }
+    }
+
+    fn wrong_count(&mut self, callee: &Function, found: usize, span: Span) -> Reported {
+        let names: Vec<&str> = callee.parameters.iter().map(|parameter| parameter.name.text.as_str()).collect();
+        let message = format!("`{}` does not take these arguments", callee.name.text);
+        let diagnostic = self
+            .diagnostic(codes::types::ARGUMENTS, span, message)
+            .expected(format!("`{}({})`", callee.name.text, names.join(", ")))
+            .found(format!("{found} argument(s)"));
+        self.report(diagnostic)
+    }
+
+    /// Checks a value against a written annotation such as `length`, `int` or `vec3`.
+    pub(crate) fn check_annotation(&mut self, annotation: Option<&Ident>, value: &Value) -> Checked<()> {
+        let Some(annotation) = annotation else { return Ok(()) };
+        let kind = match value {
+            Value::Data(data) => Some(&data.kind),
+            Value::Thing(_) | Value::Things { .. } => None,
+        };
+        let zero = matches!(value, Value::Data(data) if data.is_zero());
+        let fits = match (annotation.text.as_str(), kind, value) {
+            ("landmark", _, Value::Thing(Thing::Landmark(_)))
+            | ("joint", _, Value::Thing(Thing::Joint(_)))
+            | ("muscle", _, Value::Thing(Thing::Muscle(_))) => true,
+            ("bool", Some(Type::Bool), _) | ("int", Some(Type::Int), _) | ("duration", Some(Type::Steps), _) => true,
+            ("place", Some(Type::Place(_)), _) | ("rotation", Some(Type::Rotation), _) => true,
+            ("vec2", Some(Type::Vector { size: 2, .. }), _) | ("vec3", Some(Type::Vector { size: 3, .. }), _) => true,
+            ("landmark" | "joint" | "muscle" | "bool" | "int" | "duration" | "place" | "rotation" | "vec2" | "vec3", ..) => false,
+            (name, kind, _) => {
+                let Some(dimension) = Dimension::named(name) else {
+                    return Err(self.unknown_type(annotation));
+                };
+                zero || kind
+                    .is_some_and(|kind| matches!(kind, Type::Number(_) | Type::Int) && kind.dimension() == Some(dimension))
+            }
+        };
+        if fits {
+            return Ok(());
+        }
+        let found = match value {
+            Value::Data(data) => data.kind.described(self.vocabulary),
+            Value::Thing(thing) => self.thing_name(*thing),
+            Value::Things { members, .. } => format!("{} parts of the body", members.len()),
+        };
+        let expected = Dimension::named(&annotation.text).map_or(annotation.text.clone(), Dimension::described);
+        let diagnostic = self
+            .diagnostic(codes::types::ANNOTATION, annotation.span, format!("the value is not of the type `{}`", annotation.text))
+            .expected(expected)
+            .found(found);
+        Err(self.report(diagnostic))
+    }
+
+    fn unknown_type(&mut self, annotation: &Ident) -> Reported {
+        let others = ["bool", "int", "duration", "place", "vec2", "vec3", "rotation", "landmark", "joint", "muscle"];
+        let near = nearest(&annotation.text, Dimension::names().chain(others));
+        let message = format!("there is no type `{}`", annotation.text);
+        let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, annotation.span, message);
+        if let Some(help) = did_you_mean(&near) {
+            diagnostic = diagnostic.help(help);
+        }
+        self.report(diagnostic)
+    }
+
+    /// `v in pelvis`, `v in heading(pelvis)`: the same vector counted in other axes; a place also moves its origin.
+    pub(crate) fn in_frame(&mut self, value: &'a Expr, frame: &'a tree::Frame) -> Checked<Data> {
+        let data = self.value(value);
+        let target = self.frame(frame);
+        let (data, target) = (data?, target?);
+        let data = match data {
+            Value::Data(data) => self.as_vector(data, Frame::World),
+            other => return Err(self.not_numbers(&other, value.span)),
+        };
+        let own = match data.kind.element() {
+            Type::Vector { size: 3, frame, .. } | Type::Place(frame) => *frame,
+            _ => {
+                let found = data.kind.described(self.vocabulary);
+                let message = "only places and vectors of three components can be counted in other axes";
+                let diagnostic = self.diagnostic(codes::types::FRAMES_DIFFER, value.span, message).found(found);
+                return Err(self.report(diagnostic));
+            }
+        };
+        if own == target {
+            return Ok(data);
+        }
+        if own != Frame::World {
+            let message = format!("this is already counted in the axes of {}", own.name(self.vocabulary));
+            let diagnostic = self
+                .diagnostic(codes::types::FRAMES_DIFFER, value.span, message)
+                .help("take the vector in world axes and express that");
+            return Err(self.report(diagnostic));
+        }
+        let count = data.kind.length().unwrap_or(1);
+        let mut node = data.node;
+        let is_place = matches!(data.kind.element(), Type::Place(_));
+        if let (true, Frame::Landmark(index) | Frame::Heading(index)) = (is_place, target) {
+            let origin = self.graph.sensors(vec![Sensor::LandmarkPosition(index)]);
+            let repeated = self.graph.select((0..count).flat_map(|_| 0..3), origin);
+            node = self.graph.binary(Binary::Subtract, node, repeated);
+        }
+        let node = self.express(node, count, target);
+        let element = match data.kind.element() {
+            Type::Vector { size, dimension, .. } => Type::Vector { size: *size, dimension: *dimension, frame: target },
+            _ => Type::Place(target),
+        };
+        Ok(Data::new(node, data.kind.with_element(element)))
+    }
+
+    fn frame(&mut self, frame: &'a tree::Frame) -> Checked<Frame> {
+        if frame.name.text == "world" && !frame.heading {
+            return Ok(Frame::World);
+        }
+        match self.name(&frame.name)? {
+            Value::Thing(Thing::Landmark(index)) if frame.heading => Ok(Frame::Heading(index)),
+            Value::Thing(Thing::Landmark(index)) => Ok(Frame::Landmark(index)),
+            _ => {
+                let message = format!("`{}` has no axes", frame.name.text);
+                let diagnostic = self
+                    .diagnostic(codes::types::FRAMES_DIFFER, frame.span, message)
+                    .help("a frame is `world`, a landmark, or `heading(landmark)`");
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// World components of `count` vectors as components along the axes of a frame.
+    fn express(&mut self, vectors: NodeId, count: usize, frame: Frame) -> NodeId {
+        let axes = match frame {
+            Frame::World => return vectors,
+            Frame::Landmark(index) => self.graph.sensors(vec![Sensor::LandmarkAxes(index)]),
+            Frame::Heading(index) => self.heading_axes(index),
+        };
+        // Component i of vector k is dot(vector k, axis i): three products each, nine per vector.
+        let repeated = self.graph.select((0..count).flat_map(|place| (0..9).map(move |lane| 3 * place + lane % 3)), vectors);
+        let tiled = self.graph.select((0..count).flat_map(|_| 0..9), axes);
+        let products = self.graph.binary(Binary::Multiply, repeated, tiled);
+        self.graph.reduce(Reduction::Sum, 3, products)
+    }
+
+    /// Axes of a landmark's yaw: forward and left level, up the world's.
+    fn heading_axes(&mut self, index: usize) -> NodeId {
+        let axes = self.graph.sensors(vec![Sensor::LandmarkAxes(index)]);
+        let level = self.graph.select([0, 1], axes);
+        let ahead = self.unit_vector(level, 2);
+        let (x, y) = (self.graph.select([0], ahead), self.graph.select([1], ahead));
+        let minus_y = self.graph.unary(crate::graph::operation::Unary::Negate, y);
+        let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
+        self.graph.join(&[x, y, zero, minus_y, x, zero, zero, zero, one])
+    }
+
+    /// Where parts of the body are.
+    pub(crate) fn positions(&mut self, value: &Value, span: Span) -> Checked<Data> {
+        let (things, list) = match value {
+            Value::Thing(thing) => (vec![*thing], false),
+            Value::Things { members, .. } => (members.clone(), true),
+            Value::Data(data) => return Ok(data.clone()),
+        };
+        let mut sensors = Vec::new();
+        for thing in &things {
+            match thing {
+                Thing::Landmark(index) => sensors.push(Sensor::LandmarkPosition(*index)),
+                Thing::CentreOfMass => sensors.push(Sensor::ComPosition),
+                _ => return Err(self.not_numbers(value, span)),
+            }
+        }
+        let node = self.graph.sensors(sensors);
+        let place = Type::Place(Frame::World);
+        Ok(Data::new(node, if list { Type::List(Box::new(place), things.len()) } else { place }))
+    }
+}

@@ -1,0 +1,84 @@
+//! Quantities that stand in declarations of bodies and beginnings: numbers with units, signs, brackets and the four operations.
+
+use super::dimension::Dimension;
+use super::unit::{self, Quantity};
+use crate::diagnostics::Span;
+use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, UnaryOperator};
+
+/// Why an expression is no constant quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NotConstant {
+    pub span: Span,
+    pub message: String,
+}
+
+/// The value of an expression in SI units.
+///
+/// # Errors
+/// The first part that is not a constant, or whose unit does not fit.
+pub(crate) fn quantity(expr: &Expr) -> Result<Quantity, NotConstant> {
+    let fail = |message: &str| Err(NotConstant { span: expr.span, message: message.to_owned() });
+    match &expr.kind {
+        ExprKind::Number(number) => match number.unit.as_ref().map(unit::evaluate) {
+            None => Ok(Quantity { value: number.value, dimension: Dimension::NONE }),
+            Some(Ok(one)) => Ok(Quantity { value: number.value * one.value, ..one }),
+            Some(Err(factor)) => {
+                Err(NotConstant { span: factor.span, message: format!("there is no unit `{}` here", factor.name) })
+            }
+        },
+        ExprKind::Paren(inner) => quantity(inner),
+        ExprKind::Unary { operator: UnaryOperator::Negate, operand } => {
+            quantity(operand).map(|found| Quantity { value: -found.value, ..found })
+        }
+        ExprKind::Binary { operator, left, right, .. } => {
+            let (a, b) = (quantity(left)?, quantity(right)?);
+            let dimension = match operator {
+                BinaryOperator::Add | BinaryOperator::Subtract => (a.dimension == b.dimension).then_some(a.dimension),
+                BinaryOperator::Multiply => a.dimension.times(b.dimension),
+                BinaryOperator::Divide => a.dimension.per(b.dimension),
+                _ => None,
+            };
+            let Some(dimension) = dimension else { return fail("these units do not fit together") };
+            let value = match operator {
+                BinaryOperator::Add => a.value + b.value,
+                BinaryOperator::Subtract => a.value - b.value,
+                BinaryOperator::Divide => a.value / b.value,
+                _ => a.value * b.value,
+            };
+            Ok(Quantity { value, dimension })
+        }
+        _ => fail("a number with its unit is wanted here"),
+    }
+}
+
+/// The value in SI units of an expression of this dimension; a bare zero fits any.
+///
+/// # Errors
+/// No constant, another dimension, or no finite number.
+pub(crate) fn of_dimension(expr: &Expr, wanted: Dimension) -> Result<f64, NotConstant> {
+    let found = quantity(expr)?;
+    if found.dimension != wanted && !(found.value == 0.0 && found.dimension.is_none()) {
+        let message = format!("this is {}, where {} is wanted", found.dimension.described(), wanted.described());
+        return Err(NotConstant { span: expr.span, message });
+    }
+    if !found.value.is_finite() {
+        return Err(NotConstant { span: expr.span, message: "this is no finite number".to_owned() });
+    }
+    Ok(found.value)
+}
+
+/// The components of a bracket, each of this dimension.
+///
+/// # Errors
+/// No bracket, another number of components, or what [`of_dimension`] refuses.
+pub(crate) fn bracket<const SIZE: usize>(expr: &Expr, wanted: Dimension) -> Result<[f64; SIZE], NotConstant> {
+    let ExprKind::List(elements) = &expr.kind else {
+        let message = format!("a bracket of {SIZE} numbers is wanted here");
+        return Err(NotConstant { span: expr.span, message });
+    };
+    let values: Vec<f64> = elements.iter().map(|element| of_dimension(element, wanted)).collect::<Result<_, _>>()?;
+    <[f64; SIZE]>::try_from(values).map_err(|values| NotConstant {
+        span: expr.span,
+        message: format!("a bracket of {SIZE} numbers is wanted here, this has {}", values.len()),
+    })
+}

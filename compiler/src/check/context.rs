@@ -1,0 +1,178 @@
+//! What the checker knows while it walks through one task.
+
+use super::scope::{Names, Place};
+use super::value::Value;
+use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
+use crate::graph::{Graph, NodeId};
+use crate::syntax::tree::TaskStatement;
+use crate::vocabulary::Vocabulary;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// An error that is already reported; whoever gets it says no more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Reported;
+
+/// A result whose error is already reported.
+pub(crate) type Checked<T> = Result<T, Reported>;
+
+/// Expressions and lanes that one task may take: enough for any real task, little enough to stay far below a second.
+const BUDGET: usize = 400_000;
+
+/// Brackets, calls and names nested in each other; each level costs native stack.
+const DEEPEST: usize = 320;
+
+/// A function call or a name on the way to where the checker stands.
+#[derive(Debug, Clone)]
+pub(crate) struct Step {
+    pub name: String,
+    pub file: FileId,
+    pub span: Span,
+    /// A call is told in errors; a name only draws cycles.
+    pub call: bool,
+}
+
+/// Control timing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Timing {
+    /// Length of a control step, s.
+    pub interval: f64,
+    /// Control steps of an episode.
+    pub horizon: u32,
+}
+
+/// The conditions that end an episode, once they are known.
+#[derive(Debug, Clone, Default)]
+pub(crate) enum Ends {
+    #[default]
+    Unknown,
+    Busy,
+    Known(Vec<(String, NodeId)>),
+    Broken,
+}
+
+/// A declared state or clock of the task.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Cell {
+    pub name: String,
+    pub kind: super::types::Type,
+    pub initial: NodeId,
+}
+
+/// The checker of one task.
+pub(crate) struct Checker<'a> {
+    pub vocabulary: &'a Vocabulary,
+    pub names: &'a Names<'a>,
+    pub graph: Graph,
+    pub diagnostics: Vec<Diagnostic>,
+    pub timing: Timing,
+    /// Where the task itself stands.
+    pub task_place: Place,
+    /// The statements of the task.
+    pub statements: &'a [TaskStatement],
+    /// Where names are looked up now.
+    pub place: Place,
+    /// Arguments of the function being inlined and loop variables, innermost last.
+    pub locals: Vec<(String, Value)>,
+    /// How the checker came here.
+    pub path: Vec<Step>,
+    /// Whether declared states are read after their update, as observations do.
+    pub after: bool,
+    /// Values of names already checked; `None` for those that are broken.
+    pub memo: BTreeMap<(Place, bool, String), Option<Value>>,
+    /// Names of the task that something reads.
+    pub used: BTreeSet<String>,
+    pub cells: Vec<Cell>,
+    pub ends: Ends,
+    /// Lints that are allowed in place.
+    pub allowed: BTreeSet<String>,
+    depth: usize,
+    budget: usize,
+}
+
+impl<'a> Checker<'a> {
+    pub(crate) fn new(vocabulary: &'a Vocabulary, names: &'a Names<'a>, place: Place, statements: &'a [TaskStatement]) -> Self {
+        Self {
+            vocabulary,
+            names,
+            graph: Graph::default(),
+            diagnostics: Vec::new(),
+            timing: Timing { interval: 0.01, horizon: 1 },
+            task_place: place,
+            statements,
+            place,
+            locals: Vec::new(),
+            path: Vec::new(),
+            after: false,
+            memo: BTreeMap::new(),
+            used: BTreeSet::new(),
+            cells: Vec::new(),
+            ends: Ends::Unknown,
+            allowed: BTreeSet::new(),
+            depth: 0,
+            budget: BUDGET,
+        }
+    }
+
+    /// A diagnostic at `span` of the present file; the chain of calls that led here is told with it.
+    pub(crate) fn diagnostic(&self, code: &'static Code, span: Span, message: impl Into<String>) -> Diagnostic {
+        let mut diagnostic = Diagnostic::new(code, self.place.file, span, message);
+        for step in self.path.iter().rev().filter(|step| step.call) {
+            diagnostic = diagnostic.label(step.file, step.span, format!("in this call of `{}`", step.name));
+        }
+        diagnostic
+    }
+
+    /// Reports and gives what a failed check returns.
+    pub(crate) fn report(&mut self, diagnostic: Diagnostic) -> Reported {
+        self.diagnostics.push(diagnostic);
+        Reported
+    }
+
+    /// Reports a plain error.
+    pub(crate) fn error(&mut self, code: &'static Code, span: Span, message: impl Into<String>) -> Reported {
+        let diagnostic = self.diagnostic(code, span, message);
+        self.report(diagnostic)
+    }
+
+    /// Runs `check` one level deeper.
+    ///
+    /// # Errors
+    /// What `check` reports, or that the task nests too deeply or grows too large.
+    pub(crate) fn deeper<T>(&mut self, span: Span, check: impl FnOnce(&mut Self) -> Checked<T>) -> Checked<T> {
+        self.spend(1, span)?;
+        if self.depth >= DEEPEST {
+            let message = format!("this is nested more than {DEEPEST} levels deep");
+            return Err(self.error(codes::tasks::TOO_LARGE, span, message));
+        }
+        self.depth += 1;
+        let result = check(self);
+        self.depth -= 1;
+        result
+    }
+
+    /// Takes `amount` from what a task may cost.
+    ///
+    /// # Errors
+    /// The task has become too large; told once.
+    pub(crate) fn spend(&mut self, amount: usize, span: Span) -> Checked<()> {
+        if self.budget >= amount {
+            self.budget -= amount;
+            return Ok(());
+        }
+        if self.budget > 0 {
+            self.budget = 0;
+            let message = "the task becomes too large here: functions and lists unroll while compiling";
+            self.error(codes::tasks::TOO_LARGE, span, message);
+        }
+        Err(Reported)
+    }
+
+    /// Runs `check` where `place` is, with no locals, and comes back.
+    pub(crate) fn elsewhere<T>(&mut self, place: Place, check: impl FnOnce(&mut Self) -> T) -> T {
+        let place = std::mem::replace(&mut self.place, place);
+        let locals = std::mem::take(&mut self.locals);
+        let result = check(self);
+        (self.place, self.locals) = (place, locals);
+        result
+    }
+}

@@ -1,0 +1,395 @@
+//! Expressions: from the syntax tree to typed nodes of the graph.
+
+use super::context::{Checked, Checker, Reported};
+use super::dimension::Dimension;
+use super::types::Type;
+use super::unit;
+use super::value::{Data, Form, Thing, Value};
+use crate::diagnostics::{Span, codes};
+use crate::graph::operation::{Binary, Operation, Unary};
+use crate::syntax::tree::{Expr, ExprKind, Quantity, UnaryOperator};
+
+impl<'a> Checker<'a> {
+    /// What an expression stands for.
+    ///
+    /// # Errors
+    /// Whatever is wrong in it; both sides of an operator are looked at before giving up.
+    pub(crate) fn value(&mut self, expr: &'a Expr) -> Checked<Value> {
+        self.deeper(expr.span, |checker| checker.value_here(expr))
+    }
+
+    fn value_here(&mut self, expr: &'a Expr) -> Checked<Value> {
+        match &expr.kind {
+            ExprKind::Number(quantity) => self.literal(quantity, expr.span).map(Value::Data),
+            ExprKind::Bool(truth) => {
+                let node = self.graph.constant(f64::from(u8::from(*truth)));
+                Ok(Value::Data(Data::new(node, Type::Bool)))
+            }
+            ExprKind::Name(name) => self.name(name),
+            ExprKind::Selector { kind, pattern } => self.selector(kind, pattern),
+            ExprKind::Field { base, name } => self.field(base, name, expr.span),
+            ExprKind::Call { function, arguments } => self.call(function, arguments, expr.span),
+            ExprKind::Index { base, index } => self.index(base, index, expr.span),
+            ExprKind::List(elements) => {
+                let values = elements.iter().map(|element| (self.value(element), element.span)).collect();
+                self.bracket(values, expr.span)
+            }
+            ExprKind::Comprehension { element, variable, source } => self.comprehension(element, variable, source, expr.span),
+            ExprKind::Paren(inner) => self.value(inner),
+            ExprKind::Unary { operator: UnaryOperator::Negate, operand } => self.negate(operand).map(Value::Data),
+            ExprKind::Unary { operator: UnaryOperator::Not, operand } => {
+                let operand = self.condition(operand)?;
+                let node = self.graph.unary(Unary::Not, operand.node);
+                Ok(Value::Data(Data::new(node, operand.kind)))
+            }
+            ExprKind::Binary { .. } => self.binary_chain(expr).map(Value::Data),
+            ExprKind::Compare { operands, operators } => self.comparison(operands, operators).map(Value::Data),
+            ExprKind::InFrame { value, frame } => self.in_frame(value, frame).map(Value::Data),
+            ExprKind::If { branches, otherwise } => self.if_else(branches, otherwise).map(Value::Data),
+            ExprKind::When { value, condition } => self.when(value, condition).map(Value::Data),
+            ExprKind::EndedBy(reason) => self.ended_by(reason).map(Value::Data),
+            ExprKind::Range { .. } => {
+                Err(self.error(codes::types::WRONG_TYPE, expr.span, "a range can only stand where bounds are wanted"))
+            }
+            ExprKind::Text(_) => {
+                let message = "a quoted text stands for nothing by itself";
+                let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, message);
+                let help = "say what it names: `muscle \"...\"`, `joint \"...\"` or `landmark \"...\"`";
+                Err(self.report(diagnostic.help(help)))
+            }
+            ExprKind::At { .. } => Err(self.error(codes::types::WRONG_TYPE, expr.span, "`at` a pose can only stand in `expect`")),
+            ExprKind::Error => Err(Reported),
+        }
+    }
+
+    /// The numbers that an expression stands for.
+    ///
+    /// # Errors
+    /// What [`Checker::value`] reports, and a part of the body where numbers are wanted.
+    pub(crate) fn data(&mut self, expr: &'a Expr) -> Checked<Data> {
+        match self.value(expr)? {
+            Value::Data(data) => Ok(data),
+            other => Err(self.not_numbers(&other, expr.span)),
+        }
+    }
+
+    pub(crate) fn not_numbers(&mut self, value: &Value, span: Span) -> Reported {
+        let (what, example) = match value {
+            Value::Thing(thing) => (self.thing_name(*thing), self.property_example(*thing)),
+            Value::Things { members, .. } => (
+                format!("a list of {} parts of the body", members.len()),
+                members.first().map_or("position", |thing| self.property_example(*thing)),
+            ),
+            Value::Data(_) => ("a number".to_owned(), "position"),
+        };
+        let message = format!("this is {what}, not a number");
+        let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, span, message);
+        self.report(diagnostic.help(format!("read one of its properties, such as `.{example}`")))
+    }
+
+    fn property_example(&self, thing: Thing) -> &'static str {
+        match thing {
+            Thing::Joint(_) => "q",
+            Thing::Muscle(_) => "activation",
+            Thing::Landmark(_) | Thing::CentreOfMass | Thing::Ground => "position",
+        }
+    }
+
+    /// A condition or a list of them.
+    ///
+    /// # Errors
+    /// Anything else.
+    pub(crate) fn condition(&mut self, expr: &'a Expr) -> Checked<Data> {
+        let data = self.data(expr)?;
+        if *data.kind.element() == Type::Bool {
+            return Ok(data);
+        }
+        let found = data.kind.described(self.vocabulary);
+        let diagnostic = self
+            .diagnostic(codes::types::WRONG_TYPE, expr.span, "a condition is wanted here")
+            .expected("a condition (yes or no)")
+            .found(found)
+            .help("compare it with something: `x > 0.5 m`");
+        Err(self.report(diagnostic))
+    }
+
+    /// One condition.
+    ///
+    /// # Errors
+    /// Anything else; a list must say `any` or `all`.
+    pub(crate) fn single_condition(&mut self, expr: &'a Expr) -> Checked<Data> {
+        let data = self.condition(expr)?;
+        if data.kind.length().is_none() {
+            return Ok(data);
+        }
+        let found = data.kind.described(self.vocabulary);
+        let diagnostic = self
+            .diagnostic(codes::types::WRONG_TYPE, expr.span, "one condition is wanted here, this is a list")
+            .found(found)
+            .help("say whether `any(...)` or `all(...)` of them must hold");
+        Err(self.report(diagnostic))
+    }
+
+    fn literal(&mut self, quantity: &Quantity, span: Span) -> Checked<Data> {
+        let Some(written) = &quantity.unit else {
+            let node = self.graph.constant(quantity.value);
+            let kind = if quantity.whole { Type::Int } else { Type::PLAIN };
+            let form = if quantity.value == 0.0 { Form::Zero } else { Form::Plain };
+            return Ok(Data::new(node, kind).with_form(form));
+        };
+        if let [only] = written.factors.as_slice()
+            && matches!(only.name.as_str(), "step" | "steps")
+        {
+            if quantity.whole && only.numerator == 1 && only.denominator == 1 {
+                let node = self.graph.constant(quantity.value);
+                return Ok(Data::new(node, Type::Steps));
+            }
+            return Err(self.error(codes::types::DURATION, span, "control steps are counted in whole numbers"));
+        }
+        match unit::evaluate(written) {
+            Ok(one) => {
+                let node = self.graph.constant(quantity.value * one.value);
+                Ok(Data::new(node, Type::Number(one.dimension)))
+            }
+            Err(factor) => {
+                let known = unit::UNITS.iter().map(|unit| unit.name);
+                let near = crate::diagnostics::nearest(&factor.name, known);
+                let message = format!("there is no unit `{}`", factor.name);
+                let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_UNIT, factor.span, message);
+                for name in near {
+                    diagnostic = diagnostic.suggest(format!("write `{name}`"), factor.span, name);
+                }
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    fn negate(&mut self, operand: &'a Expr) -> Checked<Data> {
+        let data = self.data(operand)?;
+        match data.kind.element() {
+            Type::Number(_) | Type::Int | Type::Steps | Type::Vector { .. } | Type::Mixed(_) => {
+                let node = self.graph.unary(Unary::Negate, data.node);
+                Ok(Data { node, ..data })
+            }
+            _ => {
+                let found = data.kind.described(self.vocabulary);
+                let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, operand.span, "this has no negative").found(found);
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// A bracket: a list of numbers, vectors, places or parts of the body.
+    pub(crate) fn bracket(&mut self, values: Vec<(Checked<Value>, Span)>, span: Span) -> Checked<Value> {
+        let mut data: Vec<(Data, Span)> = Vec::new();
+        let mut things = Vec::new();
+        let mut broken = false;
+        for (value, place) in values {
+            match value {
+                Ok(Value::Data(element)) => data.push((element, place)),
+                Ok(Value::Thing(thing)) => things.push(thing),
+                Ok(Value::Things { members, .. }) => things.extend(members),
+                Err(Reported) => broken = true,
+            }
+        }
+        if broken {
+            return Err(Reported);
+        }
+        if data.is_empty() {
+            return if things.is_empty() {
+                Err(self.error(codes::types::WRONG_TYPE, span, "a list needs at least one element"))
+            } else {
+                Ok(Value::Things { members: things, group: false })
+            };
+        }
+        if !things.is_empty() {
+            return Err(self.error(codes::types::WRONG_TYPE, span, "a list holds either numbers or parts of the body, not both"));
+        }
+        self.list_of(data, span).map(Value::Data)
+    }
+
+    fn list_of(&mut self, data: Vec<(Data, Span)>, span: Span) -> Checked<Data> {
+        let scalars = data.iter().all(|(element, _)| matches!(element.kind, Type::Number(_) | Type::Int));
+        let Some(model) = data.iter().find(|(element, _)| !element.is_zero()).or(data.first()).map(|(model, _)| model.clone())
+        else {
+            return Err(Reported);
+        };
+        let element = match model.kind.element() {
+            Type::Int if scalars && data.iter().any(|(other, _)| matches!(other.kind, Type::Number(_))) => Type::PLAIN,
+            other => other.clone(),
+        };
+        let mut length = 0;
+        for (other, place) in &data {
+            let fits = *other.kind.element() == element
+                || other.is_zero() && element.dimension().is_some()
+                || other.kind.dimension().is_some_and(Dimension::is_none) && element == Type::PLAIN;
+            if !fits {
+                let (expected, found) = (element.described(self.vocabulary), other.kind.element().described(self.vocabulary));
+                let diagnostic = self
+                    .diagnostic(codes::types::DIMENSIONS_DIFFER, *place, "all elements of a list are of one kind")
+                    .expected(expected)
+                    .found(found);
+                return Err(self.report(diagnostic));
+            }
+            length += other.kind.length().unwrap_or(1);
+        }
+        let nodes: Vec<_> = data.iter().map(|(element, _)| element.node).collect();
+        let node = self.graph.join(&nodes);
+        self.spend(self.graph.width(node), span)?;
+        let all_zero = data.iter().all(|(element, _)| element.is_zero());
+        let form = match (scalars && (2..=3).contains(&length), all_zero) {
+            (true, true) => Form::ZeroBracket,
+            (true, false) => Form::Bracket,
+            _ => Form::Plain,
+        };
+        Ok(Data::new(node, Type::List(Box::new(element), length)).with_form(form))
+    }
+
+    /// A bracket of two or three numbers as a vector of the wanted frame; anything else as it is.
+    pub(crate) fn as_vector(&self, data: Data, frame: super::types::Frame) -> Data {
+        match (&data.kind, data.is_bracket()) {
+            (Type::List(element, size), true) => {
+                let dimension = element.dimension().unwrap_or(Dimension::NONE);
+                let form = if data.is_zero() { Form::Zero } else { Form::Plain };
+                Data { node: data.node, kind: Type::Vector { size: *size, dimension, frame }, form }
+            }
+            _ => data,
+        }
+    }
+
+    fn if_else(&mut self, branches: &'a [(Expr, Expr)], otherwise: &'a Expr) -> Checked<Data> {
+        let mut chosen = self.data(otherwise);
+        for (condition, value) in branches.iter().rev() {
+            let condition = self.single_condition(condition);
+            let branch = self.data(value);
+            chosen = match (condition, branch, chosen) {
+                (Ok(condition), Ok(branch), Ok(rest)) => self.choose(&condition, (branch, value), (rest, otherwise)),
+                _ => Err(Reported),
+            };
+        }
+        chosen
+    }
+
+    fn choose(&mut self, condition: &Data, yes: (Data, &'a Expr), no: (Data, &'a Expr)) -> Checked<Data> {
+        let (left, right, kind) = self.agree("choose between", yes, no)?;
+        let node = self.graph.add(Operation::Choose, &[condition.node, left, right]);
+        Ok(Data::new(node, kind))
+    }
+
+    fn when(&mut self, value: &'a Expr, condition: &'a Expr) -> Checked<Data> {
+        let (value_data, condition_data) = (self.data(value), self.condition(condition));
+        let (value_data, condition_data) = (value_data?, condition_data?);
+        if matches!(value_data.kind.element(), Type::Place(_) | Type::Rotation) {
+            let message = "a place or an orientation has no zero to fall back to";
+            return Err(self.error(codes::types::WRONG_TYPE, value.span, message));
+        }
+        if *value_data.kind.element() == Type::Bool {
+            let (left, right, kind) = self.agree("combine", (value_data, value), (condition_data, condition))?;
+            let node = self.graph.binary(Binary::And, left, right);
+            return Ok(Data::new(node, kind));
+        }
+        let kind = self.common_length(&value_data.kind, &condition_data.kind, condition.span)?;
+        let length = kind.unwrap_or(1);
+        let lanes = value_data.kind.element_lanes();
+        let (chosen, tested) = (self.spread(&value_data, length, lanes), self.spread(&condition_data, length, lanes));
+        let zero = self.graph.constant(0.0);
+        let node = self.graph.add(Operation::Choose, &[tested, chosen, zero]);
+        let element = value_data.kind.element().clone();
+        let kind = if kind.is_some() { Type::List(Box::new(element), length) } else { element };
+        Ok(Data::new(node, kind))
+    }
+
+    fn index(&mut self, base: &'a Expr, index: &'a Expr, span: Span) -> Checked<Value> {
+        let (base, place) = (self.value(base), self.data(index));
+        let (base, place) = (base?, place?);
+        let length = match &base {
+            Value::Data(data) => data.kind.length(),
+            Value::Things { members, .. } => Some(members.len()),
+            Value::Thing(_) => None,
+        };
+        let Some(length) = length else {
+            return Err(self.error(codes::types::WRONG_TYPE, span, "only a list can be indexed"));
+        };
+        let known = self.graph.constant_value(place.node).filter(|_| place.kind == Type::Int);
+        let Some(known) = known else {
+            let diagnostic = self
+                .diagnostic(codes::types::NOT_CONSTANT, index.span, "the index must be a whole number known while compiling")
+                .found(place.kind.described(self.vocabulary));
+            return Err(self.report(diagnostic));
+        };
+        if known < 0.0 || known >= length as f64 {
+            let message = format!("the list has {length} elements, 0 to {}", length - 1);
+            return Err(self.error(codes::types::INDEX, index.span, message));
+        }
+        let known = known as usize;
+        Ok(match base {
+            Value::Things { members, .. } => Value::Thing(members[known]),
+            Value::Data(data) => {
+                let lanes = data.kind.element_lanes();
+                let node = self.graph.select(known * lanes..(known + 1) * lanes, data.node);
+                let kind = match &data.kind {
+                    Type::Mixed(dimensions) => Type::Number(dimensions[known]),
+                    other => other.element().clone(),
+                };
+                Value::Data(Data::new(node, kind))
+            }
+            thing @ Value::Thing(_) => thing,
+        })
+    }
+
+    fn comprehension(
+        &mut self,
+        element: &'a Expr,
+        variable: &'a crate::syntax::tree::Ident,
+        source: &'a Expr,
+        span: Span,
+    ) -> Checked<Value> {
+        let values = self.loop_values(source)?;
+        let mut elements = Vec::with_capacity(values.len());
+        for value in values {
+            self.locals.push((variable.text.clone(), value));
+            let one = self.value(element);
+            self.locals.pop();
+            let broken = one.is_err();
+            elements.push((one, element.span));
+            if broken {
+                break;
+            }
+        }
+        self.bracket(elements, span)
+    }
+
+    /// What a loop runs through: whole numbers, parts of the body, or elements of a list.
+    fn loop_values(&mut self, source: &'a Expr) -> Checked<Vec<Value>> {
+        if let ExprKind::Range { low, high } = &source.kind {
+            let (low_value, high_value) = (self.whole(low), self.whole(high));
+            let (low_value, high_value) = (low_value?, high_value?);
+            if high_value <= low_value {
+                return Err(self.error(codes::types::WRONG_TYPE, source.span, "this range is empty; its upper end is excluded"));
+            }
+            let count = (high_value - low_value) as usize;
+            self.spend(count, source.span)?;
+            let numbers = (0..count).map(|offset| low_value + offset as f64);
+            return Ok(numbers.map(|number| Value::Data(Data::new(self.graph.constant(number), Type::Int))).collect());
+        }
+        match self.value(source)? {
+            Value::Things { members, .. } => Ok(members.into_iter().map(Value::Thing).collect()),
+            Value::Data(data) if data.kind.length().is_some() => {
+                let (length, lanes) = (data.kind.length().unwrap_or(0), data.kind.element_lanes());
+                let element = data.kind.element().clone();
+                let part = |place: usize, checker: &mut Self| checker.graph.select(place * lanes..(place + 1) * lanes, data.node);
+                Ok((0..length).map(|place| Value::Data(Data::new(part(place, self), element.clone()))).collect())
+            }
+            _ => Err(self.error(codes::types::WRONG_TYPE, source.span, "a loop runs through a range or a list")),
+        }
+    }
+
+    /// A whole number known while compiling.
+    pub(crate) fn whole(&mut self, expr: &'a Expr) -> Checked<f64> {
+        let data = self.data(expr)?;
+        match (self.graph.constant_value(data.node), &data.kind) {
+            (Some(value), Type::Int) => Ok(value),
+            _ => Err(self.error(codes::types::NOT_CONSTANT, expr.span, "a whole number known while compiling is wanted here")),
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! Names and selectors: what a word stands for.
+
+use super::context::{Checked, Checker, Reported, Step};
+use super::scope::{Declared, Definition, Place};
+use super::signals::{self, Owner};
+use super::value::{Thing, Value};
+use super::wording::did_you_mean;
+use crate::diagnostics::nearest;
+use crate::diagnostics::{Span, codes};
+use crate::syntax::tree::{Ident, Name, NamePart, Text};
+use crate::vocabulary::{GroupKind, JointKind};
+
+/// Sets of joints and muscles that every body has.
+const SETS: &[&str] = &["joints", "hinges", "slides", "independent", "muscles"];
+
+impl<'a> Checker<'a> {
+    /// What a name stands for; a brace pattern stands for a list.
+    pub(crate) fn name(&mut self, name: &'a Name) -> Checked<Value> {
+        let texts = self.expand(name)?;
+        if let [NamePart::Literal(_)] = name.parts.as_slice() {
+            return self.plain_name(&name.text, name.span);
+        }
+        let several = name.parts.iter().any(|part| !matches!(part, NamePart::Literal(_) | NamePart::Variable(_)));
+        let mut values = Vec::new();
+        for text in &texts {
+            values.push((self.plain_name(text, name.span), name.span));
+        }
+        match (several, values.pop()) {
+            (false, Some((only, _))) => only,
+            (_, last) => {
+                values.extend(last);
+                self.bracket(values, name.span)
+            }
+        }
+    }
+
+    /// The plain names of a brace pattern, in order.
+    pub(crate) fn expand(&mut self, name: &Name) -> Checked<Vec<String>> {
+        let mut texts = vec![String::new()];
+        for part in &name.parts {
+            let choices: Vec<String> = match part {
+                NamePart::Literal(text) => vec![text.clone()],
+                NamePart::Words(words) => words.clone(),
+                NamePart::Range(low, high) => {
+                    self.spend((high.saturating_sub(*low)) as usize, name.span)?;
+                    (*low..*high).map(|number| number.to_string()).collect()
+                }
+                NamePart::Variable(variable) => vec![self.loop_number(variable, name.span)?],
+                NamePart::Any => return self.expand_any(name),
+            };
+            self.spend(texts.len() * choices.len(), name.span)?;
+            texts = texts.iter().flat_map(|text| choices.iter().map(move |choice| format!("{text}{choice}"))).collect();
+        }
+        Ok(texts)
+    }
+
+    fn loop_number(&mut self, variable: &str, span: Span) -> Checked<String> {
+        let local = self.locals.iter().rev().find(|(name, _)| name == variable).map(|(_, value)| value.clone());
+        if let Some(Value::Data(data)) = &local
+            && let Some(number) = self.graph.constant_value(data.node)
+        {
+            return Ok(format!("{number}"));
+        }
+        let message = format!("`{variable}` is no loop variable here; a list of names has two or more words: `{{l,r}}`");
+        Err(self.error(codes::names::UNKNOWN_NAME, span, message))
+    }
+
+    /// `pole_{*}`: every landmark, joint or muscle that fits.
+    fn expand_any(&mut self, name: &Name) -> Checked<Vec<String>> {
+        let pattern = name.parts.iter().fold(String::new(), |text, part| match part {
+            NamePart::Literal(literal) => text + literal,
+            _ => text + "*",
+        });
+        let known = self.body_names();
+        let fitting: Vec<String> = known.into_iter().filter(|name| fits(&pattern, name)).collect();
+        if fitting.is_empty() {
+            let message = format!("nothing on this body is called `{}`", name.text);
+            return Err(self.error(codes::names::NOTHING_FITS, name.span, message));
+        }
+        Ok(fitting)
+    }
+
+    fn plain_name(&mut self, text: &str, span: Span) -> Checked<Value> {
+        if let Some((_, value)) = self.locals.iter().rev().find(|(name, _)| name == text) {
+            return Ok(value.clone());
+        }
+        if let Some((declared, place)) = self.names.find(self.place, text) {
+            return self.declared(text, declared, place, span);
+        }
+        if let Some(thing) = self.body_element(text) {
+            return Ok(thing);
+        }
+        for owner in [Owner::Time, Owner::WholeBody] {
+            if let Some(signal) = signals::find(owner, text) {
+                return self.single_signal(signal, span).map(Value::Data);
+            }
+        }
+        let candidates = self.names_in_sight();
+        Err(self.unknown_name(text, span, candidates))
+    }
+
+    /// Reports a name that means nothing, with those near to it.
+    pub(crate) fn unknown_name(&mut self, text: &str, span: Span, candidates: Vec<String>) -> Reported {
+        let near = nearest(text, candidates.iter().map(String::as_str));
+        let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, format!("there is nothing called `{text}`"));
+        if let Some(help) = did_you_mean(&near) {
+            diagnostic = diagnostic.help(help);
+        } else if super::functions::find(text).is_some() {
+            diagnostic = diagnostic.help(format!("`{text}` is a function: `{text}(...)`"));
+        } else {
+            diagnostic = diagnostic.help("`msk vocabulary` lists what the body and the language offer");
+        }
+        for name in near {
+            diagnostic = diagnostic.suggest(format!("write `{name}`"), span, name);
+        }
+        self.report(diagnostic)
+    }
+
+    fn names_in_sight(&self) -> Vec<String> {
+        let mut names = self.body_names();
+        names.extend(self.names.in_sight(self.place).map(str::to_owned));
+        names.extend(self.locals.iter().map(|(name, _)| name.clone()));
+        let words = signals::SIGNALS.iter().filter(|s| matches!(s.owner, Owner::Time | Owner::WholeBody)).map(|s| s.name);
+        names.extend(words.chain(SETS.iter().copied()).chain(["com", "ground"]).map(str::to_owned));
+        names
+    }
+
+    /// Whether a name is taken by the body or by the language.
+    pub(crate) fn means_something(&self, name: &str) -> bool {
+        let signal = [Owner::Time, Owner::WholeBody].into_iter().any(|owner| signals::find(owner, name).is_some());
+        signal || self.body_element(name).is_some() || super::functions::find(name).is_some()
+    }
+
+    fn body_names(&self) -> Vec<String> {
+        let body = self.vocabulary;
+        let landmarks = body.landmarks.iter().map(|landmark| &landmark.name);
+        let joints = body.joints.iter().map(|joint| &joint.name);
+        let muscles = body.muscles.iter().map(|muscle| &muscle.name);
+        landmarks.chain(joints).chain(muscles).chain(body.groups.iter().map(|group| &group.name)).cloned().collect()
+    }
+
+    fn body_element(&self, text: &str) -> Option<Value> {
+        let body = self.vocabulary;
+        if let Some(index) = body.landmarks.iter().position(|landmark| landmark.name == text) {
+            return Some(Value::Thing(Thing::Landmark(index)));
+        }
+        if let Some(index) = body.joints.iter().position(|joint| joint.name == text) {
+            return Some(Value::Thing(Thing::Joint(index)));
+        }
+        if let Some(index) = body.muscles.iter().position(|muscle| muscle.name == text) {
+            return Some(Value::Thing(Thing::Muscle(index)));
+        }
+        if let Some(group) = body.groups.iter().find(|group| group.name == text) {
+            let members = group.members.iter().map(|&index| match group.kind {
+                GroupKind::Joints => Thing::Joint(index),
+                GroupKind::Muscles => Thing::Muscle(index),
+                GroupKind::Landmarks => Thing::Landmark(index),
+            });
+            return Some(Value::Things { members: members.collect(), group: true });
+        }
+        let joints = |chosen: &dyn Fn(JointKind, bool) -> bool| {
+            let members = body.joints.iter().enumerate().filter(|(_, joint)| chosen(joint.kind, joint.independent));
+            Some(Value::Things { members: members.map(|(index, _)| Thing::Joint(index)).collect(), group: true })
+        };
+        match text {
+            "com" => Some(Value::Thing(Thing::CentreOfMass)),
+            "ground" => Some(Value::Thing(Thing::Ground)),
+            "joints" => joints(&|_, _| true),
+            "hinges" => joints(&|kind, _| kind == JointKind::Hinge),
+            "slides" => joints(&|kind, _| kind == JointKind::Slide),
+            "independent" => joints(&|kind, independent| kind == JointKind::Hinge && independent),
+            "muscles" => Some(Value::Things { members: (0..body.muscles.len()).map(Thing::Muscle).collect(), group: true }),
+            _ => None,
+        }
+    }
+
+    /// The value of a declared name, checked where it is declared and only once.
+    fn declared(&mut self, text: &str, declared: Declared<'a>, place: Place, span: Span) -> Checked<Value> {
+        if place.in_task {
+            self.used.insert(text.to_owned());
+        }
+        let binding = match declared.definition {
+            Definition::Const(binding) | Definition::Let(binding) => binding,
+            Definition::State(_) => return self.state(text, span),
+            Definition::Clock(clock) => return self.clock(clock, place).map(Value::Data),
+            Definition::Function(_) => {
+                let message = format!("`{text}` is a function; call it: `{text}(...)`");
+                return Err(self.error(codes::names::UNKNOWN_NAME, span, message));
+            }
+            Definition::Observation(_) => {
+                let message = format!("`{text}` is a block of channels; it can only stand in `observe`");
+                return Err(self.error(codes::names::UNKNOWN_NAME, span, message));
+            }
+        };
+        let key = (place, self.after, text.to_owned());
+        if let Some(known) = self.memo.get(&key) {
+            return known.clone().ok_or(Reported);
+        }
+        self.enter(Step { name: text.to_owned(), file: self.place.file, span, call: false }, declared)?;
+        let value = self.elsewhere(place, |checker| {
+            let value = checker.value(&binding.value)?;
+            checker.check_annotation(binding.annotation.as_ref(), &value)?;
+            Ok(value)
+        });
+        self.path.pop();
+        self.memo.insert(key, value.as_ref().ok().cloned());
+        value
+    }
+
+    /// Steps into a name or function, unless that closes a circle.
+    pub(crate) fn enter(&mut self, step: Step, declared: Declared<'a>) -> Checked<()> {
+        let start = self.path.iter().position(|known| known.name == step.name && known.call == step.call);
+        if let Some(start) = start {
+            let mut circle: Vec<&str> = self.path[start..].iter().map(|step| step.name.as_str()).collect();
+            circle.push(&step.name);
+            let drawn = circle.join(" -> ");
+            let message = format!("`{}` depends on itself", step.name);
+            let diagnostic = crate::diagnostics::Diagnostic::new(codes::names::CYCLE, step.file, step.span, message)
+                .here("this closes the circle")
+                .label(declared.file, declared.definition.span(), "declared here")
+                .help(format!("the circle: {drawn}"))
+                .help("to use the value of the step before, write `prev(...)` of a signal or declare a `state`");
+            return Err(self.report(diagnostic));
+        }
+        self.path.push(step);
+        Ok(())
+    }
+
+    /// `muscle "QL_post_I.1-L3_r"`, `muscles "glmax*"`.
+    pub(crate) fn selector(&mut self, kind: &Ident, pattern: &Text) -> Checked<Value> {
+        let body = self.vocabulary;
+        let (names, thing): (Vec<&str>, fn(usize) -> Thing) = match kind.text.as_str() {
+            "muscle" | "muscles" => (body.muscles.iter().map(|muscle| muscle.name.as_str()).collect(), Thing::Muscle),
+            "joint" | "joints" => (body.joints.iter().map(|joint| joint.name.as_str()).collect(), Thing::Joint),
+            "landmark" | "landmarks" => (body.landmarks.iter().map(|landmark| landmark.name.as_str()).collect(), Thing::Landmark),
+            other => {
+                let message = format!("`{other} \"...\"` is not supported yet; muscles, joints and landmarks can be selected");
+                return Err(self.error(codes::names::NOT_YET, kind.span, message));
+            }
+        };
+        let fitting: Vec<Thing> =
+            names.iter().enumerate().filter(|(_, name)| fits(&pattern.value, name)).map(|(index, _)| thing(index)).collect();
+        match fitting.as_slice() {
+            [] => {
+                let near = nearest(&pattern.value, names.into_iter());
+                let message = format!("no {} fits \"{}\"", kind.text.trim_end_matches('s'), pattern.value);
+                let mut diagnostic = self.diagnostic(codes::names::NOTHING_FITS, pattern.span, message);
+                if let Some(help) = did_you_mean(&near) {
+                    diagnostic = diagnostic.help(help);
+                }
+                for name in near {
+                    diagnostic = diagnostic.suggest(format!("write \"{name}\""), pattern.span, format!("\"{name}\""));
+                }
+                Err(self.report(diagnostic))
+            }
+            [only] if !kind.text.ends_with('s') => Ok(Value::Thing(*only)),
+            several => Ok(Value::Things { members: several.to_vec(), group: kind.text.ends_with('s') }),
+        }
+    }
+}
+
+/// Whether `name` fits a pattern in which `*` stands for anything.
+pub(crate) fn fits(pattern: &str, name: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let Some(first) = parts.next() else { return false };
+    let Some(mut rest) = name.strip_prefix(first) else { return false };
+    let parts: Vec<&str> = parts.collect();
+    let Some((last, middle)) = parts.split_last() else { return rest.is_empty() };
+    for part in middle {
+        match rest.find(part) {
+            Some(place) => rest = &rest[place + part.len()..],
+            None => return false,
+        }
+    }
+    rest.ends_with(last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fits;
+
+    #[test]
+    fn a_star_stands_for_anything() {
+        assert!(fits("glmax*", "glmax1_r") && fits("*_r", "glmax1_r") && fits("gl*_r", "glmax1_r") && fits("*", ""));
+        assert!(fits("soleus_r", "soleus_r") && !fits("soleus", "soleus_r") && !fits("a*b*a", "ab"));
+    }
+}

@@ -1,0 +1,402 @@
+//! Properties: `pelvis.height`, `independent.q`, `v.z`, and what stands by itself: `t`, `spine`.
+
+use super::context::{Checked, Checker, Reported};
+use super::dimension::Dimension;
+use super::signals::{self, Owner, Read, Signal};
+use super::types::{Frame, Type};
+use super::value::{Data, Form, Thing, Value};
+use super::wording::did_you_mean;
+use crate::diagnostics::nearest;
+use crate::diagnostics::{Span, codes};
+use crate::frame::Sensor;
+use crate::graph::NodeId;
+use crate::graph::operation::{Binary, Operation, Reduction, Unary};
+use crate::syntax::tree::{Expr, Name};
+use crate::vocabulary::JointKind;
+
+impl<'a> Checker<'a> {
+    /// `base.name`
+    pub(crate) fn field(&mut self, base: &'a Expr, name: &'a Name, span: Span) -> Checked<Value> {
+        match self.value(base)? {
+            Value::Thing(thing) => self.property(&[thing], false, name, span).map(Value::Data),
+            Value::Things { members, .. } => self.property(&members, true, name, span).map(Value::Data),
+            Value::Data(data) => self.component(&data, name).map(Value::Data),
+        }
+    }
+
+    /// A property of one part of the body, or of each of several.
+    fn property(&mut self, things: &[Thing], list: bool, name: &Name, span: Span) -> Checked<Data> {
+        let owner = self.common_owner(things, span)?;
+        let Some(signal) = signals::find(owner, &name.text) else {
+            return Err(self.unknown_property(things[0], owner, name));
+        };
+        self.must_be_supported(signal, name.span)?;
+        self.spend(things.len(), span)?;
+        match owner {
+            Owner::Joint => self.joint_property(things, list, signal.read, span),
+            Owner::Muscle => self.muscle_property(things, list, signal.read),
+            _ => self.place_property(things, list, signal.read, span),
+        }
+    }
+
+    fn common_owner(&mut self, things: &[Thing], span: Span) -> Checked<Owner> {
+        let owner = |thing: &Thing| match thing {
+            Thing::Landmark(_) => Some(Owner::Landmark),
+            Thing::Joint(_) => Some(Owner::Joint),
+            Thing::Muscle(_) => Some(Owner::Muscle),
+            Thing::CentreOfMass => Some(Owner::CentreOfMass),
+            Thing::Ground => None,
+        };
+        let first = things.first().and_then(owner);
+        match first.filter(|_| things.iter().all(|thing| owner(thing) == first)) {
+            Some(owner) => Ok(owner),
+            None if things.is_empty() => Err(self.error(codes::names::NOTHING_FITS, span, "this set is empty on this body")),
+            None => {
+                let message = "only parts of one kind share properties";
+                Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message))
+            }
+        }
+    }
+
+    /// A signal that the language has but this version does not measure is an error, never a silent number.
+    pub(crate) fn must_be_supported(&mut self, signal: &Signal, span: Span) -> Checked<()> {
+        if signal.supported {
+            return Ok(());
+        }
+        let message = format!("`{}` belongs to the language, but is not supported yet", signal.name);
+        Err(self.error(codes::names::NOT_YET, span, message))
+    }
+
+    fn unknown_property(&mut self, thing: Thing, owner: Owner, name: &Name) -> Reported {
+        let known: Vec<&str> = signals::of(owner).map(|signal| signal.name).collect();
+        let near = nearest(&name.text, known.iter().copied());
+        let message = format!("{} has no `{}`", self.thing_name(thing), name.text);
+        let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message);
+        diagnostic = match did_you_mean(&near) {
+            Some(help) => diagnostic.help(help),
+            None => diagnostic.help(format!("it has {}", known.join(", "))),
+        };
+        if matches!(name.text.as_str(), "x" | "y" | "z" | "xy") {
+            diagnostic = diagnostic.help(format!("components belong to vectors and places: `.position.{}`", name.text));
+        }
+        for property in near {
+            diagnostic = diagnostic.suggest(format!("write `{property}`"), name.span, property);
+        }
+        self.report(diagnostic)
+    }
+
+    /// How an error calls a part of the body.
+    pub(crate) fn thing_name(&self, thing: Thing) -> String {
+        let body = self.vocabulary;
+        match thing {
+            Thing::Landmark(index) => format!("the landmark `{}`", body.landmarks[index].name),
+            Thing::Joint(index) => format!("the joint `{}`", body.joints[index].name),
+            Thing::Muscle(index) => format!("the muscle `{}`", body.muscles[index].name),
+            Thing::CentreOfMass => "the centre of mass `com`".to_owned(),
+            Thing::Ground => "the `ground`".to_owned(),
+        }
+    }
+
+    /// Properties of landmarks and of the centre of mass.
+    fn place_property(&mut self, things: &[Thing], list: bool, read: Read, span: Span) -> Checked<Data> {
+        use Dimension as D;
+        let blocks = |landmark: fn(usize) -> Sensor, com: Sensor| {
+            let block = |thing: &Thing| if let Thing::Landmark(index) = thing { landmark(*index) } else { com };
+            things.iter().map(block).collect::<Vec<_>>()
+        };
+        let shaped =
+            |node: NodeId, kind: Type| Data::new(node, if list { Type::List(Box::new(kind), things.len()) } else { kind });
+        let position = blocks(Sensor::LandmarkPosition, Sensor::ComPosition);
+        let velocity = blocks(Sensor::LandmarkVelocity, Sensor::ComVelocity);
+        Ok(match read {
+            Read::Position => shaped(self.graph.sensors(position), Type::Place(Frame::World)),
+            Read::Velocity => shaped(self.graph.sensors(velocity), Type::world_vector(D::SPEED)),
+            Read::Acceleration => {
+                let sensors = blocks(Sensor::LandmarkAcceleration, Sensor::ComAcceleration);
+                shaped(self.graph.sensors(sensors), Type::world_vector(D::ACCELERATION))
+            }
+            Read::Speed => {
+                let velocity = self.graph.sensors(velocity);
+                shaped(self.graph.reduce(Reduction::Norm, 3, velocity), Type::Number(D::SPEED))
+            }
+            Read::Height => {
+                let position = self.graph.sensors(position);
+                let heights = self.graph.select((0..things.len()).map(|place| 3 * place + 2), position);
+                shaped(heights, Type::Number(D::LENGTH))
+            }
+            Read::Clearance => {
+                self.must_have_segments(things, span)?;
+                let sensors = blocks(Sensor::LandmarkClearance, Sensor::Time);
+                shaped(self.graph.sensors(sensors), Type::Number(D::LENGTH))
+            }
+            Read::AngularVelocity => {
+                let sensors = blocks(Sensor::LandmarkAngularVelocity, Sensor::Time);
+                shaped(self.graph.sensors(sensors), Type::world_vector(D::ANGULAR_VELOCITY))
+            }
+            Read::Mass => {
+                let mass = |thing: &Thing| match thing {
+                    Thing::Landmark(index) => self.vocabulary.landmarks[*index].mass,
+                    _ => self.vocabulary.mass,
+                };
+                let masses: Vec<f64> = things.iter().map(mass).collect();
+                shaped(self.graph.constants(&masses), Type::Number(D::MASS))
+            }
+            attitude => self.attitude(things, list, attitude),
+        })
+    }
+
+    /// Axes and angles of landmarks.
+    fn attitude(&mut self, things: &[Thing], list: bool, read: Read) -> Data {
+        let axes = things.iter().filter_map(|thing| match thing {
+            Thing::Landmark(index) => Some(Sensor::LandmarkAxes(*index)),
+            _ => None,
+        });
+        let axes = self.graph.sensors(axes.collect());
+        let count = things.len();
+        let axis = |graph: &mut crate::graph::Graph, first: usize| {
+            graph.select((0..count).flat_map(|place| (0..3).map(move |lane| 9 * place + first + lane)), axes)
+        };
+        let lane = |graph: &mut crate::graph::Graph, lane: usize| graph.select((0..count).map(|place| 9 * place + lane), axes);
+        let graph = &mut self.graph;
+        let (node, kind, form) = match read {
+            Read::Forward => (axis(graph, 0), Type::world_vector(Dimension::NONE), Form::Plain),
+            Read::Left => (axis(graph, 3), Type::world_vector(Dimension::NONE), Form::Plain),
+            Read::Up => (axis(graph, 6), Type::world_vector(Dimension::NONE), Form::Plain),
+            // Turned by yaw, then pitch, then roll: forward is (cos y cos p, sin y cos p, -sin p).
+            Read::Yaw => {
+                let (y, x) = (lane(graph, 1), lane(graph, 0));
+                (graph.binary(Binary::ArcTangent2, y, x), Type::Number(Dimension::ANGLE), Form::Wrapping)
+            }
+            Read::Pitch => {
+                let (x, y, z) = (lane(graph, 0), lane(graph, 1), lane(graph, 2));
+                let level = graph.binary(Binary::Hypotenuse, x, y);
+                let down = graph.unary(Unary::Negate, z);
+                (graph.binary(Binary::ArcTangent2, down, level), Type::Number(Dimension::ANGLE), Form::Wrapping)
+            }
+            Read::Roll => {
+                let (left, up) = (lane(graph, 5), lane(graph, 8));
+                (graph.binary(Binary::ArcTangent2, left, up), Type::Number(Dimension::ANGLE), Form::Wrapping)
+            }
+            _ => (axes, Type::Rotation, Form::Plain),
+        };
+        Data::new(node, if list { Type::List(Box::new(kind), count) } else { kind }).with_form(form)
+    }
+
+    fn must_have_segments(&mut self, things: &[Thing], span: Span) -> Checked<()> {
+        for thing in things {
+            if let Thing::Landmark(index) = thing
+                && !self.vocabulary.landmarks[*index].has_segment
+            {
+                let message =
+                    format!("{} has no segment, so nothing of it can touch or clear the ground", self.thing_name(*thing));
+                return Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message));
+            }
+        }
+        Ok(())
+    }
+
+    fn joint_property(&mut self, things: &[Thing], list: bool, read: Read, span: Span) -> Checked<Data> {
+        let indices: Vec<usize> =
+            things.iter().filter_map(|thing| if let Thing::Joint(index) = thing { Some(*index) } else { None }).collect();
+        let joints = &self.vocabulary.joints;
+        let sensors = |sensor: fn(usize) -> Sensor| indices.iter().map(|&index| sensor(index)).collect::<Vec<_>>();
+        // Length for slides, angle for hinges, over time so often.
+        let per = |time: i32| {
+            move |kind: JointKind| match kind {
+                JointKind::Hinge => Dimension::of(0, 0, -time, 1),
+                JointKind::Slide => Dimension::of(1, 0, -time, 0),
+            }
+        };
+        let kinds = |dimension: &dyn Fn(JointKind) -> Dimension| {
+            let dimensions = indices.iter().map(|&index| dimension(joints[index].kind)).collect::<Vec<_>>();
+            if list { Type::numbers(dimensions) } else { Type::Number(dimensions[0]) }
+        };
+        let (node, kind) = match read {
+            Read::CoordinateVelocity => (self.graph.sensors(sensors(Sensor::JointVelocity)), kinds(&per(1))),
+            Read::CoordinateAcceleration => (self.graph.sensors(sensors(Sensor::JointAcceleration)), kinds(&per(2))),
+            Read::Torque => {
+                let dimension = |kind| if kind == JointKind::Hinge { Dimension::TORQUE } else { Dimension::FORCE };
+                (self.graph.sensors(sensors(Sensor::JointTorque)), kinds(&dimension))
+            }
+            Read::Power => {
+                let torque = self.graph.sensors(sensors(Sensor::JointTorque));
+                let velocity = self.graph.sensors(sensors(Sensor::JointVelocity));
+                (self.graph.binary(Binary::Multiply, torque, velocity), kinds(&|_| Dimension::POWER))
+            }
+            Read::Neutral => {
+                let values: Vec<f64> = indices.iter().map(|&index| joints[index].neutral).collect();
+                (self.graph.constants(&values), kinds(&per(0)))
+            }
+            Read::Lower | Read::Upper => {
+                let end = usize::from(read == Read::Upper);
+                let mut values = Vec::with_capacity(indices.len());
+                for &index in &indices {
+                    let Some(range) = joints[index].range else {
+                        let message = format!("{} has no limits", self.thing_name(Thing::Joint(index)));
+                        return Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message));
+                    };
+                    values.push(range[end]);
+                }
+                (self.graph.constants(&values), kinds(&per(0)))
+            }
+            _ => (self.graph.sensors(sensors(Sensor::JointPosition)), kinds(&per(0))),
+        };
+        Ok(Data::new(node, kind))
+    }
+
+    fn muscle_property(&mut self, things: &[Thing], list: bool, read: Read) -> Checked<Data> {
+        let indices: Vec<usize> =
+            things.iter().filter_map(|thing| if let Thing::Muscle(index) = thing { Some(*index) } else { None }).collect();
+        let sensors = |sensor: fn(usize) -> Sensor| indices.iter().map(|&index| sensor(index)).collect::<Vec<_>>();
+        let graph = &mut self.graph;
+        let (node, dimension) = match read {
+            Read::Length => (graph.sensors(sensors(Sensor::MuscleLength)), Dimension::LENGTH),
+            Read::Velocity => (graph.sensors(sensors(Sensor::MuscleVelocity)), Dimension::SPEED),
+            Read::Force => (graph.sensors(sensors(Sensor::MuscleForce)), Dimension::FORCE),
+            Read::Tension => {
+                let force = graph.sensors(sensors(Sensor::MuscleForce));
+                (graph.unary(Unary::Negate, force), Dimension::FORCE)
+            }
+            Read::Excitation => (graph.sensors(sensors(Sensor::MuscleExcitation)), Dimension::NONE),
+            Read::Action => (graph.sensors(sensors(Sensor::Action)), Dimension::NONE),
+            Read::PeakForce => {
+                let values: Vec<f64> = indices.iter().map(|&index| self.vocabulary.muscles[index].peak_force).collect();
+                (graph.constants(&values), Dimension::FORCE)
+            }
+            Read::Power => {
+                let force = graph.sensors(sensors(Sensor::MuscleForce));
+                let velocity = graph.sensors(sensors(Sensor::MuscleVelocity));
+                (graph.binary(Binary::Multiply, force, velocity), Dimension::POWER)
+            }
+            _ => (graph.sensors(sensors(Sensor::MuscleActivation)), Dimension::NONE),
+        };
+        let kind = Type::Number(dimension);
+        Ok(Data::new(node, if list { Type::List(Box::new(kind), indices.len()) } else { kind }))
+    }
+
+    /// `.x`, `.xy`, `.forward`: a component in the axes in which the vector is counted.
+    fn component(&mut self, data: &Data, name: &Name) -> Checked<Data> {
+        let (size, dimension, frame) = match data.kind.element() {
+            Type::Vector { size, dimension, frame } => (*size, *dimension, *frame),
+            Type::Place(frame) => (3, Dimension::LENGTH, *frame),
+            Type::Rotation => return self.rotation_component(data, name),
+            _ => {
+                let found = data.kind.described(self.vocabulary);
+                let message = format!("`.{}` cannot be read here", name.text);
+                let diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message).found(found);
+                return Err(self.report(diagnostic));
+            }
+        };
+        let lanes: Option<&[usize]> = match (frame, name.text.as_str()) {
+            (Frame::World, "x") | (Frame::Landmark(_) | Frame::Heading(_), "forward") => Some(&[0]),
+            (Frame::World, "y") | (Frame::Landmark(_) | Frame::Heading(_), "left") => Some(&[1]),
+            (Frame::World, "z") | (Frame::Landmark(_) | Frame::Heading(_), "up") => Some(&[2]),
+            (Frame::World, "xy") => Some(&[0, 1]),
+            _ => None,
+        };
+        let Some(lanes) = lanes.filter(|lanes| lanes.iter().all(|lane| *lane < size)) else {
+            return Err(self.no_such_component(frame, name));
+        };
+        let count = data.kind.length().unwrap_or(1);
+        let wanted: Vec<usize> = (0..count).flat_map(|place| lanes.iter().map(move |lane| size * place + lane)).collect();
+        let node = self.graph.select(wanted, data.node);
+        let element = match lanes.len() {
+            1 => Type::Number(dimension),
+            size => Type::Vector { size, dimension, frame },
+        };
+        Ok(Data::new(node, data.kind.with_element(element)))
+    }
+
+    fn no_such_component(&mut self, frame: Frame, name: &Name) -> Reported {
+        let anatomical = matches!(name.text.as_str(), "forward" | "left" | "up");
+        let axes = frame.name(self.vocabulary);
+        let (message, help) = match frame {
+            Frame::World if anatomical => (
+                format!("`.{}` needs anatomical axes, this vector is counted in world axes", name.text),
+                format!("say whose: `(v in pelvis).{0}` or `(v in heading(pelvis)).{0}`", name.text),
+            ),
+            Frame::World => (
+                format!("a vector in world axes has no `.{}`", name.text),
+                "its components are `.x`, `.y`, `.z` and `.xy`".to_owned(),
+            ),
+            _ => (
+                format!("a vector in the axes of {axes} has no `.{}`", name.text),
+                "its components are `.forward`, `.left` and `.up`".to_owned(),
+            ),
+        };
+        let code = if anatomical { codes::types::FRAMES_DIFFER } else { codes::names::UNKNOWN_PROPERTY };
+        let diagnostic = self.diagnostic(code, name.span, message).help(help);
+        self.report(diagnostic)
+    }
+
+    fn rotation_component(&mut self, data: &Data, name: &Name) -> Checked<Data> {
+        let first = match name.text.as_str() {
+            "forward" => 0,
+            "left" => 3,
+            "up" => 6,
+            other => {
+                let message = format!("an orientation has no `.{other}`");
+                let diagnostic = self
+                    .diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message)
+                    .help("it has `.forward`, `.left` and `.up`; angles are properties of the landmark: `.pitch`");
+                return Err(self.report(diagnostic));
+            }
+        };
+        let count = data.kind.length().unwrap_or(1);
+        let wanted: Vec<usize> = (0..count).flat_map(|place| (first..first + 3).map(move |lane| 9 * place + lane)).collect();
+        let node = self.graph.select(wanted, data.node);
+        Ok(Data::new(node, data.kind.with_element(Type::world_vector(Dimension::NONE))))
+    }
+
+    /// A signal that stands by itself.
+    pub(crate) fn single_signal(&mut self, signal: &Signal, span: Span) -> Checked<Data> {
+        self.must_be_supported(signal, span)?;
+        let muscles: Vec<Thing> = (0..self.vocabulary.muscles.len()).map(Thing::Muscle).collect();
+        let interval = self.timing.interval;
+        Ok(match signal.read {
+            Read::Time => Data::new(self.graph.sensors(vec![Sensor::Time]), Type::Number(Dimension::TIME)),
+            Read::Interval => Data::new(self.graph.constant(interval), Type::Number(Dimension::TIME)),
+            Read::Step => Data::new(self.graph.add(Operation::Step, &[]), Type::Int),
+            Read::Horizon => Data::new(self.graph.constant(f64::from(self.timing.horizon)), Type::Int),
+            Read::Pi => Data::new(self.graph.constant(std::f64::consts::PI), Type::PLAIN),
+            Read::BodyMass => Data::new(self.graph.constant(self.vocabulary.mass), Type::Number(Dimension::MASS)),
+            Read::AngularMomentum => {
+                let kind = Type::world_vector(Dimension::ANGULAR_MOMENTUM);
+                Data::new(self.graph.sensors(vec![Sensor::AngularMomentum]), kind)
+            }
+            Read::Spine => self.spine(span)?,
+            Read::Terminated | Read::Truncated | Read::Ended | Read::Survived => self.end_signal(signal.read)?,
+            read => self.muscle_property(&muscles, true, read)?,
+        })
+    }
+
+    /// The unit vector from the pelvis to the head.
+    fn spine(&mut self, span: Span) -> Checked<Data> {
+        let landmark = |name: &str| self.vocabulary.landmarks.iter().position(|landmark| landmark.name == name);
+        let (Some(pelvis), Some(head)) = (landmark("pelvis"), landmark("head")) else {
+            let message = "`spine` needs landmarks `pelvis` and `head`, which this body does not have";
+            return Err(self.error(codes::names::UNKNOWN_NAME, span, message));
+        };
+        let from = self.graph.sensors(vec![Sensor::LandmarkPosition(pelvis)]);
+        let to = self.graph.sensors(vec![Sensor::LandmarkPosition(head)]);
+        let along = self.graph.binary(Binary::Subtract, to, from);
+        let node = self.unit_vector(along, 3);
+        Ok(Data::new(node, Type::world_vector(Dimension::NONE)))
+    }
+
+    /// Each group of `size` lanes divided by its length; zero stays zero.
+    pub(crate) fn unit_vector(&mut self, vector: NodeId, size: usize) -> NodeId {
+        let count = self.graph.width(vector) / size;
+        let length = self.graph.reduce(Reduction::Norm, size, vector);
+        let zero = self.graph.constant(0.0);
+        let one = self.graph.constant(1.0);
+        let is_zero = self.graph.binary(Binary::Equal, length, zero);
+        let divisor = self.graph.add(Operation::Choose, &[is_zero, one, length]);
+        let repeated = if count == 1 {
+            divisor
+        } else {
+            self.graph.select((0..count).flat_map(|place| std::iter::repeat_n(place, size)), divisor)
+        };
+        self.graph.binary(Binary::Divide, vector, repeated)
+    }
+}

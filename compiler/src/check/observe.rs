@@ -1,0 +1,122 @@
+//! Observations: named channels, blocks of a library unfolded.
+
+use super::context::{Checked, Checker, Reported};
+use super::dimension::Dimension;
+use super::scope::{Definition, Place};
+use super::types::Type;
+use super::value::{Data, Value};
+use crate::diagnostics::{Span, codes};
+use crate::graph::NodeId;
+use crate::graph::operation::Operation;
+use crate::syntax::tree::{Channel, Entry, ExprKind};
+
+/// A channel that the graph computes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ObservedChannel {
+    pub name: String,
+    pub node: NodeId,
+    pub unit: String,
+    /// In the file of the task, where the channel or its block stands.
+    pub span: Span,
+}
+
+/// The text that a label is made of.
+pub(crate) trait Texts {
+    /// The text of a span of a file.
+    fn text(&self, file: crate::diagnostics::FileId, span: Span) -> &str;
+}
+
+impl<'a> Checker<'a> {
+    /// Checks the channels of `observe`, or of a block of it.
+    pub(crate) fn channels(
+        &mut self,
+        entries: &'a [Entry<Channel>],
+        texts: &dyn Texts,
+        block: Option<Span>,
+        found: &mut Vec<ObservedChannel>,
+    ) -> Checked<()> {
+        let mut broken = false;
+        for entry in entries {
+            let Some(channel) = self.plain_entry(entry, "channel") else { continue };
+            broken |= self.channel(channel, texts, block, found).is_err();
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    fn channel(
+        &mut self,
+        channel: &'a Channel,
+        texts: &dyn Texts,
+        block: Option<Span>,
+        found: &mut Vec<ObservedChannel>,
+    ) -> Checked<()> {
+        if let ExprKind::Name(name) = &channel.value.kind
+            && let Some((declared, place)) = self.names.find(self.place, &name.text)
+            && let Definition::Observation(observation) = declared.definition
+        {
+            let span = block.unwrap_or(channel.span);
+            return self.deeper(channel.span, |checker| {
+                checker.elsewhere(place, |checker| checker.channels(&observation.channels, texts, Some(span), found))
+            });
+        }
+        let file = self.place.file;
+        let name = match &channel.label {
+            Some(label) => label.text.clone(),
+            None => texts.text(file, channel.value.span).split_whitespace().collect::<Vec<_>>().join(" "),
+        };
+        let data = match self.value(&channel.value)? {
+            Value::Data(data) => data,
+            other => return Err(self.not_numbers(&other, channel.value.span)),
+        };
+        if found.iter().any(|known| known.name == name) {
+            let message = format!("there are two channels called `{name}`");
+            let diagnostic = self
+                .diagnostic(codes::tasks::LABEL_TWICE, channel.span, message)
+                .help("give one of them a label of its own: `label = value`");
+            return Err(self.report(diagnostic));
+        }
+        let node = self.observed(&data);
+        self.spend(self.graph.width(node), channel.span)?;
+        found.push(ObservedChannel { name, node, unit: unit_of(&data.kind), span: block.unwrap_or(channel.span) });
+        Ok(())
+    }
+
+    /// The node whose lanes are observed: orientations as quaternions, everything else as it is.
+    fn observed(&mut self, data: &Data) -> NodeId {
+        if *data.kind.element() != Type::Rotation {
+            return data.node;
+        }
+        let count = data.kind.length().unwrap_or(1);
+        let parts: Vec<NodeId> = (0..count)
+            .map(|place| {
+                let axes = self.graph.select(9 * place..9 * (place + 1), data.node);
+                self.graph.add(Operation::Quaternion, &[axes])
+            })
+            .collect();
+        self.graph.join(&parts)
+    }
+}
+
+/// The unit as printed: empty for plain numbers, several for mixed sets.
+fn unit_of(kind: &Type) -> String {
+    match kind {
+        Type::Mixed(dimensions) => {
+            let mut units: Vec<String> = Vec::new();
+            for unit in dimensions.iter().map(Dimension::to_string) {
+                if !units.contains(&unit) {
+                    units.push(unit);
+                }
+            }
+            units.join(", ")
+        }
+        Type::Steps => "steps".to_owned(),
+        other => other.dimension().map_or_else(String::new, |dimension| dimension.to_string()),
+    }
+}
+
+/// Where a formula of the task itself stands.
+impl Place {
+    pub(crate) fn of_task(file: crate::diagnostics::FileId) -> Self {
+        Self { file, in_task: true }
+    }
+}

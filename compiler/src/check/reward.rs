@@ -1,0 +1,124 @@
+//! Reward terms: weights, bounds, and formulas that must be plain numbers.
+
+use super::context::{Checked, Checker, Reported};
+use super::dimension::Dimension;
+use super::types::Type;
+use super::value::Data;
+use crate::diagnostics::{Span, codes};
+use crate::graph::NodeId;
+use crate::syntax::tree::{Bounds, Expr, Reward, Term};
+
+/// A term that the graph computes.
+#[derive(Debug, Clone)]
+pub(crate) struct PaidTerm<'a> {
+    pub name: String,
+    pub weight: f64,
+    pub range: Option<[f64; 2]>,
+    pub fixed: bool,
+    pub formula: &'a Expr,
+    pub node: NodeId,
+    /// Whether it counts 0 or 1.
+    pub condition: bool,
+}
+
+impl<'a> Checker<'a> {
+    /// Checks the terms of a reward block.
+    pub(crate) fn reward(&mut self, reward: &'a Reward, terms: &mut Vec<PaidTerm<'a>>) -> Checked<()> {
+        if reward.per_second {
+            return Err(self.not_yet(reward.span, "reward per second"));
+        }
+        let mut broken = false;
+        for entry in &reward.terms {
+            let Some(term) = self.plain_entry(entry, "term") else { continue };
+            if terms.iter().any(|known| known.name == term.name.text) {
+                let message = format!("there are two terms called `{}`", term.name.text);
+                self.error(codes::tasks::LABEL_TWICE, term.name.span, message);
+                broken = true;
+            }
+            match self.term(term) {
+                Ok(paid) => terms.push(paid),
+                Err(Reported) => broken = true,
+            }
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    fn term(&mut self, term: &'a Term) -> Checked<PaidTerm<'a>> {
+        let weight = self.weight(term);
+        let Some(formula) = &term.formula else {
+            let message = format!("the term `{}` has no formula", term.name.text);
+            let diagnostic = self
+                .diagnostic(codes::tasks::MISSING, term.span, message)
+                .help("only a task that extends another may leave it out");
+            return Err(self.report(diagnostic));
+        };
+        let data = self.data(formula).and_then(|data| self.must_be_payable(data, formula, &term.name.text));
+        let ((weight, range, fixed), data) = (weight?, data?);
+        Ok(PaidTerm {
+            name: term.name.text.clone(),
+            weight,
+            range,
+            fixed,
+            formula,
+            node: data.node,
+            condition: data.kind == Type::Bool,
+        })
+    }
+
+    fn weight(&mut self, term: &Term) -> Checked<(f64, Option<[f64; 2]>, bool)> {
+        let Some(weight) = &term.weight else {
+            let message = format!("the term `{}` has no weight", term.name.text);
+            let diagnostic =
+                self.diagnostic(codes::tasks::MISSING, term.name.span, message).help("the weight stands first: `10 pose = ...`");
+            return Err(self.report(diagnostic));
+        };
+        if !weight.value.is_finite() {
+            return Err(self.error(codes::tasks::WEIGHT, weight.span, "a weight is a finite number"));
+        }
+        match weight.bounds {
+            Bounds::Free => Ok((weight.value, None, false)),
+            Bounds::Fixed(_) => Ok((weight.value, None, true)),
+            Bounds::Range { low, high, span } => {
+                if low.is_finite() && high.is_finite() && low <= weight.value && weight.value <= high {
+                    return Ok((weight.value, Some([low, high]), false));
+                }
+                let message = format!("the weight of `{}` lies outside its own range", term.name.text);
+                let diagnostic = self
+                    .diagnostic(codes::tasks::WEIGHT, weight.span, message)
+                    .expected(format!("{low} .. {high}"))
+                    .found(format!("{}", weight.value))
+                    .label(self.place.file, span, "the range");
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// A term is one plain number; conditions count 0 or 1.
+    fn must_be_payable(&mut self, data: Data, formula: &Expr, name: &str) -> Checked<Data> {
+        let end = Span::at(formula.span.end as usize);
+        let (help, suggestion) = match &data.kind {
+            Type::Bool | Type::Int => return Ok(data),
+            Type::Number(dimension) if dimension.is_none() => return Ok(data),
+            Type::Number(dimension) => {
+                (format!("divide by the size at which it shall matter: `/ 1 {dimension}`"), Some(format!(" / 1 {dimension}")))
+            }
+            Type::Vector { .. } => ("pay for its length `norm(v)` or for one component".to_owned(), None),
+            Type::List(element, _) if **element == Type::Bool => ("say `any(...)`, `all(...)` or `mean(...)`".to_owned(), None),
+            Type::List(..) | Type::Mixed(_) => ("make one number of it: `sum(...)`, `mean(...)`, `norm(...)`".to_owned(), None),
+            Type::Place(_) => ("pay for a distance: `distance(a, b) / 1 m`".to_owned(), None),
+            Type::Rotation => ("pay for an angle or for an axis: `torso.up.z`".to_owned(), None),
+            Type::Steps => ("write the time in seconds and divide by `1 s`".to_owned(), None),
+        };
+        let message = format!("the term `{name}` must be a plain number, so that weights can be compared");
+        let mut diagnostic = self
+            .diagnostic(codes::types::NOT_PLAIN, formula.span, message)
+            .expected(Dimension::NONE.described())
+            .found(data.kind.described(self.vocabulary))
+            .help(help);
+        if let Some(text) = suggestion {
+            let title = format!("write `{}` at the end", text.trim());
+            diagnostic = diagnostic.suggest(title, end, text);
+        }
+        Err(self.report(diagnostic))
+    }
+}

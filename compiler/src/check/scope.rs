@@ -1,0 +1,151 @@
+//! Which names mean what, and where.
+//!
+//! A function or constant of a library sees its own file and what that file uses; a formula of a task sees, besides, what the
+//! task declares. Local names come first, then declarations, then the body and the signals.
+
+use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use crate::syntax::tree::{Binding, Clock, Function, Item, Observation, StateDeclaration, Task, TaskStatement};
+use std::collections::{BTreeMap, HashMap};
+
+/// Where a formula stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Place {
+    /// In which file.
+    pub file: FileId,
+    /// Whether what the task declares is in sight.
+    pub in_task: bool,
+}
+
+/// What a name is declared to be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Definition<'a> {
+    Const(&'a Binding),
+    Let(&'a Binding),
+    Function(&'a Function),
+    Observation(&'a Observation),
+    State(&'a StateDeclaration),
+    Clock(&'a Clock),
+}
+
+impl Definition<'_> {
+    pub(crate) fn span(&self) -> Span {
+        match self {
+            Self::Const(binding) | Self::Let(binding) => binding.name.span,
+            Self::Function(function) => function.name.span,
+            Self::Observation(observation) => observation.name.span,
+            Self::State(state) => state.name.span,
+            Self::Clock(clock) => clock.name.span,
+        }
+    }
+}
+
+/// A declaration with its file.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Declared<'a> {
+    pub definition: Definition<'a>,
+    pub file: FileId,
+}
+
+/// Declarations in sight of one task.
+#[derive(Debug, Default)]
+pub(crate) struct Names<'a> {
+    task: BTreeMap<&'a str, Declared<'a>>,
+    files: HashMap<FileId, BTreeMap<&'a str, Declared<'a>>>,
+}
+
+/// A file with the files that it uses directly.
+pub(crate) struct FileInSight<'a> {
+    pub tree: &'a crate::syntax::tree::File,
+    pub uses: Vec<&'a crate::syntax::tree::File>,
+}
+
+impl<'a> Names<'a> {
+    /// Collects the declarations of all files and of `task`, which stands in `file`; clashes are errors.
+    pub(crate) fn collect(
+        files: &[FileInSight<'a>],
+        task: Option<(&'a Task, FileId)>,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Self {
+        let mut names = Self::default();
+        for file in files {
+            let mut sight = BTreeMap::new();
+            for tree in std::iter::once(file.tree).chain(file.uses.iter().copied()) {
+                for (name, definition) in tree.items.iter().filter_map(top_level) {
+                    declare(&mut sight, name, Declared { definition, file: tree.file }, diagnostics);
+                }
+            }
+            names.files.insert(file.tree.file, sight);
+        }
+        if let Some((task, file)) = task {
+            let outside = names.files.get(&file);
+            for (name, definition) in task.statements.iter().filter_map(in_task) {
+                let declared = Declared { definition, file };
+                match outside.and_then(|sight| sight.get(name)) {
+                    Some(first) => diagnostics.push(clash(name, *first, declared)),
+                    None => declare(&mut names.task, name, declared, diagnostics),
+                }
+            }
+        }
+        names
+    }
+
+    /// What `name` is declared to be at `place`, and where its own formula stands.
+    pub(crate) fn find(&self, place: Place, name: &str) -> Option<(Declared<'a>, Place)> {
+        if let Some(declared) = self.task.get(name).filter(|_| place.in_task) {
+            return Some((*declared, Place { file: declared.file, in_task: true }));
+        }
+        let declared = self.files.get(&place.file)?.get(name)?;
+        Some((*declared, Place { file: declared.file, in_task: false }))
+    }
+
+    /// Names in sight at `place`.
+    pub(crate) fn in_sight(&self, place: Place) -> impl Iterator<Item = &'a str> + '_ {
+        let task = self.task.keys().copied().filter(move |_| place.in_task);
+        task.chain(self.files.get(&place.file).into_iter().flat_map(|sight| sight.keys().copied()))
+    }
+
+    /// What the task itself declares.
+    pub(crate) fn of_task(&self) -> impl Iterator<Item = (&'a str, Declared<'a>)> + '_ {
+        self.task.iter().map(|(name, declared)| (*name, *declared))
+    }
+}
+
+fn declare<'a>(
+    sight: &mut BTreeMap<&'a str, Declared<'a>>,
+    name: &'a str,
+    declared: Declared<'a>,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    match sight.get(name) {
+        // The same declaration reached over two paths is one.
+        Some(first) if first.file == declared.file && first.definition.span() == declared.definition.span() => {}
+        Some(first) => diagnostics.push(clash(name, *first, declared)),
+        None => {
+            sight.insert(name, declared);
+        }
+    }
+}
+
+fn clash(name: &str, first: Declared<'_>, second: Declared<'_>) -> Diagnostic {
+    Diagnostic::new(codes::names::DECLARED_TWICE, second.file, second.definition.span(), format!("`{name}` is declared twice"))
+        .here("again here")
+        .label(first.file, first.definition.span(), "first here")
+}
+
+fn top_level(item: &Item) -> Option<(&str, Definition<'_>)> {
+    match item {
+        Item::Const(binding) => Some((&binding.name.text, Definition::Const(binding))),
+        Item::Function(function) => Some((&function.name.text, Definition::Function(function))),
+        Item::Observation(observation) => Some((&observation.name.text, Definition::Observation(observation))),
+        Item::Use(_) | Item::Task(_) | Item::Sequence(_) | Item::Suite(_) | Item::Body(_) => None,
+    }
+}
+
+fn in_task(statement: &TaskStatement) -> Option<(&str, Definition<'_>)> {
+    match statement {
+        TaskStatement::Let(binding) => Some((&binding.name.text, Definition::Let(binding))),
+        TaskStatement::State(state) => Some((&state.name.text, Definition::State(state))),
+        TaskStatement::Clock(clock) => Some((&clock.name.text, Definition::Clock(clock))),
+        _ => None,
+    }
+}

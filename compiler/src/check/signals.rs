@@ -1,0 +1,231 @@
+//! The table of signals: the one place from which names are resolved, `msk vocabulary` prints and the reference is made.
+
+use serde::Serialize;
+
+/// On what a signal is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Owner {
+    /// `pelvis.height`
+    Landmark,
+    /// `knee_angle_r.q`
+    Joint,
+    /// `soleus_r.force`
+    Muscle,
+    /// `com.speed`
+    CentreOfMass,
+    /// By itself: `spine`, `body_mass`
+    WholeBody,
+    /// As a function: `touching(sole_l, ground)`
+    Contact,
+    /// As a function: `ground_height(xy)`
+    Ground,
+    /// By itself: `t`, `survived`
+    Time,
+}
+
+impl Owner {
+    /// Heading in the printed table, with an example.
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Landmark => "Landmark (`pelvis.height`)",
+            Self::Joint => "Joint (`knee_angle_r.q`)",
+            Self::Muscle => "Muscle (`soleus_r.force`)",
+            Self::CentreOfMass => "Centre of mass of the body (`com.speed`)",
+            Self::WholeBody => "Whole body",
+            Self::Contact => "Contact (`touching(sole_l, ground)`)",
+            Self::Ground => "Ground",
+            Self::Time => "Time",
+        }
+    }
+}
+
+/// What is read; `NotYet` is in the language, but this version does not measure it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(missing_docs)]
+pub enum Read {
+    NotYet,
+    Position,
+    Velocity,
+    Acceleration,
+    Speed,
+    Height,
+    Clearance,
+    Orientation,
+    AngularVelocity,
+    Forward,
+    Left,
+    Up,
+    Pitch,
+    Roll,
+    Yaw,
+    Mass,
+    Coordinate,
+    CoordinateVelocity,
+    CoordinateAcceleration,
+    Torque,
+    Power,
+    Neutral,
+    Lower,
+    Upper,
+    Length,
+    Force,
+    Tension,
+    Activation,
+    Excitation,
+    PeakForce,
+    AngularMomentum,
+    BodyMass,
+    Spine,
+    Action,
+    Touching,
+    ContactForce,
+    Time,
+    Interval,
+    Step,
+    Horizon,
+    Terminated,
+    Truncated,
+    Ended,
+    Survived,
+    Pi,
+}
+
+/// A row of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Signal {
+    /// On what it is read.
+    pub owner: Owner,
+    /// Its name; functions with their parameters.
+    pub name: &'static str,
+    /// What it reads.
+    #[serde(skip)]
+    pub read: Read,
+    /// Its type and unit, as printed.
+    pub kind: &'static str,
+    /// One sentence.
+    pub description: &'static str,
+    /// Whether this version measures it.
+    pub supported: bool,
+}
+
+const fn row(owner: Owner, name: &'static str, read: Read, kind: &'static str, description: &'static str) -> Signal {
+    Signal { owner, name, read, kind, description, supported: !matches!(read, Read::NotYet) }
+}
+
+use Owner::{CentreOfMass, Contact, Ground, Joint, Landmark, Muscle, Time, WholeBody};
+
+/// Every signal of the language.
+#[rustfmt::skip]
+pub const SIGNALS: &[Signal] = &[
+    row(Landmark, "position", Read::Position, "place, m", "the point itself"),
+    row(Landmark, "velocity", Read::Velocity, "vec3, m/s", "velocity of that very point, world axes"),
+    row(Landmark, "acceleration", Read::Acceleration, "vec3, m/s^2", "mean acceleration over the control step, world axes"),
+    row(Landmark, "speed", Read::Speed, "number, m/s", "length of the velocity"),
+    row(Landmark, "height", Read::Height, "number, m", "z of the position"),
+    row(Landmark, "clearance", Read::Clearance, "number, m", "lowest point of the landmark's segment above walkable ground"),
+    row(Landmark, "orientation", Read::Orientation, "rotation", "anatomical axes; observed as unit quaternion w x y z, w >= 0"),
+    row(Landmark, "angular_velocity", Read::AngularVelocity, "vec3, rad/s", "angular velocity, world axes"),
+    row(Landmark, "forward", Read::Forward, "vec3", "unit vector anatomically forward, world axes"),
+    row(Landmark, "left", Read::Left, "vec3", "unit vector anatomically left, world axes"),
+    row(Landmark, "up", Read::Up, "vec3", "unit vector anatomically up, world axes"),
+    row(Landmark, "pitch", Read::Pitch, "number, rad", "nose down positive, after yaw"),
+    row(Landmark, "roll", Read::Roll, "number, rad", "right side down positive, after yaw and pitch"),
+    row(Landmark, "yaw", Read::Yaw, "number, rad", "turn about the vertical, left positive"),
+    row(Landmark, "mass", Read::Mass, "number, kg", "mass of the body part that carries it"),
+    row(Joint, "q", Read::Coordinate, "number, rad or m", "coordinate: rad for hinges, m for slides"),
+    row(Joint, "qd", Read::CoordinateVelocity, "number, rad/s or m/s", "its rate"),
+    row(Joint, "qdd", Read::CoordinateAcceleration, "number, rad/s^2 or m/s^2", "its acceleration"),
+    row(Joint, "torque", Read::Torque, "number, N*m or N", "generalised force of all muscles on the joint"),
+    row(Joint, "power", Read::Power, "number, W", "power of the muscles on the joint"),
+    row(Joint, "neutral", Read::Neutral, "number, rad or m", "coordinate in the standing pose"),
+    row(Joint, "lower", Read::Lower, "number, rad or m", "lower end of its range"),
+    row(Joint, "upper", Read::Upper, "number, rad or m", "upper end of its range"),
+    row(Muscle, "length", Read::Length, "number, m", "length of muscle and tendon together"),
+    row(Muscle, "velocity", Read::Velocity, "number, m/s", "its rate, lengthening positive"),
+    row(Muscle, "force", Read::Force, "number, N", "as the physics counts it, pulling negative"),
+    row(Muscle, "tension", Read::Tension, "number, N", "pull on the bones, never negative"),
+    row(Muscle, "activation", Read::Activation, "number", "activation, 0..1"),
+    row(Muscle, "excitation", Read::Excitation, "number", "excitation, 0..1: what activation follows"),
+    row(Muscle, "action", Read::Action, "number", "what the policy asked for, -1..1, before the excitation map"),
+    row(Muscle, "peak_force", Read::PeakForce, "number, N", "peak isometric force"),
+    row(Muscle, "power", Read::Power, "number, W", "power given to the bones: force times velocity"),
+    row(Muscle, "fibre_length", Read::NotYet, "number, m", "length of the contractile part"),
+    row(Muscle, "tendon_length", Read::NotYet, "number, m", "length of the tendon"),
+    row(Muscle, "moment_arm(muscle, joint)", Read::NotYet, "number, m", "moment arm about a joint"),
+    row(CentreOfMass, "position", Read::Position, "place, m", "centre of mass of the body alone, never of scenery"),
+    row(CentreOfMass, "velocity", Read::Velocity, "vec3, m/s", "its velocity, all three components"),
+    row(CentreOfMass, "speed", Read::Speed, "number, m/s", "length of its velocity"),
+    row(CentreOfMass, "height", Read::Height, "number, m", "z of its position"),
+    row(CentreOfMass, "acceleration", Read::Acceleration, "vec3, m/s^2", "mean acceleration over the control step"),
+    row(WholeBody, "angular_momentum", Read::AngularMomentum, "vec3, kg*m^2/s", "about the centre of mass, world axes"),
+    row(WholeBody, "body_mass", Read::BodyMass, "number, kg", "mass of the body alone"),
+    row(WholeBody, "spine", Read::Spine, "vec3", "unit vector from the pelvis to the head, world axes"),
+    row(WholeBody, "action", Read::Action, "list", "what the policy asked for, one number in -1..1 per muscle"),
+    row(WholeBody, "excitation", Read::Excitation, "list", "excitations of all muscles"),
+    row(WholeBody, "activation", Read::Activation, "list", "activations of all muscles"),
+    row(WholeBody, "body_weight", Read::NotYet, "number, N", "weight of the body"),
+    row(WholeBody, "centre_of_pressure", Read::NotYet, "place, m", "where the ground's force acts"),
+    row(WholeBody, "support_margin", Read::NotYet, "number, m", "from the centre of mass's projection to the edge of support"),
+    row(WholeBody, "robot", Read::NotYet, "group", "all shapes of the body"),
+    row(Contact, "touching(a, b)", Read::Touching, "condition", "whether two segments touch; this version: a landmark or group and the ground"),
+    row(Contact, "contact_force(a, b)", Read::ContactForce, "vec3, N", "force on a by b; this version: a landmark or group and the ground"),
+    row(Contact, "contact_count(a, b)", Read::NotYet, "int", "number of contact points"),
+    row(Contact, "surface_distance(a, b)", Read::NotYet, "number, m", "distance of the nearest surfaces"),
+    row(Contact, "slip(a, b)", Read::NotYet, "number, m/s", "speed of sliding"),
+    row(Ground, "ground_height(xy)", Read::NotYet, "number, m", "height of walkable ground"),
+    row(Ground, "ground_normal(xy)", Read::NotYet, "vec3", "its normal"),
+    row(Ground, "scan(heading, offsets)", Read::NotYet, "list, m", "heights of the ground ahead"),
+    row(Ground, "radar(from, group)", Read::NotYet, "list", "nearness of the nearest member per sector, left to right"),
+    row(Ground, "ray(from, direction)", Read::NotYet, "number, m", "distance to the first surface"),
+    row(Time, "t", Read::Time, "number, s", "time since reset"),
+    row(Time, "dt", Read::Interval, "number, s", "length of a control step"),
+    row(Time, "step", Read::Step, "int", "control steps since reset"),
+    row(Time, "horizon", Read::Horizon, "int", "control steps of a full episode"),
+    row(Time, "terminated", Read::Terminated, "condition", "a reason of `terminate` holds now"),
+    row(Time, "truncated", Read::Truncated, "condition", "the horizon is reached and nothing else ends the episode"),
+    row(Time, "ended", Read::Ended, "condition", "the episode ends with this step, for whatever reason"),
+    row(Time, "survived", Read::Survived, "condition", "the horizon is reached without a termination"),
+    row(Time, "finished", Read::NotYet, "condition", "a reason of `finish` holds now"),
+    row(Time, "pi", Read::Pi, "number", "half a turn's radians as a plain number, 3.14159..."),
+];
+
+/// The signals of an owner.
+pub fn of(owner: Owner) -> impl Iterator<Item = &'static Signal> {
+    SIGNALS.iter().filter(move |signal| signal.owner == owner)
+}
+
+/// The signal called `name` on `owner`; functions without their parameters.
+pub fn find(owner: Owner, name: &str) -> Option<&'static Signal> {
+    of(owner).find(|signal| signal.name.split('(').next() == Some(name))
+}
+
+/// The table for people.
+pub fn table() -> String {
+    let owners = [Landmark, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time];
+    let mut text = String::new();
+    for owner in owners {
+        text += &format!("{}\n", owner.heading());
+        for signal in of(owner) {
+            let later = if signal.supported { "" } else { " (not measured yet)" };
+            text += &format!("    {:<26} {:<24} {}{later}\n", signal.name, signal.kind, signal.description);
+        }
+    }
+    text
+}
+
+/// The table as it stands in the reference.
+pub fn markdown() -> String {
+    let owners = [Landmark, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time];
+    let mut text = String::new();
+    for owner in owners {
+        text += &format!("### {}\n\n| signal | type, unit | what it is |\n|---|---|---|\n", owner.heading());
+        for signal in of(owner) {
+            let later = if signal.supported { "" } else { " *(not measured yet)*" };
+            text += &format!("| `{}` | {} | {}{later} |\n", signal.name, signal.kind, signal.description);
+        }
+        text.push('\n');
+    }
+    text
+}

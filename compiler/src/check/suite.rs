@@ -1,0 +1,51 @@
+//! Suites: families of tasks and the protocol.
+
+use super::task::whole_number;
+use super::wording::did_you_mean;
+use crate::compile::{Protocol, Suite};
+use crate::diagnostics::nearest;
+use crate::diagnostics::{Diagnostic, FileId, codes};
+use crate::syntax::tree::{self, FieldValue};
+
+/// Checks a suite against the names of all tasks in sight.
+pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Suite {
+    let mut checked = Suite { name: suite.name.text.clone(), families: Vec::new(), protocol: Protocol::default() };
+    for family in &suite.families {
+        let mut members = Vec::new();
+        for task in &family.tasks {
+            if !tasks.contains(&task.text.as_str()) {
+                let near = nearest(&task.text, tasks.iter().copied());
+                let message = format!("there is no task `{}` in sight", task.text);
+                let mut diagnostic = Diagnostic::new(codes::names::UNKNOWN_NAME, file, task.span, message);
+                diagnostic = match did_you_mean(&near) {
+                    Some(help) => diagnostic.help(help),
+                    None => diagnostic.help("bring it in with `use \"...\"`"),
+                };
+                diagnostics.push(diagnostic);
+            }
+            members.push(task.text.clone());
+        }
+        checked.families.push((family.name.text.clone(), members));
+    }
+    for field in suite.protocol.iter().flat_map(|protocol| &protocol.fields) {
+        match (field.name.text.as_str(), &field.value) {
+            ("episodes" | "seed", FieldValue::Value(value)) => match whole_number(value) {
+                Ok(number) if field.name.text == "seed" => checked.protocol.seed = number,
+                Ok(number @ 1..=1_000_000) => checked.protocol.episodes = number as u32,
+                Ok(_) => {
+                    let message = "between one and a million episodes";
+                    diagnostics.push(Diagnostic::new(codes::tasks::OUT_OF_RANGE, file, value.span, message));
+                }
+                Err(wrong) => {
+                    diagnostics.push(Diagnostic::new(codes::types::NOT_CONSTANT, file, wrong.span, wrong.message));
+                }
+            },
+            (name, _) => {
+                let message = format!("a protocol has no `{name}` yet");
+                let diagnostic = Diagnostic::new(codes::tasks::UNKNOWN_SETTING, file, field.span, message);
+                diagnostics.push(diagnostic.help("it takes `episodes 50` and `seed 0`"));
+            }
+        }
+    }
+    checked
+}

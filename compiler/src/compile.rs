@@ -1,0 +1,355 @@
+//! From files to compiled tasks.
+//!
+//! 1. the entry file and all that it uses are read and parsed;
+//! 2. bodies are described, and the runtime answers with their vocabularies;
+//! 3. every task is checked in the sight of its file;
+//! 4. tasks without errors are lowered.
+//!
+//! All errors of all files come in one [`Report`].
+
+use crate::body::BodyDescription;
+use crate::check::scope::{FileInSight, Names};
+use crate::check::{self, Texts};
+use crate::diagnostics::{Diagnostic, FileId, Report, Severity, SourceMap, Span, codes};
+use crate::files::{BodySource, LoadError, Loader};
+use crate::lower::finish;
+use crate::syntax;
+use crate::syntax::tree::{self, Item};
+use crate::task::CompiledTask;
+use crate::vocabulary::Vocabulary;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+/// What a compilation gives.
+pub struct Compilation {
+    /// All tasks of the entry file and of what it uses, in the order of reading.
+    pub tasks: Vec<Arc<CompiledTask>>,
+    /// The suites of the entry file.
+    pub suites: Vec<Suite>,
+    /// Warnings, sorted.
+    pub warnings: Vec<Diagnostic>,
+    /// The files that warnings point into.
+    pub sources: SourceMap,
+}
+
+/// Families of tasks and the protocol by which policies are compared.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Suite {
+    /// Its name.
+    pub name: String,
+    /// Families with the names of their tasks.
+    pub families: Vec<(String, Vec<String>)>,
+    /// How many episodes, from which seed.
+    pub protocol: Protocol,
+}
+
+/// The protocol of a suite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Protocol {
+    /// Episodes per task.
+    pub episodes: u32,
+    /// Seed of the first episode.
+    pub seed: u64,
+}
+
+impl Default for Protocol {
+    fn default() -> Self {
+        Self { episodes: 50, seed: 0 }
+    }
+}
+
+/// Compiles a file and all that it uses.
+///
+/// # Errors
+/// A [`Report`] with every error and warning of every file.
+pub fn compile(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource) -> Result<Compilation, Report> {
+    let mut reader = Reader { loader, sources: SourceMap::default(), files: Vec::new(), diagnostics: Vec::new() };
+    if let Err(problem) = reader.read_all(entry) {
+        let message = problem.to_string();
+        let file = reader.sources.add(entry.display().to_string(), "");
+        let diagnostic = Diagnostic::new(codes::names::FILE, file, Span::default(), message);
+        return Err(Report::new(reader.sources, vec![diagnostic]));
+    }
+    reader.read_bodies(entry, bodies);
+    let Reader { sources, files, mut diagnostics, .. } = reader;
+    let described = describe_bodies(&files, bodies, &mut diagnostics);
+    let mut tasks = Vec::new();
+    let all_tasks = task_names(&files, &mut diagnostics);
+    for (index, file) in files.iter().enumerate() {
+        let in_sight = in_sight(&files, index);
+        for item in &file.tree.items {
+            match item {
+                Item::Task(task) => {
+                    let names = Names::collect(&in_sight, Some((task, file.tree.file)), &mut diagnostics);
+                    let compiled = compile_task(task, file.tree.file, &names, &described, &sources, &mut diagnostics);
+                    tasks.extend(compiled.map(Arc::new));
+                }
+                Item::Sequence(sequence) => diagnostics.push(Diagnostic::new(
+                    codes::tasks::NOT_YET,
+                    file.tree.file,
+                    sequence.name.span,
+                    "`sequence` belongs to the language, but is not supported yet",
+                )),
+                _ => {}
+            }
+        }
+    }
+    let suites = suites(&files, &all_tasks, &mut diagnostics);
+    let report = Report::new(sources, diagnostics);
+    if report.has_errors() {
+        return Err(report);
+    }
+    Ok(Compilation { tasks, suites, warnings: report.diagnostics, sources: report.sources })
+}
+
+/// A file with those that it uses, by their place in the list of files.
+struct SourceFile {
+    path: PathBuf,
+    tree: tree::File,
+    uses: Vec<usize>,
+}
+
+struct Reader<'a> {
+    loader: &'a dyn Loader,
+    sources: SourceMap,
+    files: Vec<SourceFile>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Reader<'_> {
+    /// Reads the entry and, breadth first, what it uses; a file that several use is read once.
+    fn read_all(&mut self, entry: &Path) -> Result<(), LoadError> {
+        let entry = plain(entry);
+        let text = self.loader.load(&entry)?;
+        self.add(entry, text);
+        let mut next = 0;
+        while next < self.files.len() {
+            let file = self.files[next].tree.file;
+            let base = self.files[next].path.parent().map(Path::to_path_buf).unwrap_or_default();
+            let used: Vec<tree::Text> = self.files[next]
+                .tree
+                .items
+                .iter()
+                .filter_map(|item| if let Item::Use(used) = item { Some(used.path.clone()) } else { None })
+                .collect();
+            for path in used {
+                match self.read_used(&plain(&base.join(&path.value))) {
+                    Ok(index) => self.files[next].uses.push(index),
+                    Err(problem) => {
+                        let message = format!("cannot use \"{}\": {problem}", path.value);
+                        let diagnostic = Diagnostic::new(codes::names::FILE, file, path.span, message)
+                            .help("the path is relative to the file that uses it");
+                        self.diagnostics.push(diagnostic);
+                    }
+                }
+            }
+            next += 1;
+        }
+        Ok(())
+    }
+
+    fn read_used(&mut self, path: &Path) -> Result<usize, LoadError> {
+        if let Some(known) = self.files.iter().position(|file| file.path == path) {
+            return Ok(known);
+        }
+        let text = self.loader.load(path)?;
+        Ok(self.add(path.to_path_buf(), text))
+    }
+
+    fn add(&mut self, path: PathBuf, text: String) -> usize {
+        let file = self.sources.add(path.display().to_string(), text);
+        let parsed = syntax::parse(file, self.sources.text(file));
+        self.diagnostics.extend(parsed.diagnostics);
+        self.files.push(SourceFile { path, tree: parsed.tree, uses: Vec::new() });
+        self.files.len() - 1
+    }
+
+    /// Finds the body of every task that no file declares: in a folder `bodies` beside or above the entry, else built in.
+    fn read_bodies(&mut self, entry: &Path, bodies: &dyn BodySource) {
+        let mut wanted = BTreeSet::new();
+        let mut declared = BTreeSet::new();
+        for item in self.files.iter().flat_map(|file| &file.tree.items) {
+            match item {
+                Item::Task(task) => wanted.extend(check::task::body_name(task).map(|name| name.text.clone())),
+                Item::Body(body) => {
+                    declared.insert(body.name.text.clone());
+                }
+                _ => {}
+            }
+        }
+        for name in wanted.difference(&declared) {
+            self.read_body(entry, name, bodies);
+        }
+    }
+
+    fn read_body(&mut self, entry: &Path, name: &str, bodies: &dyn BodySource) {
+        let entry = plain(entry);
+        for folder in entry.ancestors().skip(1) {
+            let path = folder.join("bodies").join(format!("{name}.msk"));
+            match self.loader.load(&path) {
+                Ok(text) => {
+                    self.add(path, text);
+                    return;
+                }
+                Err(LoadError::Missing(_)) => {}
+                Err(problem) => {
+                    let file = self.files[0].tree.file;
+                    let message = problem.to_string();
+                    self.diagnostics.push(Diagnostic::new(codes::names::FILE, file, Span::default(), message));
+                    return;
+                }
+            }
+        }
+        if let Some((path, text)) = bodies.find(name) {
+            self.add(path, text);
+        }
+    }
+}
+
+/// A path without `.` and, where that is possible, without `..`.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for component in path.components() {
+        let climbs = component == Component::ParentDir;
+        if climbs && matches!(plain.components().next_back(), Some(Component::Normal(_))) {
+            plain.pop();
+        } else if component != Component::CurDir {
+            plain.push(component);
+        }
+    }
+    plain
+}
+
+/// A body with what tasks on it may name.
+struct Described {
+    description: Arc<BodyDescription>,
+    /// `None` if the body is broken, which is reported.
+    vocabulary: Option<Vocabulary>,
+}
+
+fn describe_bodies(
+    files: &[SourceFile],
+    bodies: &dyn BodySource,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> BTreeMap<String, Described> {
+    let mut described = BTreeMap::new();
+    for file in files {
+        for item in &file.tree.items {
+            let Item::Body(body) = item else { continue };
+            let mut own = Vec::new();
+            let mut description = check::body::describe(body, file.tree.file, &mut own);
+            let base = file.path.parent().map(Path::to_path_buf).unwrap_or_default();
+            description.model = plain(&base.join(&description.model)).display().to_string();
+            // A body whose text is broken is not bound: the model would only be blamed for it.
+            let broken = diagnostics.iter().chain(&own).any(|d| d.file() == file.tree.file && d.severity == Severity::Error);
+            diagnostics.append(&mut own);
+            let vocabulary = if broken { None } else { bind(&description, body, file.tree.file, bodies, diagnostics) };
+            let entry = Described { description: Arc::new(description), vocabulary };
+            if described.insert(body.name.text.clone(), entry).is_some() {
+                let message = format!("there are two bodies called `{}`", body.name.text);
+                diagnostics.push(Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, body.name.span, message));
+            }
+        }
+    }
+    described
+}
+
+fn bind(
+    description: &BodyDescription,
+    body: &tree::Body,
+    file: FileId,
+    bodies: &dyn BodySource,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Vocabulary> {
+    match bodies.vocabulary(description) {
+        Ok(vocabulary) => Some(vocabulary),
+        Err(problems) => {
+            let message = format!("the body `{}` does not fit its model", body.name.text);
+            let mut diagnostic = Diagnostic::new(codes::names::BODY, file, body.name.span, message);
+            for problem in problems.lines() {
+                diagnostic = diagnostic.help(problem);
+            }
+            diagnostics.push(diagnostic);
+            None
+        }
+    }
+}
+
+fn task_names<'a>(files: &'a [SourceFile], diagnostics: &mut Vec<Diagnostic>) -> Vec<&'a str> {
+    let mut names: Vec<(&str, FileId, Span)> = Vec::new();
+    for file in files {
+        for item in &file.tree.items {
+            let Item::Task(task) = item else { continue };
+            if let Some((name, first_file, first)) = names.iter().find(|(name, ..)| *name == task.name.text) {
+                let message = format!("there are two tasks called `{name}`");
+                let diagnostic = Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, task.name.span, message)
+                    .here("again here")
+                    .label(*first_file, *first, "first here");
+                diagnostics.push(diagnostic);
+            } else {
+                names.push((&task.name.text, file.tree.file, task.name.span));
+            }
+        }
+    }
+    names.into_iter().map(|(name, ..)| name).collect()
+}
+
+/// For every file that the file at `index` may lead to: its own declarations and those it uses.
+fn in_sight(files: &[SourceFile], index: usize) -> Vec<FileInSight<'_>> {
+    let mut reached = BTreeSet::from([index]);
+    let mut pending = vec![index];
+    while let Some(next) = pending.pop() {
+        for &used in &files[next].uses {
+            if reached.insert(used) {
+                pending.push(used);
+            }
+        }
+    }
+    let sight = |index: usize| FileInSight {
+        tree: &files[index].tree,
+        uses: files[index].uses.iter().map(|&used| &files[used].tree).collect(),
+    };
+    reached.into_iter().map(sight).collect()
+}
+
+struct SourceTexts<'a>(&'a SourceMap);
+
+impl Texts for SourceTexts<'_> {
+    fn text(&self, file: FileId, span: Span) -> &str {
+        span.of(self.0.text(file))
+    }
+}
+
+fn compile_task(
+    task: &tree::Task,
+    file: FileId,
+    names: &Names<'_>,
+    bodies: &BTreeMap<String, Described>,
+    sources: &SourceMap,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<CompiledTask> {
+    let Some(name) = check::task::body_name(task) else {
+        let message = format!("the task `{}` does not say on which `body`", task.name.text);
+        let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, task.name.span, message);
+        diagnostics.push(diagnostic.help("without a body no name can be looked up, so nothing else was checked"));
+        return None;
+    };
+    let Some(described) = bodies.get(&name.text) else {
+        let message = format!("there is no body `{}`", name.text);
+        let help = format!("a body stands in `bodies/{}.msk` beside or above the task, or is built in: `human`", name.text);
+        diagnostics.push(Diagnostic::new(codes::names::BODY, file, name.span, message).help(help));
+        return None;
+    };
+    let vocabulary = described.vocabulary.as_ref()?;
+    let texts = SourceTexts(sources);
+    let (checked, found) = check::task::check(task, file, names, vocabulary, &texts);
+    diagnostics.extend(found);
+    checked.map(|checked| finish(task, file, checked, described.description.clone(), &texts))
+}
+
+fn suites(files: &[SourceFile], tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Vec<Suite> {
+    let Some(entry) = files.first() else { return Vec::new() };
+    let suites = entry.tree.items.iter().filter_map(|item| if let Item::Suite(suite) = item { Some(suite) } else { None });
+    suites.map(|suite| check::suite::check(suite, entry.tree.file, tasks, diagnostics)).collect()
+}

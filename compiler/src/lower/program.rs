@@ -1,0 +1,69 @@
+//! The lowered form of a task: a list of instructions over flat records.
+
+use crate::graph::operation::{Binary, Memory, Reduction, Unary};
+
+/// Where lanes are read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Bank {
+    Constant,
+    Frame,
+    Register,
+}
+
+/// A range of lanes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Operand {
+    pub bank: Bank,
+    pub offset: usize,
+    pub width: usize,
+}
+
+impl Operand {
+    pub(crate) const EMPTY: Self = Self { bank: Bank::Constant, offset: 0, width: 0 };
+}
+
+/// What an instruction does.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Code {
+    Step,
+    Unary(Unary),
+    Binary(Binary),
+    Choose,
+    /// Copies these lanes of input 0.
+    Gather(Box<[u32]>),
+    Copy,
+    Reduce(Reduction, usize),
+    Quaternion,
+    /// First cell.
+    Memory(Memory, usize),
+    /// Reads a state's cells; at reset takes input 0.
+    StateBefore(usize),
+    StateAfter(usize),
+}
+
+/// Reads inputs, writes `width` registers from `output` on. Inputs in registers lie below `output`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Instruction {
+    pub code: Code,
+    pub inputs: [Operand; 3],
+    pub output: usize,
+    pub width: usize,
+}
+
+/// The whole of it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Program {
+    pub constants: Vec<f64>,
+    /// Executed before the states are updated.
+    pub before: Vec<Instruction>,
+    /// Executed after.
+    pub after: Vec<Instruction>,
+    /// First cell of each state and its new value.
+    pub updates: Vec<(usize, Operand)>,
+    pub registers: usize,
+    pub cells: usize,
+    pub terms: Vec<Operand>,
+    pub terminations: Vec<Operand>,
+    pub success: Option<Operand>,
+    pub channels: Vec<Operand>,
+}
