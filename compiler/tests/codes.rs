@@ -4,7 +4,7 @@ use msk_compiler::diagnostics::{FileId, codes};
 use msk_compiler::syntax::parse;
 
 /// Pages whose example is a description because the text would be too long.
-const DESCRIBED: [&str; 4] = ["E0121", "E0122", "E0123", "E0127"];
+const DESCRIBED: [&str; 5] = ["E0121", "E0122", "E0123", "E0127", "E0131"];
 
 #[test]
 fn examples_of_syntax_codes_cause_them_and_fixes_do_not() {

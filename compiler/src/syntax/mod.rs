@@ -25,6 +25,8 @@ use tree::{Comment, File};
 pub const MAXIMUM_FILE_SIZE: usize = 256 * 1024;
 /// Most operators, calls and fields that one statement may have.
 pub const MAXIMUM_OPERATORS: usize = 512;
+/// Most errors that are told of one file.
+pub const MAXIMUM_ERRORS: usize = 500;
 /// Most brackets that may be open at once.
 pub const MAXIMUM_DEPTH: usize = scanner::MAXIMUM_DEPTH;
 
@@ -65,5 +67,10 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
         }
     };
     diagnostics.sort_by_key(|diagnostic| (diagnostic.span(), diagnostic.code.id));
+    if let Some(next) = diagnostics.get(MAXIMUM_ERRORS) {
+        let more = wording::more_errors(file, next.span(), MAXIMUM_ERRORS);
+        diagnostics.truncate(MAXIMUM_ERRORS);
+        diagnostics.push(more);
+    }
     Parsed { tree, comments: scanned.comments, diagnostics }
 }

@@ -33,7 +33,7 @@ pub(super) const FOREIGN_SIGNS: [(&str, &str); 23] = [
 
 pub(super) fn foreign_comment(file: FileId, span: Span, mark: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(codes::FOREIGN_SIGN, file, span, format!("comments begin with `//`, not `{mark}`"));
-    if mark == "#" { diagnostic.fix("write `//`", span, "//") } else { diagnostic }
+    if mark.len() == 1 { diagnostic.fix("write `//`", span, "//") } else { diagnostic }
 }
 
 pub(super) fn foreign_sign(file: FileId, span: Span, foreign: &str, ours: &str) -> Diagnostic {
@@ -155,6 +155,21 @@ pub(super) fn empty_brace_range(file: FileId, span: Span, text: &str) -> Diagnos
 pub(super) fn brace_digit(file: FileId, span: Span, word: &str) -> Diagnostic {
     Diagnostic::new(codes::BRACE_PATTERN, file, span, format!("`{{{word}}}` is neither a list nor a loop variable"))
         .help("write the number without braces")
+}
+
+/// `ankle_{l,r.height`
+pub(super) fn unclosed_pattern(file: FileId, span: Span) -> Diagnostic {
+    Diagnostic::new(codes::BRACE_PATTERN, file, span, "this brace pattern is never closed").help("add the missing `}`")
+}
+
+/// `sole{l,r}`
+pub(super) fn misplaced_pattern(file: FileId, span: Span) -> Diagnostic {
+    Diagnostic::new(codes::BRACE_PATTERN, file, span, "these braces belong to no name")
+        .help("a brace pattern is glued to an underscore: `sole_{l,r}`")
+}
+
+pub(super) fn more_errors(file: FileId, span: Span, shown: usize) -> Diagnostic {
+    Diagnostic::new(codes::MORE_ERRORS, file, span, format!("only the first {shown} errors of this file are shown"))
 }
 
 pub(super) fn number_too_big(file: FileId, span: Span) -> Diagnostic {

@@ -181,4 +181,10 @@ codes! {
         example: "task t { reward }",
         fix: "task t { reward { 5 alive = not terminated } }",
     }
+    MORE_ERRORS = "E0131" {
+        title: "there are more errors",
+        explanation: "At most 500 errors of syntax are shown of one file.",
+        example: "a file that is not an .msk file at all",
+        fix: "correct what is shown and look again",
+    }
 }

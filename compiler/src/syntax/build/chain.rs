@@ -27,11 +27,12 @@ type Pieces = Peekable<IntoIter<Piece>>;
 
 impl Builder<'_> {
     pub(super) fn chain(&mut self, pair: &Pair<'_>) -> Expr {
-        let pieces = self.pieces(pair);
-        self.operators += pieces.len() / 2;
+        let operands = |part: &Pair<'_>| matches!(part.as_rule(), Rule::postfixed | Rule::exponent);
+        self.operators += pair.clone().into_inner().filter(|part| !operands(part)).count();
         if self.operators > MAXIMUM_OPERATORS {
             return self.too_many_operators(pair);
         }
+        let pieces = self.pieces(pair);
         let mut pieces = pieces.into_iter().peekable();
         self.logic(&mut pieces, BinaryOperator::Or)
     }

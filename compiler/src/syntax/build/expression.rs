@@ -2,9 +2,9 @@
 
 use super::{Builder, part, parts};
 use crate::diagnostics::Diagnostic;
-use crate::syntax::MAXIMUM_OPERATORS;
 use crate::syntax::grammar::{Pair, Rule};
 use crate::syntax::tree::{Argument, Expr, ExprKind, Text};
+use crate::syntax::{MAXIMUM_ERRORS, MAXIMUM_OPERATORS};
 use crate::syntax::{recovery, wording};
 
 impl Builder<'_> {
@@ -77,7 +77,9 @@ impl Builder<'_> {
     pub(super) fn too_many_operators(&mut self, pair: &Pair<'_>) -> Expr {
         let span = self.span(pair);
         let diagnostic = wording::too_many_operators(self.file, span, MAXIMUM_OPERATORS);
-        let told = self.diagnostics.iter().any(|told| told.code == diagnostic.code && told.span().end >= span.end);
+        // The statement is left at its first excess; what is around it need not say so again.
+        let told = self.diagnostics.iter().rev().take(MAXIMUM_ERRORS);
+        let told = told.into_iter().any(|told| told.code == diagnostic.code && told.span().end >= span.end);
         if !told {
             self.report(diagnostic);
         }

@@ -13,7 +13,7 @@ mod tasks;
 use super::grammar::{Pair, Rule};
 use super::scanner::Scanned;
 use super::tree::{Allow, Binding, Docs, Entry, Expr, ExprKind, File, Function, Item, Observation, Parameter, Remove, Use};
-use super::{recovery, wording};
+use super::{MAXIMUM_ERRORS, recovery, wording};
 use crate::diagnostics::{Diagnostic, FileId, Span};
 use pest::iterators::Pairs;
 
@@ -68,6 +68,10 @@ impl Builder<'_> {
 
     fn junk(&mut self, pair: &Pair<'_>, context: Rule) {
         let span = self.span(pair);
+        self.docs(span);
+        if self.diagnostics.len() > MAXIMUM_ERRORS {
+            return;
+        }
         let known = |reported: &Span| reported.start < span.end.max(span.start + 1) && reported.end >= span.start;
         if !self.reported.iter().any(known) {
             let start = pair.as_span().start();

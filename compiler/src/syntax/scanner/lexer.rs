@@ -5,7 +5,8 @@
 
 use super::super::tree::{Comment, CommentKind};
 use super::super::wording;
-use crate::diagnostics::{Diagnostic, FileId, Span};
+use super::Errors;
+use crate::diagnostics::{FileId, Span};
 
 /// What the layout must know of a stretch of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,17 +52,25 @@ impl Token {
     }
 }
 
-/// All tokens of a text, its comments, and what was wrong with its characters.
+/// All tokens of a text, and its comments.
 #[derive(Default)]
 pub(super) struct Lexed {
     pub(super) tokens: Vec<Token>,
     pub(super) comments: Vec<Comment>,
-    pub(super) diagnostics: Vec<Diagnostic>,
 }
 
 /// Splits `text` into tokens and comments.
-pub(super) fn lex(file: FileId, text: &str) -> Lexed {
-    let mut lexer = Lexer { file, text, at: 0, line_has_token: false, lexed: Lexed::default() };
+pub(super) fn lex(file: FileId, text: &str, errors: &mut Errors) -> Lexed {
+    let mut lexer = Lexer {
+        file,
+        errors,
+        block_comments: true,
+        text,
+        at: 0,
+        line_has_token: false,
+        last_solid: None,
+        lexed: Lexed::default(),
+    };
     while let Some(character) = lexer.rest().chars().next() {
         lexer.next(character);
     }
@@ -71,15 +80,20 @@ pub(super) fn lex(file: FileId, text: &str) -> Lexed {
 /// Operators and marks of more than one character, the longest first.
 const LONG_MARKS: [&str; 7] = ["..", "<=", ">=", "==", "!=", "*=", "->"];
 
-struct Lexer<'a> {
+struct Lexer<'a, 'e> {
     file: FileId,
+    errors: &'e mut Errors,
     text: &'a str,
     at: usize,
     line_has_token: bool,
+    /// The last token that is not a newline.
+    last_solid: Option<usize>,
+    /// Whether the rest of the text may hold the end of a block comment.
+    block_comments: bool,
     lexed: Lexed,
 }
 
-impl<'a> Lexer<'a> {
+impl<'a> Lexer<'a, '_> {
     fn rest(&self) -> &'a str {
         &self.text[self.at..]
     }
@@ -96,7 +110,9 @@ impl<'a> Lexer<'a> {
             }
             '/' if rest.starts_with("//") => self.comment(),
             '/' if rest.starts_with("/*") => self.block_comment(),
-            '#' => self.hash_comment(),
+            // No line begins with an operator: a single slash there is half a comment.
+            '/' if !self.line_has_token && !self.open_line() => self.foreign_comment("/"),
+            '#' => self.foreign_comment("#"),
             '"' | '\'' | '“' | '”' | '„' | '‘' | '’' => self.quoted(character),
             '(' | '[' | '{' => self.push(TokenKind::Open(character as u8), 1, None),
             ')' | ']' | '}' => self.push(TokenKind::Close(character as u8), 1, None),
@@ -111,6 +127,9 @@ impl<'a> Lexer<'a> {
 
     fn push(&mut self, kind: TokenKind, length: usize, replacement: Option<String>) {
         let token = Token { kind, start: self.at, end: self.at + length, replacement };
+        if kind != TokenKind::Newline {
+            self.last_solid = Some(self.lexed.tokens.len());
+        }
         self.lexed.tokens.push(token);
         self.at += length;
         self.line_has_token = true;
@@ -136,32 +155,40 @@ impl<'a> Lexer<'a> {
         self.at += length;
     }
 
-    fn hash_comment(&mut self) {
+    fn foreign_comment(&mut self, mark: &str) {
         let length = self.to_line_end();
-        let span = Span::new(self.at, self.at + 1);
-        self.lexed.diagnostics.push(wording::foreign_comment(self.file, span, "#"));
+        let span = Span::new(self.at, self.at + mark.len());
+        self.errors.tell(|| wording::foreign_comment(self.file, span, mark));
         self.at += length;
+    }
+
+    /// Whether the line before ends in an operator or an open bracket.
+    fn open_line(&self) -> bool {
+        let before = self.last_solid.map(|index| self.lexed.tokens[index].kind);
+        before.is_some_and(|kind| matches!(kind, TokenKind::Mark | TokenKind::Open(b'(' | b'[')))
     }
 
     /// `/* ... */` is taken as a comment to its end, or to the end of its line if it has none.
     fn block_comment(&mut self) {
-        let length = self.rest().find("*/").map_or(self.to_line_end(), |end| end + 2);
+        let end = if self.block_comments { self.rest().find("*/") } else { None };
+        let length = end.map_or(self.to_line_end(), |end| end + 2);
+        self.block_comments = end.is_some();
         let span = Span::new(self.at, self.at + 2);
-        self.lexed.diagnostics.push(wording::foreign_comment(self.file, span, "/* */"));
+        self.errors.tell(|| wording::foreign_comment(self.file, span, "/* */"));
         self.at += length;
     }
 
     fn quoted(&mut self, quote: char) {
-        let line = &self.rest()[..self.to_line_end()];
         let closes = |character: char| match quote {
             '\'' | '‘' | '’' => matches!(character, '\'' | '’' | '‘'),
             _ => matches!(character, '"' | '”' | '“'),
         };
-        let inner = &line[quote.len_utf8()..];
-        let Some((length, closing)) = inner.char_indices().find(|(_, character)| closes(*character)) else {
-            let inner = inner.trim_end();
+        let inner = &self.rest()[quote.len_utf8()..];
+        let end = inner.char_indices().find(|(_, character)| closes(*character) || *character == '\n');
+        let Some((length, closing)) = end.filter(|(_, character)| *character != '\n') else {
+            let inner = inner[..end.map_or(inner.len(), |(length, _)| length)].trim_end();
             let span = Span::new(self.at, self.at + quote.len_utf8() + inner.len());
-            self.lexed.diagnostics.push(wording::unclosed_text(self.file, span));
+            self.errors.tell(|| wording::unclosed_text(self.file, span));
             let replacement = format!("\"{}\"", inner.replace('"', " "));
             return self.push(TokenKind::Text, quote.len_utf8() + inner.len(), Some(replacement));
         };
@@ -172,7 +199,7 @@ impl<'a> Lexer<'a> {
         }
         let replacement = format!("\"{}\"", inner.replace('"', " "));
         let span = Span::new(self.at, self.at + total);
-        self.lexed.diagnostics.push(wording::foreign_quotes(self.file, span, &replacement));
+        self.errors.tell(|| wording::foreign_quotes(self.file, span, &replacement));
         self.push(TokenKind::Text, total, Some(replacement));
     }
 
@@ -182,11 +209,26 @@ impl<'a> Lexer<'a> {
         let mut length = word_length(rest);
         while rest[..length].ends_with('_') && rest[length..].starts_with('{') {
             let inside = &rest[length + 1..];
-            let Some(close) = inside.find(['}', '{', '\n']).filter(|end| inside[*end..].starts_with('}')) else { break };
-            length += close + 2;
+            let end = inside.find(|next| !(in_words(next) || matches!(next, ',' | '.' | '*' | ' '))).unwrap_or(inside.len());
+            if !inside[end..].starts_with('}') {
+                return self.open_pattern(length);
+            }
+            length += end + 2;
             length += word_length(&rest[length..]);
         }
         self.push(TokenKind::Word, length, None);
+    }
+
+    /// A pattern that is never closed ends with its words: `ankle_{l,r.height`.
+    fn open_pattern(&mut self, stem: usize) {
+        let rest = self.rest();
+        let inside = &rest[stem + 1..];
+        let end = inside.find(|next| !(in_words(next) || next == ',')).unwrap_or(inside.len());
+        let span = Span::new(self.at + stem, self.at + stem + 1);
+        self.errors.tell(|| wording::unclosed_pattern(self.file, span));
+        let length = stem + 1 + end;
+        let replacement = if end == 0 { "_".to_owned() } else { format!("{}}}", &rest[..length]) };
+        self.push(TokenKind::Word, length, Some(replacement));
     }
 
     /// A word that replaces a sign of `length` bytes is set off from words and numbers beside it.
@@ -205,7 +247,7 @@ impl<'a> Lexer<'a> {
         if let Some((foreign, ours)) = wording::FOREIGN_SIGNS.iter().find(|(foreign, _)| rest.starts_with(foreign)) {
             let span = Span::new(self.at, self.at + foreign.len());
             let ours = self.spaced(ours, foreign.len());
-            self.lexed.diagnostics.push(wording::foreign_sign(self.file, span, foreign, &ours));
+            self.errors.tell(|| wording::foreign_sign(self.file, span, foreign, &ours));
             if ours.trim().is_empty() {
                 self.at += foreign.len();
             } else {
@@ -219,7 +261,7 @@ impl<'a> Lexer<'a> {
         let same = rest.chars().take_while(|next| *next == character).count();
         let length = same * character.len_utf8();
         let span = Span::new(self.at, self.at + length);
-        self.lexed.diagnostics.push(wording::meaningless_character(self.file, span, character));
+        self.errors.tell(|| wording::meaningless_character(self.file, span, character));
         self.at += length;
     }
 }

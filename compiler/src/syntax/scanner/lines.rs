@@ -4,8 +4,9 @@
 //! where the next line begins with a word that cannot begin a statement.
 
 use super::super::wording;
+use super::Errors;
 use super::lexer::{Token, TokenKind};
-use crate::diagnostics::{Diagnostic, FileId};
+use crate::diagnostics::FileId;
 
 /// What is known of the line a token stands on.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -50,7 +51,7 @@ pub(super) fn masked(
     tokens: &[Token],
     lines: &[Line],
     paired: &[bool],
-    diagnostics: &mut Vec<Diagnostic>,
+    errors: &mut Errors,
 ) -> Vec<bool> {
     let mut masked = vec![false; tokens.len()];
     let mut depth = 0_usize;
@@ -63,7 +64,7 @@ pub(super) fn masked(
         if let Some(before) = lines[index].previous.filter(|_| !newlines.is_empty()).map(|before| &tokens[before]) {
             let joined = depth > 0 || joins(source, before, token);
             if joined && depth == 0 && begins_wrongly(source, token) && !ends_open(source, before) {
-                diagnostics.push(wording::line_begins_with(file, before.span(), token.span(), token.text(source)));
+                errors.tell(|| wording::line_begins_with(file, before.span(), token.span(), token.text(source)));
             }
             for newline in newlines.drain(..) {
                 masked[newline] = joined;

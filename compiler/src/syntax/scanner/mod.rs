@@ -13,8 +13,21 @@ mod mask;
 pub(crate) use brackets::MAXIMUM_DEPTH;
 pub(crate) use mask::{DocRun, Masked};
 
+use super::MAXIMUM_ERRORS;
 use super::tree::{Comment, CommentKind};
 use crate::diagnostics::{Diagnostic, FileId};
+
+/// Errors found so far; beyond the limit none is made, so that a file full of them costs no more than any other.
+#[derive(Debug, Default)]
+struct Errors(Vec<Diagnostic>);
+
+impl Errors {
+    fn tell(&mut self, diagnostic: impl FnOnce() -> Diagnostic) {
+        if self.0.len() <= MAXIMUM_ERRORS {
+            self.0.push(diagnostic());
+        }
+    }
+}
 
 /// What the scanner makes of a text.
 pub(crate) struct Scanned {
@@ -32,22 +45,21 @@ pub(crate) struct Scanned {
 
 /// Scans a text.
 pub(crate) fn scan(file: FileId, source: &str) -> Scanned {
-    let lexed = lexer::lex(file, source);
+    let mut errors = Errors::default();
+    let lexed = lexer::lex(file, source, &mut errors);
     let lines = lines::describe(source, &lexed.tokens);
-    let mut brackets = brackets::pair(file, source, &lexed.tokens, &lines);
-    let mut diagnostics = lexed.diagnostics;
-    diagnostics.append(&mut brackets.diagnostics);
-    let masked = if brackets.too_deep {
-        Masked::default()
-    } else {
-        let newlines = lines::masked(file, source, &lexed.tokens, &lines, &brackets.paired, &mut diagnostics);
-        mask::mask(source, &lexed.tokens, &newlines, &brackets)
+    let masked = match brackets::pair(file, source, &lexed.tokens, &lines, &mut errors) {
+        None => Masked::default(),
+        Some(brackets) => {
+            let newlines = lines::masked(file, source, &lexed.tokens, &lines, &brackets.paired, &mut errors);
+            mask::mask(source, &lexed.tokens, &newlines, &brackets)
+        }
     };
     Scanned {
         masked,
         docs: mask::doc_runs(source, &lexed.comments, CommentKind::Doc),
         file_docs: mask::doc_runs(source, &lexed.comments, CommentKind::FileDoc),
         comments: lexed.comments,
-        diagnostics,
+        diagnostics: errors.0,
     }
 }
