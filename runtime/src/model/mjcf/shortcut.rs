@@ -13,19 +13,19 @@ const GAIN_NAMES: [(&str, usize); 7] =
 
 /// The attributes of a `muscle` as those of a `general` actuator.
 ///
-/// Parameters that the element does not give come from the inherited default if that is a muscle too, else from MuJoCo's.
+/// Parameters that the element does not give come from the inherited default if that is a muscle too, else from MuJoCo's
+/// own for muscles. The passive force takes the parameters of the active one.
 pub(super) fn muscle(element: &Element, inherited: &[(String, String)]) -> Result<Vec<(String, String)>, ModelError> {
     let from_muscle = inherited.iter().any(|(name, value)| name == "gaintype" && value.trim() == "muscle");
-    let below = Element {
-        attributes: if from_muscle { inherited.to_vec() } else { Vec::new() },
-        children: Vec::new(),
-        ..element.clone()
-    };
-    let mut dynamics = padded::<3>(below.list("dynprm", 10)?, DYNAMICS);
-    let mut gain = padded::<9>(below.list("gainprm", 10)?, GAIN);
-    overlay(&mut dynamics[0..2], element.list("timeconst", 2)?);
+    let below = Element { attributes: inherited.to_vec(), children: Vec::new(), ..element.clone() };
+    let (mut dynamics, mut gain) = (DYNAMICS, GAIN);
+    if from_muscle {
+        dynamics = padded(below.list("dynprm", 10)?);
+        gain = padded(below.list("gainprm", 10)?);
+    }
+    overlay(&mut dynamics[0..2], element.numbers::<2>("timeconst")?.map(Vec::from));
     overlay(&mut dynamics[2..3], element.list("tausmooth", 1)?);
-    overlay(&mut gain[0..2], element.list("range", 2)?);
+    overlay(&mut gain[0..2], element.numbers::<2>("range")?.map(Vec::from));
     for (name, place) in GAIN_NAMES {
         overlay(&mut gain[place..=place], element.list(name, 1)?);
     }
@@ -42,10 +42,11 @@ pub(super) fn muscle(element: &Element, inherited: &[(String, String)]) -> Resul
     Ok(raw)
 }
 
-/// The first numbers from a raw parameter list, the rest from `otherwise`.
-fn padded<const N: usize>(list: Option<Vec<f64>>, otherwise: [f64; N]) -> [f64; N] {
-    let mut result = otherwise;
-    overlay(&mut result, list.map(|list| list.into_iter().take(N).collect()));
+/// The first numbers of a raw parameter list; what it leaves open is one and then zeros.
+fn padded<const N: usize>(list: Option<Vec<f64>>) -> [f64; N] {
+    let mut result = [0.0; N];
+    result[0] = 1.0;
+    overlay(&mut result, list);
     result
 }
 

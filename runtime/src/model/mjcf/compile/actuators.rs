@@ -39,9 +39,8 @@ impl Compiler<'_> {
         if dynamics[..2].iter().any(|constant| *constant <= 0.0) || dynamics[2] < 0.0 {
             return Err(element.invalid("a muscle's time constants must be positive, its smoothing width not negative"));
         }
-        if gain[0] >= gain[1] {
-            return Err(element.invalid("a muscle's operating range must be two numbers in ascending order"));
-        }
+        check_curve(element, &gain)?;
+        check_curve(element, &bias)?;
         let actuators = &mut self.model.actuators;
         let name = self.names.register(Kind::Actuator, element, actuators.name.len())?;
         actuators.name.push(name);
@@ -54,6 +53,21 @@ impl Compiler<'_> {
         actuators.bias.push(first(&bias));
         Ok(())
     }
+}
+
+/// Refuses parameters of a force curve that make no muscle.
+fn check_curve(element: &Element, parameters: &[f64; 10]) -> Result<(), ModelError> {
+    let [low, high, _, scale, shortest, longest, speed, passive, eccentric, _] = *parameters;
+    if low >= high {
+        return Err(element.invalid("a muscle's operating range must be two numbers in ascending order"));
+    }
+    if shortest >= 1.0 || longest <= 1.0 {
+        return Err(element.invalid(format!("a muscle needs lmin < 1 < lmax, found {shortest} and {longest}")));
+    }
+    if [scale, speed, passive, eccentric].iter().any(|parameter| *parameter <= 0.0) {
+        return Err(element.invalid("a muscle's scale, vmax, fpmax and fvmax must be positive"));
+    }
+    Ok(())
 }
 
 /// What `dynprm` and `gainprm` hold where a `general` actuator does not give them.
