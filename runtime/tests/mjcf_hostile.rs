@@ -1,0 +1,272 @@
+//! Files that are broken, impossible or malicious: each gives one clear error, quickly, and never a panic.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use msk_runtime::model::{Model, ModelError};
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// However bad a file is, it is refused within this time (unoptimised builds included).
+const PATIENCE: Duration = Duration::from_secs(20);
+
+fn refuse(text: &str) -> String {
+    let start = Instant::now();
+    let error = Model::from_mjcf(text).map(|model| model.name).unwrap_err();
+    assert!(start.elapsed() < PATIENCE, "took {:?}", start.elapsed());
+    error.to_string()
+}
+
+/// Asserts that the text is refused with a message that contains `expected`.
+fn refused(text: &str, expected: &str) {
+    let message = refuse(text);
+    assert!(message.contains(expected), "expected `{expected}` in the message, found\n{message}\nfor\n{text:.300}");
+}
+
+/// A body that would be fine, with something inside it.
+fn with(inside: &str) -> String {
+    format!("<mujoco><worldbody><body><joint name=\"j\"/><geom name=\"g\" size=\"1\"/>{inside}</body></worldbody></mujoco>")
+}
+
+/// A model that would be fine, with something beside its bodies.
+fn beside(section: &str) -> String {
+    format!(
+        "<mujoco><worldbody><body name=\"a\"><joint name=\"j\"/><geom name=\"g\" type=\"capsule\" size=\"1 1\"/>\
+         <site name=\"s\"/><site name=\"t\" pos=\"1 0 0\"/></body></worldbody>{section}</mujoco>"
+    )
+}
+
+#[test]
+fn what_is_not_a_model() {
+    refused("", "not well-formed XML");
+    refused("\0\u{1}", "not well-formed XML");
+    refused("<mujoco>", "not well-formed XML");
+    refused("<mujoco><worldbody></mujoco>", "not well-formed XML");
+    refused("<robot/>", "top-level element is `mujoco`, found `robot`");
+    refused("<include file=\"x\"/>", "cannot include files");
+    refused("<mujoco a=\"1\" a=\"2\"/>", "not well-formed XML");
+    // Entities that expand to gigabytes, and such that read other files.
+    let laughs: String = (1..30).map(|n| format!("<!ENTITY e{n} \"&e{};&e{};\">", n - 1, n - 1)).collect();
+    refused(&format!("<!DOCTYPE m [<!ENTITY e0 \"ha\">{laughs}]><mujoco model=\"&e29;\"/>"), "not well-formed XML");
+    refused("<!DOCTYPE m [<!ENTITY e SYSTEM \"/etc/passwd\">]><mujoco model=\"&e;\"/>", "not well-formed XML");
+}
+
+#[test]
+fn nesting_without_end() {
+    for tag in ["body", "frame", "default class=\"x\"", "b"] {
+        let text = format!("<mujoco>{}", format!("<{tag}>").repeat(100_000));
+        let _ = refuse(&text);
+    }
+    let name = |n: usize| format!("<default class=\"c{n}\">");
+    let classes: String = (0..1000).map(name).collect();
+    refused(&format!("<mujoco><default>{classes}{}</default></mujoco>", "</default>".repeat(1000)), "deeper than 256");
+    let bodies = format!("{}{}", "<body>".repeat(1000), "</body>".repeat(1000));
+    refused(&format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>"), "deeper than 256");
+}
+
+#[test]
+fn counts_without_measure() {
+    refused(&format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<site/>".repeat(1_000_001)), "more than 1000000 elements");
+    refused(&with(&"<joint/>".repeat(7)), "more than 6 degrees of freedom, found 8");
+    refused(&with(&"<geom size=\"1\"/>".repeat(30_000)), "at most 20000 are supported");
+    let leaf = "<body><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/><joint/></body>";
+    refused(&format!("<mujoco><worldbody>{}</worldbody></mujoco>", leaf.repeat(100_000)), "too large");
+    let spine = "<body><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/><joint/><joint/><joint/>".repeat(200);
+    let ribs = leaf.repeat(60_000);
+    let closing = "</body>".repeat(200);
+    refused(&format!("<mujoco><worldbody>{spine}{ribs}{closing}</worldbody></mujoco>"), "entries");
+}
+
+#[test]
+fn numbers_that_are_none() {
+    for number in ["nan", "inf", "-inf", "1e999", "1e31", "0x10", "1,5", "one", "", " ", "1 2 3 4", "--1"] {
+        let message = refuse(&with(&format!("<site pos=\"{number} 0 0\"/><site pos=\"{number}\"/>")));
+        assert!(message.contains("`pos`"), "{number}: {message}");
+    }
+    refused(&with("<geom size=\"-1\"/>"), "positive sizes");
+    refused(&with("<geom type=\"box\" size=\"1 1\"/>"), "3 positive sizes");
+    refused(&with("<geom size=\"1\" mass=\"-1\"/>"), "`mass` must not be negative");
+    refused(&with("<geom size=\"1\" condim=\"2\"/>"), "`condim` must be 1, 3, 4 or 6");
+    refused(&with("<geom size=\"1\" contype=\"99999999999\"/>"), "`contype` expects a whole number");
+    refused(&with("<geom size=\"1\" contype=\"1.5\"/>"), "`contype` expects a whole number");
+    refused(&with("<geom size=\"1\" type=\"torus\"/>"), "`type` expects one of");
+    refused("<mujoco><option timestep=\"0\"/></mujoco>", "`timestep` must be positive");
+    refused("<mujoco><option iterations=\"-1\"/></mujoco>", "`iterations` expects a whole number");
+    let long = "9".repeat(1_000_000);
+    let message = refuse(&with(&format!("<site pos=\"{long}\"/>")));
+    assert!(message.len() < 300, "a hostile value floods the message");
+}
+
+#[test]
+fn orientations_that_are_none() {
+    refused(&with("<site quat=\"0 0 0 0\"/>"), "degenerate");
+    refused(&with("<site zaxis=\"0 0 0\"/>"), "degenerate");
+    refused(&with("<site xyaxes=\"1 0 0 2 0 0\"/>"), "degenerate");
+    refused(&with("<site axisangle=\"0 0 0 1\"/>"), "degenerate");
+    refused(&with("<site quat=\"1 0 0 0\" euler=\"0 0 0\"/>"), "more than once");
+    refused(&with("<geom type=\"capsule\" size=\"1\" fromto=\"1 1 1 1 1 1\"/>"), "same point twice");
+    refused("<mujoco><compiler eulerseq=\"xyw\"/></mujoco>", "three letters");
+    refused(&with("<body><joint axis=\"0 0 0\"/><geom size=\"1\"/></body>"), "`axis` is zero");
+}
+
+#[test]
+fn masses_that_cannot_move() {
+    let body = |inertial: &str| format!("<mujoco><worldbody><body name=\"b\">{inertial}<joint/></body></worldbody></mujoco>");
+    refused(&body(""), "`b` (number 1) has no mass");
+    refused(&body("<inertial pos=\"0 0 0\" mass=\"0\" diaginertia=\"0 0 0\"/>"), "has no mass");
+    refused(&body("<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"0 0 0\"/>"), "has no mass or no inertia");
+    refused(&body("<inertial pos=\"0 0 0\" mass=\"-1\" diaginertia=\"1 1 1\"/>"), "`mass` must not be negative");
+    refused(&body("<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 -1\"/>"), "not positive");
+    refused(&body("<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"5 1 1\"/>"), "impossible");
+    refused(&body("<inertial pos=\"0 0 0\" mass=\"1\" fullinertia=\"1 1 1 5 5 5\"/>"), "not positive");
+    refused(&body("<inertial pos=\"0 0 0\" mass=\"1\"/>"), "either `diaginertia` or `fullinertia`");
+    refused(&body("<inertial mass=\"1\" diaginertia=\"1 1 1\"/>"), "needs the attribute `pos`");
+    refused(&with("<body><geom type=\"mesh\" mesh=\"none\" contype=\"0\" conaffinity=\"0\"/></body>"), "does not exist");
+}
+
+#[test]
+fn joints_that_cannot_be() {
+    refused("<mujoco><worldbody><joint/></worldbody></mujoco>", "the world cannot have joints");
+    refused(&with("<freejoint/>"), "cannot have other joints");
+    refused(&with("<body><freejoint/><geom size=\"1\"/></body>"), "only a child of the world");
+    refused(&with("<joint range=\"2 1\"/>"), "`range` is empty");
+    refused(&with("<joint limited=\"true\"/>"), "there is no `range`");
+    refused(&with("<joint damping=\"-1\"/>"), "`damping` must not be negative");
+    refused(&with("<joint damping=\"1 2\"/>"), "polynomial");
+    refused(&with("<joint class=\"none\"/>"), "no default class `none`");
+    refused(&with("<body childclass=\"none\"/>"), "no default class `none`");
+}
+
+#[test]
+fn names_that_lead_nowhere_or_twice() {
+    let tendon = |path: &str| beside(&format!("<tendon><spatial name=\"p\">{path}</spatial></tendon>"));
+    refused(&with("<joint name=\"j\"/>"), "two joints with the name `j`");
+    refused(&tendon("<site site=\"s\"/><site site=\"x\"/>"), "`site` names the site `x`, which does not exist");
+    refused(&tendon("<site site=\"s\"/>"), "start and end with a site");
+    refused(&tendon(""), "is empty");
+    refused(&tendon("<site site=\"s\"/><geom geom=\"g\"/><site site=\"t\"/>"), "sphere or a cylinder");
+    refused(&tendon("<site site=\"s\"/><pulley divisor=\"0\"/><site site=\"t\"/>"), "must be positive");
+    refused(&tendon("<site site=\"s\"/><pulley divisor=\"2\"/><site site=\"t\"/>"), "a site of its own");
+    refused(&beside("<equality><joint joint1=\"j\" joint2=\"j\"/></equality>"), "coupled to itself");
+    refused(&beside("<equality><joint joint1=\"x\"/></equality>"), "names the joint `x`");
+    refused(&beside("<contact><pair geom1=\"g\" geom2=\"x\"/></contact>"), "names the geom `x`");
+    refused(&beside("<contact><exclude body1=\"a\"/></contact>"), "needs the attribute `body2`");
+    let muscle = "<tendon><spatial name=\"p\"><site site=\"s\"/><site site=\"t\"/></spatial></tendon><actuator><muscle ";
+    refused(&beside(&format!("{muscle} tendon=\"x\"/></actuator>")), "names the tendon `x`");
+    refused(&beside(&format!("{muscle} tendon=\"p\"/></actuator>")), "needs a `lengthrange`");
+    refused(&beside(&format!("{muscle} tendon=\"p\" lengthrange=\"1 2\" lmin=\"2\"/></actuator>")), "lmin < 1 < lmax");
+    refused(&beside(&format!("{muscle} tendon=\"p\" lengthrange=\"1 2\" vmax=\"0\"/></actuator>")), "must be positive");
+    refused("<mujoco><default><default class=\"a\"/><default class=\"a\"/></default></mujoco>", "defined twice");
+}
+
+#[test]
+fn everything_unsupported_is_listed_with_its_line() {
+    let text = "<mujoco>\n<option integrator=\"RK4\">\n<flag gravity=\"disable\"/></option>\n<worldbody>\n\
+                <body gravcomp=\"1\">\n<joint springdamper=\"1 1\"/>\n<geom size=\"1\" fluidshape=\"ellipsoid\"/>\n\
+                <composite/>\n</body></worldbody>\n<deformable/>\n<equality>\n<weld body1=\"b\"/></equality>\n\
+                <actuator>\n<motor joint=\"j\"/></actuator></mujoco>";
+    let Err(ModelError::Unsupported(list)) = Model::from_mjcf(text) else { panic!("not refused as unsupported") };
+    let found: Vec<_> = list.iter().map(|item| (item.place.line, item.what.as_str())).collect();
+    let expected = [
+        (2, "attribute `integrator` of `option` with the value `RK4`"),
+        (3, "attribute `gravity` of `flag` with the value `disable`"),
+        (5, "attribute `gravcomp` of `body` with the value `1`"),
+        (6, "attribute `springdamper` of `joint` with the value `1 1`"),
+        (7, "attribute `fluidshape` of `geom` with the value `ellipsoid`"),
+        (8, "element `composite` in `body`"),
+        (10, "element `deformable` in `mujoco`"),
+        (12, "element `weld` in `equality`"),
+        (14, "element `motor` in `actuator`"),
+    ];
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn what_only_shows_is_skipped() {
+    let text = "<mujoco><visual><global fovy=\"1\"/></visual><statistic extent=\"1\"/><size njmax=\"1\"/><custom/>\
+                <asset><texture name=\"t\"/><material name=\"m\"/></asset><sensor><clock/></sensor><keyframe><key/></keyframe>\
+                <worldbody><light/><camera/><body user=\"1\"><freejoint group=\"1\"/><geom size=\"1\" rgba=\"1 1 1 1\"/></body>\
+                </worldbody></mujoco>";
+    assert_eq!(Model::from_mjcf(text).unwrap().nv, 6);
+}
+
+/// Files in a folder of their own; the first is the main one.
+fn from_files(files: &[(&str, &[u8])]) -> Result<Model, ModelError> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, contents) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, contents).unwrap();
+    }
+    Model::from_file(folder.path().join(files[0].0))
+}
+
+fn files_refused(files: &[(&str, &[u8])], expected: &str) {
+    let message = from_files(files).map(|model| model.name).unwrap_err().to_string();
+    assert!(message.contains(expected), "expected `{expected}`, found `{message}`");
+}
+
+#[test]
+fn includes_that_go_in_circles_or_nowhere() {
+    let include = |file: &str| format!("<mujoco><include file=\"{file}\"/></mujoco>").into_bytes();
+    files_refused(&[("a.xml", &include("a.xml"))], "included more than once");
+    files_refused(&[("a.xml", &include("./b.xml")), ("b.xml", &include("../x/../a.xml"))], "cannot read");
+    files_refused(&[("a.xml", &include("b.xml")), ("b.xml", &include("./a.xml"))], "included more than once");
+    files_refused(&[("a.xml", &include("missing.xml"))], "cannot read");
+    files_refused(&[("a.xml", &include("."))], "not a regular file");
+    files_refused(&[("a.xml", &include("empty.xml")), ("empty.xml", b"<x/>")], "holds no elements");
+    files_refused(&[("a.xml", b"<mujoco><include/></mujoco>")], "needs the attribute `file`");
+    files_refused(&[("a.xml", &include("b.xml")), ("b.xml", b"\xff\xfe")], "not UTF-8");
+    files_refused(&[("a.xml", &include("b.xml")), ("b.xml", b"<x>")], "b.xml:1: not well-formed XML");
+}
+
+#[test]
+fn a_chain_of_includes_is_followed_only_so_far() {
+    let file = |n: usize| (format!("{n}.xml"), format!("<mujoco><include file=\"{}.xml\"/></mujoco>", n + 1).into_bytes());
+    let chain: Vec<_> = (0..400).map(file).collect();
+    let chain: Vec<(&str, &[u8])> = chain.iter().map(|(name, text)| (name.as_str(), text.as_slice())).collect();
+    files_refused(&chain, "deeper than 256");
+}
+
+#[test]
+fn an_include_is_looked_for_beside_the_main_file_first() {
+    let main = b"<mujoco><worldbody><include file=\"parts/limb.xml\"/></worldbody></mujoco>";
+    let limb = b"<x><include file=\"tip.xml\"/></x>";
+    let tip = |name: &str| format!("<x><site name=\"{name}\"/></x>").into_bytes();
+    let (inner, outer) = (tip("inner"), tip("outer"));
+    let near: &[(&str, &[u8])] = &[("m.xml", main), ("parts/limb.xml", limb), ("parts/tip.xml", &inner)];
+    assert_eq!(from_files(near).unwrap().sites.name, ["inner"]);
+    let both = [near, &[("tip.xml", &outer)]].concat();
+    assert_eq!(from_files(&both).unwrap().sites.name, ["outer"]);
+}
+
+#[test]
+fn meshes_that_are_none() {
+    let main = b"<mujoco><asset><mesh name=\"m\" file=\"m.stl\"/></asset><worldbody><body><freejoint/>\
+                 <geom type=\"mesh\" mesh=\"m\" contype=\"0\" conaffinity=\"0\"/></body></worldbody></mujoco>";
+    let stl = |count: u32, triangles: &[[f32; 9]]| {
+        let mut bytes = vec![b' '; 80];
+        bytes.extend(count.to_le_bytes());
+        for corners in triangles {
+            bytes.extend([0; 12]);
+            bytes.extend(corners.iter().flat_map(|number| number.to_le_bytes()));
+            bytes.extend([0; 2]);
+        }
+        bytes
+    };
+    let flat = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let broken = [f32::NAN; 9];
+    files_refused(&[("m.xml", main)], "cannot read");
+    files_refused(&[("m.xml", main), ("m.stl", b"solid ascii\nendsolid")], "not a binary STL");
+    files_refused(&[("m.xml", main), ("m.stl", &stl(0, &[]))], "not a binary STL");
+    files_refused(&[("m.xml", main), ("m.stl", &stl(u32::MAX, &[flat]))], "not a binary STL");
+    files_refused(&[("m.xml", main), ("m.stl", &stl(1, &[broken]))], "not a binary STL");
+    files_refused(&[("m.xml", main), ("m.stl", &stl(1, &[flat]))], "encloses no volume");
+    files_refused(&[("m.xml", main), ("m.stl", &stl(2, &[[0.0; 9], [f32::MAX; 9]]))], "encloses no volume");
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_are_not_read() {
+    let message = Model::from_file(Path::new("/dev/zero")).map(|model| model.name).unwrap_err().to_string();
+    assert!(message.contains("not a regular file"), "{message}");
+}
