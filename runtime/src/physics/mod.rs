@@ -5,27 +5,37 @@
 //! 3. [`tendons`]: path lengths with wrapping, the segments that join two bodies;
 //! 4. [`velocities`]: bodies, dofs' time derivatives, tendon and muscle velocities, without any tendon Jacobian;
 //! 5. [`muscles`] and [`forces`]: muscles, passive elements, bias;
-//! 6. constraints: couplings, limits, contacts; rows, references, regularisation;
-//! 7. solver: Newton on the primal problem;
-//! 8. integrator: Euler with implicit joint damping.
+//! 6. [`collision`] and [`constraint`]: contacts; rows of couplings, limits and contacts, references, regularisation;
+//! 7. [`solver`]: Newton on the primal problem;
+//! 8. [`integrator`]: Euler with implicit joint damping.
 //!
 //! Every stage owns a struct of outputs (structure of arrays) inside [`Workspace`], which is allocated once per worker.
 
+pub mod collision;
+pub mod constants;
+pub mod constrained;
+pub mod constraint;
+pub mod fault;
 pub mod forces;
 pub mod inertia;
+pub mod integrator;
 pub mod jacobian;
 pub mod kinematics;
 pub mod muscles;
 pub mod rotation;
 pub mod smooth;
+pub mod solver;
 pub mod spatial;
 pub mod state;
+pub mod stepping;
 pub mod tendons;
 pub mod velocities;
 pub mod workspace;
 
+pub use fault::Fault;
 pub use jacobian::{center_of_mass_jacobian, point_jacobian};
 pub use smooth::smooth;
 pub use state::State;
+pub use stepping::{forward, step};
 pub use tendons::moment_arms;
 pub use workspace::Workspace;

@@ -1,7 +1,8 @@
 //! The outputs of all stages, allocated once per worker.
 
 use super::{
-    forces::Forces, inertia::Inertia, kinematics::Kinematics, muscles::Muscles, tendons::TendonPaths, velocities::Velocities,
+    constrained::Episode, forces::Forces, inertia::Inertia, kinematics::Kinematics, muscles::Muscles, tendons::TendonPaths,
+    velocities::Velocities,
 };
 use crate::{model::Model, scalar::Real};
 
@@ -21,8 +22,14 @@ pub struct Workspace<T: Real> {
     pub muscles: Muscles<T>,
     /// Generalised forces and the acceleration that they cause without constraints.
     pub forces: Forces<T>,
-    /// Generalised acceleration, constraints included, `nv` entries.
+    /// Contacts, constraint rows and solver of each episode: one per lane of `T`.
+    pub episodes: Vec<Episode>,
+    /// Generalised acceleration, constraints included, `nv` entries (`qacc`): m/s² and rad/s².
     pub acceleration: Vec<T>,
+    /// Generalised force of all constraints, `nv` entries (`qfrc_constraint`): N and N m.
+    pub constraint_force: Vec<T>,
+    /// Acceleration that the integrator applies, joint damping implicit, `nv` entries.
+    pub damped_acceleration: Vec<T>,
 }
 
 impl<T: Real> Workspace<T> {
@@ -35,7 +42,10 @@ impl<T: Real> Workspace<T> {
             velocities: Velocities::new(model),
             muscles: Muscles::new(model),
             forces: Forces::new(model),
+            episodes: vec![Episode::new(model); T::LANES],
             acceleration: vec![T::splat(0.0); model.nv],
+            constraint_force: vec![T::splat(0.0); model.nv],
+            damped_acceleration: vec![T::splat(0.0); model.nv],
         }
     }
 }

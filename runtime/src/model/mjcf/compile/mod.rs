@@ -5,7 +5,8 @@
 //! 3. [`tree`]: bodies in depth-first order with their frames, joints, shapes and sites; [`shapes`] reads one geom or site;
 //! 4. [`inertias`]: explicit or inferred mass properties, bounded and balanced;
 //! 5. [`couplings`], [`tendons`], [`actuators`]: what refers to the tree by name;
-//! 6. [`derive`]: topology, degrees of freedom, the rows of the mass matrix, subtree masses.
+//! 6. [`derive`]: topology, degrees of freedom, the rows of the mass matrix, subtree masses;
+//! 7. the physics' own constants at the reference configuration (inverse weights, reference lengths).
 
 mod actuators;
 mod couplings;
@@ -22,7 +23,10 @@ use super::document::{Document, Element};
 use super::error::{ModelError, Unsupported};
 use super::mesh::Mesh;
 use super::schema;
-use crate::model::Model;
+use crate::{
+    model::Model,
+    physics::{collision, constants},
+};
 use names::Names;
 use settings::Settings;
 pub(super) use shapes::GEOM_KINDS;
@@ -65,7 +69,23 @@ pub(super) fn compile(document: &Document) -> Result<Model, ModelError> {
         return Err(ModelError::Unsupported(compiler.unsupported));
     }
     derive::derive(&mut compiler.model, root)?;
+    check_contacts(&compiler.model, root)?;
+    constants::derive(&mut compiler.model);
     Ok(compiler.model)
+}
+
+/// Refuses models with shapes that can meet but whose contacts the simulator does not compute.
+fn check_contacts(model: &Model, root: &Element) -> Result<(), ModelError> {
+    let pairs = collision::unsupported_pairs(model);
+    if pairs.is_empty() {
+        return Ok(());
+    }
+    let describe = |geom: usize| format!("{:?} `{}`", model.geoms.kind[geom], model.geoms.name[geom]);
+    let unsupported = |[a, b]: [usize; 2]| Unsupported {
+        place: root.place.clone(),
+        what: format!("contact of {} with {}", describe(a), describe(b)),
+    };
+    Err(ModelError::Unsupported(pairs.into_iter().map(unsupported).collect()))
 }
 
 /// The children of all sections with a name, in order.

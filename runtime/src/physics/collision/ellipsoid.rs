@@ -1,0 +1,233 @@
+//! Contacts that involve ellipsoids.
+//!
+//! The signed distance of two convex shapes is the largest value that
+//!
+//! ```text
+//! g(n) = n·(c2 - c1) - h1(n) - h2(-n)
+//! ```
+//!
+//! takes over unit vectors n, where h is a shape's support function about its centre c: positive when the shapes are
+//! apart, minus the least translation that separates them when they overlap. MuJoCo finds it with GJK and EPA to its
+//! `ccd_tolerance` (1e-6 m by default); the solutions here are exact to rounding:
+//!
+//! * against a point, g is the signed distance of a point to an ellipsoid, one root of a scalar convex function
+//!   (D. Eberly, "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid");
+//! * against a segment, the best normal either belongs to one of its ends or is perpendicular to it, and then the problem
+//!   is that of a point and an ellipse in the plane across the segment;
+//! * two ellipsoids: Newton's method on the sphere, from several starts when they overlap.
+
+use super::{Placed, Touch, frame_of};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+
+/// Signed distance of `point` to the ellipsoid with half axes `axes` along the coordinate axes, and the outward unit normal
+/// at the nearest point of its surface.
+fn point_to_ellipsoid<const N: usize>(axes: [f64; N], point: [f64; N]) -> (f64, [f64; N]) {
+    // The nearest point is x_i = a_i² y_i / (t + a_i²) for the largest root of  sum (a_i y_i / (t + a_i²))² = 1,
+    // written in s = t + a_min² >= 0 so that points close to the smallest axis' plane keep their precision.
+    let smallest = (0..N).fold(0, |best, i| if axes[i] < axes[best] { i } else { best });
+    let excess: [f64; N] = core::array::from_fn(|i| (axes[i] - axes[smallest]) * (axes[i] + axes[smallest]));
+    let mut s: f64 = (0..N).map(|i| axes[i] * point[i].abs() - excess[i]).fold(0.0, f64::max);
+    for _ in 0..100 {
+        let (mut value, mut slope) = (-1.0, 0.0);
+        for i in (0..N).filter(|&i| point[i] != 0.0) {
+            let ratio = axes[i] * point[i] / (s + excess[i]);
+            value += ratio * ratio;
+            slope -= 2.0 * ratio * ratio / (s + excess[i]);
+        }
+        // The function is convex and falling, so Newton's steps grow s monotonically up to the root.
+        if value <= 0.0 || slope == 0.0 {
+            break;
+        }
+        let next = s - value / slope;
+        if next <= s {
+            break;
+        }
+        s = next;
+    }
+    // x_i / a_i² is the normal's direction; where s + excess vanishes, the remaining length of the unit vector x_i / a_i.
+    let mut unit: [f64; N] =
+        core::array::from_fn(|i| if s + excess[i] > 0.0 { axes[i] * point[i] / (s + excess[i]) } else { 0.0 });
+    if s <= 0.0 {
+        let others: f64 = (0..N).filter(|&i| i != smallest).map(|i| unit[i] * unit[i]).sum();
+        unit[smallest] = (1.0 - others).max(0.0).sqrt();
+    }
+    let gradient: [f64; N] = core::array::from_fn(|i| unit[i] / axes[i]);
+    let length = gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
+    let normal: [f64; N] = gradient.map(|g| g / length);
+    let distance = (0..N).map(|i| normal[i] * (point[i] - axes[i] * unit[i])).sum();
+    (distance, normal)
+}
+
+/// The best separating normal found so far.
+#[derive(Clone, Copy)]
+struct Separation {
+    /// Signed distance, m.
+    distance: f64,
+    /// From the ellipsoid towards the other shape.
+    normal: Vector3<f64>,
+}
+
+/// Point relative to the ellipsoid's centre, world axes.
+fn separate_point(ellipsoid: &Placed, point: Vector3<f64>) -> Separation {
+    let local = ellipsoid.rotation.tr_mul(&point);
+    let (distance, normal) = point_to_ellipsoid(ellipsoid.size.into(), local.into());
+    Separation { distance, normal: ellipsoid.rotation * Vector3::from(normal) }
+}
+
+/// The best normal across `axis`: the point against the ellipsoid's shadow in the plane across the axis.
+fn separate_across(ellipsoid: &Placed, centre: Vector3<f64>, axis: Vector3<f64>) -> Separation {
+    let frame = frame_of(axis, None);
+    let (u, v) = (frame.row(1).transpose(), frame.row(2).transpose());
+    let shape = shape_matrix(ellipsoid);
+    let shadow = Matrix2::new(u.dot(&(shape * u)), u.dot(&(shape * v)), u.dot(&(shape * v)), v.dot(&(shape * v)));
+    let mean = (shadow.m11 + shadow.m22) / 2.0;
+    let (half, off) = ((shadow.m11 - shadow.m22) / 2.0, shadow.m12);
+    let radius = (half * half + off * off).sqrt();
+    // Principal axis of the larger eigenvalue mean + radius, from the better conditioned of two formulas.
+    let major = if half >= 0.0 { Vector2::new(half + radius, off) } else { Vector2::new(off, radius - half) };
+    let major = major.try_normalize(1e-300).unwrap_or_else(Vector2::x);
+    let (p, q) = (u * major.x + v * major.y, v * major.x - u * major.y);
+    let larger = mean + radius;
+    let smaller = (shadow.determinant() / larger).max(0.0);
+    let (distance, normal) = point_to_ellipsoid([larger.sqrt(), smaller.sqrt()], [p.dot(&centre), q.dot(&centre)]);
+    Separation { distance, normal: p * normal[0] + q * normal[1] }
+}
+
+/// A with h(n) = sqrt(n'An), the square of the support function about the centre.
+fn shape_matrix(ellipsoid: &Placed) -> Matrix3<f64> {
+    let squares = ellipsoid.size.component_mul(&ellipsoid.size);
+    ellipsoid.rotation * Matrix3::from_diagonal(&squares) * ellipsoid.rotation.transpose()
+}
+
+/// The contact of shape 1 with the ellipsoid as shape 2, `normal` pointing from the ellipsoid.
+fn touch(ellipsoid: &Placed, separation: Separation, distance: f64, reach: f64) -> Option<Touch> {
+    if distance > reach {
+        return None;
+    }
+    let support = shape_matrix(ellipsoid) * separation.normal;
+    let surface = ellipsoid.position + support / separation.normal.dot(&support).sqrt();
+    Some(Touch { distance, position: surface + separation.normal * (distance / 2.0), frame: frame_of(-separation.normal, None) })
+}
+
+/// Sphere against ellipsoid.
+pub(super) fn sphere_ellipsoid(sphere: &Placed, ellipsoid: &Placed, reach: f64, found: &mut Vec<Touch>) {
+    let best = separate_point(ellipsoid, sphere.position - ellipsoid.position);
+    found.extend(touch(ellipsoid, best, best.distance - sphere.size.x, reach));
+}
+
+/// Capsule against ellipsoid.
+pub(super) fn capsule_ellipsoid(capsule: &Placed, ellipsoid: &Placed, reach: f64, found: &mut Vec<Touch>) {
+    let centre = capsule.position - ellipsoid.position;
+    let axis = capsule.axis();
+    let mut best = separate_across(ellipsoid, centre, axis);
+    for end in [capsule.size.y, -capsule.size.y] {
+        let separation = separate_point(ellipsoid, centre + axis * end);
+        // An end decides only where it is the nearer one along its own normal.
+        if separation.normal.dot(&axis) * end <= 0.0 && separation.distance > best.distance {
+            best = separation;
+        }
+    }
+    found.extend(touch(ellipsoid, best, best.distance - capsule.size.x, reach));
+}
+
+/// Two ellipsoids in the form that Newton's method works on.
+struct Pair {
+    /// Centre of the first relative to the second.
+    between: Vector3<f64>,
+    /// Squared support functions.
+    shapes: [Matrix3<f64>; 2],
+}
+
+impl Pair {
+    fn value(&self, normal: &Vector3<f64>) -> f64 {
+        normal.dot(&self.between) - self.shapes.iter().map(|shape| normal.dot(&(shape * normal)).sqrt()).sum::<f64>()
+    }
+
+    /// Climbs g on the unit sphere from `normal`: Newton where g is locally concave, else along the gradient.
+    fn climb(&self, mut normal: Vector3<f64>) -> Separation {
+        let mut value = self.value(&normal);
+        for _ in 0..50 {
+            let mut gradient = self.between;
+            let mut hessian = Matrix3::zeros();
+            for shape in &self.shapes {
+                let support = shape * normal;
+                let height = normal.dot(&support).sqrt();
+                gradient -= support / height;
+                hessian -= shape / height - support * support.transpose() / (height * height * height);
+            }
+            let frame = frame_of(normal, None);
+            let (u, v) = (frame.row(1).transpose(), frame.row(2).transpose());
+            let slope = Vector2::new(u.dot(&gradient), v.dot(&gradient));
+            let cross = u.dot(&(hessian * v));
+            // On the sphere the second derivative of a function homogeneous of degree one loses its own value.
+            let curvature = Matrix2::new(u.dot(&(hessian * u)) - value, cross, cross, v.dot(&(hessian * v)) - value);
+            let concave = curvature.m11 < 0.0 && curvature.determinant() > 0.0;
+            let newton = if concave { curvature.try_inverse().map(|inverse| -(inverse * slope)) } else { None };
+            let mut step = newton.unwrap_or_else(|| slope / self.between.norm().max(1e-3));
+            if step.norm() > 0.5 {
+                step *= 0.5 / step.norm();
+            }
+            let mut improved = false;
+            for _ in 0..30 {
+                let candidate = (normal + u * step.x + v * step.y).normalize();
+                let there = self.value(&candidate);
+                if there > value {
+                    improved = there - value > 1e-16;
+                    (normal, value) = (candidate, there);
+                    break;
+                }
+                step *= 0.5;
+            }
+            if !improved {
+                break;
+            }
+        }
+        Separation { distance: value, normal }
+    }
+}
+
+/// Ellipsoid against ellipsoid.
+pub(super) fn ellipsoid_ellipsoid(first: &Placed, second: &Placed, reach: f64, found: &mut Vec<Touch>) {
+    let between = first.position - second.position;
+    let pair = Pair { between, shapes: [shape_matrix(first), shape_matrix(second)] };
+    let mut best = pair.climb(between.try_normalize(1e-12).unwrap_or_else(Vector3::z));
+    if best.distance < 0.0 {
+        // Overlapping shapes have several local answers; the flat directions of either shape lead to the others.
+        for column in first.rotation.column_iter().chain(second.rotation.column_iter()) {
+            let towards = if column.dot(&between) < 0.0 { -column.into_owned() } else { column.into_owned() };
+            let other = pair.climb(towards);
+            if other.distance > best.distance {
+                best = other;
+            }
+        }
+    }
+    found.extend(touch(second, best, best.distance, reach));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_on_an_axis_lies_beyond_or_before_the_surface_by_the_difference() {
+        let (outside, normal) = point_to_ellipsoid([3.0, 2.0, 1.0], [0.0, 0.0, 1.5]);
+        assert!((outside - 0.5).abs() < 1e-15 && (normal[2] - 1.0).abs() < 1e-15);
+        let (inside, _) = point_to_ellipsoid([3.0, 2.0, 1.0], [0.0, 0.0, 0.25]);
+        assert!((inside + 0.75).abs() < 1e-15);
+        let (centre, normal) = point_to_ellipsoid([3.0, 2.0, 1.0], [0.0; 3]);
+        assert!((centre + 1.0).abs() < 1e-15 && (normal[2].abs() - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_nearest_point_is_stationary() {
+        for k in 0..500 {
+            let point: [f64; 3] = core::array::from_fn(|i| 4.0 * libm::sin(1.7 * k as f64 + 2.3 * i as f64 * (k as f64 + 1.0)));
+            let axes = [0.085, 1.3, 0.4];
+            let (distance, normal) = point_to_ellipsoid(axes, point);
+            // Moving back along the normal lands on the surface, where the surface has that normal.
+            let foot: [f64; 3] = core::array::from_fn(|i| point[i] - distance * normal[i]);
+            let level: f64 = (0..3).map(|i| (foot[i] / axes[i]).powi(2)).sum();
+            assert!((level - 1.0).abs() < 1e-10, "level {level} at {point:?}");
+        }
+    }
+}

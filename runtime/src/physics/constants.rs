@@ -1,0 +1,95 @@
+//! Constants of a model that follow from the physics at its reference configuration.
+//!
+//! 1. inverse weights: how much a unit force accelerates a body or dof, the scale of every constraint's regularisation;
+//! 2. tendon lengths, where springs without a stated length rest;
+//! 3. the joint-space acceleration that a muscle causes per unit force, from which MuJoCo sets peak forces not given.
+
+use super::{
+    inertia::{self, Inertia},
+    kinematics::{self, Kinematics},
+    spatial::pair,
+    state::State,
+    tendons::{self, TendonPaths, moment_arms},
+};
+use crate::model::{JointKind, Model};
+use nalgebra::Vector3;
+
+/// Fills [`Bodies::inverse_weight`](crate::model::Bodies), [`Dofs::inverse_weight`](crate::model::Dofs),
+/// [`Tendons::reference_length`](crate::model::Tendons) and
+/// [`Actuators::acceleration_scale`](crate::model::Actuators). Everything else in the model must be complete.
+pub fn derive(model: &mut Model) {
+    let state = State::<f64>::new(model);
+    let mut kinematics = Kinematics::new(model);
+    let mut inertia = Inertia::new(model);
+    let mut tendons = TendonPaths::new(model);
+    kinematics::update(model, &state, &mut kinematics);
+    inertia::update(model, &kinematics, &mut inertia);
+    tendons::update(&kinematics, &mut tendons);
+
+    model.tendons.reference_length = tendons.length.clone();
+    model.bodies.inverse_weight =
+        (0..model.bodies.parent.len()).map(|body| body_weight(model, &kinematics, &inertia.factor, body)).collect();
+    model.dofs.inverse_weight = dof_weights(model, &inertia.factor);
+    let mut row = vec![0.0; model.nv];
+    let mut acceleration = |muscle: usize| {
+        moment_arms(model, &kinematics, &tendons, model.actuators.tendon[muscle], &mut row);
+        inertia::solve(model, &inertia.factor, &mut row);
+        model.actuators.gear[muscle].abs() * row.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+    };
+    model.actuators.acceleration_scale = (0..model.actuators.tendon.len()).map(&mut acceleration).collect();
+}
+
+/// J M^-1 J' for one Jacobian row, of which `row` holds J on entry and scratch on return.
+fn response(model: &Model, factor: &[f64], row: &mut [f64]) -> f64 {
+    // With M = L'DL this is the sum of squares of L'^-1 J' weighted by 1 / D.
+    inertia::solve_transposed(model, factor, row);
+    row.iter().enumerate().map(|(dof, entry)| entry * entry / factor[model.dofs.row[dof].end - 1]).sum()
+}
+
+/// Mean response of a body's centre of mass to forces (1/kg) and of its orientation to torques (1/(kg m²)).
+fn body_weight(model: &Model, kinematics: &Kinematics<f64>, factor: &[f64], body: usize) -> [f64; 2] {
+    let weld = model.bodies.weld[body];
+    if weld == 0 {
+        return [0.0; 2];
+    }
+    let last = model.bodies.dofs[weld].clone().next_back();
+    let arm = kinematics.inertial_position[body] - kinematics.reference(model, body);
+    let mut row = vec![0.0; model.nv];
+    let mut mean = |force: &dyn Fn(Vector3<f64>) -> [Vector3<f64>; 2]| {
+        let mut sum = 0.0;
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            row.fill(0.0);
+            for dof in core::iter::successors(last, |&dof| model.dofs.parent[dof]) {
+                row[dof] = pair(&kinematics.dof_axis[dof], &force(axis));
+            }
+            sum += response(model, factor, &mut row);
+        }
+        sum / 3.0
+    };
+    [mean(&|axis| [arm.cross(&axis), axis]), mean(&|axis| [axis, Vector3::zeros()])]
+}
+
+/// Diagonal of the inverse mass matrix, averaged over a ball's three dofs and a free joint's two triples.
+fn dof_weights(model: &Model, factor: &[f64]) -> Vec<f64> {
+    let mut row = vec![0.0; model.nv];
+    let mut weights: Vec<f64> = (0..model.nv)
+        .map(|dof| {
+            row.fill(0.0);
+            row[dof] = 1.0;
+            response(model, factor, &mut row)
+        })
+        .collect();
+    for joint in 0..model.joints.kind.len() {
+        let triples = match model.joints.kind[joint] {
+            JointKind::Free => 2,
+            JointKind::Ball => 1,
+            JointKind::Hinge | JointKind::Slide => 0,
+        };
+        let first = model.joints.dof_address[joint];
+        for triple in weights[first..first + 3 * triples].chunks_exact_mut(3) {
+            let mean = triple.iter().sum::<f64>() / 3.0;
+            triple.fill(mean);
+        }
+    }
+    weights
+}

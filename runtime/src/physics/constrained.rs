@@ -1,0 +1,93 @@
+//! The constrained half of a step: contacts, rows, solver.
+
+use super::{
+    Workspace,
+    constraint::Constraints,
+    fault::{Fault, Quantity, is_sound},
+    solver::{Newton, Problem},
+    state::State,
+};
+use crate::{model::Model, scalar::Real};
+
+/// Constraints and solver of one episode.
+#[derive(Debug, Clone)]
+pub struct Episode {
+    /// Contacts and constraint rows.
+    pub constraints: Constraints,
+    /// The solver and what it found.
+    pub newton: Newton,
+    gathered: Gathered,
+}
+
+/// One lane of what the solver reads.
+#[derive(Debug, Clone, Default)]
+struct Gathered {
+    mass: Vec<f64>,
+    force: Vec<f64>,
+    smooth: Vec<f64>,
+    warm_start: Vec<f64>,
+}
+
+impl Episode {
+    /// Memory for `model`.
+    pub fn new(model: &Model) -> Self {
+        Self { constraints: Constraints::new(model), newton: Newton::new(model), gathered: Gathered::default() }
+    }
+}
+
+fn gather<T: Real>(to: &mut Vec<f64>, from: &[T], lane: usize) {
+    to.clear();
+    to.extend(from.iter().map(|value| value.lane(lane)));
+}
+
+/// Detects the contacts of all episodes. Needs positions.
+pub fn contacts<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
+    each_lane(workspace, |workspace, episode, lane| episode.constraints.detect(model, workspace, lane));
+}
+
+/// Builds the constraint rows of all episodes. Needs contacts.
+pub fn rows<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    each_lane(workspace, |workspace, episode, lane| episode.constraints.build(model, state, workspace, lane));
+}
+
+/// Solves for the constrained accelerations of all episodes. Needs rows and the acceleration without constraints.
+///
+/// # Errors
+/// The first episode whose Hessian has no positive pivot or whose acceleration is not finite.
+pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
+    let mut fault = None;
+    each_lane(workspace, |workspace, episode, lane| {
+        let Episode { constraints, newton, gathered } = episode;
+        gather(&mut gathered.mass, &workspace.inertia.matrix, lane);
+        gather(&mut gathered.force, &workspace.forces.smooth, lane);
+        gather(&mut gathered.smooth, &workspace.forces.smooth_acceleration, lane);
+        gather(&mut gathered.warm_start, &state.warm_start, lane);
+        let Gathered { mass, force, smooth, warm_start } = &*gathered;
+        let outcome = newton.solve(model, &Problem { mass, force, smooth, warm_start }, constraints);
+        constraints.share_forces();
+        // An acceleration that is not a number also spoils pivots: it names the origin better.
+        let unsound = newton.acceleration.iter().chain(smooth).position(|value| !is_sound(*value)).map(|index| index % model.nv);
+        if let Some(dof) = unsound {
+            let value = [newton.acceleration[dof], smooth[dof]].into_iter().find(|value| !is_sound(*value)).unwrap_or(f64::NAN);
+            fault = fault.take().or(Some(Fault::of_dof(model, state.time, Quantity::Acceleration, dof, value)));
+        } else if let Err(dof) = outcome {
+            fault = fault.take().or(Some(Fault::of_pivot(model, state.time, dof)));
+        }
+    });
+    for dof in 0..model.nv {
+        for (lane, episode) in workspace.episodes.iter().enumerate() {
+            workspace.acceleration[dof].set_lane(lane, episode.newton.acceleration[dof]);
+            workspace.constraint_force[dof].set_lane(lane, episode.newton.constraint_force[dof]);
+        }
+    }
+    fault.map_or(Ok(()), Err)
+}
+
+/// Runs `work` on every episode while the rest of the workspace can be read.
+fn each_lane<T: Real>(workspace: &mut Workspace<T>, mut work: impl FnMut(&Workspace<T>, &mut Episode, usize)) {
+    let mut episodes = core::mem::take(&mut workspace.episodes);
+    for (lane, episode) in episodes.iter_mut().enumerate() {
+        work(workspace, episode, lane);
+    }
+    workspace.episodes = episodes;
+}

@@ -1,0 +1,99 @@
+//! What can go wrong in a step.
+
+use crate::model::Model;
+
+/// A quantity that is checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Generalised position.
+    Position,
+    /// Generalised velocity.
+    Velocity,
+    /// Generalised acceleration.
+    Acceleration,
+}
+
+impl core::fmt::Display for Quantity {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        formatter.write_str(match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+        })
+    }
+}
+
+/// Why a step could not be taken. The state is that before the step.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// A number is not finite or too large to mean anything (MuJoCo's limit, 1e10).
+    #[error("at {time} s the {quantity} of joint `{joint}` (body `{body}`) is {value}")]
+    Diverged {
+        /// Simulated time, s.
+        time: f64,
+        /// What diverged.
+        quantity: Quantity,
+        /// Its joint.
+        joint: String,
+        /// The body that the joint moves.
+        body: String,
+        /// Its value.
+        value: f64,
+    },
+    /// An excitation or activation is not a finite number.
+    #[error("at {time} s the {input} of muscle `{muscle}` is {value}")]
+    Input {
+        /// Simulated time, s.
+        time: f64,
+        /// Excitation or activation.
+        input: &'static str,
+        /// The muscle.
+        muscle: String,
+        /// Its value.
+        value: f64,
+    },
+    /// The mass matrix (with constraints) has no positive pivot at this joint.
+    #[error("at {time} s the inertia at joint `{joint}` (body `{body}`) is not positive: the constraint solver cannot go on")]
+    Singular {
+        /// Simulated time, s.
+        time: f64,
+        /// The joint.
+        joint: String,
+        /// The body that the joint moves.
+        body: String,
+    },
+}
+
+/// Values beyond this count as diverged, MuJoCo's `mjMAXVAL`.
+const LARGEST: f64 = 1e10;
+
+/// Whether a value is finite and of a size that means something.
+pub(super) fn is_sound(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
+fn names(model: &Model, joint: usize) -> (String, String) {
+    (model.joints.name[joint].clone(), model.bodies.name[model.joints.body[joint]].clone())
+}
+
+impl Fault {
+    /// The fault of a dof's velocity or acceleration.
+    pub(super) fn of_dof(model: &Model, time: f64, quantity: Quantity, dof: usize, value: f64) -> Self {
+        let (joint, body) = names(model, model.dofs.joint[dof]);
+        Self::Diverged { time, quantity, joint, body, value }
+    }
+
+    /// The fault of a coordinate.
+    pub(super) fn of_coordinate(model: &Model, time: f64, coordinate: usize, value: f64) -> Self {
+        // Joints own consecutive coordinates: the last that starts at or before this one.
+        let after = model.joints.position_address.partition_point(|&address| address <= coordinate);
+        let (joint, body) = names(model, after.saturating_sub(1));
+        Self::Diverged { time, quantity: Quantity::Position, joint, body, value }
+    }
+
+    /// The fault of a pivot.
+    pub(super) fn of_pivot(model: &Model, time: f64, dof: usize) -> Self {
+        let (joint, body) = names(model, model.dofs.joint[dof]);
+        Self::Singular { time, joint, body }
+    }
+}

@@ -1,0 +1,319 @@
+//! The constrained acceleration: Newton's method on MuJoCo's reduced primal problem.
+//!
+//! Minimises over accelerations a, with s the cost of the rows' clipped springs (manual, "Reduced primal problem"),
+//!
+//! ```text
+//! 1/2 (a - a_smooth)' M (a - a_smooth) + s(J a - a_ref)
+//! ```
+//!
+//! 1. start from the last step's acceleration or the unconstrained one, whichever costs less;
+//! 2. factor the Hessian M + J'DJ of the rows that pull, on the tree's own sparsity ([`path_matrix`]);
+//! 3. step along Newton's direction to the exact minimum ([`line_search`]);
+//! 4. rows that began or ceased to pull change the factor by rank-one updates where that is cheaper than factoring again.
+//!
+//! It ends when the improvement, the gradient or the predicted improvement (Newton's decrement), divided by the trace of M,
+//! falls below the tolerance, when the line search finds nothing better, or at the iteration limit. The problem is strictly
+//! convex, so every iterate is usable.
+
+mod line_search;
+pub(crate) mod path_matrix;
+
+use super::{
+    constraint::{
+        Constraints, Rows,
+        jacobian::{Block, Jacobian, MOST_BASE_ROWS},
+    },
+    inertia,
+};
+use crate::model::Model;
+use line_search::Line;
+use path_matrix::PathPattern;
+
+/// The unconstrained problem of one episode.
+pub(super) struct Problem<'a> {
+    /// Mass matrix in the model's layout.
+    pub mass: &'a [f64],
+    /// Generalised force without constraints.
+    pub force: &'a [f64],
+    /// Acceleration without constraints.
+    pub smooth: &'a [f64],
+    /// Acceleration of the last step.
+    pub warm_start: &'a [f64],
+}
+
+/// Memory of the solver, and what it found.
+#[derive(Debug, Clone, Default)]
+pub struct Newton {
+    /// Constrained acceleration (`qacc`).
+    pub acceleration: Vec<f64>,
+    /// J' force (`qfrc_constraint`).
+    pub constraint_force: Vec<f64>,
+    /// Iterations taken (`solver_niter`).
+    pub iterations: usize,
+    /// Norm of the gradient at the end, divided by the trace of the mass matrix.
+    pub gradient_norm: f64,
+    pattern: PathPattern,
+    /// What the pattern was built for.
+    bridges: Option<Vec<usize>>,
+    factor: Vec<f64>,
+    /// M a.
+    momentum: Vec<f64>,
+    /// J a - a_ref.
+    residual: Vec<f64>,
+    gradient: Vec<f64>,
+    search: Vec<f64>,
+    search_momentum: Vec<f64>,
+    search_rate: Vec<f64>,
+    /// D of the rows that pull, zero for the others.
+    pulling: Vec<f64>,
+    /// The same when the factor was last changed.
+    factored: Vec<f64>,
+    vector: Vec<f64>,
+}
+
+impl Newton {
+    /// Memory for `model`.
+    pub fn new(model: &Model) -> Self {
+        let zeros = vec![0.0; model.nv];
+        Self {
+            acceleration: zeros.clone(),
+            constraint_force: zeros.clone(),
+            momentum: zeros.clone(),
+            gradient: zeros.clone(),
+            search: zeros.clone(),
+            search_momentum: zeros.clone(),
+            vector: zeros,
+            ..Self::default()
+        }
+    }
+
+    /// Solves for the acceleration and the forces of all rows.
+    ///
+    /// # Errors
+    /// The dof at which the Hessian has no positive pivot.
+    pub(super) fn solve(&mut self, model: &Model, problem: &Problem<'_>, constraints: &mut Constraints) -> Result<(), usize> {
+        self.iterations = 0;
+        self.gradient_norm = 0.0;
+        self.constraint_force.fill(0.0);
+        if constraints.rows.is_empty() {
+            self.acceleration.copy_from_slice(problem.smooth);
+            return Ok(());
+        }
+        self.prepare(model, constraints);
+        let Constraints { jacobian, rows, .. } = constraints;
+        let scale = 1.0 / trace(model, problem.mass).max(1e-15);
+        let mut cost = self.start(model, problem, jacobian, rows);
+        self.push_back(problem, jacobian, rows);
+        self.factor_all(model, problem.mass, jacobian)?;
+        let tolerance = model.options.tolerance;
+        while self.iterations < model.options.iterations {
+            self.search.copy_from_slice(&self.gradient);
+            self.pattern.solve(&self.factor, &mut self.search);
+            // Newton's decrement predicts what the next step gains. Where that is nothing the step is still taken: its
+            // direction is known, and if no row changes it ends at the exact optimum.
+            let last = 0.5 * scale * dot(&self.gradient, &self.search) < tolerance;
+            if !self.advance(model, problem.mass, jacobian, rows, scale) {
+                break;
+            }
+            self.iterations += 1;
+            let improvement = cost - self.cost(problem, rows);
+            cost -= improvement;
+            self.push_back(problem, jacobian, rows);
+            self.gradient_norm = scale * norm(&self.gradient);
+            if last || scale * improvement < tolerance || self.gradient_norm < tolerance {
+                break;
+            }
+            self.refresh_factor(model, problem.mass, jacobian)?;
+        }
+        Ok(())
+    }
+
+    /// Sizes the row arrays and, if other chains are coupled than last time, lays out the Hessian's pattern anew.
+    fn prepare(&mut self, model: &Model, constraints: &Constraints) {
+        for array in [&mut self.residual, &mut self.search_rate, &mut self.pulling] {
+            array.clear();
+            array.resize(constraints.rows.len(), 0.0);
+        }
+        if self.bridges.as_ref() == Some(&constraints.bridges) {
+            return;
+        }
+        let leaders = model.couplings.joint.iter().zip(&model.couplings.leader);
+        let coupled: Vec<[usize; 2]> = leaders
+            .filter_map(|(&slave, &leader)| {
+                let [a, b] = [slave, leader?].map(|joint| model.joints.dof_address[joint]);
+                Some([a.min(b), a.max(b)])
+            })
+            .collect();
+        let bridges = constraints.bridges.iter().map(|&candidate| constraints.plan.columns_of(candidate));
+        self.pattern.rebuild(&model.dofs.parent, coupled.iter().map(|pair| &pair[..]).chain(bridges));
+        self.factor.clear();
+        self.factor.resize(self.pattern.entries(), 0.0);
+        self.bridges = Some(constraints.bridges.clone());
+    }
+
+    /// Chooses where to start and returns its cost.
+    fn start(&mut self, model: &Model, problem: &Problem<'_>, jacobian: &Jacobian, rows: &Rows) -> f64 {
+        self.go_to(model, problem.mass, jacobian, rows, problem.smooth);
+        let smooth_cost = self.cost(problem, rows);
+        self.go_to(model, problem.mass, jacobian, rows, problem.warm_start);
+        let warm_cost = self.cost(problem, rows);
+        // Not `>`: a warm start that is not finite never wins.
+        if warm_cost <= smooth_cost {
+            return warm_cost;
+        }
+        self.go_to(model, problem.mass, jacobian, rows, problem.smooth);
+        smooth_cost
+    }
+
+    fn go_to(&mut self, model: &Model, mass: &[f64], jacobian: &Jacobian, rows: &Rows, acceleration: &[f64]) {
+        self.acceleration.copy_from_slice(acceleration);
+        inertia::multiply(model, mass, &self.acceleration, &mut self.momentum);
+        jacobian.multiply(&self.acceleration, &mut self.residual);
+        for (residual, reference) in self.residual.iter_mut().zip(&rows.reference) {
+            *residual -= reference;
+        }
+    }
+
+    /// Cost of the current acceleration.
+    fn cost(&self, problem: &Problem<'_>, rows: &Rows) -> f64 {
+        let accelerations = self.acceleration.iter().zip(problem.smooth);
+        let momenta = self.momentum.iter().zip(problem.force);
+        let inertial: f64 = accelerations.zip(momenta).map(|((a, smooth), (m, force))| (a - smooth) * (m - force)).sum();
+        let springs = (0..rows.len()).map(|row| {
+            let force = row_force(rows, row, self.residual[row]);
+            // Quadratic while the force is free, linear beyond its bounds.
+            -force * (self.residual[row] + 0.5 * force * rows.regularization[row])
+        });
+        0.5 * inertial + springs.sum::<f64>()
+    }
+
+    /// Forces, pulling rows and gradient at the current acceleration.
+    fn push_back(&mut self, problem: &Problem<'_>, jacobian: &Jacobian, rows: &mut Rows) {
+        for row in 0..rows.len() {
+            let force = row_force(rows, row, self.residual[row]);
+            rows.force[row] = force;
+            self.pulling[row] = if force > rows.lower[row] && force < rows.upper[row] { rows.weight[row] } else { 0.0 };
+        }
+        self.constraint_force.fill(0.0);
+        jacobian.add_transposed(&rows.force, &mut self.constraint_force);
+        let forces = problem.force.iter().zip(&self.constraint_force);
+        for ((gradient, momentum), (force, constraint)) in self.gradient.iter_mut().zip(&self.momentum).zip(forces) {
+            *gradient = momentum - force - constraint;
+        }
+    }
+
+    /// Goes to the least cost against the search direction; whether that is anywhere else.
+    fn advance(&mut self, model: &Model, mass: &[f64], jacobian: &Jacobian, rows: &Rows, scale: f64) -> bool {
+        for value in &mut self.search {
+            *value = -*value;
+        }
+        inertia::multiply(model, mass, &self.search, &mut self.search_momentum);
+        jacobian.multiply(&self.search, &mut self.search_rate);
+        let line = Line {
+            // The gradient holds the springs' part too: the quadratic part's slope is what is left without it.
+            slope: dot(&self.search, &self.gradient) + dot(&self.search, &self.constraint_force),
+            curvature: dot(&self.search, &self.search_momentum),
+            residual: &self.residual,
+            rate: &self.search_rate,
+            weight: &rows.weight,
+            lower: &rows.lower,
+            upper: &rows.upper,
+        };
+        let options = &model.options;
+        let tolerance = options.tolerance * options.line_search_tolerance * norm(&self.search) / scale;
+        let step = line.minimize(tolerance, options.line_search_iterations);
+        add_scaled(&mut self.acceleration, step, &self.search);
+        add_scaled(&mut self.momentum, step, &self.search_momentum);
+        add_scaled(&mut self.residual, step, &self.search_rate);
+        step > 0.0
+    }
+
+    /// Factors M + J'DJ of the pulling rows.
+    fn factor_all(&mut self, model: &Model, mass: &[f64], jacobian: &Jacobian) -> Result<(), usize> {
+        let Self { pattern, factor, pulling, .. } = self;
+        for dof in 0..model.nv {
+            let entries = &mass[model.dofs.row[dof].clone()];
+            let row = &mut factor[pattern.start[dof]..pattern.start[dof + 1]];
+            if row.len() == entries.len() {
+                row.copy_from_slice(entries);
+            } else {
+                row.fill(0.0);
+                for (entry, &column) in entries.iter().zip(&model.dofs.column[model.dofs.row[dof].clone()]) {
+                    row[pattern.depth[column]] = *entry;
+                }
+            }
+        }
+        for block in jacobian.blocks.iter().filter(|block| pulling[block.rows.clone()].iter().any(|weight| *weight != 0.0)) {
+            add_block(pattern, factor, jacobian, block, pulling);
+        }
+        self.factored.clone_from(&self.pulling);
+        self.pattern.factor(&mut self.factor)
+    }
+
+    /// Brings the factor up to date with the rows that began or ceased to pull.
+    fn refresh_factor(&mut self, model: &Model, mass: &[f64], jacobian: &Jacobian) -> Result<(), usize> {
+        let changed = |row: &usize| self.factored[*row] != self.pulling[*row];
+        let changes: Vec<usize> = (0..self.pulling.len()).filter(changed).collect();
+        let last_dof = |row: usize| jacobian.columns_of(jacobian.block_of(row)).last().copied().unwrap_or(0);
+        // An update passes over the path once with two operations per entry of a triangle, and with shorter vectors.
+        let cost: usize = changes.iter().map(|&row| (self.pattern.depth[last_dof(row)] + 2).pow(2)).sum();
+        if 2 * cost > self.pattern.factor_cost() {
+            return self.factor_all(model, mass, jacobian);
+        }
+        for row in changes {
+            let dof = last_dof(row);
+            let vector = &mut self.vector[..=self.pattern.depth[dof]];
+            vector.fill(0.0);
+            for (column, value) in jacobian.row_values(jacobian.block_of(row), row) {
+                vector[self.pattern.depth[column]] = value;
+            }
+            let change = self.pulling[row] - self.factored[row];
+            if self.pattern.update(&mut self.factor, dof, vector, change).is_err() {
+                // Cancellation in a down-date; a fresh factorisation is exact.
+                return self.factor_all(model, mass, jacobian);
+            }
+        }
+        self.factored.clone_from(&self.pulling);
+        Ok(())
+    }
+}
+
+/// Adds a block's J'DJ to the matrix: its columns lie on one path, so each row's entries are found by their depth.
+fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, block: &Block, weights: &[f64]) {
+    let base = jacobian.base_weight(block, weights);
+    let columns = jacobian.columns_of(block);
+    let rows: [&[f64]; MOST_BASE_ROWS] =
+        core::array::from_fn(|row| if row < block.dimension { jacobian.base_row(block, row) } else { &[] });
+    for (place, &dof) in columns.iter().enumerate() {
+        let target = &mut matrix[pattern.start[dof]..pattern.start[dof + 1]];
+        for (row, values) in rows[..block.dimension].iter().enumerate() {
+            let pull: f64 = (0..block.dimension).map(|other| base[row][other] * rows[other][place]).sum();
+            for (&column, value) in columns[..=place].iter().zip(*values) {
+                target[pattern.depth[column]] += pull * value;
+            }
+        }
+    }
+}
+
+/// A row's force at a residual J a - a_ref.
+fn row_force(rows: &Rows, row: usize, residual: f64) -> f64 {
+    (-rows.weight[row] * residual).max(rows.lower[row]).min(rows.upper[row])
+}
+
+fn trace(model: &Model, mass: &[f64]) -> f64 {
+    model.dofs.row.iter().map(|row| mass[row.end - 1]).sum()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn add_scaled(to: &mut [f64], scale: f64, what: &[f64]) {
+    for (value, change) in to.iter_mut().zip(what) {
+        *value += scale * change;
+    }
+}
