@@ -30,7 +30,11 @@ impl Reading for Parsing {
     fn read(&self, entry: &str, _files: &[(String, String)]) -> Report {
         let mut sources = SourceMap::default();
         let file = sources.add(ENTRY, entry);
-        Report::new(sources, syntax::parse(file, entry).diagnostics)
+        let report = Report::new(sources, syntax::parse(file, entry).diagnostics);
+        let (corrected, applied) = report.fixed(file);
+        let left = syntax::parse(file, &corrected).diagnostics.len();
+        assert!(left + applied <= report.diagnostics.len(), "{applied} fixes made of\n{entry}\nthis\n{corrected}");
+        report
     }
 }
 

@@ -7,12 +7,14 @@
 //! The codes, with an explanation and an example for each, are one table: [`codes`].
 
 pub mod codes;
+mod fix;
 mod json;
 mod nearest;
 mod render;
 mod source;
 
 pub use codes::Code;
+pub use fix::fixed;
 pub use nearest::nearest;
 pub use render::Style;
 pub use source::{FileId, SourceMap, Span};

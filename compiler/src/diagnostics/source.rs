@@ -7,12 +7,19 @@ use std::sync::Arc;
 pub struct FileId(u32);
 
 /// Bytes `start..end` of a file.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span {
     /// First byte.
     pub start: u32,
     /// Byte after the last.
     pub end: u32,
+}
+
+/// `12..34`: trees are full of spans.
+impl std::fmt::Debug for Span {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{}..{}", self.start, self.end)
+    }
 }
 
 impl Span {

@@ -257,12 +257,13 @@ fn last_token_start(text: &str) -> usize {
     }
 }
 
-/// If `unit` follows `NUMBER [UNIT] (*|/)`, the byte where that number begins and the quantity that was meant.
+/// If `unit` follows `NUMBER [UNIT] (*|/)` at the end of `text`, the byte where that number begins and the quantity that was
+/// meant.
 pub(super) fn unit_of_number_before(text: &str, unit: &str) -> Option<(usize, String)> {
-    let text = text.rsplit('\n').next().map_or(text, |line| &text[text.len() - line.len()..]);
-    let operator = text.trim_end().chars().next_back().filter(|operator| matches!(operator, '*' | '/'))?;
-    let operand = text.trim_end().strip_suffix(operator)?.trim_end();
-    let start = operand.rfind([' ', '(', '[', ',', '\n', '=', '+', '-', '*', '/', '<', '>']).map_or(0, |byte| byte + 1);
+    let text = text.trim_end_matches([' ', '\t']);
+    let operator = text.chars().next_back().filter(|operator| matches!(operator, '*' | '/'))?;
+    let operand = text.strip_suffix(operator)?.trim_end_matches([' ', '\t']);
+    let start = operand.rfind([' ', '\t', '(', '[', ',', '\n', '=', '+', '-', '*', '/', '<', '>']).map_or(0, |byte| byte + 1);
     let quantity = &operand[start..];
     let is_number = |text: &str| text.parse::<f64>().is_ok() && text.starts_with(|first: char| first.is_ascii_digit());
     if is_number(quantity) {
@@ -270,8 +271,8 @@ pub(super) fn unit_of_number_before(text: &str, unit: &str) -> Option<(usize, St
         return Some((start, format!("{quantity} {meant}")));
     }
     // `10 m * s`: the last word is a unit and a number stands before it.
-    let number = operand[..start].trim_end();
-    let number_start = number.rfind([' ', '(', '[', ',', '\n']).map_or(0, |byte| byte + 1);
+    let number = operand[..start].trim_end_matches([' ', '\t']);
+    let number_start = number.rfind([' ', '\t', '(', '[', ',', '\n']).map_or(0, |byte| byte + 1);
     let starts_unit = quantity.split(['*', '/', '^']).next().is_some_and(|word| units::UNITS.contains(&word));
     let whole = format!("{} {quantity}{operator}{unit}", &number[number_start..]);
     (starts_unit && is_number(&number[number_start..])).then_some((number_start, whole))

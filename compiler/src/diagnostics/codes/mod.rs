@@ -18,6 +18,15 @@ pub struct Code {
     pub fix: &'static str,
 }
 
+impl Code {
+    /// The page as text, for `msk help`.
+    pub fn page(&self) -> String {
+        let indented = |text: &str| text.lines().map(|line| format!("    {line}\n")).collect::<String>();
+        let (example, fix) = (indented(self.example), indented(self.fix));
+        format!("{}: {}\n\n{}\n\nFor example\n\n{example}\nis written\n\n{fix}", self.id, self.title, self.explanation)
+    }
+}
+
 /// Declares a part of the table: a constant per code and the list of all.
 macro_rules! codes {
     ($($name:ident = $id:literal {
