@@ -25,6 +25,8 @@ use std::sync::Arc;
 pub struct Compilation {
     /// All tasks of the entry file and of what it uses, in the order of reading.
     pub tasks: Vec<Arc<CompiledTask>>,
+    /// All bodies that the files declare or the tasks run on, by name.
+    pub bodies: Vec<Arc<BodyDescription>>,
     /// The suites of the entry file.
     pub suites: Vec<Suite>,
     /// Warnings, sorted.
@@ -100,7 +102,8 @@ pub fn compile(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource) -> Re
     if report.has_errors() {
         return Err(report);
     }
-    Ok(Compilation { tasks, suites, warnings: report.diagnostics, sources: report.sources })
+    let bodies = described.into_values().map(|body| body.description).collect();
+    Ok(Compilation { tasks, bodies, suites, warnings: report.diagnostics, sources: report.sources })
 }
 
 /// A file with those that it uses, by their place in the list of files.

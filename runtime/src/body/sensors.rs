@@ -3,7 +3,6 @@
 //! Everything is measured in one configuration: the workspace must hold the forward pass of the state. Velocities are those
 //! of the very point. A mean acceleration is the change of velocity over the control step; [`Memory`] keeps what it needs.
 
-use super::contacts::Touch;
 use super::{Body, Landmark, shape};
 use crate::model::Model;
 use crate::physics::{State, Workspace};
@@ -38,8 +37,6 @@ pub struct Snapshot<'a> {
     pub state: &'a State<f64>,
     /// The forward pass of that state.
     pub workspace: &'a Workspace<f64>,
-    /// The contacts of that forward pass that carry force.
-    pub contacts: &'a [Touch],
 }
 
 /// Fills the record of `layout`: `frame` has `layout.size()` values.

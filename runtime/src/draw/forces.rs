@@ -1,7 +1,8 @@
-//! Contact forces as arrows: one resultant for every pair of touching bodies.
+//! Contact forces as arrows: one resultant for every limb and what it touches.
 
 use super::camera::Camera;
 use super::path::{Bounds, Path, number};
+use super::silhouette::limbs;
 use crate::body::sensors::Snapshot;
 use core::fmt::Write;
 use nalgebra::{Vector2, Vector3};
@@ -27,11 +28,12 @@ pub(super) struct Arrow {
 pub(super) fn arrows(snapshot: &Snapshot<'_>, camera: &Camera) -> Vec<Arrow> {
     let gravity = snapshot.model.options.gravity.norm();
     let weight = snapshot.model.bodies.subtree_mass[snapshot.body.root.body] * gravity;
+    let limbs = limbs(snapshot.model, snapshot.body.members.clone());
     // Force, and the sum of points weighted by the size of their forces.
     let mut pairs: BTreeMap<[usize; 2], (Vector3<f64>, Vector3<f64>, f64)> = BTreeMap::new();
     for contact in snapshot.external_contacts() {
-        let bodies = [contact.shape, contact.other].map(|geom| snapshot.model.geoms.body[geom]);
-        let entry = pairs.entry(bodies).or_default();
+        let [own, other] = [contact.shape, contact.other].map(|geom| snapshot.model.geoms.body[geom]);
+        let entry = pairs.entry([limbs[own - snapshot.body.members.start], other]).or_default();
         let size = contact.force.norm();
         entry.0 += contact.force;
         entry.1 += contact.position * size;
@@ -75,7 +77,7 @@ impl Arrow {
         bounds
     }
 
-    pub fn write(&self, out: &mut String) {
+    pub fn write_shaft(&self, out: &mut String) {
         let along = self.head - self.tail;
         let length = along.norm();
         if length < 1.0 {
@@ -96,12 +98,14 @@ impl Arrow {
             shoulder - shaft,
             self.tail - shaft,
         ]);
-        let (data, label, [x, y]) = (path.data(), &self.label, [self.label_at.x, self.label_at.y].map(number));
         // Writing to a string cannot fail.
-        let _ = writeln!(out, r#"<path class="force" d="{data}"/>"#);
-        let _ = writeln!(
-            out,
-            r#"<text class="halo" x="{x}" y="{y}">{label}</text><text class="force-label" x="{x}" y="{y}">{label}</text>"#
-        );
+        let _ = writeln!(out, r#"<path class="force" d="{}"/>"#, path.data());
+    }
+
+    pub fn write_label(&self, out: &mut String) {
+        let (label, [x, y]) = (&self.label, [self.label_at.x, self.label_at.y].map(number));
+        for class in ["halo", "force-label"] {
+            let _ = writeln!(out, r#"<text class="{class}" x="{x}" y="{y}">{label}</text>"#);
+        }
     }
 }

@@ -32,12 +32,14 @@ use path::{Bounds, number};
 pub struct Options {
     /// Views, from left to right.
     pub views: Vec<View>,
-    /// Line under the picture; none if empty.
+    /// Line above the picture; none if empty.
     pub caption: String,
 }
 
 /// Room around and between views, mm.
 const MARGIN: f64 = 90.0;
+/// Height of the line of the caption, mm.
+const TITLE: f64 = 40.0;
 /// The legend needs this width, mm.
 const NARROWEST: f64 = 1250.0;
 /// Depth of the strip of ground that is shown, mm.
@@ -55,12 +57,12 @@ text{font:30px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-se
 .force-label{fill:#0b5f4a;font-weight:600}\
 .halo{fill:none;stroke:#fff;stroke-width:9;stroke-linejoin:round;stroke-opacity:.85;font-weight:600}\
 .ground{fill:#e6e3dd}.horizon{stroke:#8d8878;stroke-width:3}.rule{stroke:#4b4a47;stroke-width:3;fill:none}\
-.small{font-size:26px}.middle{text-anchor:middle}.end{text-anchor:end}";
+.caption{font-size:34px;font-weight:600}.small{font-size:26px}.middle{text-anchor:middle}.end{text-anchor:end}";
 
 /// Draws the body of `snapshot` with its scene.
 pub fn svg(snapshot: &Snapshot<'_>, options: &Options) -> String {
     let mut views: Vec<Drawing> = options.views.iter().map(|&view| Drawing::new(snapshot, view)).collect();
-    let top = views.iter().map(|view| view.bounds.low.y).fold(0.0, f64::min) - MARGIN;
+    let top = views.iter().map(|view| view.bounds.low.y).fold(0.0, f64::min) - MARGIN - TITLE;
     let extent = views.iter().map(|view| view.bounds.high.x - view.bounds.low.x + MARGIN).sum::<f64>() + MARGIN;
     let width = extent.max(NARROWEST);
     let depth = views.iter().map(|view| view.bounds.high.y).fold(GROUND, f64::max);
@@ -77,7 +79,7 @@ pub fn svg(snapshot: &Snapshot<'_>, options: &Options) -> String {
         view.write(left, depth, &mut out);
         left += view.bounds.high.x - view.bounds.low.x + MARGIN;
     }
-    legend(&mut out, width, depth, options);
+    legend(&mut out, width, depth);
     out.push_str("</g>\n</svg>\n");
     out
 }
@@ -115,9 +117,8 @@ impl Drawing {
         let _ = writeln!(out, r#"<g transform="translate({} 0)">"#, number(left - self.bounds.low.x));
         self.panel.write(name, out);
         centre_of_mass(self.com, out);
-        for arrow in &self.arrows {
-            arrow.write(out);
-        }
+        self.arrows.iter().for_each(|arrow| arrow.write_shaft(out));
+        self.arrows.iter().for_each(|arrow| arrow.write_label(out));
         let middle = number(0.5 * (self.bounds.low.x + self.bounds.high.x));
         let _ = writeln!(out, r#"<text class="middle" x="{middle}" y="{}">{name}</text>"#, number(depth + 42.0));
         out.push_str("</g>\n");
@@ -149,10 +150,14 @@ fn header(out: &mut String, options: &Options, [width, height]: [f64; 2]) {
         .collect();
     let _ = writeln!(out, r#"<defs><linearGradient id="activation">{stops}</linearGradient></defs>"#);
     let _ = writeln!(out, r##"<rect width="{w}" height="{h}" rx="24" fill="#fdfcfa"/>"##);
+    if !options.caption.is_empty() {
+        let (x, y, caption) = (number(MARGIN), number(MARGIN - 12.0), escape(&options.caption));
+        let _ = writeln!(out, r#"<text class="caption" x="{x}" y="{y}">{caption}</text>"#);
+    }
 }
 
-/// Scale bar, caption and activation scale in the strip under the ground.
-fn legend(out: &mut String, width: f64, depth: f64, options: &Options) {
+/// Scale bar and activation scale in the strip under the ground.
+fn legend(out: &mut String, width: f64, depth: f64) {
     const BAR: f64 = 300.0;
     let y = depth + 110.0;
     let left = MARGIN;
@@ -169,10 +174,6 @@ fn legend(out: &mut String, width: f64, depth: f64, options: &Options) {
     for (share, label) in [(0.0, "0"), (0.5, "muscle activation"), (1.0, "1")] {
         let x = number(right + share * BAR);
         let _ = writeln!(out, r#"<text class="small middle" x="{x}" y="{}">{label}</text>"#, number(y + 36.0));
-    }
-    if !options.caption.is_empty() {
-        let x = number(0.5 * (left + 500.0 + right));
-        let _ = writeln!(out, r#"<text class="middle" x="{x}" y="{}">{}</text>"#, number(y + 12.0), escape(&options.caption));
     }
 }
 

@@ -6,14 +6,16 @@ use super::path::Path;
 use crate::body::sensors::Snapshot;
 use crate::model::GeomKind;
 use crate::physics::tendons::{PathVertex, VertexKind, path};
-use nalgebra::{Rotation3, Unit, Vector2, Vector3};
+use nalgebra::{Rotation3, Unit, Vector3};
 
 /// Width of the belly of a muscle of 1 N, mm: cross sections are proportional to forces, so widths to their square roots.
 const WIDTH_PER_ROOT_NEWTON: f64 = 0.13;
 /// Thinnest belly, mm.
 const THINNEST: f64 = 1.3;
-/// The belly lies between these shares of the path.
-const BELLY: [f64; 2] = [0.22, 0.74];
+/// Thinnest line, mm.
+const SLIMMEST: f64 = 0.8;
+/// A muscle swells from its tendons in steps: between which shares of the path, and how wide against the belly.
+const SPINDLE: [([f64; 2], f64); 3] = [([0.0, 1.0], 0.28), ([0.13, 0.87], 0.62), ([0.26, 0.70], 1.0)];
 /// Arcs are drawn in steps of about this angle, rad.
 const ARC_STEP: f64 = 0.35;
 
@@ -22,16 +24,15 @@ pub(super) fn add(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
     for (index, muscle) in snapshot.body.muscles.iter().enumerate() {
         for points in lines(snapshot, index) {
             let sum: Vector3<f64> = points.iter().sum();
-            let (mut whole, mut belly) = (Path::default(), Path::default());
-            let project =
-                |points: &[Vector3<f64>]| -> Vec<Vector2<f64>> { points.iter().map(|&point| camera.project(point)).collect() };
-            whole.polyline(&project(&points));
-            belly.polyline(&project(&part(&points, BELLY)));
+            let width = (WIDTH_PER_ROOT_NEWTON * muscle.peak_force.max(0.0).sqrt()).max(THINNEST);
+            let spindle = SPINDLE.map(|(shares, share)| {
+                let mut path = Path::default();
+                path.polyline(&part(&points, shares).iter().map(|&point| camera.project(point)).collect::<Vec<_>>());
+                (path, (share * width).max(SLIMMEST))
+            });
             panel.add(Item::Muscle {
                 depth: camera.depth(sum / points.len() as f64),
-                path: whole,
-                belly,
-                width: (WIDTH_PER_ROOT_NEWTON * muscle.peak_force.max(0.0).sqrt()).max(THINNEST),
+                spindle,
                 activation: snapshot.state.activation[index],
             });
         }

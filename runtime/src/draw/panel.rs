@@ -21,11 +21,10 @@ pub(super) enum Item {
         depth: f64,
         path: Path,
     },
+    /// Lines on top of each other with their widths (mm), the longest and thinnest first.
     Muscle {
         depth: f64,
-        path: Path,
-        belly: Path,
-        width: f64,
+        spindle: [(Path, f64); 3],
         activation: f64,
     },
 }
@@ -42,9 +41,8 @@ impl Item {
 
     fn path(&self) -> &Path {
         match self {
-            Self::Silhouette { path, .. } | Self::Scenery { path, .. } | Self::Bone { path, .. } | Self::Muscle { path, .. } => {
-                path
-            }
+            Self::Silhouette { path, .. } | Self::Scenery { path, .. } | Self::Bone { path, .. } => path,
+            Self::Muscle { spindle: [(path, _), ..], .. } => path,
         }
     }
 }
@@ -88,13 +86,12 @@ impl Panel {
                 }
                 Item::Scenery { .. } => writeln!(out, r#"<path class="scenery" d="{data}"/>"#),
                 Item::Bone { .. } => writeln!(out, r#"<path class="bone" d="{data}"/>"#),
-                Item::Muscle { belly, width, activation, .. } => {
-                    let (colour, belly) = (palette::activation(*activation), belly.data());
-                    let [thick, thin] = [*width, (0.3 * width).max(0.8)].map(number);
-                    writeln!(
-                        out,
-                        r#"<g class="muscle" stroke="{colour}"><path stroke-width="{thin}" d="{data}"/><path stroke-width="{thick}" d="{belly}"/></g>"#
-                    )
+                Item::Muscle { spindle, activation, .. } => {
+                    let _ = write!(out, r#"<g class="muscle" stroke="{}">"#, palette::activation(*activation));
+                    for (path, width) in spindle {
+                        let _ = write!(out, r#"<path stroke-width="{}" d="{}"/>"#, number(*width), path.data());
+                    }
+                    writeln!(out, "</g>")
                 }
             };
         }

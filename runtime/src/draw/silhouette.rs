@@ -66,7 +66,7 @@ fn shape(snapshot: &Snapshot<'_>, geom: usize) -> Shape {
 
 /// The limb of each member: 0 is the trunk, from which limbs branch off where the tree parts into heavy branches. A branch
 /// that parts again (the shoulder girdle, the pelvis) still counts as trunk.
-fn limbs(model: &Model, members: core::ops::Range<usize>) -> Vec<usize> {
+pub(super) fn limbs(model: &Model, members: core::ops::Range<usize>) -> Vec<usize> {
     let bodies = &model.bodies;
     let threshold = SMALLEST_LIMB * bodies.subtree_mass[members.start];
     let heavy = |body: usize| bodies.subtree_mass[body] >= threshold;

@@ -32,7 +32,7 @@ fn crouching() -> (Model, Body, State<f64>, Workspace<f64>) {
 
 fn picture(views: &[View], caption: &str) -> String {
     let (model, body, state, workspace) = crouching();
-    let snapshot = Snapshot { body: &body, model: &model, state: &state, workspace: &workspace, contacts: &[] };
+    let snapshot = Snapshot { body: &body, model: &model, state: &state, workspace: &workspace };
     svg(&snapshot, &Options { views: views.to_vec(), caption: caption.into() })
 }
 
@@ -61,7 +61,7 @@ fn a_body_has_a_trunk_a_head_and_four_limbs() {
 #[test]
 fn drawn_paths_are_as_long_as_the_tendons_they_show() {
     let (model, body, state, workspace) = crouching();
-    let snapshot = Snapshot { body: &body, model: &model, state: &state, workspace: &workspace, contacts: &[] };
+    let snapshot = Snapshot { body: &body, model: &model, state: &state, workspace: &workspace };
     for (index, muscle) in body.muscles.iter().enumerate() {
         let drawn: f64 =
             muscles::lines(&snapshot, index).iter().flat_map(|line| line.windows(2).map(|pair| (pair[1] - pair[0]).norm())).sum();
