@@ -1,0 +1,126 @@
+//! `msk physics rollout`: a trajectory under given excitations.
+
+use super::Start;
+use crate::error::{Context, Error};
+use msk_runtime::model::Model;
+use msk_runtime::physics::{self, State, Workspace};
+use npyz::{NpyFile, Order, WriterBuilder, npz::NpzWriter};
+use std::fs::File;
+use std::io::{self, BufReader, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Advance the physics under given excitations and write the trajectory
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    start: Start,
+    /// Excitations as a NumPy array of doubles, one row per step, one column per muscle
+    #[arg(long, value_name = "FILE.npy")]
+    ctrl: PathBuf,
+    /// Number of physics steps; without it, one per row of the excitations
+    #[arg(long, value_name = "N")]
+    steps: Option<usize>,
+    /// The file to write: qpos, qvel and act after each step, and time
+    #[arg(long, value_name = "FILE.npz")]
+    out: PathBuf,
+}
+
+/// The most numbers that a trajectory may hold: 8 GiB.
+const MOST_NUMBERS: usize = 1 << 30;
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// A model, state or array that cannot be read or does not fit, or a step that fails: the steps before it are written.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let (model, mut state) = args.start.load()?;
+    let controls = Controls::read(&args.ctrl, model.actuators.name.len())?;
+    let rows = controls.rows;
+    let steps = args.steps.unwrap_or(rows);
+    if steps > rows {
+        return Err(Error::new(format!("{} has {rows} rows; {steps} steps need one each", args.ctrl.display())));
+    }
+    let width = 1 + model.nq + model.nv + model.actuators.name.len();
+    if steps.saturating_mul(width) > MOST_NUMBERS {
+        return Err(Error::new(format!("{steps} steps are too many: at most {} fit into memory", MOST_NUMBERS / width)));
+    }
+    // Created first: a file that cannot be written is worth knowing before the work.
+    let file = File::create(&args.out).context(|| format!("cannot write {}", args.out.display()))?;
+    let mut trajectory = Trajectory::default();
+    let outcome = trajectory.record(&model, &mut state, &controls, steps);
+    trajectory.write(&model, io::BufWriter::new(file)).context(|| format!("cannot write {}", args.out.display()))?;
+    outcome?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Excitations of all steps.
+struct Controls {
+    values: Vec<f64>,
+    rows: usize,
+    muscles: usize,
+}
+
+impl Controls {
+    fn read(path: &Path, muscles: usize) -> Result<Self, Error> {
+        let reading = || format!("cannot read {}", path.display());
+        let wrong = |what: String| Error::new(format!("{} {what}", path.display()));
+        let file = File::open(path).context(reading)?;
+        let size = file.metadata().context(reading)?.len();
+        let array = NpyFile::new(BufReader::new(file)).context(reading)?;
+        let shape = array.shape().to_vec();
+        if shape.len() != 2 || shape[1] != muscles as u64 || array.order() != Order::C {
+            return Err(wrong(format!("must hold rows of {muscles} excitations, found the shape {shape:?}")));
+        }
+        if shape[0].saturating_mul(shape[1]) > size {
+            return Err(wrong(format!("promises {} rows, but has only {size} bytes", shape[0])));
+        }
+        let rows = usize::try_from(shape[0])?;
+        Ok(Self { values: array.into_vec::<f64>().context(reading)?, rows, muscles })
+    }
+
+    fn row(&self, step: usize) -> &[f64] {
+        &self.values[step * self.muscles..(step + 1) * self.muscles]
+    }
+}
+
+/// What is recorded after each step.
+#[derive(Default)]
+struct Trajectory {
+    time: Vec<f64>,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    activation: Vec<f64>,
+}
+
+impl Trajectory {
+    fn record(&mut self, model: &Model, state: &mut State<f64>, controls: &Controls, steps: usize) -> Result<(), Error> {
+        let mut workspace = Workspace::new(model);
+        for step in 0..steps {
+            state.control.copy_from_slice(controls.row(step));
+            physics::step(model, state, &mut workspace)?;
+            self.time.push(state.time);
+            self.position.extend(&state.position);
+            self.velocity.extend(&state.velocity);
+            self.activation.extend(&state.activation);
+        }
+        Ok(())
+    }
+
+    fn write(&self, model: &Model, out: impl Write + Seek) -> io::Result<()> {
+        let steps = self.time.len();
+        let mut archive = NpzWriter::new(out);
+        let arrays = [
+            ("time", &self.time, vec![steps as u64]),
+            ("qpos", &self.position, vec![steps as u64, model.nq as u64]),
+            ("qvel", &self.velocity, vec![steps as u64, model.nv as u64]),
+            ("act", &self.activation, vec![steps as u64, model.actuators.name.len() as u64]),
+        ];
+        for (name, values, shape) in arrays {
+            let mut writer = archive.array(name, Default::default())?.default_dtype().shape(&shape).begin_nd()?;
+            writer.extend(values.iter())?;
+            writer.finish()?;
+        }
+        archive.zip_writer().finish()?.flush()
+    }
+}

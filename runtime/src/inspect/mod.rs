@@ -1,0 +1,12 @@
+//! The simulator's quantities for people and scripts, in MuJoCo's names, orders and units.
+//!
+//! 1. [`StateFile`] is a state as JSON (`qpos`, `qvel`, `act`, `ctrl` and what acts from outside; what is absent is at rest);
+//! 2. [`forward_report`] lists every intermediate quantity of one forward computation as JSON.
+//!
+//! Arrays are flat and row-major; numbers are the shortest that read back to the same bits.
+
+mod report;
+mod state_file;
+
+pub use report::{Extra, forward_report};
+pub use state_file::{StateError, StateFile};

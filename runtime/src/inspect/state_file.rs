@@ -1,0 +1,108 @@
+//! A state as it stands in a file.
+
+use crate::model::Model;
+use crate::physics::State;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A state with MuJoCo's names. What is absent takes the value of the reference configuration at rest.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StateFile {
+    /// Simulated time, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// Generalised positions, `nq`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub qpos: Option<Vec<f64>>,
+    /// Generalised velocities, `nv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub qvel: Option<Vec<f64>>,
+    /// Muscle activations, `na`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub act: Option<Vec<f64>>,
+    /// Muscle excitations, `nu`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ctrl: Option<Vec<f64>>,
+    /// Generalised forces from outside, `nv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub qfrc_applied: Option<Vec<f64>>,
+    /// Force and torque on each body from outside, `nbody` times 6.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xfrc_applied: Option<Vec<f64>>,
+    /// Acceleration that the solver starts from, `nv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub qacc_warmstart: Option<Vec<f64>>,
+}
+
+/// Why a state does not belong to a model.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StateError {
+    /// An array has the wrong length.
+    #[error("`{name}` has {found} numbers; the model needs {expected}")]
+    Length {
+        /// The array.
+        name: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it should have.
+        expected: usize,
+    },
+    /// Nothing turns this way: the quaternion of a free or ball joint is zero.
+    #[error("the quaternion of joint `{joint}` in `qpos` is zero")]
+    Quaternion {
+        /// The joint.
+        joint: String,
+    },
+}
+
+impl StateFile {
+    /// The state for a model.
+    ///
+    /// # Errors
+    ///
+    /// An array of the wrong length, a quaternion without direction.
+    pub fn state(&self, model: &Model) -> Result<State<f64>, StateError> {
+        let mut state = State::new(model);
+        state.time = self.time.unwrap_or(state.time);
+        take("qpos", &self.qpos, &mut state.position)?;
+        take("qvel", &self.qvel, &mut state.velocity)?;
+        take("act", &self.act, &mut state.activation)?;
+        take("ctrl", &self.ctrl, &mut state.control)?;
+        take("qfrc_applied", &self.qfrc_applied, &mut state.applied_force)?;
+        take("qacc_warmstart", &self.qacc_warmstart, &mut state.warm_start)?;
+        let mut wrenches = vec![0.0; 6 * state.body_force.len()];
+        take("xfrc_applied", &self.xfrc_applied, &mut wrenches)?;
+        for (wrench, slot) in wrenches.chunks_exact(6).zip(&mut state.body_force) {
+            *slot = [Vector3::from_column_slice(&wrench[..3]), Vector3::from_column_slice(&wrench[3..])];
+        }
+        check_quaternions(model, &state)?;
+        Ok(state)
+    }
+}
+
+/// Replaces an array by the given one, if there is one and it has the right length.
+fn take(name: &'static str, given: &Option<Vec<f64>>, slot: &mut Vec<f64>) -> Result<(), StateError> {
+    let Some(given) = given else { return Ok(()) };
+    if given.len() != slot.len() {
+        return Err(StateError::Length { name, found: given.len(), expected: slot.len() });
+    }
+    slot.clone_from(given);
+    Ok(())
+}
+
+fn check_quaternions(model: &Model, state: &State<f64>) -> Result<(), StateError> {
+    use crate::model::JointKind::{Ball, Free, Hinge, Slide};
+    for (joint, kind) in model.joints.kind.iter().enumerate() {
+        let start = model.joints.position_address[joint]
+            + match kind {
+                Free => 3,
+                Ball => 0,
+                Hinge | Slide => continue,
+            };
+        if state.position[start..start + 4].iter().all(|part| *part == 0.0) {
+            return Err(StateError::Quaternion { joint: model.joints.name[joint].clone() });
+        }
+    }
+    Ok(())
+}
