@@ -2,6 +2,7 @@
 //!
 //! As in the root, a subcommand's file holds its `Args` and `run`, and gets one line in [`Command`] and one in [`run`].
 
+mod bench;
 mod forward;
 mod import;
 mod rollout;
@@ -22,6 +23,7 @@ pub struct Args {
 
 #[derive(clap::Subcommand)]
 enum Command {
+    Bench(bench::Args),
     Forward(forward::Args),
     Rollout(rollout::Args),
     Import(import::Args),
@@ -33,6 +35,7 @@ enum Command {
 /// Those of the subcommand.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     match args.command {
+        Command::Bench(args) => bench::run(args),
         Command::Forward(args) => forward::run(args),
         Command::Rollout(args) => rollout::run(args),
         Command::Import(args) => import::run(args),

@@ -1,5 +1,6 @@
 //! Bodies, physics, episodes and evaluation.
 
+pub mod bench;
 pub mod bodies;
 pub mod body;
 pub mod draw;

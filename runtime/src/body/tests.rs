@@ -13,7 +13,7 @@ const SCENE: &str = r#"
     <geom name="floor" type="plane" size="0 0 1"/>
     <body name="trunk" pos="0 0 5">
       <freejoint/>
-      <geom name="trunk" type="box" size="0.1 0.2 0.3" mass="10"/>
+      <geom name="trunk" type="ellipsoid" size="0.1 0.2 0.3" mass="10"/>
       <body name="thigh_l" pos="0.1 0 -0.3">
         <joint name="hip_flex_l" type="hinge" axis="-1 0 0" limited="true" range="-0.5 2"/>
         <geom name="thigh_l" type="capsule" fromto="0 0 0 0 0 -0.4" size="0.05" mass="3"/>
@@ -33,7 +33,7 @@ const SCENE: &str = r#"
     </body>
     <body name="door" pos="3 0 1">
       <joint name="swing" type="hinge" axis="0 0 1"/>
-      <geom name="door" type="box" size="0.02 0.5 1" mass="20"/>
+      <geom name="door" type="ellipsoid" size="0.02 0.5 1" mass="20"/>
     </body>
   </worldbody>
   <equality>

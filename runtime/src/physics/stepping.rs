@@ -34,7 +34,7 @@ pub fn step<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Worksp
 }
 
 /// Refuses states and inputs that are not finite.
-fn check<T: Real>(model: &Model, state: &State<T>) -> Result<(), Fault> {
+pub(crate) fn check<T: Real>(model: &Model, state: &State<T>) -> Result<(), Fault> {
     let unsound = |values: &[T]| {
         let lanes = |(index, value): (usize, &T)| (0..T::LANES).map(move |lane| (index, value.lane(lane))).collect::<Vec<_>>();
         // Only a faulty state pays for finding out where.
