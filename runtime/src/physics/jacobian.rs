@@ -52,7 +52,8 @@ pub fn center_of_mass_jacobian<T: Real>(
     }
 }
 
-fn last_dof(model: &Model, mut body: usize) -> Option<usize> {
+/// The last of the dofs that move `body`: the deepest on its way to the root.
+pub(super) fn last_dof(model: &Model, mut body: usize) -> Option<usize> {
     while body > 0 {
         if let Some(dof) = model.bodies.dofs[body].clone().next_back() {
             return Some(dof);

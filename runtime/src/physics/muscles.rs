@@ -51,6 +51,12 @@ impl<T: Real> Muscles<T> {
             curves: (0..actuators.tendon.len()).map(curves).collect(),
         }
     }
+
+    /// How much the pull of `muscle` at full activation weakens per velocity of shortening, N s/m: the slope of its
+    /// force-velocity curve at the present length and velocity, never negative. On request only.
+    pub fn active_damping(&self, muscle: usize) -> T {
+        self.curves[muscle][0].damping(self.length[muscle], self.velocity[muscle])
+    }
 }
 
 /// Fills lengths, velocities, activation rates and forces from those of the tendons.
@@ -161,6 +167,19 @@ impl Curve {
         T::splat(self.peak) * self.active_by_length(length) * self.active_by_velocity(velocity)
     }
 
+    /// Slope of [`gain`](Self::gain) over velocity, N s/m.
+    #[inline(always)]
+    fn damping<T: Real>(&self, length: T, velocity: T) -> T {
+        let (zero, one, two) = (T::splat(0.0), T::splat(1.0), T::splat(2.0));
+        let length = length * T::splat(self.scale) + T::splat(self.offset);
+        let velocity = velocity * T::splat(self.velocity_scale);
+        let knee = self.lengthening_peak - 1.0;
+        let lengthening = two * (T::splat(knee) - velocity).max(zero) * T::splat(1.0 / knee.max(MINIMUM));
+        let shortening = two * (velocity + one).max(zero);
+        let slope = T::select(zero.less(velocity), lengthening, shortening);
+        T::splat(self.peak * self.velocity_scale) * self.active_by_length(length) * slope
+    }
+
     /// Four parabolas: zero outside [lmin, lmax], one at 1.
     #[inline(always)]
     fn active_by_length<T: Real>(&self, length: T) -> T {
@@ -204,5 +223,24 @@ impl Curve {
         let line = (length - T::splat(self.descending)) * inverse;
         let value = T::select(T::splat(self.descending).less(length), half + line, half * curve * curve);
         T::select(one.less(length), T::splat(self.peak * self.passive_peak) * value, zero)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn damping_is_the_slope_of_the_force_velocity_curve() {
+        let figures = [0.75, 1.05, 1000.0, 200.0, 0.5, 1.6, 1.5, 1.3, 1.2];
+        let curve = Curve::new(&figures, [0.2, 0.3], 1.0);
+        let step = 1e-6;
+        // Too fast to pull, shortening, slowly lengthening, lengthening so fast that the force no longer rises.
+        for velocity in [-0.7, -0.3, -0.01, 0.02, 0.09, 0.4] {
+            let [slower, faster] = [-step, step].map(|change| curve.gain(0.27, velocity + change));
+            let expected = (faster - slower) / (2.0 * step);
+            let found = curve.damping(0.27, velocity);
+            assert!((found - expected).abs() < 1e-5 * (1.0 + expected), "at {velocity} m/s: {found} is not {expected}");
+        }
     }
 }

@@ -14,7 +14,7 @@ mod plan;
 mod wrap;
 
 use super::{
-    forces::gather,
+    jacobian::last_dof,
     kinematics::Kinematics,
     rotation::MINIMUM,
     spatial::{Spatial, add_scaled, constant, cross, norm, pair, scale, spatial_zero, zero},
@@ -151,8 +151,19 @@ pub fn update_velocities<T: Real>(velocities: &Velocities<T>, out: &mut TendonPa
 
 /// Writes into `row` (`nv` entries) how the length of `tendon` changes with every dof, m or m/rad: its row of the tendon
 /// Jacobian, the negative of the muscle's moment arms. On request only; the step has no use for it.
+///
+/// A line moves only with the dofs that are on the way from one of its bodies to the root but not from both.
 pub fn moment_arms<T: Real>(model: &Model, kinematics: &Kinematics<T>, paths: &TendonPaths<T>, tendon: usize, row: &mut [T]) {
-    let mut body_force = vec![spatial_zero(); model.bodies.parent.len()];
-    paths.pull(tendon, T::splat(1.0), &mut body_force);
-    gather(model, kinematics, &mut body_force, row);
+    row.fill(T::splat(0.0));
+    let lines = paths.plan.tendon_lines[tendon].clone();
+    for (line, plan) in paths.line[lines.clone()].iter().zip(&paths.plan.lines[lines]) {
+        let (mut to, mut from) = (last_dof(model, plan.to), last_dof(model, plan.from));
+        // Parents come before their children, so the later of the two is never an ancestor of the other.
+        while to != from {
+            let (end, sign) = if to > from { (&mut to, plan.weight) } else { (&mut from, -plan.weight) };
+            let Some(dof) = *end else { break };
+            row[dof] += pair(&kinematics.dof_axis[dof], line) * T::splat(sign);
+            *end = model.dofs.parent[dof];
+        }
+    }
 }
