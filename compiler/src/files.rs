@@ -37,13 +37,8 @@ pub enum LoadError {
     #[error("there is no file `{}`", .0.display())]
     Missing(PathBuf),
     /// Larger than [`LARGEST_FILE`].
-    #[error("`{}` has {size} bytes; at most {LARGEST_FILE} are read", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Its size, bytes.
-        size: u64,
-    },
+    #[error("`{}` is larger than the {LARGEST_FILE} bytes that are read", .0.display())]
+    TooLarge(PathBuf),
     /// Not UTF-8.
     #[error("`{}` is not a text in UTF-8", .0.display())]
     NotText(PathBuf),

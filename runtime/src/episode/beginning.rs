@@ -1,0 +1,76 @@
+//! How an episode begins: a pose with noise on what is free, couplings solved, the root where the task wants it.
+
+use super::streams::{EpisodeKey, Stream};
+use crate::body::Body;
+use crate::model::{JointKind, Model};
+use crate::physics::{State, Workspace};
+use msk_compiler::task::Init;
+
+/// Puts `state` at the beginning of an episode: everything else in it is as after [`State::new`].
+///
+/// 1. The task's coordinates, with normal noise on the independent hinges; a draw beyond a limit is folded back into the
+///    range, since a pose that violates its limits would begin with a kick.
+/// 2. Slaved joints follow from their couplings.
+/// 3. The root stands upright at its heading, on the ground if the task says so: the noisy pose touches it, too.
+/// 4. Normal noise on the velocities of the independent hinges; slaved velocities follow from the couplings' derivatives.
+///
+/// The root itself gets no noise, so its quaternion stays a rotation.
+pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &mut State<f64>, workspace: &mut Workspace<f64>) {
+    let mut noise = Stream::new(key, "init/noise/joints");
+    for (joint, &coordinate) in body.joints.iter().zip(&init.coordinates) {
+        let hinge = joint.independent && joint.kind == JointKind::Hinge;
+        let deviation = if hinge { init.joint_noise * noise.normal() } else { 0.0 };
+        state.position[joint.position] = fold(coordinate + deviation, coordinate, joint.range);
+    }
+    body.solve_couplings(model, &mut state.position);
+    let coordinates: Vec<f64> = body.joints.iter().map(|joint| state.position[joint.position]).collect();
+    body.place(model, &init.root, &coordinates, state, workspace);
+
+    let mut noise = Stream::new(key, "init/noise/velocities");
+    for joint in body.joints.iter().filter(|joint| joint.independent && joint.kind == JointKind::Hinge) {
+        state.velocity[joint.dof] = init.velocity_noise * noise.normal();
+    }
+    body.solve_coupled_velocities(model, &state.position, &mut state.velocity);
+}
+
+/// Mirrors a value that noise has driven out of `range` at the limit it passed. A `centre` outside the range was the task's
+/// own wish and is left as it is, noise included.
+fn fold(value: f64, centre: f64, range: Option<[f64; 2]>) -> f64 {
+    match range {
+        Some([low, high]) if low <= centre && centre <= high => {
+            let mirrored = if value < low {
+                2.0 * low - value
+            } else if value > high {
+                2.0 * high - value
+            } else {
+                value
+            };
+            mirrored.clamp(low, high)
+        }
+        _ => value,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fold;
+
+    #[test]
+    fn noise_is_folded_back_at_a_limit() {
+        let knee = Some([0.0, 2.0]);
+        assert_eq!(fold(-0.01, 0.0, knee), 0.01);
+        assert_eq!(fold(0.01, 0.0, knee), 0.01);
+        assert_eq!(fold(2.5, 1.9, knee), 1.5);
+    }
+
+    #[test]
+    fn noise_wider_than_the_range_stays_inside() {
+        assert_eq!(fold(9.0, 1.0, Some([0.0, 2.0])), 0.0);
+    }
+
+    #[test]
+    fn unlimited_joints_and_wilful_poses_are_left_alone() {
+        assert_eq!(fold(9.0, 1.0, None), 9.0);
+        assert_eq!(fold(-0.1, -0.2, Some([0.0, 2.0])), -0.1);
+    }
+}

@@ -1,0 +1,76 @@
+//! How an episode ends, and what can go wrong within one.
+
+use crate::physics;
+use msk_compiler::task::NonFiniteTerm;
+
+/// The end of an episode. A failure of the task, the horizon and a fault of the computation are three different things.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ending {
+    /// The task's own reasons for failure that held at the last step, as indices into its `terminations`; several may.
+    Terminated(Vec<usize>),
+    /// The horizon was reached and nothing else ended the episode.
+    Truncated,
+    /// The computation could not go on.
+    Fault(Fault),
+}
+
+/// An event that ends one episode and leaves all others alone. Nothing is repaired and nothing is teleported.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// The physics could not step: where and when, by names.
+    #[error(transparent)]
+    Physics(#[from] physics::Fault),
+    /// A reward term was not a finite number.
+    #[error(transparent)]
+    Term(#[from] NonFiniteTerm),
+    /// The policy gave an action that is not a number.
+    #[error("the action for muscle `{muscle}` is {value} at step {step}")]
+    Action {
+        /// Name of the muscle.
+        muscle: String,
+        /// What was given.
+        value: f64,
+        /// Control step.
+        step: u32,
+    },
+}
+
+/// A wrong use of an episode.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EpisodeError {
+    /// The task is for another body.
+    #[error("task `{task}` is for the body `{expected}`, not for `{found}`")]
+    Body {
+        /// The task.
+        task: String,
+        /// The body it names.
+        expected: String,
+        /// The body given.
+        found: String,
+    },
+    /// A control step is not a whole number of physics steps.
+    #[error(
+        "task `{task}` is controlled at {frequency} Hz, which is {substeps} physics steps of {timestep} s: not a whole number"
+    )]
+    Substeps {
+        /// The task.
+        task: String,
+        /// Control steps per second.
+        frequency: f64,
+        /// Physics step, s.
+        timestep: f64,
+        /// Physics steps per control step.
+        substeps: f64,
+    },
+    /// The action has the wrong length.
+    #[error("the action has {found} entries; the body has {expected} muscles")]
+    ActionSize {
+        /// Number of muscles.
+        expected: usize,
+        /// Entries given.
+        found: usize,
+    },
+    /// The episode has ended; only a reset or a restored snapshot leads on.
+    #[error("the episode has ended: reset it or restore a snapshot")]
+    Ended,
+}

@@ -1,0 +1,346 @@
+//! Episodes: a task on a body, from reset to its end.
+//!
+//! One control step follows the synchronous rule of the language:
+//!
+//! 1. the action becomes excitations, held while the physics takes its substeps;
+//! 2. a forward pass of the new state gives one snapshot, from which the sensors fill the task's frame;
+//! 3. the task advances its operators and evaluates terms, terminations and success;
+//! 4. the end is decided, then the policy's observation is written.
+//!
+//! An [`Episode`] is a value: it can be cloned, moved between threads, and continued from a [`Snapshot`] bit for bit. What
+//! goes wrong inside one (diverging physics, a term that is not finite) is a [`Fault`] of that episode alone.
+
+mod beginning;
+mod ending;
+mod excitation;
+mod streams;
+
+pub use ending::{Ending, EpisodeError, Fault};
+pub use excitation::{REST, excitation};
+pub use streams::{EpisodeKey, Stream};
+
+use crate::body::{Body, sensors};
+use crate::model::Model;
+use crate::physics::{self, State, Workspace};
+use crate::policy::PolicyContext;
+use msk_compiler::task::{CompiledTask, StepReport, TaskState};
+use std::sync::Arc;
+
+/// A task on a body: model, state, compiled task and seeds.
+#[derive(Clone)]
+pub struct Episode {
+    model: Arc<Model>,
+    body: Arc<Body>,
+    task: Arc<CompiledTask>,
+    weights: Vec<f64>,
+    substeps: u32,
+    present: Snapshot,
+    /// Scratch: the forward pass of the present state.
+    workspace: Workspace<f64>,
+}
+
+/// Everything that changes over an episode: plain data, from which it continues bit for bit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Snapshot {
+    key: EpisodeKey,
+    /// With the solver's warm start.
+    state: State<f64>,
+    /// With the states, clocks and operators of the task.
+    task: TaskState,
+    /// With the velocities of the previous step.
+    memory: sensors::Memory,
+    action: Vec<f64>,
+    frame: Vec<f64>,
+    observation: Vec<f64>,
+    report: StepReport,
+    ending: Option<Ending>,
+}
+
+/// A reward term of the present step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TermPay {
+    /// Unweighted value.
+    pub value: f64,
+    /// Weight in force.
+    pub weight: f64,
+}
+
+impl TermPay {
+    /// What the term adds to the reward.
+    pub fn pay(self) -> f64 {
+        self.weight * self.value
+    }
+}
+
+/// The reward of the present step, term by term.
+#[derive(Debug, Clone, Copy)]
+pub struct Reward<'a> {
+    episode: &'a Episode,
+}
+
+impl Reward<'_> {
+    /// Sum over all terms of weight times value.
+    pub fn total(&self) -> f64 {
+        self.episode.present.report.reward
+    }
+
+    /// The term of that name; `None` if the task has no such term.
+    pub fn term(&self, name: &str) -> Option<TermPay> {
+        let index = self.episode.task.terms.iter().position(|term| term.name == name)?;
+        let value = *self.episode.present.report.terms.get(index)?;
+        Some(TermPay { value, weight: self.episode.weights[index] })
+    }
+}
+
+impl core::fmt::Debug for Episode {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Episode").field("task", &self.task.name).field("present", &self.present).finish_non_exhaustive()
+    }
+}
+
+impl Episode {
+    /// Episode 0 of seed 0, reset.
+    ///
+    /// # Errors
+    /// A task for another body, or a control step that is not a whole number of physics steps.
+    pub fn new(model: Arc<Model>, body: Arc<Body>, task: Arc<CompiledTask>) -> Result<Self, EpisodeError> {
+        if task.body.name != body.name {
+            let (expected, found) = (task.body.name.clone(), body.name.clone());
+            return Err(EpisodeError::Body { task: task.name.clone(), expected, found });
+        }
+        let mut episode = Self {
+            substeps: substeps(&task, model.options.timestep)?,
+            weights: task.weights(),
+            present: Snapshot {
+                key: EpisodeKey::default(),
+                state: State::new(&model),
+                task: TaskState::default(),
+                memory: sensors::Memory::default(),
+                action: vec![REST; body.muscles.len()],
+                frame: vec![0.0; task.frame.size()],
+                observation: vec![0.0; task.observation_size()],
+                report: StepReport::default(),
+                ending: None,
+            },
+            workspace: Workspace::new(&model),
+            model,
+            body,
+            task,
+        };
+        episode.reset(EpisodeKey::default());
+        Ok(episode)
+    }
+
+    /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
+    pub fn reset(&mut self, key: EpisodeKey) {
+        let present = &mut self.present;
+        present.key = key;
+        present.state = State::new(&self.model);
+        present.task = TaskState::default();
+        present.memory = sensors::Memory::default();
+        present.action.fill(REST);
+        present.report = StepReport::default();
+        present.ending = None;
+        let state = &mut present.state;
+        beginning::begin(&self.model, &self.body, &self.task.init, key, state, &mut self.workspace);
+        match physics::forward(&self.model, &self.present.state, &mut self.workspace) {
+            Ok(()) => {
+                self.measure(0.0);
+                self.task.reset(&self.present.frame, &mut self.present.task);
+                self.observe();
+            }
+            Err(fault) => self.present.ending = Some(Ending::Fault(fault.into())),
+        }
+    }
+
+    /// Takes one control step with `action`, one entry in [-1, 1] per muscle; what lies outside is clipped.
+    ///
+    /// A step that meets a fault pays nothing, is not counted, and ends the episode.
+    ///
+    /// # Errors
+    /// An action of the wrong length, or an episode that has ended.
+    pub fn step(&mut self, action: &[f64]) -> Result<&StepReport, EpisodeError> {
+        if self.present.ending.is_some() {
+            return Err(EpisodeError::Ended);
+        }
+        let expected = self.body.muscles.len();
+        if action.len() != expected {
+            return Err(EpisodeError::ActionSize { expected, found: action.len() });
+        }
+        let steps = self.steps();
+        if let Err(fault) = self.advance(action) {
+            self.present.task.step = steps;
+            self.present.report = StepReport::default();
+            self.present.ending = Some(Ending::Fault(fault));
+        }
+        Ok(&self.present.report)
+    }
+
+    fn advance(&mut self, action: &[f64]) -> Result<(), Fault> {
+        self.excite(action)?;
+        self.simulate()?;
+        self.measure(self.control_period());
+        let present = &mut self.present;
+        self.task.step(&present.frame, &self.weights, &mut present.task, &mut present.report)?;
+        self.present.ending = self.judge();
+        self.observe();
+        Ok(())
+    }
+
+    /// Takes the physics steps of one control step; the workspace then holds the forward pass of the new state.
+    ///
+    /// It also held that of the old one, which saves a pass: a new excitation changes nothing in it but the rates of
+    /// activation (a muscle's force follows its activation).
+    fn simulate(&mut self) -> Result<(), Fault> {
+        let (model, state, workspace) = (&*self.model, &mut self.present.state, &mut self.workspace);
+        physics::muscles::update(model, state, &workspace.tendons, &mut workspace.muscles);
+        for _ in 0..self.substeps {
+            physics::integrator::euler(model, state, workspace);
+            physics::forward(model, state, workspace)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the excitations that an action asks for.
+    fn excite(&mut self, action: &[f64]) -> Result<(), Fault> {
+        if let Some(index) = action.iter().position(|value| !value.is_finite()) {
+            let muscle = self.body.muscles[index].name.clone();
+            return Err(Fault::Action { muscle, value: action[index], step: self.steps() + 1 });
+        }
+        let present = &mut self.present;
+        for ((kept, control), value) in present.action.iter_mut().zip(&mut present.state.control).zip(action) {
+            *kept = value.clamp(-1.0, 1.0);
+            *control = excitation(self.body.excitation, *kept);
+        }
+        Ok(())
+    }
+
+    /// Fills the task's frame from the forward pass. `elapsed` is the time since the previous snapshot, s.
+    fn measure(&mut self, elapsed: f64) {
+        // The step that is being taken is counted by the task only when it is evaluated.
+        let taken = if elapsed > 0.0 { self.present.task.step + 1 } else { 0 };
+        let present = &mut self.present;
+        let control = sensors::Control { action: &present.action, time: f64::from(taken) / self.task.control_frequency, elapsed };
+        let snapshot =
+            sensors::Snapshot { body: &self.body, model: &self.model, state: &present.state, workspace: &self.workspace };
+        sensors::fill(&self.task.frame, &snapshot, &control, &mut present.memory, &mut present.frame);
+    }
+
+    fn judge(&self) -> Option<Ending> {
+        let holds = self.present.report.terminations.iter().enumerate().filter(|(_, holds)| **holds);
+        let reasons: Vec<usize> = holds.map(|(index, _)| index).collect();
+        if !reasons.is_empty() {
+            Some(Ending::Terminated(reasons))
+        } else {
+            (self.present.task.step >= self.task.horizon).then_some(Ending::Truncated)
+        }
+    }
+
+    fn observe(&mut self) {
+        let present = &mut self.present;
+        self.task.observe(&present.frame, &present.task, &mut present.observation);
+    }
+
+    /// All that is needed to continue from here bit for bit.
+    pub fn snapshot(&self) -> Snapshot {
+        self.present.clone()
+    }
+
+    /// Goes back (or forth) to a snapshot taken from an episode of the same task. Weights are settings and stay as they are.
+    pub fn restore(&mut self, snapshot: &Snapshot) {
+        self.present.clone_from(snapshot);
+        // The forward pass is a function of the state, so a fault here is the one that the snapshot already ended with.
+        let _ = physics::forward(&self.model, &self.present.state, &mut self.workspace);
+    }
+
+    /// The task.
+    pub fn task(&self) -> &Arc<CompiledTask> {
+        &self.task
+    }
+
+    /// Which episode of which seed.
+    pub fn key(&self) -> EpisodeKey {
+        self.present.key
+    }
+
+    /// Control steps since reset.
+    pub fn steps(&self) -> u32 {
+        self.present.task.step
+    }
+
+    /// Length of a control step, s.
+    pub fn control_period(&self) -> f64 {
+        1.0 / self.task.control_frequency
+    }
+
+    /// The physical state.
+    pub fn state(&self) -> &State<f64> {
+        &self.present.state
+    }
+
+    /// The sensor record of the present snapshot, laid out as the task's `frame` says.
+    pub fn frame(&self) -> &[f64] {
+        &self.present.frame
+    }
+
+    /// The present observation, in the order and units of the task's channels.
+    pub fn observation(&self) -> &[f64] {
+        &self.present.observation
+    }
+
+    /// What the task said of the last step.
+    pub fn report(&self) -> &StepReport {
+        &self.present.report
+    }
+
+    /// The last step's reward by terms.
+    pub fn reward(&self) -> Reward<'_> {
+        Reward { episode: self }
+    }
+
+    /// The weights in force, one per term.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The weights in force, one per term; changing them never recompiles.
+    pub fn weights_mut(&mut self) -> &mut [f64] {
+        &mut self.weights
+    }
+
+    /// How the episode has ended, if it has.
+    pub fn ending(&self) -> Option<&Ending> {
+        self.present.ending.as_ref()
+    }
+
+    /// Whether the task's success holds at the last step. An episode that ended in a fault has not succeeded.
+    pub fn success(&self) -> bool {
+        self.present.report.success
+    }
+
+    /// What a policy may look at.
+    pub fn context(&self) -> PolicyContext<'_> {
+        PolicyContext {
+            task: &self.task,
+            body: &self.body,
+            model: &self.model,
+            key: self.present.key,
+            step: self.steps(),
+            substeps: self.substeps,
+            observation: &self.present.observation,
+            state: &self.present.state,
+            workspace: &self.workspace,
+        }
+    }
+}
+
+/// Physics steps per control step.
+fn substeps(task: &CompiledTask, timestep: f64) -> Result<u32, EpisodeError> {
+    let substeps = 1.0 / (task.control_frequency * timestep);
+    let whole = substeps.round();
+    if (1.0..=1e6).contains(&whole) && (substeps - whole).abs() <= 1e-9 * whole {
+        return Ok(whole as u32);
+    }
+    let (task, frequency) = (task.name.clone(), task.control_frequency);
+    Err(EpisodeError::Substeps { task, frequency, timestep, substeps })
+}

@@ -1,0 +1,234 @@
+//! Evaluation: episodes of tasks under a policy, in parallel, journalled as they end, summed up in a table.
+//!
+//! 1. A [`Plan`] says what is run; its [`RunSettings`] are its identity.
+//! 2. A [`Journal`] keeps every ended episode and knows which are already there.
+//! 3. [`run`] plays the others on a pool of workers. An episode depends on its seed and index alone, so the results have the
+//!    same bits on any number of threads and in any order.
+//! 4. A [`Summary`] sums up per task; [`report`] prints it for people.
+
+mod journal;
+mod record;
+pub mod report;
+mod settings;
+mod statistics;
+mod summary;
+
+pub use journal::{Journal, JournalError};
+pub use record::{ByTerm, EpisodeRecord};
+pub use settings::{Protocol, RunSettings, TaskSettings};
+pub use statistics::{Spread, wilson_interval};
+pub use summary::{Summary, TaskSummary, TermSummary};
+
+use crate::episode::{Episode, EpisodeError, EpisodeKey, REST};
+use crate::library::BoundBody;
+use crate::policy::{self, Policy, PolicyError};
+use msk_compiler::task::CompiledTask;
+use record::Tally;
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// A task and the body it runs on.
+#[derive(Clone)]
+pub struct Trial {
+    /// The task.
+    pub task: Arc<CompiledTask>,
+    /// Its body.
+    pub body: BoundBody,
+}
+
+/// What is to be run.
+#[derive(Clone)]
+pub struct Plan {
+    /// The tasks, in the order of the report.
+    pub trials: Vec<Trial>,
+    /// Name of the policy.
+    pub policy: String,
+    /// Episodes and seed.
+    pub protocol: Protocol,
+}
+
+/// Looks on while episodes run; called from all workers.
+pub trait Watcher: Sync {
+    /// A control step has been taken.
+    fn stepped(&self);
+    /// An episode has ended and stands in the journal.
+    fn ended(&self, record: &EpisodeRecord);
+}
+
+/// Why an evaluation could not go on. Faults within an episode are not among these: they are results.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluationError {
+    /// The policy does not exist or cannot act.
+    #[error(transparent)]
+    Policy(#[from] PolicyError),
+    /// A task does not fit its body.
+    #[error(transparent)]
+    Episode(#[from] EpisodeError),
+    /// An ended episode could not be kept.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The operating system gives no threads.
+    #[error("cannot start {threads} threads")]
+    Threads {
+        /// As many as were asked for.
+        threads: NonZeroUsize,
+        /// The reason.
+        source: rayon::ThreadPoolBuildError,
+    },
+}
+
+/// What [`run`] brings back.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// All episodes of the journal, sorted by the plan's tasks and by index.
+    pub records: Vec<EpisodeRecord>,
+    /// Whether some of the plan's episodes are still missing because `stop` was set.
+    pub interrupted: bool,
+}
+
+/// Plays the episodes of `plan` that are not among `done`, on `threads` workers, and appends each to `journal`.
+///
+/// When `stop` becomes true the workers give up their present episodes within one control step.
+///
+/// # Errors
+/// A policy or task that cannot run, or a journal that cannot be written; the first error stops all workers.
+pub fn run(
+    plan: &Plan,
+    done: Vec<EpisodeRecord>,
+    journal: &Journal,
+    threads: NonZeroUsize,
+    stop: &AtomicBool,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, EvaluationError> {
+    let jobs = plan.missing(&done);
+    let crew = Crew { plan, jobs: &jobs, next: AtomicUsize::new(0), failed: AtomicBool::new(false), journal, stop, watcher };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.get())
+        .build()
+        .map_err(|source| EvaluationError::Threads { threads, source })?;
+    let mut records = done;
+    for fresh in pool.broadcast(|_| crew.work()) {
+        records.extend(fresh?);
+    }
+    plan.sort(&mut records);
+    let interrupted = !plan.missing(&records).is_empty();
+    Ok(Outcome { records, interrupted })
+}
+
+/// Plays the episode `key` of `trial`, in the memory of `episode`, under `policy`.
+///
+/// Gives `None` if `stop` became true before the end. `stepped` is called after every control step.
+///
+/// # Errors
+/// The policy cannot act.
+pub fn play(
+    trial: &Trial,
+    episode: &mut Episode,
+    key: EpisodeKey,
+    policy: &mut dyn Policy,
+    stop: &AtomicBool,
+    stepped: impl Fn(),
+) -> Result<Option<EpisodeRecord>, EvaluationError> {
+    let start = Instant::now();
+    episode.reset(key);
+    policy.reset(&episode.context())?;
+    let mut action = vec![REST; episode.context().body.muscles.len()];
+    let mut tally = Tally::new(trial.task.terms.len());
+    while episode.ending().is_none() {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        policy.act(&episode.context(), &mut action)?;
+        episode.step(&action)?;
+        tally.add(episode);
+        stepped();
+    }
+    Ok(Some(tally.record(episode, policy.name(), &trial.body.hash, start.elapsed().as_secs_f64())))
+}
+
+/// An episode to be played: index of the trial and of the episode.
+type Job = (usize, u64);
+
+impl Plan {
+    /// The number of episodes of the whole plan.
+    pub fn episodes(&self) -> u64 {
+        self.trials.len() as u64 * self.protocol.episodes
+    }
+
+    /// The episodes that are not among `done`, in order.
+    fn missing(&self, done: &[EpisodeRecord]) -> Vec<Job> {
+        let done: BTreeSet<(&str, u64)> = done.iter().map(|record| (record.task.as_str(), record.episode)).collect();
+        let all = (0..self.trials.len()).flat_map(|trial| (0..self.protocol.episodes).map(move |episode| (trial, episode)));
+        all.filter(|&(trial, episode)| !done.contains(&(self.trials[trial].task.name.as_str(), episode))).collect()
+    }
+
+    fn sort(&self, records: &mut Vec<EpisodeRecord>) {
+        let place = |record: &EpisodeRecord| {
+            let trial = self.trials.iter().position(|trial| trial.task.name == record.task);
+            (trial, record.episode)
+        };
+        records.sort_by_key(place);
+        records.dedup_by_key(|record| place(record));
+    }
+}
+
+/// What all workers share.
+struct Crew<'a> {
+    plan: &'a Plan,
+    jobs: &'a [Job],
+    next: AtomicUsize,
+    failed: AtomicBool,
+    journal: &'a Journal,
+    stop: &'a AtomicBool,
+    watcher: &'a dyn Watcher,
+}
+
+impl Crew<'_> {
+    /// Takes jobs in order until there are none, the run is stopped, or a worker fails.
+    fn work(&self) -> Result<Vec<EpisodeRecord>, EvaluationError> {
+        let result = self.play_jobs();
+        if result.is_err() {
+            self.failed.store(true, Ordering::Relaxed);
+        }
+        result
+    }
+
+    fn play_jobs(&self) -> Result<Vec<EpisodeRecord>, EvaluationError> {
+        let mut policy = policy::create(&self.plan.policy)?;
+        let mut present: Option<(usize, Episode)> = None;
+        let mut records = Vec::new();
+        while let Some(&(trial, index)) = self.jobs.get(self.next.fetch_add(1, Ordering::Relaxed)) {
+            if self.failed.load(Ordering::Relaxed) || self.stop.load(Ordering::Relaxed) {
+                break;
+            }
+            // Memory for an episode is worth keeping while the task stays the same.
+            let mut episode = match present.take() {
+                Some((same, episode)) if same == trial => episode,
+                _ => self.plan.trials[trial].episode()?,
+            };
+            let key = EpisodeKey { seed: self.plan.protocol.seed, episode: index };
+            let stepped = || self.watcher.stepped();
+            let Some(record) = play(&self.plan.trials[trial], &mut episode, key, policy.as_mut(), self.stop, stepped)? else {
+                break;
+            };
+            self.journal.append(&record)?;
+            self.watcher.ended(&record);
+            records.push(record);
+            present = Some((trial, episode));
+        }
+        Ok(records)
+    }
+}
+
+impl Trial {
+    /// A new episode of this trial.
+    ///
+    /// # Errors
+    /// A task that does not fit the body.
+    pub fn episode(&self) -> Result<Episode, EpisodeError> {
+        Episode::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())
+    }
+}

@@ -1,0 +1,193 @@
+//! What is kept of an episode: one line of the journal.
+
+use crate::episode::{Ending, Episode};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Numbers by the names of the task's terms, in the task's order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ByTerm(pub Vec<(String, f64)>);
+
+/// One episode.
+///
+/// Everything but `wall_time` is a function of the task, the body, the policy, the seed and the episode's index.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeRecord {
+    /// Name of the task.
+    pub task: String,
+    /// Name of the policy.
+    pub policy: String,
+    /// Seed of the evaluation.
+    pub seed: u64,
+    /// Index of the episode, from 0.
+    pub episode: u64,
+    /// Whether the task's success held at the last step.
+    pub success: bool,
+    /// The task's reasons for failure at the last step; several may hold.
+    pub terminated_by: Vec<String>,
+    /// Whether the horizon was reached and nothing else ended the episode.
+    pub truncated: bool,
+    /// What broke the computation, if anything did.
+    pub fault: Option<String>,
+    /// Control steps survived.
+    pub steps: u32,
+    /// Sum of rewards over the steps.
+    #[serde(rename = "return", deserialize_with = "number")]
+    pub total: f64,
+    /// Sum over the steps of each term's weight times value: these add up to the return.
+    pub terms: ByTerm,
+    /// Sum over the steps of each term's unweighted value.
+    pub values: ByTerm,
+    /// Hash of the compiled task.
+    pub task_hash: String,
+    /// Hash of the body file's meaning and the model.
+    pub model_hash: String,
+    /// Seconds that the episode took; the only entry that differs from run to run.
+    pub wall_time: f64,
+}
+
+/// Sums up an episode while it runs.
+#[derive(Debug, Clone)]
+pub struct Tally {
+    total: f64,
+    pay: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Tally {
+    /// Nothing paid yet, for a task of that many terms.
+    pub fn new(terms: usize) -> Self {
+        Self { total: 0.0, pay: vec![0.0; terms], values: vec![0.0; terms] }
+    }
+
+    /// Adds the present step of `episode`. A step that met a fault has no values and adds nothing.
+    pub fn add(&mut self, episode: &Episode) {
+        let report = episode.report();
+        self.total += report.reward;
+        let sums = self.pay.iter_mut().zip(&mut self.values);
+        for ((pay, sum), (value, weight)) in sums.zip(report.terms.iter().zip(episode.weights())) {
+            *pay += weight * value;
+            *sum += value;
+        }
+    }
+
+    /// The record of `episode`, which has ended.
+    pub fn record(self, episode: &Episode, policy: &str, model_hash: &str, wall_time: f64) -> EpisodeRecord {
+        let task = episode.task();
+        let by_term = |sums: Vec<f64>| ByTerm(task.terms.iter().map(|term| term.name.clone()).zip(sums).collect());
+        let (terminated_by, fault) = match episode.ending() {
+            Some(Ending::Terminated(reasons)) => {
+                (reasons.iter().map(|&reason| task.terminations[reason].clone()).collect(), None)
+            }
+            Some(Ending::Fault(fault)) => (Vec::new(), Some(fault.to_string())),
+            Some(Ending::Truncated) | None => (Vec::new(), None),
+        };
+        EpisodeRecord {
+            task: task.name.clone(),
+            policy: policy.into(),
+            seed: episode.key().seed,
+            episode: episode.key().episode,
+            success: episode.success(),
+            terminated_by,
+            truncated: episode.ending() == Some(&Ending::Truncated),
+            fault,
+            steps: episode.steps(),
+            total: self.total,
+            terms: by_term(self.pay),
+            values: by_term(self.values),
+            task_hash: task.hash.clone(),
+            model_hash: model_hash.into(),
+            wall_time,
+        }
+    }
+}
+
+impl EpisodeRecord {
+    /// How the episode ended, in words: the reasons, `horizon`, or `fault`.
+    pub fn ended_by(&self) -> String {
+        if self.fault.is_some() {
+            "fault".into()
+        } else if self.truncated {
+            "horizon".into()
+        } else {
+            self.terminated_by.join(" and ")
+        }
+    }
+}
+
+impl Serialize for ByTerm {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+impl<'de> Deserialize<'de> for ByTerm {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct InOrder;
+        impl<'de> serde::de::Visitor<'de> for InOrder {
+            type Value = ByTerm;
+            fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                f.write_str("numbers by name")
+            }
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<ByTerm, A::Error> {
+                let mut entries = Vec::new();
+                while let Some((name, value)) = map.next_entry::<String, Option<f64>>()? {
+                    entries.push((name, value.unwrap_or(f64::NAN)));
+                }
+                Ok(ByTerm(entries))
+            }
+        }
+        deserializer.deserialize_map(InOrder)
+    }
+}
+
+/// JSON has no word for a number that overflowed: it is written `null` and read back as not a number.
+fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub fn record() -> EpisodeRecord {
+        EpisodeRecord {
+            task: "stand".into(),
+            policy: "zero".into(),
+            seed: 3,
+            episode: 11,
+            success: false,
+            terminated_by: vec!["fallen".into(), "tilted".into()],
+            truncated: false,
+            fault: None,
+            steps: 57,
+            total: 0.1 + 0.2,
+            terms: ByTerm(vec![("pose".into(), 1.0 / 3.0), ("balance".into(), -2.5e-17)]),
+            values: ByTerm(vec![("pose".into(), 1.0 / 30.0), ("balance".into(), 0.0)]),
+            task_hash: "t".into(),
+            model_hash: "m".into(),
+            wall_time: 0.25,
+        }
+    }
+
+    #[test]
+    fn a_line_of_the_journal_reads_back_bit_for_bit_with_terms_in_order() {
+        let line = serde_json::to_string(&record()).unwrap();
+        assert!(line.contains(r#""terms":{"pose":0.3333333333333333,"balance":-2.5e-17}"#), "{line}");
+        assert!(line.contains(r#""return":0.30000000000000004"#), "{line}");
+        assert_eq!(serde_json::from_str::<EpisodeRecord>(&line).unwrap(), record());
+    }
+
+    #[test]
+    fn an_overflowed_return_still_reads_back() {
+        let line = serde_json::to_string(&EpisodeRecord { total: f64::INFINITY, ..record() }).unwrap();
+        assert!(serde_json::from_str::<EpisodeRecord>(&line).unwrap().total.is_nan());
+    }
+
+    #[test]
+    fn endings_are_told_apart() {
+        let ended_by = |record: EpisodeRecord| record.ended_by();
+        assert_eq!(ended_by(record()), "fallen and tilted");
+        assert_eq!(ended_by(EpisodeRecord { truncated: true, terminated_by: vec![], ..record() }), "horizon");
+        assert_eq!(ended_by(EpisodeRecord { fault: Some("diverged".into()), terminated_by: vec![], ..record() }), "fault");
+    }
+}

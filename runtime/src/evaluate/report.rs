@@ -1,0 +1,187 @@
+//! The summary for people: Markdown whose tables are aligned, so that a terminal shows it well and a page renders it.
+
+use super::{Spread, Summary, TaskSummary, TermSummary};
+use core::fmt::Write;
+
+/// The whole report.
+pub fn markdown(summary: &Summary) -> String {
+    let protocol = summary.protocol;
+    let mut text = format!("# Policy `{}`, {} episodes per task, seed {}\n\n", summary.policy, protocol.episodes, protocol.seed);
+    let mut tasks = Table::new(&["task", "success", "95 % interval", "return", "steps", "ended by"]);
+    for task in &summary.tasks {
+        tasks.row(task_row(task));
+    }
+    text.push_str(&tasks.print());
+    for task in summary.tasks.iter().filter(|task| !task.terms.is_empty()) {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "\n## {}: reward terms\n\n", task.task);
+        let mut terms = Table::new(&["term", "weight", "value per step", "pay per step", "share"]);
+        for term in &task.terms {
+            terms.row(term_row(term));
+        }
+        text.push_str(&terms.print());
+    }
+    text.push_str(
+        "\nReturn and steps: mean ± standard deviation over episodes. Value: mean over all steps; pay: weight times value;\n\
+         share: pay over the sum of all magnitudes. Interval: Wilson.\n",
+    );
+    text
+}
+
+/// The terms of one episode or task alone, as a table.
+pub fn terms(terms: &[TermSummary]) -> String {
+    let mut table = Table::new(&["term", "weight", "value per step", "pay per step", "share"]);
+    for term in terms {
+        table.row(term_row(term));
+    }
+    table.print()
+}
+
+fn task_row(task: &TaskSummary) -> Vec<String> {
+    let [low, high] = task.success_interval;
+    let endings: Vec<String> = task.ended_by.iter().map(|(reason, count)| format!("{reason} {count}")).collect();
+    vec![
+        task.task.clone(),
+        format!("{}/{} {}", task.successes, task.episodes, percent(task.success_rate)),
+        if task.episodes == 0 { "-".into() } else { format!("{} to {}", percent(Some(low)), percent(Some(high))) },
+        spread(task.total),
+        spread(task.steps),
+        endings.join(", "),
+    ]
+}
+
+fn term_row(term: &TermSummary) -> Vec<String> {
+    let number = |value: Option<f64>| value.map_or("-".into(), significant);
+    vec![
+        term.name.clone(),
+        term.weight.to_string(),
+        number(term.value_per_step),
+        number(term.pay_per_step),
+        term.share.map_or("-".into(), |share| format!("{:.2} %", 100.0 * share)),
+    ]
+}
+
+fn percent(rate: Option<f64>) -> String {
+    rate.map_or("-".into(), |rate| format!("{:.0} %", 100.0 * rate))
+}
+
+fn spread(spread: Option<Spread>) -> String {
+    let Some(Spread { mean, deviation }) = spread else { return "-".into() };
+    let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {deviation:.1}"));
+    format!("{mean:.1}{deviation}")
+}
+
+/// Four significant digits, in powers of ten where the number would be long.
+fn significant(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".into()
+    } else if !(1e-3..1e5).contains(&size) {
+        format!("{value:.3e}")
+    } else {
+        let before_point = size.log10().floor() as i32 + 1;
+        format!("{value:.*}", usize::try_from(4 - before_point).unwrap_or(0))
+    }
+}
+
+/// A Markdown table with aligned columns: names to the left, all else to the right.
+struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn new(head: &[&str]) -> Self {
+        Self { rows: vec![head.iter().map(|&title| title.into()).collect()] }
+    }
+
+    fn row(&mut self, cells: Vec<String>) {
+        self.rows.push(cells);
+    }
+
+    fn print(&self) -> String {
+        let columns = self.rows.first().map_or(0, Vec::len);
+        let width = |column: usize| self.rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..columns).map(width).collect();
+        // The first column holds names; the last of a wide table, prose.
+        let left = |column: usize| column == 0 || (columns == 6 && column == 5);
+        let mut text = String::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+                // Writing to a string cannot fail.
+                let _ = if left(column) { write!(text, "| {cell:<width$} ") } else { write!(text, "| {cell:>width$} ") };
+            }
+            text.push_str("|\n");
+            if index == 0 {
+                for (column, &width) in widths.iter().enumerate() {
+                    let rule = "-".repeat(width);
+                    text.push_str(&if left(column) { format!("|:{rule}-") } else { format!("|-{rule}:") });
+                }
+                text.push_str("|\n");
+            }
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Protocol, wilson_interval};
+    use super::*;
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        let printed = [0.0, 1.0, -12.3456, 999.96, 0.012345, 1.5e-7, 123456.0].map(significant);
+        assert_eq!(printed, ["0", "1.000", "-12.35", "1000.0", "0.01235", "1.500e-7", "1.235e5"]);
+    }
+
+    #[test]
+    fn the_report_fits_a_terminal_and_renders_as_tables() {
+        let task = TaskSummary {
+            task: "single_leg_stand".into(),
+            family: "stabilization".into(),
+            horizon: 1000,
+            episodes: 50,
+            successes: 47,
+            success_rate: Some(0.94),
+            success_interval: wilson_interval(47, 50),
+            total: Some(Spread { mean: 38123.46, deviation: Some(1234.5) }),
+            steps: Some(Spread { mean: 971.2, deviation: Some(120.0) }),
+            ended_by: vec![("horizon".into(), 47), ("fallen".into(), 3)],
+            terms: vec![TermSummary {
+                name: "pose".into(),
+                weight: 10.0,
+                value_per_step: Some(0.93),
+                pay_per_step: Some(9.3),
+                share: Some(0.25),
+            }],
+        };
+        let protocol = Protocol { episodes: 50, seed: 0 };
+        let text = markdown(&Summary { policy: "posture".into(), protocol, tasks: vec![task] });
+        assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
+        assert!(text.contains("| task             |    success | 95 % interval |"), "{text}");
+        assert!(text.contains("| single_leg_stand | 47/50 94 % |  84 % to 98 % | 38123.5 ± 1234.5 | 971.2 ± 120.0 |"), "{text}");
+        assert!(text.contains("| pose |     10 |         0.9300 |        9.300 | 25.00 % |"), "{text}");
+    }
+
+    #[test]
+    fn a_run_without_episodes_prints_dashes() {
+        let text = markdown(&Summary {
+            policy: "zero".into(),
+            protocol: Protocol { episodes: 0, seed: 0 },
+            tasks: vec![TaskSummary {
+                task: "stand".into(),
+                family: String::new(),
+                horizon: 1,
+                episodes: 0,
+                successes: 0,
+                success_rate: None,
+                success_interval: [0.0, 1.0],
+                total: None,
+                steps: None,
+                ended_by: vec![],
+                terms: vec![],
+            }],
+        });
+        assert!(text.contains("|   0/0 - |             - |"), "{text}");
+    }
+}

@@ -1,0 +1,123 @@
+//! What is run: enough to tell whether two runs are the same.
+
+use super::Plan;
+use serde::{Deserialize, Serialize};
+
+/// How many episodes, and from which seed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Protocol {
+    /// Episodes per task.
+    pub episodes: u64,
+    /// Seed of all chance; episode i of seed s is the same wherever and whenever it runs.
+    pub seed: u64,
+}
+
+/// The identity of a run. Two runs with equal settings have equal results, wall times aside.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunSettings {
+    /// Version of the program.
+    pub version: String,
+    /// Name of the policy.
+    pub policy: String,
+    /// Episodes and seed.
+    pub protocol: Protocol,
+    /// The tasks, in order.
+    pub tasks: Vec<TaskSettings>,
+}
+
+/// A task of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TaskSettings {
+    /// Its name.
+    pub name: String,
+    /// Family it belongs to.
+    pub family: String,
+    /// Hash of its meaning.
+    pub hash: String,
+    /// Hash of the body it runs on.
+    pub model_hash: String,
+    /// Control steps per episode.
+    pub horizon: u32,
+    /// Weights of the terms, in order.
+    pub weights: Vec<(String, f64)>,
+}
+
+impl RunSettings {
+    /// Of a plan.
+    pub fn of(plan: &Plan) -> Self {
+        let tasks = plan.trials.iter().map(|trial| TaskSettings {
+            name: trial.task.name.clone(),
+            family: trial.task.family.clone(),
+            hash: trial.task.hash.clone(),
+            model_hash: trial.body.hash.clone(),
+            horizon: trial.task.horizon,
+            weights: trial.task.terms.iter().map(|term| (term.name.clone(), term.weight)).collect(),
+        });
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            policy: plan.policy.clone(),
+            protocol: plan.protocol,
+            tasks: tasks.collect(),
+        }
+    }
+
+    /// The first thing in which `other` differs, in words; `None` if they are the same run.
+    pub fn difference(&self, other: &Self) -> Option<String> {
+        let differ = |what: &str, here: &str, there: &str| (here != there).then(|| format!("its {what} is {here}, not {there}"));
+        let number = |what: &str, here: u64, there: u64| differ(what, &here.to_string(), &there.to_string());
+        let names = |settings: &Self| {
+            let names: Vec<&str> = settings.tasks.iter().map(|task| task.name.as_str()).collect();
+            names.join(", ")
+        };
+        differ("policy", &self.policy, &other.policy)
+            .or_else(|| number("seed", self.protocol.seed, other.protocol.seed))
+            .or_else(|| number("number of episodes", self.protocol.episodes, other.protocol.episodes))
+            .or_else(|| differ("list of tasks", &names(self), &names(other)))
+            .or_else(|| differ("program version", &self.version, &other.version))
+            .or_else(|| {
+                let changed = self.tasks.iter().zip(&other.tasks).find(|(here, there)| here != there)?;
+                let what = if changed.0.model_hash == changed.1.model_hash { "task" } else { "body of task" };
+                Some(format!("the {what} `{}` has changed since", changed.0.name))
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings() -> RunSettings {
+        let task = TaskSettings {
+            name: "stand".into(),
+            family: "stabilization".into(),
+            hash: "a".into(),
+            model_hash: "b".into(),
+            horizon: 1000,
+            weights: vec![("pose".into(), 10.0)],
+        };
+        let protocol = Protocol { episodes: 50, seed: 0 };
+        RunSettings { version: "1".into(), policy: "zero".into(), protocol, tasks: vec![task] }
+    }
+
+    #[test]
+    fn equal_settings_are_the_same_run() {
+        assert_eq!(settings().difference(&settings()), None);
+    }
+
+    #[test]
+    fn any_change_of_meaning_is_another_run_and_is_named() {
+        let difference = |change: &dyn Fn(&mut RunSettings)| {
+            let mut other = settings();
+            change(&mut other);
+            settings().difference(&other).unwrap_or_default()
+        };
+        assert_eq!(difference(&|s| s.policy = "random".into()), "its policy is zero, not random");
+        assert_eq!(difference(&|s| s.protocol.seed = 4), "its seed is 0, not 4");
+        assert_eq!(difference(&|s| s.protocol.episodes = 10), "its number of episodes is 50, not 10");
+        assert_eq!(difference(&|s| s.tasks[0].name = "sit".into()), "its list of tasks is stand, not sit");
+        assert_eq!(difference(&|s| s.version = "2".into()), "its program version is 1, not 2");
+        assert_eq!(difference(&|s| s.tasks[0].hash = "c".into()), "the task `stand` has changed since");
+        assert_eq!(difference(&|s| s.tasks[0].weights[0].1 = 9.0), "the task `stand` has changed since");
+        assert_eq!(difference(&|s| s.tasks[0].model_hash = "c".into()), "the body of task `stand` has changed since");
+    }
+}

@@ -1,0 +1,77 @@
+//! The few statistics that the results need.
+
+use serde::{Deserialize, Serialize};
+
+/// Mean and sample standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// Standard deviation with n - 1 in the denominator; `None` for a single value.
+    pub deviation: Option<f64>,
+}
+
+impl Spread {
+    /// Of `values`; `None` if there are none.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let count = values.len() as f64;
+        if values.is_empty() {
+            return None;
+        }
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
+        let deviation = (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt());
+        Some(Self { mean, deviation })
+    }
+}
+
+/// Wilson's score interval (1927) at 95 % for a proportion: [low, high] in 0..1. Unlike the normal approximation it is sound
+/// for few trials and for proportions near 0 and 1. Without trials it is [0, 1].
+pub fn wilson_interval(successes: u64, trials: u64) -> [f64; 2] {
+    /// 97.5 % quantile of the standard normal distribution.
+    const Z: f64 = 1.959_963_984_540_054;
+    if trials == 0 {
+        return [0.0, 1.0];
+    }
+    let n = trials as f64;
+    let p = successes as f64 / n;
+    let centre = p + Z * Z / (2.0 * n);
+    let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
+    let scale = 1.0 + Z * Z / n;
+    // At the ends the bounds are 0 and 1 exactly; rounding would miss them by a hair.
+    let low = if successes == 0 { 0.0 } else { (centre - half) / scale };
+    let high = if successes == trials { 1.0 } else { (centre + half) / scale };
+    [low, high]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(found: [f64; 2], expected: [f64; 2]) {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 5e-5), "{found:?} is not {expected:?}");
+    }
+
+    #[test]
+    fn the_interval_is_wilsons() {
+        // Worked values: Newcombe 1998, Statistics in Medicine 17:857, table I, method 3.
+        close(wilson_interval(81, 263), [0.2553, 0.3662]);
+        close(wilson_interval(15, 148), [0.0624, 0.1605]);
+        close(wilson_interval(0, 20), [0.0, 0.1611]);
+        close(wilson_interval(1, 29), [0.0061, 0.1718]);
+    }
+
+    #[test]
+    fn the_interval_stays_inside_and_is_widest_without_trials() {
+        assert_eq!(wilson_interval(0, 0), [0.0, 1.0]);
+        assert_eq!(wilson_interval(50, 50)[1], 1.0);
+        assert_eq!(wilson_interval(0, 50)[0], 0.0);
+    }
+
+    #[test]
+    fn spread_is_the_sample_standard_deviation() {
+        assert_eq!(Spread::of(&[1.0, 2.0, 3.0]), Some(Spread { mean: 2.0, deviation: Some(1.0) }));
+        assert_eq!(Spread::of(&[4.0]), Some(Spread { mean: 4.0, deviation: None }));
+        assert_eq!(Spread::of(&[]), None);
+    }
+}

@@ -1,0 +1,175 @@
+//! All episodes of a run, summed up per task.
+
+use super::{EpisodeRecord, Plan, Protocol, RunSettings, Spread, wilson_interval};
+use serde::Serialize;
+
+/// A run in numbers. It depends on the journal's content alone, not on the order of its lines.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the policy.
+    pub policy: String,
+    /// Episodes and seed asked for.
+    pub protocol: Protocol,
+    /// One entry per task, in the plan's order.
+    pub tasks: Vec<TaskSummary>,
+}
+
+/// The episodes of one task.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TaskSummary {
+    /// Name of the task.
+    pub task: String,
+    /// Family it belongs to.
+    pub family: String,
+    /// Control steps of a full episode.
+    pub horizon: u32,
+    /// Episodes that have ended.
+    pub episodes: u64,
+    /// Those that succeeded.
+    pub successes: u64,
+    /// Successes per episode, 0..1; `None` without episodes.
+    pub success_rate: Option<f64>,
+    /// Wilson's 95 % interval of the success rate.
+    pub success_interval: [f64; 2],
+    /// Sum of rewards per episode.
+    #[serde(rename = "return")]
+    pub total: Option<Spread>,
+    /// Control steps per episode.
+    pub steps: Option<Spread>,
+    /// How episodes ended and how many did so, the most frequent first.
+    pub ended_by: Vec<(String, u64)>,
+    /// One entry per reward term, in the task's order.
+    pub terms: Vec<TermSummary>,
+}
+
+/// One reward term over all steps of all episodes of a task.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TermSummary {
+    /// Label.
+    pub name: String,
+    /// Weight.
+    pub weight: f64,
+    /// Mean unweighted value per step; `None` without steps.
+    pub value_per_step: Option<f64>,
+    /// Mean of weight times value per step.
+    pub pay_per_step: Option<f64>,
+    /// Part of all that terms paid and charged: pay / Σ |pay|, in -1..1. Where no term costs anything this is the share of
+    /// the return; unlike that share it stays meaningful when gains and costs cancel.
+    pub share: Option<f64>,
+}
+
+impl Summary {
+    /// Of the episodes of a plan.
+    pub fn of(plan: &Plan, records: &[EpisodeRecord]) -> Self {
+        let settings = RunSettings::of(plan);
+        let tasks = settings.tasks.iter().map(|task| {
+            let episodes: Vec<&EpisodeRecord> = records.iter().filter(|record| record.task == task.name).collect();
+            let successes = episodes.iter().filter(|record| record.success).count() as u64;
+            let trials = episodes.len() as u64;
+            let spread =
+                |number: fn(&EpisodeRecord) -> f64| Spread::of(&episodes.iter().map(|record| number(record)).collect::<Vec<_>>());
+            TaskSummary {
+                task: task.name.clone(),
+                family: task.family.clone(),
+                horizon: task.horizon,
+                episodes: trials,
+                successes,
+                success_rate: (trials > 0).then(|| successes as f64 / trials as f64),
+                success_interval: wilson_interval(successes, trials),
+                total: spread(|record| record.total),
+                steps: spread(|record| f64::from(record.steps)),
+                ended_by: endings(&episodes),
+                terms: terms(&task.weights, &episodes),
+            }
+        });
+        Self { policy: settings.policy, protocol: settings.protocol, tasks: tasks.collect() }
+    }
+
+    /// As JSON.
+    pub fn json(&self) -> String {
+        super::journal::pretty(self) + "\n"
+    }
+}
+
+fn endings(episodes: &[&EpisodeRecord]) -> Vec<(String, u64)> {
+    let mut counts = std::collections::BTreeMap::<String, u64>::new();
+    for record in episodes {
+        *counts.entry(record.ended_by()).or_default() += 1;
+    }
+    let mut counts: Vec<_> = counts.into_iter().collect();
+    // The sort is stable: equal counts stay in alphabetical order.
+    counts.sort_by_key(|(_, count)| core::cmp::Reverse(*count));
+    counts
+}
+
+fn terms(weights: &[(String, f64)], episodes: &[&EpisodeRecord]) -> Vec<TermSummary> {
+    let steps: f64 = episodes.iter().map(|record| f64::from(record.steps)).sum();
+    let sum = |index: usize, part: fn(&EpisodeRecord) -> &super::ByTerm| -> f64 {
+        episodes.iter().filter_map(|record| part(record).0.get(index)).map(|(_, sum)| sum).sum()
+    };
+    let pays: Vec<f64> = (0..weights.len()).map(|index| sum(index, |record| &record.terms)).collect();
+    let magnitude: f64 = pays.iter().map(|pay| pay.abs()).sum();
+    let rows = weights.iter().zip(&pays).enumerate().map(|(index, ((name, weight), &pay))| TermSummary {
+        name: name.clone(),
+        weight: *weight,
+        value_per_step: (steps > 0.0).then(|| sum(index, |record| &record.values) / steps),
+        pay_per_step: (steps > 0.0).then(|| pay / steps),
+        share: (magnitude > 0.0).then(|| pay / magnitude),
+    });
+    rows.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ByTerm;
+    use super::*;
+
+    fn record(episode: u64, steps: u32, pose: f64, effort: f64, ended: &str) -> EpisodeRecord {
+        let horizon = ended == "horizon";
+        let by_term = |pose: f64, effort: f64| ByTerm(vec![("pose".into(), pose), ("effort".into(), effort)]);
+        EpisodeRecord {
+            task: "stand".into(),
+            policy: "zero".into(),
+            seed: 0,
+            episode,
+            success: horizon,
+            terminated_by: if horizon { vec![] } else { vec![ended.into()] },
+            truncated: horizon,
+            fault: None,
+            steps,
+            total: pose + effort,
+            terms: by_term(pose, effort),
+            values: by_term(pose / 10.0, -effort),
+            task_hash: String::new(),
+            model_hash: String::new(),
+            wall_time: 0.0,
+        }
+    }
+
+    #[test]
+    fn terms_are_averaged_over_steps_and_shares_over_what_was_paid_and_charged() {
+        let episodes = [record(0, 10, 60.0, -10.0, "horizon"), record(1, 30, 20.0, -10.0, "fallen")];
+        let weights = [("pose".to_string(), 10.0), ("effort".to_string(), -1.0)];
+        let terms = terms(&weights, &episodes.iter().collect::<Vec<_>>());
+        assert_eq!(terms[0].value_per_step, Some(0.2));
+        assert_eq!(terms[0].pay_per_step, Some(2.0));
+        assert_eq!(terms[0].share, Some(0.8));
+        assert_eq!(terms[1].value_per_step, Some(0.5));
+        assert_eq!(terms[1].share, Some(-0.2));
+    }
+
+    #[test]
+    fn nothing_run_is_nothing_known() {
+        let weights = [("pose".to_string(), 10.0)];
+        let term = terms(&weights, &[]).remove(0);
+        assert_eq!((term.value_per_step, term.pay_per_step, term.share), (None, None, None));
+    }
+
+    #[test]
+    fn endings_are_counted_the_most_frequent_first() {
+        let ends = ["tilted", "fallen", "horizon", "horizon"];
+        let episodes: Vec<_> = (0..).zip(ends).map(|(i, end)| record(i, 10, 1.0, 0.0, end)).collect();
+        let counted = endings(&episodes.iter().collect::<Vec<_>>());
+        assert_eq!(counted, [("horizon".into(), 2), ("fallen".into(), 1), ("tilted".into(), 1)]);
+    }
+}

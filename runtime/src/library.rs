@@ -1,0 +1,157 @@
+//! The bodies and texts of this machine, as the compiler asks for them.
+
+use crate::bodies;
+use crate::body::{BindError, Body};
+use crate::model::{Model, ModelError};
+use msk_compiler::body::BodyDescription;
+use msk_compiler::files::{BodySource, LARGEST_FILE, LoadError, Loader};
+use msk_compiler::vocabulary::Vocabulary;
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Reads texts from the file system, and those embedded in the program.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FileLoader;
+
+impl Loader for FileLoader {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        if let Some(text) = bodies::text(path) {
+            return Ok(text);
+        }
+        let unreadable = |error: std::io::Error| match error.kind() {
+            ErrorKind::NotFound => LoadError::Missing(path.into()),
+            ErrorKind::InvalidData => LoadError::NotText(path.into()),
+            _ => LoadError::Unreadable { path: path.into(), reason: error.to_string() },
+        };
+        let file = File::open(path).map_err(unreadable)?;
+        let mut bytes = Vec::new();
+        // Devices and pipes have no size: what is read is bounded, not what the file claims to be.
+        file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        if bytes.len() as u64 > LARGEST_FILE {
+            return Err(LoadError::TooLarge(path.into()));
+        }
+        String::from_utf8(bytes).map_err(|_| LoadError::NotText(path.into()))
+    }
+}
+
+/// A body file bound to its model, shared by all that run on it.
+#[derive(Debug, Clone)]
+pub struct BoundBody {
+    /// The model.
+    pub model: Arc<Model>,
+    /// The body.
+    pub body: Arc<Body>,
+    /// Hash of the body file's meaning and of the model's text.
+    pub hash: String,
+}
+
+/// Why a body cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum BodyError {
+    /// The model cannot be read.
+    #[error("the model of body `{body}` cannot be read")]
+    Model {
+        /// Name of the body.
+        body: String,
+        /// What is wrong with it.
+        source: ModelError,
+    },
+    /// The body file does not fit its model.
+    #[error(transparent)]
+    Bind(#[from] BindError),
+}
+
+/// The bodies of this machine: those on disk and those embedded in the program. Each is bound once.
+#[derive(Debug, Default)]
+pub struct BodyLibrary {
+    bound: Mutex<Vec<(BodyDescription, BoundBody)>>,
+}
+
+impl BodyLibrary {
+    /// The body that `description` describes, bound to its model.
+    ///
+    /// # Errors
+    /// A model that cannot be read, or a description that does not fit it.
+    pub fn bind(&self, description: &BodyDescription) -> Result<BoundBody, BodyError> {
+        // A thread that panicked here left the list whole: it only grows by finished entries.
+        let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = bound.iter().find(|(known, _)| known == description) {
+            return Ok(known.clone());
+        }
+        let model = bodies::model(Path::new(&description.model))
+            .map_err(|source| BodyError::Model { body: description.name.clone(), source })?;
+        let body = Body::bind(description, &model)?;
+        let fresh = BoundBody { hash: hash(description, &model), model: Arc::new(model), body: Arc::new(body) };
+        bound.push((description.clone(), fresh.clone()));
+        Ok(fresh)
+    }
+}
+
+impl BodySource for BodyLibrary {
+    fn find(&self, name: &str) -> Option<(PathBuf, String)> {
+        bodies::builtin(name).map(|file| (file.path, file.text))
+    }
+
+    fn vocabulary(&self, description: &BodyDescription) -> Result<Vocabulary, String> {
+        match self.bind(description) {
+            Ok(bound) => Ok(bound.body.vocabulary(&bound.model)),
+            Err(error) => {
+                let mut text = error.to_string();
+                let mut source = std::error::Error::source(&error);
+                while let Some(cause) = source {
+                    text = format!("{text}: {cause}");
+                    source = cause.source();
+                }
+                Err(text)
+            }
+        }
+    }
+}
+
+/// Hash of what a body is: its description without the place of the model, and the model in canonical form.
+fn hash(description: &BodyDescription, model: &Model) -> String {
+    let description = BodyDescription { model: String::new(), ..description.clone() };
+    let mut hasher = Sha256::new();
+    // Plain data of strings and numbers always has a JSON form.
+    hasher.update(serde_json::to_vec(&description).unwrap_or_default());
+    hasher.update(model.to_mjcf());
+    hasher.finalize().iter().take(16).fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_that_cannot_be_read_are_told_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, content: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, content).unwrap();
+            FileLoader.load(&path)
+        };
+        assert_eq!(file("good.msk", b"task"), Ok("task".into()));
+        assert!(matches!(file("binary.msk", &[0xff, 0xfe]), Err(LoadError::NotText(_))));
+        let limit = usize::try_from(LARGEST_FILE).unwrap();
+        assert!(matches!(file("large.msk", &vec![b' '; limit + 1]), Err(LoadError::TooLarge(_))));
+        assert!(file("largest.msk", &vec![b' '; limit]).is_ok());
+        assert!(matches!(FileLoader.load(&folder.path().join("none.msk")), Err(LoadError::Missing(_))));
+        assert!(matches!(FileLoader.load(folder.path()), Err(LoadError::Unreadable { .. })));
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn an_endless_file_is_refused() {
+        assert!(matches!(FileLoader.load(Path::new("/dev/zero")), Err(LoadError::TooLarge(_))));
+    }
+
+    #[test]
+    fn the_human_can_be_found_without_any_file() {
+        let (path, text) = BodyLibrary::default().find("human").unwrap();
+        assert!(path.ends_with("bodies/human.msk") && text.contains("body human"));
+        assert_eq!(BodyLibrary::default().find("nobody"), None);
+    }
+}

@@ -1,0 +1,106 @@
+//! Policies: what turns an observation into an action.
+//!
+//! A policy gives one number in [-1, 1] per muscle and control step; the body file's excitation map makes excitations of
+//! them. Learned policies look at the observation only; model-based ones may read body, state and the forward pass.
+
+mod random;
+mod zero;
+
+pub use random::Random;
+pub use zero::Zero;
+
+use crate::body::Body;
+use crate::episode::EpisodeKey;
+use crate::model::Model;
+use crate::physics::{State, Workspace};
+use msk_compiler::task::CompiledTask;
+
+/// What a policy may look at: the snapshot that the next action answers to.
+#[derive(Clone, Copy)]
+pub struct PolicyContext<'a> {
+    /// The task.
+    pub task: &'a CompiledTask,
+    /// The body, bound to its model.
+    pub body: &'a Body,
+    /// The model.
+    pub model: &'a Model,
+    /// Which episode: the key of all random streams.
+    pub key: EpisodeKey,
+    /// Control steps since reset.
+    pub step: u32,
+    /// Physics steps that one action is held for.
+    pub substeps: u32,
+    /// Observation, in the order and units of the task's channels.
+    pub observation: &'a [f64],
+    /// Present state.
+    pub state: &'a State<f64>,
+    /// Forward pass of that state, contacts and all.
+    pub workspace: &'a Workspace<f64>,
+}
+
+/// A policy. One value serves one episode at a time; every worker has its own.
+pub trait Policy: Send {
+    /// Its name in results.
+    fn name(&self) -> &str;
+
+    /// Prepares for an episode, which has just been reset.
+    ///
+    /// # Errors
+    /// A body or task that the policy cannot act on.
+    fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError>;
+
+    /// Writes the next action, one entry in [-1, 1] per muscle. What lies outside is clipped by the episode.
+    ///
+    /// # Errors
+    /// What keeps the policy from acting; the evaluation stops.
+    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError>;
+}
+
+/// Why a policy cannot act, or does not exist.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PolicyError {
+    /// No policy of that name.
+    #[error("there is no policy `{0}`; choose one of: {names}", names = NAMES.join(", "))]
+    Unknown(String),
+    /// The policy cannot act on this body or task.
+    #[error("policy `{policy}` cannot act: {reason}")]
+    Unable {
+        /// Its name.
+        policy: &'static str,
+        /// What is missing.
+        reason: String,
+    },
+}
+
+/// The built-in policies.
+pub const NAMES: &[&str] = &["zero", "random"];
+
+/// A new policy of that name.
+///
+/// # Errors
+/// An unknown name.
+pub fn create(name: &str) -> Result<Box<dyn Policy>, PolicyError> {
+    match name {
+        "zero" => Ok(Box::new(Zero)),
+        "random" => Ok(Box::new(Random)),
+        unknown => Err(PolicyError::Unknown(unknown.into())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_in_the_list_makes_a_policy() {
+        for name in NAMES {
+            assert!(create(name).is_ok(), "{name}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_lists_the_known_ones() {
+        let message = create("perfect").err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(message.contains("`perfect`") && NAMES.iter().all(|name| message.contains(name)), "{message}");
+    }
+}
