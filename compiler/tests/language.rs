@@ -1,5 +1,7 @@
 //! The language as a specification: the pages under `tests/language/`.
 
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 mod support;
 
 use msk_compiler::diagnostics::{FileId, Report, SourceMap};

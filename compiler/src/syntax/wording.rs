@@ -220,7 +220,9 @@ pub(super) fn unknown_unit(file: FileId, span: Span, word: &str) -> Diagnostic {
     let near = || nearest(word, units::UNITS.into_iter().filter(|unit| unit.len() > 2)).first().map(|near| (*near).to_owned());
     match units::meant(word).map(str::to_owned).or_else(|| units::product(word)).or_else(near) {
         Some(unit) => diagnostic.suggest(format!("write `{unit}`"), span, unit),
-        None => diagnostic.help(format!("units are {}", units::UNITS.join(" "))),
+        None => diagnostic
+            .help(format!("units are {}", units::UNITS.join(" ")))
+            .help(format!("a factor is written with `*`: `* {word}`")),
     }
 }
 

@@ -1,0 +1,72 @@
+//! The reference tells the truth: its examples are read, its list of codes is the compiler's.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use msk_compiler::diagnostics::{Code, FileId, codes};
+use msk_compiler::syntax::{self, UNITS};
+use std::fmt::Write;
+use std::path::Path;
+
+const BEGIN: &str = "<!-- codes -->\n";
+const END: &str = "<!-- /codes -->\n";
+
+fn path() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../grammar/REFERENCE.md")
+}
+
+fn page() -> String {
+    std::fs::read_to_string(path()).unwrap()
+}
+
+#[test]
+fn examples_are_read() {
+    let mut wrong = String::new();
+    for block in page().split("\n```msk").skip(1) {
+        let (kind, rest) = block.split_once('\n').unwrap();
+        let snippet = rest.split("\n```").next().unwrap();
+        let text = match kind.trim() {
+            "" => snippet.to_owned(),
+            "task" => format!("task example {{\n{snippet}\n}}"),
+            section => format!("task example {{ {section} {{\n{snippet}\n}} }}"),
+        };
+        for told in syntax::parse(FileId::default(), &text).diagnostics {
+            let _ = writeln!(wrong, "{}: {}\n{snippet}\n", told.code.id, told.message);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// One code as a section of the reference.
+fn section(code: &Code) -> String {
+    let fence = |text: &str| format!("```text\n{text}\n```\n");
+    format!(
+        "### {}: {}\n\n{}\n\n{}\nis written\n\n{}\n",
+        code.id,
+        code.title,
+        code.explanation,
+        fence(code.example),
+        fence(code.fix)
+    )
+}
+
+#[test]
+fn codes_of_syntax_are_listed() {
+    let page = page();
+    let (before, rest) = page.split_once(BEGIN).unwrap();
+    let (listed, after) = rest.split_once(END).unwrap();
+    let expected: String = codes::syntax::ALL.iter().map(|code| section(code)).collect();
+    if std::env::var_os("MSK_UPDATE").is_some() {
+        std::fs::write(path(), format!("{before}{BEGIN}{expected}{END}{after}")).unwrap();
+    } else {
+        assert!(listed == expected, "the list of codes is out of date: MSK_UPDATE=1 rewrites it");
+    }
+}
+
+#[test]
+fn units_are_listed() {
+    let page = page();
+    let table = page.split("## 3 Numbers and units").nth(1).unwrap().split("## 4").next().unwrap();
+    for unit in UNITS {
+        assert!(table.contains(&format!("`{unit}`")), "`{unit}` is missing");
+    }
+}
