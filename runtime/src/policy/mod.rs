@@ -3,9 +3,11 @@
 //! A policy gives one number in [-1, 1] per muscle and control step; the body file's excitation map makes excitations of
 //! them. Learned policies look at the observation only; model-based ones may read body, state and the forward pass.
 
+pub mod posture;
 mod random;
 mod zero;
 
+pub use posture::Posture;
 pub use random::Random;
 pub use zero::Zero;
 
@@ -73,7 +75,7 @@ pub enum PolicyError {
 }
 
 /// The built-in policies.
-pub const NAMES: &[&str] = &["zero", "random"];
+pub const NAMES: &[&str] = &["zero", "random", "posture"];
 
 /// A new policy of that name.
 ///
@@ -83,6 +85,7 @@ pub fn create(name: &str) -> Result<Box<dyn Policy>, PolicyError> {
     match name {
         "zero" => Ok(Box::new(Zero)),
         "random" => Ok(Box::new(Random)),
+        "posture" => Ok(Box::<Posture>::default()),
         unknown => Err(PolicyError::Unknown(unknown.into())),
     }
 }

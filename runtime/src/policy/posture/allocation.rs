@@ -1,0 +1,201 @@
+//! Allocation: which muscles and ground forces together make the wanted generalised force.
+//!
+//! The problem is a bounded least-squares problem with a unique answer,
+//!
+//! > minimise ½ e' W e + ½ Σ rᵢ xᵢ²,   e = b - A x,   low ≤ x ≤ high,
+//!
+//! where W is the inverse of the effective inertia, so that an error counts by the accelerations that it causes (Gauss'
+//! principle). The unknowns are many (416 muscles, some tens of contact forces) and the rows few and short, so it is solved in
+//! its dual: with the multiplier y = W e, each xᵢ = clamp(aᵢ·y / rᵢ), and what remains is one small system
+//!
+//! > F(y) = W⁻¹ y + A x(y) - b = 0,
+//!
+//! the gradient of a convex, once differentiable function. Newton's method on it with the generalised Hessian
+//! W⁻¹ + Σ aᵢ aᵢ' / rᵢ over the columns between their bounds, and an exact line search on the piecewise linear derivative,
+//! ends after finitely many steps (Qi & Sun, Math. Programming 58, 1993; Li & Swetits, SIAM J. Optim. 7, 1997). From the
+//! previous control step's y it usually takes three to six.
+
+use super::{sparse::Columns, symmetric::Symmetric};
+
+/// Bounds and cost of one unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Unknown {
+    pub low: f64,
+    pub high: f64,
+    /// r, positive.
+    pub cost: f64,
+}
+
+/// The solver, with the memory of its last answer.
+#[derive(Debug, Clone)]
+pub(super) struct Allocation {
+    /// y: the acceleration that the remaining error would cause.
+    multiplier: Vec<f64>,
+    /// The unknowns, one per column.
+    pub x: Vec<f64>,
+    /// aᵢ·y / rᵢ before clamping, and how it changes along the search direction.
+    free: Vec<f64>,
+    slope: Vec<f64>,
+    gradient: Vec<f64>,
+    direction: Vec<f64>,
+    hessian: Symmetric,
+}
+
+/// Relative size of F at which the answer is taken.
+const TOLERANCE: f64 = 1e-7;
+/// Newton steps at most; a violent state needs up to fifty.
+const ITERATIONS: usize = 80;
+/// Halvings of the line search.
+const HALVINGS: usize = 40;
+
+impl Allocation {
+    /// Memory for systems of `rows` rows.
+    pub fn new(rows: usize) -> Self {
+        Self {
+            multiplier: vec![0.0; rows],
+            x: Vec::new(),
+            free: Vec::new(),
+            slope: Vec::new(),
+            gradient: vec![0.0; rows],
+            direction: vec![0.0; rows],
+            hessian: Symmetric::new(rows),
+        }
+    }
+
+    /// Fills `x`. `inertia` is W⁻¹, `columns` A with one of the `unknowns` each, `wanted` b. Returns the Newton steps taken.
+    pub fn solve(&mut self, inertia: &Symmetric, columns: &Columns, unknowns: &[Unknown], wanted: &[f64]) -> usize {
+        self.x.resize(unknowns.len(), 0.0);
+        self.free.resize(unknowns.len(), 0.0);
+        self.slope.resize(unknowns.len(), 0.0);
+        let scale = wanted.iter().fold(1.0, |largest: f64, value| largest.max(value.abs()));
+        for iteration in 0..ITERATIONS {
+            self.evaluate(inertia, columns, unknowns, wanted);
+            let error = self.gradient.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            if error <= TOLERANCE * scale {
+                return iteration;
+            }
+            self.newton_direction(inertia, columns, unknowns);
+            let length = self.line_search(inertia, columns, unknowns, wanted);
+            for (y, step) in self.multiplier.iter_mut().zip(&self.direction) {
+                *y += length * step;
+            }
+        }
+        self.evaluate(inertia, columns, unknowns, wanted);
+        ITERATIONS
+    }
+
+    /// Unknowns and gradient F at the present multiplier.
+    fn evaluate(&mut self, inertia: &Symmetric, columns: &Columns, unknowns: &[Unknown], wanted: &[f64]) {
+        inertia.multiply(&self.multiplier, &mut self.gradient);
+        for (total, wanted) in self.gradient.iter_mut().zip(wanted) {
+            *total -= wanted;
+        }
+        for (index, unknown) in unknowns.iter().enumerate() {
+            self.free[index] = columns.dot(index, &self.multiplier) / unknown.cost;
+            self.x[index] = self.free[index].clamp(unknown.low, unknown.high);
+            columns.add_scaled(index, self.x[index], &mut self.gradient);
+        }
+    }
+
+    fn newton_direction(&mut self, inertia: &Symmetric, columns: &Columns, unknowns: &[Unknown]) {
+        self.hessian.copy_from(inertia);
+        for (index, unknown) in unknowns.iter().enumerate() {
+            if unknown.low < self.free[index] && self.free[index] < unknown.high {
+                columns.add_square(index, 1.0 / unknown.cost, &mut self.hessian);
+            }
+        }
+        self.hessian.factor();
+        for (direction, gradient) in self.direction.iter_mut().zip(&self.gradient) {
+            *direction = -gradient;
+        }
+        self.hessian.solve(&mut self.direction);
+    }
+
+    /// The length in (0, 1] at which the dual's derivative along the direction vanishes. It is piecewise linear and rises.
+    fn line_search(&mut self, inertia: &Symmetric, columns: &Columns, unknowns: &[Unknown], wanted: &[f64]) -> f64 {
+        inertia.multiply(&self.direction, &mut self.gradient);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let curvature = dot(&self.direction, &self.gradient);
+        let start = dot(&self.multiplier, &self.gradient) - dot(&self.direction, wanted);
+        for (index, unknown) in unknowns.iter().enumerate() {
+            self.slope[index] = columns.dot(index, &self.direction) / unknown.cost;
+        }
+        let derivative = |length: f64| {
+            let moving = unknowns.iter().zip(&self.free).zip(&self.slope);
+            let forces = moving
+                .map(|((unknown, free), slope)| unknown.cost * slope * (free + length * slope).clamp(unknown.low, unknown.high));
+            start + length * curvature + forces.sum::<f64>()
+        };
+        let [mut low, mut high] = [0.0, 1.0];
+        if derivative(high) <= 1e-9 * derivative(low).abs() {
+            return high;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if derivative(middle) > 0.0 { high = middle } else { low = middle }
+        }
+        high
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const ROWS: usize = 5;
+    const COLUMNS: usize = 12;
+
+    fn problem() -> impl Strategy<Value = (Vec<[f64; ROWS]>, Vec<Unknown>, [f64; ROWS])> {
+        let column = prop::array::uniform5(prop_oneof![Just(0.0), -50.0..50.0]);
+        let unknown = (0.0..0.5, 0.0..0.5, 0.01..1.0).prop_map(|(low, span, cost)| Unknown { low, high: low + span, cost });
+        (prop::collection::vec(column, COLUMNS), prop::collection::vec(unknown, COLUMNS), prop::array::uniform5(-100.0..100.0))
+    }
+
+    fn cost(columns: &[[f64; ROWS]], unknowns: &[Unknown], wanted: &[f64; ROWS], x: &[f64]) -> f64 {
+        let error = |row: usize| wanted[row] - columns.iter().zip(x).map(|(column, x)| column[row] * x).sum::<f64>();
+        let errors: f64 = (0..ROWS).map(|row| error(row) * error(row) / inertia(row)).sum();
+        errors + unknowns.iter().zip(x).map(|(unknown, x)| unknown.cost * x * x).sum::<f64>()
+    }
+
+    fn inertia(row: usize) -> f64 {
+        0.5 + row as f64
+    }
+
+    fn solve(columns: &[[f64; ROWS]], unknowns: &[Unknown], wanted: &[f64; ROWS]) -> (Vec<f64>, usize) {
+        let mut matrix = Symmetric::new(ROWS);
+        (0..ROWS).for_each(|row| *matrix.entry(row, row) = inertia(row));
+        let mut sparse = Columns::default();
+        columns.iter().for_each(|column| sparse.push(column.iter().copied().enumerate()));
+        let mut allocation = Allocation::new(ROWS);
+        let steps = allocation.solve(&matrix, &sparse, unknowns, wanted);
+        (allocation.x, steps)
+    }
+
+    proptest! {
+        #[test]
+        fn the_answer_keeps_its_bounds_and_no_neighbour_is_better((columns, unknowns, wanted) in problem()) {
+            let (x, steps) = solve(&columns, &unknowns, &wanted);
+            prop_assert!(steps < ITERATIONS);
+            let best = cost(&columns, &unknowns, &wanted, &x);
+            for (index, unknown) in unknowns.iter().enumerate() {
+                prop_assert!(unknown.low <= x[index] && x[index] <= unknown.high);
+                for change in [-1e-3, 1e-3] {
+                    let mut neighbour = x.clone();
+                    neighbour[index] = (x[index] + change).clamp(unknown.low, unknown.high);
+                    prop_assert!(best <= cost(&columns, &unknowns, &wanted, &neighbour) + 1e-9 * best);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_single_muscle_meets_a_small_wish_and_saturates_at_a_large_one() {
+        let column = [[100.0, 0.0, 0.0, 0.0, 0.0]];
+        let unknown = [Unknown { low: 0.0, high: 1.0, cost: 1e-6 }];
+        let (x, _) = solve(&column, &unknown, &[30.0, 0.0, 0.0, 0.0, 0.0]);
+        assert!((x[0] - 0.3).abs() < 1e-6);
+        let (x, _) = solve(&column, &unknown, &[1e4, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(x[0], 1.0);
+    }
+}

@@ -1,0 +1,165 @@
+//! Inverse dynamics in independent coordinates.
+
+use super::{View, coordinates::Coordinates, sparse::Columns, support::Point, symmetric::Symmetric};
+use crate::model::Model;
+use crate::physics::{center_of_mass_jacobian, inertia, moment_arms, point_jacobian};
+use nalgebra::Vector3;
+
+/// The equations of motion of one control step, E ẇ + load = Σ activation · arm · strength + contact forces.
+#[derive(Debug, Clone)]
+pub(super) struct Dynamics {
+    /// E = P'M P + T P'D P: inertia, and what damping takes over a hold of T (see [`update`](Self::update)); with
+    /// [`COMMON_INERTIA`] on its diagonal.
+    pub inertia: Symmetric,
+    /// Everything but active muscle force and contact, on the left-hand side: N and N m.
+    pub load: Vec<f64>,
+    /// Generalised force of each muscle at full activation.
+    pub muscles: Columns,
+    /// Scratch of `nv` entries.
+    full: Vec<f64>,
+    row: Vec<f64>,
+}
+
+/// Inertia added to every coordinate, kg m². It keeps errors of the fingers, whose inertia is a thousandth of a leg's, from
+/// counting a thousand times as much.
+const COMMON_INERTIA: f64 = 0.01;
+
+impl Dynamics {
+    /// Memory for `model`.
+    pub fn new(model: &Model, coordinates: &Coordinates) -> Self {
+        Self {
+            inertia: Symmetric::new(coordinates.len()),
+            load: vec![0.0; coordinates.len()],
+            muscles: Columns::default(),
+            full: vec![0.0; model.nv],
+            row: vec![0.0; coordinates.len()],
+        }
+    }
+
+    /// Fills the equations for forces held over T = `view.hold`.
+    ///
+    /// Joint damping and the force-velocity curves act within the hold: a joint of small inertia is stopped by them in less
+    /// than 10 ms. With the damping taken implicitly, M (v₁ - v₀)/T = force - D v₁ and hence (M + T D) v̇ = force - D v₀, where
+    /// v̇ is the mean acceleration over the hold. D holds the joints' damping and, at the present activation, the slopes of the
+    /// force-velocity curves.
+    pub fn update(&mut self, view: &View<'_>) {
+        let View { model, coordinates, hold, .. } = *view;
+        self.project_inertia(view);
+        self.fill_load(view);
+        self.muscles.clear();
+        for muscle in 0..model.actuators.tendon.len() {
+            self.add_muscle(view, muscle);
+        }
+        for (dof, &damping) in model.dofs.damping.iter().enumerate() {
+            if let Some((column, slope)) = coordinates.entry(dof) {
+                *self.inertia.entry(column, column) += hold * damping * slope * slope;
+            }
+        }
+        for coordinate in 0..coordinates.len() {
+            *self.inertia.entry(coordinate, coordinate) += COMMON_INERTIA;
+        }
+    }
+
+    /// The generalised force that muscles and contacts have to make for `accelerations`.
+    pub fn required_force(&self, accelerations: &[f64], out: &mut [f64]) {
+        self.inertia.multiply(accelerations, out);
+        for ((force, load), acceleration) in out.iter_mut().zip(&self.load).zip(accelerations) {
+            *force += load - COMMON_INERTIA * acceleration;
+        }
+    }
+
+    /// P'M P
+    fn project_inertia(&mut self, view: &View<'_>) {
+        let View { model, coordinates, workspace, .. } = *view;
+        self.inertia.clear();
+        for dof in 0..model.nv {
+            let Some((a, slope_a)) = coordinates.entry(dof) else { continue };
+            for index in model.dofs.row[dof].clone() {
+                let other = model.dofs.column[index];
+                let Some((b, slope_b)) = coordinates.entry(other) else { continue };
+                // An entry off the diagonal stands for two, which meet on the diagonal if one coordinate moves both dofs.
+                let twice = if a == b && dof != other { 2.0 } else { 1.0 };
+                *self.inertia.entry(a.max(b), a.min(b)) += twice * slope_a * slope_b * workspace.inertia.matrix[index];
+            }
+        }
+    }
+
+    /// P'(M d + bias - passive); passive muscle forces follow with the muscles.
+    fn fill_load(&mut self, view: &View<'_>) {
+        let View { model, coordinates, workspace, .. } = *view;
+        inertia::multiply(model, &workspace.inertia.matrix, &coordinates.drift, &mut self.full);
+        for ((total, bias), passive) in self.full.iter_mut().zip(&workspace.forces.bias).zip(&workspace.forces.passive) {
+            *total += bias - passive;
+        }
+        coordinates.project(&self.full, &mut self.load);
+    }
+
+    fn add_muscle(&mut self, view: &View<'_>, muscle: usize) {
+        let View { model, coordinates, state, workspace, hold, .. } = *view;
+        let (tendon, gear) = (model.actuators.tendon[muscle], model.actuators.gear[muscle]);
+        moment_arms(model, &workspace.kinematics, &workspace.tendons, tendon, &mut self.full);
+        coordinates.project(&self.full, &mut self.row);
+        let strength = gear * workspace.muscles.gain[muscle];
+        let entries = self.row.iter().copied().enumerate();
+        self.muscles.push(entries.clone().map(|(row, arm)| (row, arm * strength)));
+        let passive = gear * workspace.muscles.bias[muscle];
+        for (load, arm) in self.load.iter_mut().zip(&self.row) {
+            *load -= arm * passive;
+        }
+        let damping = gear * gear * state.activation[muscle] * workspace.muscles.active_damping(muscle);
+        if damping > 0.0 {
+            let present = entries.filter(|(_, arm)| *arm != 0.0);
+            for (row, arm) in present.clone() {
+                for (column, other) in present.clone().take_while(|(column, _)| *column <= row) {
+                    *self.inertia.entry(row, column) += hold * damping * arm * other;
+                }
+            }
+        }
+    }
+}
+
+/// How a point moves with the independent coordinates.
+#[derive(Debug, Clone)]
+pub(super) struct Motion {
+    /// Velocity (m/s, world axes) per unit velocity of each coordinate, as far as it moves the point; ascending.
+    pub columns: Vec<(usize, Vector3<f64>)>,
+}
+
+impl Motion {
+    /// From the Jacobian of the point with respect to all dofs.
+    pub fn new(coordinates: &Coordinates, jacobian: &[Vector3<f64>]) -> Self {
+        let mut columns = vec![Vector3::zeros(); coordinates.len()];
+        for (dof, motion) in jacobian.iter().enumerate() {
+            if let Some((column, slope)) = coordinates.entry(dof) {
+                columns[column] += slope * motion;
+            }
+        }
+        Self { columns: columns.into_iter().enumerate().filter(|(_, motion)| *motion != Vector3::zeros()).collect() }
+    }
+
+    /// Of a point of the feet.
+    pub fn of_point(view: &View<'_>, point: &Point) -> Self {
+        let (mut translation, mut rotation) = (vec![Vector3::zeros(); view.model.nv], vec![Vector3::zeros(); view.model.nv]);
+        let kinematics = &view.workspace.kinematics;
+        point_jacobian(view.model, kinematics, point.body, &point.position, &mut translation, &mut rotation);
+        Self::new(view.coordinates, &translation)
+    }
+
+    /// Of the common centre of mass of `body` and all that hangs on it.
+    pub fn of_com(view: &View<'_>, body: usize) -> Self {
+        let mut translation = vec![Vector3::zeros(); view.model.nv];
+        let workspace = view.workspace;
+        center_of_mass_jacobian(view.model, &workspace.kinematics, &workspace.inertia, body, &mut translation);
+        Self::new(view.coordinates, &translation)
+    }
+
+    /// Velocity of the point, m/s, at those velocities of the independent coordinates.
+    pub fn velocity(&self, velocities: &[f64]) -> Vector3<f64> {
+        self.columns.iter().map(|(column, motion)| motion * velocities[*column]).sum()
+    }
+
+    /// The generalised force of a `force` (N, world axes) at the point.
+    pub fn force(&self, force: Vector3<f64>) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.columns.iter().map(move |(column, motion)| (*column, motion.dot(&force)))
+    }
+}

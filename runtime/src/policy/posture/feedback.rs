@@ -1,0 +1,160 @@
+//! Feedback: the accelerations that bring the body back to its reference.
+//!
+//! Every wish is a proportional-derivative law, taken implicitly over the hold T (Tan, Liu & Turk, Stable proportional-
+//! derivative controllers, IEEE CG&A 31, 2011): the error is the one expected at its end and the damping acts on the velocity
+//! then,
+//!
+//! > a = (k (x* - x - T v) - d v) / (1 + T d),
+//!
+//! which remains stable where the explicit law would oscillate. The wishes contradict each other (the feet cannot rest while
+//! every joint turns as it likes), so they meet in weighted least squares over the accelerations of the independent
+//! coordinates: a whole-body controller in one 77 by 77 system.
+
+use super::{View, coordinates::Coordinates, dynamics::Motion, symmetric::Symmetric};
+use crate::body::Body;
+use crate::physics::{State, kinematics::Kinematics, rotation::difference};
+use nalgebra::Vector3;
+
+/// Stiffness (1/s²) and damping (1/s) of a wish, and its weight in the compromise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Law {
+    stiffness: f64,
+    damping: f64,
+    weight: f64,
+}
+
+impl Law {
+    /// The acceleration wished for at `error` = x* - x and `velocity`.
+    fn acceleration(&self, error: f64, velocity: f64, hold: f64) -> f64 {
+        let expected = error - hold * velocity;
+        (self.stiffness * expected - self.damping * velocity) / (1.0 + hold * self.damping)
+    }
+
+    fn vector(&self, error: &Vector3<f64>, velocity: &Vector3<f64>, hold: f64) -> Vector3<f64> {
+        error.zip_map(velocity, |error, velocity| self.acceleration(error, velocity, hold))
+    }
+}
+
+// Critically damped where stiff: d = 2 √k.
+const JOINTS: Law = Law { stiffness: 500.0, damping: 44.7, weight: 0.3 };
+const ROOT: Law = Law { stiffness: 500.0, damping: 44.7, weight: 1.0 };
+/// Height of the centre of mass.
+const HEIGHT: Law = Law { stiffness: 300.0, damping: 34.6, weight: 3.0 };
+/// Level position of the centre of mass: slow, since the centre of pressure cannot leave the feet. The body falls like an
+/// inverted pendulum at √(g / 0.94 m) = 3.2 1/s, well within the 5.5 1/s of this law.
+const BALANCE: Law = Law { stiffness: 30.0, damping: 11.0, weight: 3.0 };
+/// Points of the feet: they shall come to rest where they are.
+const FEET: Law = Law { stiffness: 0.0, damping: 30.0, weight: 2.0 };
+/// With more points of contact than this each counts less, so that a finely divided foot weighs no more than a coarse one.
+const FOOT_POINTS: f64 = 8.0;
+/// Keeps what no wish asks for at rest.
+const REST: f64 = 1e-6;
+
+/// The reference at the beginning of an episode, and the least-squares compromise.
+#[derive(Debug, Clone)]
+pub(super) struct Feedback {
+    /// Coordinates of the body's joints: (index in the position vector, dof, reference).
+    joints: Vec<(usize, usize, f64)>,
+    root: Option<RootReference>,
+    normal: Symmetric,
+    /// Accelerations of the independent coordinates, after [`accelerations`](Self::accelerations).
+    pub wanted: Vec<f64>,
+}
+
+/// Where a free root shall be.
+#[derive(Debug, Clone)]
+struct RootReference {
+    /// First coordinate and first dof of the free joint.
+    address: (usize, usize),
+    body: usize,
+    orientation: [f64; 4],
+    com_height: f64,
+}
+
+impl Feedback {
+    /// Takes the joints' reference from `pose` (in the order of the body's joints) and the root's from a forward pass of `state`.
+    pub fn new(body: &Body, coordinates: &Coordinates, pose: &[f64], state: &State<f64>, kinematics: &Kinematics<f64>) -> Self {
+        let independent = body.joints.iter().zip(pose).filter(|(joint, _)| joint.independent);
+        let root = body.root.free.map(|(position, dof)| RootReference {
+            address: (position, dof),
+            body: body.root.body,
+            orientation: core::array::from_fn(|part| state.position[position + 3 + part]),
+            com_height: kinematics.subtree_com[body.root.body].z,
+        });
+        Self {
+            joints: independent.map(|(joint, &reference)| (joint.position, joint.dof, reference)).collect(),
+            root,
+            normal: Symmetric::new(coordinates.len()),
+            wanted: vec![0.0; coordinates.len()],
+        }
+    }
+
+    /// Fills `wanted`: the compromise between the reference pose, an upright root, the centre of mass above `target` (level
+    /// position, m) and resting `feet`.
+    pub fn accelerations(&mut self, view: &View<'_>, feet: &[Motion], target: Option<Vector3<f64>>) {
+        self.normal.clear();
+        self.wanted.fill(0.0);
+        for coordinate in 0..view.coordinates.len() {
+            *self.normal.entry(coordinate, coordinate) = REST;
+        }
+        self.joint_wishes(view);
+        if let Some(root) = self.root.clone() {
+            self.root_wish(&root, view);
+            if let Some(target) = target {
+                self.balance_wish(&root, view, target);
+            }
+        }
+        let share = (FOOT_POINTS / feet.len() as f64).min(1.0);
+        for point in feet {
+            let wish = FEET.vector(&Vector3::zeros(), &point.velocity(view.velocities), view.hold);
+            self.point_wish(point, &wish, &Vector3::repeat(FEET.weight * FEET.weight * share));
+        }
+        self.normal.factor();
+        self.normal.solve(&mut self.wanted);
+    }
+
+    fn joint_wishes(&mut self, view: &View<'_>) {
+        let View { coordinates, state, hold, .. } = *view;
+        for &(position, dof, reference) in &self.joints {
+            let Some((column, _)) = coordinates.entry(dof) else { continue };
+            let wish = JOINTS.acceleration(reference - state.position[position], state.velocity[dof], hold);
+            *self.normal.entry(column, column) += JOINTS.weight * JOINTS.weight;
+            self.wanted[column] += JOINTS.weight * JOINTS.weight * wish;
+        }
+    }
+
+    fn root_wish(&mut self, root: &RootReference, view: &View<'_>) {
+        let View { coordinates, state, hold, .. } = *view;
+        let (position, dof) = root.address;
+        let now = core::array::from_fn(|part| state.position[position + 3 + part]);
+        let error = difference(&root.orientation, &now);
+        for axis in 0..3 {
+            let Some((column, _)) = coordinates.entry(dof + 3 + axis) else { continue };
+            let wish = ROOT.acceleration(error[axis], state.velocity[dof + 3 + axis], hold);
+            *self.normal.entry(column, column) += ROOT.weight * ROOT.weight;
+            self.wanted[column] += ROOT.weight * ROOT.weight * wish;
+        }
+    }
+
+    fn balance_wish(&mut self, root: &RootReference, view: &View<'_>, target: Vector3<f64>) {
+        let View { hold, velocities, .. } = *view;
+        let com = Motion::of_com(view, root.body);
+        let velocity = com.velocity(velocities);
+        let error = Vector3::new(target.x, target.y, root.com_height) - view.workspace.kinematics.subtree_com[root.body];
+        let mut wish = BALANCE.vector(&error, &velocity, hold);
+        wish.z = HEIGHT.acceleration(error.z, velocity.z, hold);
+        let weight = Vector3::new(BALANCE.weight, BALANCE.weight, HEIGHT.weight).map(|weight| weight * weight);
+        self.point_wish(&com, &wish, &weight);
+    }
+
+    /// Adds the wish for an acceleration (m/s²) of a point; `weight` is squared already.
+    fn point_wish(&mut self, point: &Motion, wish: &Vector3<f64>, weight: &Vector3<f64>) {
+        for (count, (row, motion)) in point.columns.iter().enumerate() {
+            let weighted = motion.component_mul(weight);
+            self.wanted[*row] += weighted.dot(wish);
+            for (column, other) in &point.columns[..=count] {
+                *self.normal.entry(*row, *column) += weighted.dot(other);
+            }
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Support: the points of the feet that can bear weight, and where the ground is under them.
+
+use crate::body::Body;
+use crate::model::{GeomKind, Model};
+use crate::physics::kinematics::Kinematics;
+use msk_compiler::vocabulary::GroupKind;
+use nalgebra::{Matrix3, Vector3};
+
+/// A point of a foot that faces the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Point {
+    /// Body that carries it.
+    pub body: usize,
+    /// World position, m.
+    pub position: Vector3<f64>,
+    /// Upward normal of the ground.
+    pub normal: Vector3<f64>,
+    /// Height above the ground, m.
+    pub height: f64,
+    /// Coefficient of sliding friction.
+    pub friction: f64,
+}
+
+/// The feet of a body.
+#[derive(Debug, Clone)]
+pub(super) struct Support {
+    /// Shapes of each foot.
+    feet: Vec<Vec<usize>>,
+    ground: Vec<usize>,
+    /// Points of all feet that the body stands on, refilled by [`update`](Self::update).
+    pub points: Vec<Point>,
+}
+
+/// A foot that is nearer to the ground than this when an episode begins is stood on, m.
+const STANCE: f64 = 0.01;
+
+impl Support {
+    /// The landmarks of the body's group `feet`, or all whose names begin with `sole`, as far as they have shapes.
+    pub fn new(body: &Body) -> Self {
+        let group = body.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == "feet");
+        let named = || (0..body.landmarks.len()).filter(|&index| body.landmarks[index].name.starts_with("sole"));
+        let members: Vec<usize> = group.map_or_else(|| named().collect(), |group| group.members.clone());
+        let feet = members.iter().map(|&landmark| body.landmarks[landmark].segment.clone());
+        Self { feet: feet.filter(|shapes| !shapes.is_empty()).collect(), ground: body.ground.clone(), points: Vec::new() }
+    }
+
+    /// Keeps the feet that the body stands on.
+    pub fn choose_stance(&mut self, model: &Model, kinematics: &Kinematics<f64>) {
+        let feet = core::mem::take(&mut self.feet);
+        let stands = |shapes: &Vec<usize>| {
+            let mut points = Vec::new();
+            self.fill(model, kinematics, shapes, &mut points);
+            points.iter().any(|point| point.height < STANCE)
+        };
+        self.feet = feet.into_iter().filter(stands).collect();
+    }
+
+    /// Refills the points of all feet stood on.
+    pub fn update(&mut self, model: &Model, kinematics: &Kinematics<f64>) {
+        let mut points = core::mem::take(&mut self.points);
+        points.clear();
+        for shapes in &self.feet {
+            self.fill(model, kinematics, shapes, &mut points);
+        }
+        self.points = points;
+    }
+
+    /// The middle of all points, m; `None` without any.
+    pub fn centre(&self) -> Option<Vector3<f64>> {
+        let sum: Vector3<f64> = self.points.iter().map(|point| point.position).sum();
+        (!self.points.is_empty()).then(|| sum / self.points.len() as f64)
+    }
+
+    fn fill(&self, model: &Model, kinematics: &Kinematics<f64>, shapes: &[usize], points: &mut Vec<Point>) {
+        for &shape in shapes {
+            let (centre, rotation) = (kinematics.geom_position[shape], kinematics.geom_rotation[shape]);
+            let plane = self.nearest_plane(kinematics, &centre);
+            let (origin, normal, friction) = plane.map_or((Vector3::zeros(), Vector3::z(), 0.0), |plane| {
+                let normal = kinematics.geom_rotation[plane].column(2).into_owned();
+                (kinematics.geom_position[plane], normal, model.geoms.friction[plane][0])
+            });
+            let friction = friction.max(model.geoms.friction[shape][0]);
+            let body = model.geoms.body[shape];
+            let mut push = |arm: Vector3<f64>| {
+                let position = centre + arm;
+                points.push(Point { body, position, normal, height: (position - origin).dot(&normal), friction });
+            };
+            underside(model.geoms.kind[shape], &model.geoms.size[shape], &rotation, &normal, &mut push);
+        }
+    }
+
+    fn nearest_plane(&self, kinematics: &Kinematics<f64>, point: &Vector3<f64>) -> Option<usize> {
+        let height = |plane: usize| (point - kinematics.geom_position[plane]).dot(&kinematics.geom_rotation[plane].column(2));
+        self.ground.iter().copied().min_by(|&a, &b| height(a).total_cmp(&height(b)))
+    }
+}
+
+/// Hands out the points, relative to its centre in world axes, on which a shape can rest on ground with that normal.
+fn underside(
+    kind: GeomKind,
+    size: &Vector3<f64>,
+    rotation: &Matrix3<f64>,
+    normal: &Vector3<f64>,
+    push: &mut impl FnMut(Vector3<f64>),
+) {
+    let down = -rotation.transpose() * normal;
+    match kind {
+        GeomKind::Sphere => push(-normal * size.x),
+        GeomKind::Capsule => {
+            for end in [-1.0, 1.0] {
+                push(rotation.column(2) * (end * size.y) - normal * size.x);
+            }
+        }
+        GeomKind::Ellipsoid => {
+            // The support point of x'D⁻²x = 1 in a direction d is D² d / |D d|.
+            let stretched = size.component_mul(&down);
+            push(rotation * size.component_mul(&stretched) / stretched.norm());
+        }
+        GeomKind::Cylinder => {
+            let across = Vector3::new(down.x, down.y, 0.0);
+            let rim = if across.norm() > 0.0 { across.normalize() * size.x } else { Vector3::zeros() };
+            for end in [-1.0, 1.0] {
+                push(rotation * (rim + Vector3::z() * (end * size.y)));
+            }
+        }
+        GeomKind::Box => {
+            for corner in 0..8 {
+                let side = |bit: usize| if corner >> bit & 1 == 0 { -1.0 } else { 1.0 };
+                push(rotation * size.component_mul(&Vector3::new(side(0), side(1), side(2))));
+            }
+        }
+        GeomKind::Plane => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::shape::support;
+
+    #[test]
+    fn the_lowest_point_is_as_low_as_the_shape_reaches() {
+        let turn = nalgebra::Rotation3::from_euler_angles(0.3, -0.5, 0.9).into_inner();
+        let normal = Vector3::z();
+        let size = Vector3::new(0.1, 0.3, 0.2);
+        for kind in [GeomKind::Sphere, GeomKind::Capsule, GeomKind::Ellipsoid, GeomKind::Cylinder, GeomKind::Box] {
+            let mut lowest = f64::INFINITY;
+            underside(kind, &size, &turn, &normal, &mut |arm| lowest = lowest.min(arm.dot(&normal)));
+            let reach = support(kind, size, -turn.transpose() * normal);
+            assert!((lowest + reach).abs() < 1e-12, "{kind:?}: {lowest} is not {reach}");
+        }
+    }
+}

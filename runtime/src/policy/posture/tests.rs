@@ -1,0 +1,192 @@
+//! The controller on the human body: it stands, also when pushed, and its answers are the same every time.
+
+use super::{Controller, Coordinates, Dynamics, Hold, Present, View, activation};
+use crate::bodies;
+use crate::body::Body;
+use crate::model::Model;
+use crate::physics::{self, State, Workspace};
+use msk_compiler::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription};
+use msk_compiler::task::RootPlacement;
+use nalgebra::Vector3;
+use std::path::Path;
+
+const HOLD: Hold = Hold { steps: 10, timestep: 1e-3 };
+
+/// The human, standing on the floor in the neutral posture with silent muscles.
+struct Stand {
+    model: Model,
+    body: Body,
+    state: State<f64>,
+    workspace: Workspace<f64>,
+    pose: Vec<f64>,
+    action: Vec<f64>,
+}
+
+/// As much of a body file as standing takes.
+fn description() -> BodyDescription {
+    let foot = |side: &str| LandmarkDescription {
+        name: format!("sole_{side}"),
+        body: format!("calcn_{side}"),
+        forward: Axis::PlusX,
+        up: Axis::PlusY,
+        segment: ["foot_col1", "foot_col3", "foot_col4", "bofoot_col1", "bofoot_col2"]
+            .map(|shape| format!("{side}_{shape}"))
+            .to_vec(),
+        ..Default::default()
+    };
+    BodyDescription {
+        name: "human".into(),
+        root: "Full Body".into(),
+        root_forward: Axis::MinusY,
+        root_up: Axis::PlusZ,
+        excitation: ExcitationMap::Linear,
+        landmarks: ["l", "r"].map(foot).to_vec(),
+        poses: vec![("neutral".into(), ["l", "r"].map(|side| (format!("shoulder_elv_{side}"), 0.14)).to_vec())],
+        ..Default::default()
+    }
+}
+
+impl Stand {
+    fn new() -> Self {
+        let model = bodies::model(&Path::new(bodies::ROOT).join("bodies/models/human416.xml")).unwrap();
+        let body = Body::bind(&description(), &model).unwrap();
+        let (mut state, mut workspace) = (State::new(&model), Workspace::new(&model));
+        let pose = body.neutral().to_vec();
+        body.place(&model, &RootPlacement::default(), &pose, &mut state, &mut workspace);
+        physics::forward(&model, &state, &mut workspace).unwrap();
+        Self { action: vec![0.0; body.muscles.len()], model, body, state, workspace, pose }
+    }
+
+    fn present(&self) -> Present<'_> {
+        Present { body: &self.body, model: &self.model, state: &self.state, workspace: &self.workspace }
+    }
+
+    fn controller(&self) -> Controller {
+        Controller::new(&self.present(), &self.pose, HOLD).unwrap()
+    }
+
+    fn step(&mut self, controller: &mut Controller) {
+        let Self { model, body, state, workspace, action, .. } = self;
+        controller.act(&Present { body, model, state, workspace }, action);
+        for (control, &action) in state.control.iter_mut().zip(&*action) {
+            *control = crate::episode::excitation(body.excitation, action);
+        }
+        for _ in 0..HOLD.steps {
+            physics::step(model, state, workspace).unwrap();
+        }
+        physics::forward(model, state, workspace).unwrap();
+    }
+
+    fn com(&self) -> Vector3<f64> {
+        self.workspace.kinematics.subtree_com[self.body.root.body]
+    }
+
+    fn push(&mut self, force: Vector3<f64>) {
+        let pelvis = self.model.bodies.name.iter().position(|name| name == "pelvis").unwrap();
+        self.state.body_force[pelvis][0] = force;
+    }
+
+    /// Mean squared activation.
+    fn effort(&self) -> f64 {
+        let activation = &self.state.activation;
+        activation.iter().map(|a| a * a).sum::<f64>() / activation.len() as f64
+    }
+}
+
+/// Projected on the independent coordinates, inertia times acceleration plus load less active muscle force is what M v̇ + bias
+/// - passive - muscles gives over all dofs.
+#[test]
+fn the_required_force_is_that_of_the_equations_of_motion() {
+    let Stand { model, body, mut state, mut workspace, .. } = Stand::new();
+    let mut coordinates = Coordinates::new(&model);
+    assert_eq!(coordinates.dofs.len(), model.nv - model.couplings.joint.len());
+    for (index, joint) in body.joints.iter().enumerate() {
+        state.position[joint.position] += 0.2 * (index as f64).sin();
+        state.velocity[joint.dof] = (index as f64).cos();
+    }
+    for (index, activation) in state.activation.iter_mut().enumerate() {
+        *activation = 0.5 + 0.5 * (index as f64).sin();
+    }
+    body.solve_couplings(&model, &mut state.position);
+    body.solve_coupled_velocities(&model, &state.position, &mut state.velocity);
+    physics::smooth(&model, &state, &mut workspace);
+    coordinates.update(&model, &state);
+    let wanted: Vec<f64> = (0..coordinates.len()).map(|index| 3.0 * (2.0 * index as f64).sin()).collect();
+
+    let mut dynamics = Dynamics::new(&model, &coordinates);
+    let view =
+        View { model: &model, state: &state, workspace: &workspace, coordinates: &coordinates, velocities: &[], hold: 0.0 };
+    dynamics.update(&view);
+    let mut found = vec![0.0; coordinates.len()];
+    dynamics.required_force(&wanted, &mut found);
+    for (muscle, activation) in state.activation.iter().enumerate() {
+        dynamics.muscles.add_scaled(muscle, -activation, &mut found);
+    }
+
+    let acceleration: Vec<f64> = (0..model.nv)
+        .map(|dof| coordinates.drift[dof] + coordinates.entry(dof).map_or(0.0, |(column, slope)| slope * wanted[column]))
+        .collect();
+    let mut full = vec![0.0; model.nv];
+    physics::inertia::multiply(&model, &workspace.inertia.matrix, &acceleration, &mut full);
+    for (dof, force) in full.iter_mut().enumerate() {
+        *force += workspace.forces.bias[dof] - workspace.forces.passive[dof] - workspace.forces.actuator[dof];
+    }
+    let mut expected = vec![0.0; coordinates.len()];
+    coordinates.project(&full, &mut expected);
+    let scale = expected.iter().fold(0.0, |largest: f64, force| largest.max(force.abs()));
+    for (column, (found, expected)) in found.iter().zip(&expected).enumerate() {
+        assert!((found - expected).abs() < 1e-9 * scale, "coordinate {column}: {found} is not {expected}");
+    }
+}
+
+#[test]
+fn it_stands_from_silent_muscles() {
+    let mut stand = Stand::new();
+    let mut controller = stand.controller();
+    let start = stand.com();
+    for _ in 0..200 {
+        stand.step(&mut controller);
+        let shift = stand.com() - start;
+        assert!(shift.z.abs() < 0.01 && shift.xy().norm() < 0.05, "shifted by {shift:?} m at {} s", stand.state.time);
+    }
+    assert!(stand.effort() < 0.06, "effort {}", stand.effort());
+}
+
+#[test]
+fn a_push_of_fifty_newtons_does_not_topple_it() {
+    for direction in [Vector3::x(), -Vector3::x(), Vector3::y()] {
+        let mut stand = Stand::new();
+        let mut controller = stand.controller();
+        let mut heights = Vec::new();
+        for step in 0..250 {
+            stand.push(if (60..70).contains(&step) { 50.0 * direction } else { Vector3::zeros() });
+            stand.step(&mut controller);
+            heights.push(stand.com().z);
+        }
+        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(lowest > 0.92, "sank to {lowest} m after a push along {direction:?}");
+    }
+}
+
+#[test]
+fn the_same_state_gives_the_same_action() {
+    let stand = Stand::new();
+    let act = || {
+        let mut action = vec![0.0; stand.body.muscles.len()];
+        stand.controller().act(&stand.present(), &mut action);
+        action
+    };
+    assert_eq!(act(), act());
+}
+
+#[test]
+fn actions_stay_within_their_range() {
+    let mut stand = Stand::new();
+    let mut controller = stand.controller();
+    for _ in 0..20 {
+        stand.step(&mut controller);
+        assert!(stand.action.iter().all(|action| (-1.0..=1.0).contains(action)));
+    }
+    let [low, high] = activation::excitation_range(stand.body.excitation);
+    assert!(stand.state.control.iter().all(|control| (low..=high).contains(control)));
+}
