@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use msk_runtime::model::{Model, ModelError};
+use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -68,6 +69,8 @@ fn counts_without_measure() {
     refused(&format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<site/>".repeat(1_000_001)), "more than 1000000 elements");
     refused(&with(&"<joint/>".repeat(7)), "more than 6 degrees of freedom, found 8");
     refused(&with(&"<geom size=\"1\"/>".repeat(30_000)), "at most 20000 are supported");
+    let ball = "<body><freejoint/><geom size=\"1\"/></body>";
+    refused(&format!("<mujoco><worldbody>{}</worldbody></mujoco>", ball.repeat(5_000)), "pairs of shapes can collide");
     let leaf = "<body><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/><joint/></body>";
     refused(&format!("<mujoco><worldbody>{}</worldbody></mujoco>", leaf.repeat(100_000)), "too large");
     let spine = "<body><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/><joint/><joint/><joint/>".repeat(200);
@@ -269,4 +272,70 @@ fn meshes_that_are_none() {
 fn devices_are_not_read() {
     let message = Model::from_file(Path::new("/dev/zero")).map(|model| model.name).unwrap_err().to_string();
     assert!(message.contains("not a regular file"), "{message}");
+}
+
+/// A piece of a file that a mutation may put anywhere.
+fn piece() -> impl Strategy<Value = String> {
+    let words = [
+        "\"",
+        "<",
+        ">",
+        "/>",
+        "</body>",
+        "<body>",
+        "<frame>",
+        "<geom ",
+        "class=\"limb\"",
+        "type=\"mesh\"",
+        "type=\"free\"",
+        "nan",
+        "-1",
+        "1e30",
+        "-1e-300",
+        "0 0 0",
+        "&amp;",
+        "&#0;",
+        "\u{fffd}",
+        "<![CDATA[",
+        "<!--",
+        "-->",
+        "size=\"0\"",
+        "pos=\"1e29 0 0\"",
+    ];
+    prop_oneof![prop::sample::select(words.to_vec()).prop_map(str::to_owned), "[ -~]{0,6}"]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever is cut from a good file or put into it, the reader answers.
+    #[test]
+    fn damaged_files_are_answered(
+        file in 0..4_usize,
+        cuts in prop::collection::vec((any::<prop::sample::Index>(), 0..40_usize, piece()), 1..6),
+    ) {
+        const FILES: [&str; 4] = [
+            include_str!("../../tests/oracle/models/mjcf/frames.xml"),
+            include_str!("../../tests/oracle/models/mjcf/actuators.xml"),
+            include_str!("../../tests/oracle/models/mjcf/inertias.xml"),
+            include_str!("../../tests/oracle/models/muscles.xml"),
+        ];
+        let mut text: Vec<char> = FILES[file].chars().collect();
+        for (place, length, piece) in cuts {
+            let start = place.index(text.len());
+            let end = (start + length).min(text.len());
+            text.splice(start..end, piece.chars());
+        }
+        let _ = Model::from_mjcf(&text.iter().collect::<String>());
+    }
+
+    /// Any one attribute replaced by any number.
+    #[test]
+    fn any_number_in_any_place_is_answered(place in any::<prop::sample::Index>(), number in any::<f64>()) {
+        let text = include_str!("../../tests/oracle/models/mjcf/actuators.xml");
+        let quotes: Vec<usize> = text.match_indices("=\"").map(|(index, _)| index + 2).collect();
+        let start = quotes[place.index(quotes.len())];
+        let end = start + text[start..].find(['\"', ' ']).unwrap();
+        let _ = Model::from_mjcf(&format!("{}{number:?}{}", &text[..start], &text[end..]));
+    }
 }

@@ -53,7 +53,7 @@ pub struct Model {
     pub couplings: Couplings,
     /// Explicit contact pairs.
     pub pairs: ContactPairs,
-    /// Pairs of bodies that never collide, as (smaller, larger) body index.
+    /// Pairs of bodies that never collide, as (smaller, larger) body index, sorted.
     pub exclusions: Vec<(usize, usize)>,
     /// Length of the position vector.
     pub nq: usize,

@@ -132,7 +132,7 @@ fn bodies_can_meet(model: &Model, first: usize, second: usize) -> bool {
     let parent_weld = |weld: usize| bodies.weld[bodies.parent[weld]];
     let neighbours =
         weld_first != 0 && weld_second != 0 && (weld_first == parent_weld(weld_second) || weld_second == parent_weld(weld_first));
-    let excluded = model.exclusions.contains(&(first.min(second), first.max(second)));
+    let excluded = model.exclusions.binary_search(&(first.min(second), first.max(second))).is_ok();
     weld_first != weld_second && !neighbours && !excluded
 }
 

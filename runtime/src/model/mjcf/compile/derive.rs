@@ -7,8 +7,9 @@ use crate::model::mjcf::error::ModelError;
 /// The mass matrix may have this many entries.
 const MOST_ENTRIES: usize = 20_000_000;
 
-/// A model may have this many geoms: every two of them may meet.
+/// A model may have this many geoms, and this many pairs of them that may meet.
 const MOST_GEOMS: usize = 20_000;
+const MOST_PAIRS: usize = 2_000_000;
 
 /// Constants are derived by one solve with the mass matrix per body, dof and muscle: entries visited in all, at most.
 const MOST_WORK: usize = 4_000_000_000;
@@ -88,6 +89,10 @@ fn check_size(model: &Model, root: &Element) -> Result<(), ModelError> {
     if geoms > MOST_GEOMS {
         return Err(root.invalid(format!("the model has {geoms} geoms; at most {MOST_GEOMS} are supported")));
     }
+    let pairs = colliding_pairs(model);
+    if pairs > MOST_PAIRS {
+        return Err(root.invalid(format!("{pairs} pairs of shapes can collide; at most {MOST_PAIRS} are supported")));
+    }
     let solves = model.bodies.name.len() + model.nv + model.actuators.name.len();
     let entries = model.dofs.column.len() + model.nv;
     if solves.saturating_mul(entries) > MOST_WORK {
@@ -95,6 +100,20 @@ fn check_size(model: &Model, root: &Element) -> Result<(), ModelError> {
             .invalid(format!("the model is too large: {} degrees of freedom, {solves} bodies, degrees and muscles", model.nv)));
     }
     Ok(())
+}
+
+/// How many pairs of geoms on bodies not welded together have matching contact bits.
+fn colliding_pairs(model: &Model) -> usize {
+    let geoms = &model.geoms;
+    let weld = |geom: usize| model.bodies.weld[geoms.body[geom]];
+    let meet = |a: usize, b: usize| {
+        let bits = geoms.contact_type[a] & geoms.contact_affinity[b] | geoms.contact_type[b] & geoms.contact_affinity[a];
+        bits != 0 && weld(a) != weld(b)
+    };
+    let colliding: Vec<usize> =
+        (0..geoms.name.len()).filter(|geom| geoms.contact_type[*geom] | geoms.contact_affinity[*geom] != 0).collect();
+    let after = |(index, a): (usize, &usize)| colliding[index + 1..].iter().filter(|b| meet(*a, **b)).count();
+    colliding.iter().enumerate().map(after).sum()
 }
 
 /// Refuses bodies that move without mass or inertia: the mass matrix would be singular.
