@@ -98,12 +98,28 @@ pub fn compile(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource) -> Re
         }
     }
     let suites = suites(&files, &all_tasks, &mut diagnostics);
+    drop_consequences(&sources, &files, &mut diagnostics);
     let report = Report::new(sources, diagnostics);
     if report.has_errors() {
         return Err(report);
     }
     let bodies = described.into_values().map(|body| body.description).collect();
     Ok(Compilation { tasks, bodies, suites, warnings: report.diagnostics, sources: report.sources })
+}
+
+/// Drops complaints about names whose declaration is there, but could not be read: only the declaration is at fault.
+fn drop_consequences(sources: &SourceMap, files: &[SourceFile], diagnostics: &mut Vec<Diagnostic>) {
+    let unreadable: Vec<&str> = files
+        .iter()
+        .map(|file| file.tree.file)
+        .filter(|file| diagnostics.iter().any(|told| told.code.id.starts_with("E01") && told.file() == *file))
+        .map(|file| sources.text(file))
+        .collect();
+    let declared = |name: &str| {
+        let words = ["fn", "let", "const", "state", "clock", "random", "observation", "task"];
+        !name.is_empty() && words.iter().any(|word| unreadable.iter().any(|text| text.contains(&format!("{word} {name}"))))
+    };
+    diagnostics.retain(|told| told.code != codes::names::UNKNOWN_NAME || !declared(told.span().of(sources.text(told.file()))));
 }
 
 /// A file with those that it uses, by their place in the list of files.

@@ -17,6 +17,8 @@ pub struct Vocabulary {
     pub physics_step: f64,
     /// Total mass of the body, kg.
     pub mass: f64,
+    /// Place of the centre of mass in the standing pose, m.
+    pub neutral_com: [f64; 3],
     /// Named places with anatomical axes.
     pub landmarks: Vec<Landmark>,
     /// Hinges and slides (the root is not among them).
@@ -38,8 +40,10 @@ pub struct Landmark {
     pub description: String,
     /// Mass of the body that carries it, kg.
     pub mass: f64,
-    /// Height above the ground in the standing pose, m.
-    pub neutral_height: f64,
+    /// Place in the standing pose, feet on the ground, root above the origin, facing x, m.
+    pub neutral_position: [f64; 3],
+    /// Axes forward, left, up in the standing pose, one after the other, in world axes.
+    pub neutral_axes: [f64; 9],
     /// Whether it has a segment of geoms, which `touching` and `clearance` need.
     pub has_segment: bool,
 }

@@ -273,7 +273,7 @@ impl<'a> Checker<'a> {
 
     /// Warns of a thing that is compared with, subtracted from or joined to itself.
     fn warn_identical(&mut self, left: NodeId, right: NodeId, span: Span) {
-        if left == right && self.graph.constant_lanes(left).is_none() {
+        if left == right && self.graph.constant_lanes(left).is_none() && !self.allowed.contains("identical") {
             let message = "both sides are the same thing";
             let diagnostic =
                 self.diagnostic(codes::lints::IDENTICAL, span, message).help("one of them was probably to be another");
@@ -370,11 +370,7 @@ fn missing_factor(diagnostic: Diagnostic, left: Dimension, right: Dimension, ope
         && data.form != Form::Zero
     {
         let place = Span::at(quantity.digits.end as usize);
-        return diagnostic.help(format!("the number has no unit; {} is wanted", left.described())).fix(
-            format!("give it the unit `{left}`"),
-            place,
-            format!(" {left}"),
-        );
+        return diagnostic.fix(format!("give it the unit `{left}`"), place, format!(" {left}"));
     }
     diagnostic
         .help(format!("the missing factor is one in `{factor}`: multiply the second by `1 {factor}`, or a constant like it"))

@@ -49,7 +49,7 @@ impl Reader<'_> {
     }
 
     fn not_constant(&mut self, wrong: NotConstant) {
-        self.error(codes::types::NOT_CONSTANT, wrong.span, wrong.message);
+        self.error(wrong.code, wrong.span, wrong.message);
     }
 
     /// Reports a name or setting that is there already.

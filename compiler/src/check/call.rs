@@ -6,13 +6,15 @@ use super::functions;
 use super::scope::Definition;
 use super::types::{Frame, Type};
 use super::value::{Data, Thing, Value};
-use super::wording::did_you_mean;
 use crate::diagnostics::nearest;
-use crate::diagnostics::{Span, codes};
+use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Reduction};
-use crate::syntax::tree::{self, Argument, Expr, ExprKind, Function, Ident};
+use crate::syntax::tree::{self, Argument, Expr, ExprKind, Function, Ident, Parameter};
+
+/// Types that are no dimension.
+const OTHER_TYPES: [&str; 10] = ["bool", "int", "duration", "place", "vec2", "vec3", "rotation", "landmark", "joint", "muscle"];
 
 impl<'a> Checker<'a> {
     pub(crate) fn call(&mut self, function: &'a Expr, arguments: &'a [Argument], span: Span) -> Checked<Value> {
@@ -29,7 +31,7 @@ impl<'a> Checker<'a> {
                 );
                 return Err(self.report(diagnostic));
             };
-            let values = self.bind_arguments(callee, arguments, span)?;
+            let values = self.bind_arguments(callee, declared.file, arguments, span)?;
             self.enter(Step { name: name.text.clone(), file: self.place.file, span, call: true }, declared)?;
             let value = self.deeper(span, |checker| {
                 checker.elsewhere(place, |checker| {
@@ -58,18 +60,23 @@ impl<'a> Checker<'a> {
         let near = nearest(text, names.into_iter());
         let message = format!("there is no function `{text}`");
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
-        diagnostic = match did_you_mean(&near) {
-            Some(help) => diagnostic.help(help),
-            None => diagnostic.help("functions of a library come with `use \"...\"`"),
-        };
+        if near.is_empty() {
+            diagnostic = diagnostic.help("functions of a library come with `use \"...\"`");
+        }
         for name in near {
-            diagnostic = diagnostic.suggest(format!("write `{name}`"), span, name);
+            diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), span, name);
         }
         self.report(diagnostic)
     }
 
     /// The arguments by the names of the parameters.
-    fn bind_arguments(&mut self, callee: &'a Function, arguments: &'a [Argument], span: Span) -> Checked<Vec<(String, Value)>> {
+    fn bind_arguments(
+        &mut self,
+        callee: &'a Function,
+        declared_in: FileId,
+        arguments: &'a [Argument],
+        span: Span,
+    ) -> Checked<Vec<(String, Value)>> {
         let mut slots: Vec<Option<&'a Expr>> = vec![None; callee.parameters.len()];
         let mut next = 0;
         for argument in arguments {
@@ -91,7 +98,7 @@ impl<'a> Checker<'a> {
             let Some(expr) = slot else { return Err(self.wrong_count(callee, arguments.len(), span)) };
             match self.value(expr) {
                 Ok(value) => {
-                    broken |= self.check_annotation(parameter.annotation.as_ref(), &value).is_err();
+                    broken |= self.check_parameter(parameter, declared_in, &value, expr.span).is_err();
                     values.push((parameter.name.text.clone(), value));
                 }
                 Err(Reported) => broken = true,
@@ -110,53 +117,74 @@ impl<'a> Checker<'a> {
         self.report(diagnostic)
     }
 
-    /// Checks a value against a written annotation such as `length`, `int` or `vec3`.
+    /// Checks the value of a declaration against the annotation written beside its name.
     pub(crate) fn check_annotation(&mut self, annotation: Option<&Ident>, value: &Value) -> Checked<()> {
         let Some(annotation) = annotation else { return Ok(()) };
-        let kind = match value {
-            Value::Data(data) => Some(&data.kind),
-            Value::Thing(_) | Value::Things { .. } => None,
-        };
-        let zero = matches!(value, Value::Data(data) if data.is_zero());
-        let fits = match (annotation.text.as_str(), kind, value) {
-            ("landmark", _, Value::Thing(Thing::Landmark(_)))
-            | ("joint", _, Value::Thing(Thing::Joint(_)))
-            | ("muscle", _, Value::Thing(Thing::Muscle(_))) => true,
-            ("bool", Some(Type::Bool), _) | ("int", Some(Type::Int), _) | ("duration", Some(Type::Steps), _) => true,
-            ("place", Some(Type::Place(_)), _) | ("rotation", Some(Type::Rotation), _) => true,
-            ("vec2", Some(Type::Vector { size: 2, .. }), _) | ("vec3", Some(Type::Vector { size: 3, .. }), _) => true,
-            ("landmark" | "joint" | "muscle" | "bool" | "int" | "duration" | "place" | "rotation" | "vec2" | "vec3", ..) => false,
-            (name, kind, _) => {
-                let Some(dimension) = Dimension::named(name) else {
-                    return Err(self.unknown_type(annotation));
-                };
-                zero || kind
-                    .is_some_and(|kind| matches!(kind, Type::Number(_) | Type::Int) && kind.dimension() == Some(dimension))
-            }
-        };
-        if fits {
+        let file = self.place.file;
+        if self.is_of_type(annotation, file, value)? {
             return Ok(());
         }
+        let message = format!("the value is not of the type `{}`", annotation.text);
+        let diagnostic = self.diagnostic(codes::types::ANNOTATION, annotation.span, message);
+        let diagnostic = self.compare_types(diagnostic, annotation, value);
+        Err(self.report(diagnostic))
+    }
+
+    /// Checks an argument against the annotation of its parameter, which may stand in another file.
+    fn check_parameter(&mut self, parameter: &Parameter, file: FileId, value: &Value, argument: Span) -> Checked<()> {
+        let Some(annotation) = &parameter.annotation else { return Ok(()) };
+        if self.is_of_type(annotation, file, value)? {
+            return Ok(());
+        }
+        let message = format!("the argument `{}` is not of the type `{}`", parameter.name.text, annotation.text);
+        let diagnostic = self.diagnostic(codes::types::ANNOTATION, argument, message).label(file, annotation.span, "wanted here");
+        let diagnostic = self.compare_types(diagnostic, annotation, value);
+        Err(self.report(diagnostic))
+    }
+
+    fn compare_types(&self, diagnostic: Diagnostic, annotation: &Ident, value: &Value) -> Diagnostic {
         let found = match value {
             Value::Data(data) => data.kind.described(self.vocabulary),
             Value::Thing(thing) => self.thing_name(*thing),
             Value::Things { members, .. } => format!("{} parts of the body", members.len()),
         };
         let expected = Dimension::named(&annotation.text).map_or(annotation.text.clone(), Dimension::described);
-        let diagnostic = self
-            .diagnostic(codes::types::ANNOTATION, annotation.span, format!("the value is not of the type `{}`", annotation.text))
-            .expected(expected)
-            .found(found);
-        Err(self.report(diagnostic))
+        diagnostic.expected(expected).found(found)
     }
 
-    fn unknown_type(&mut self, annotation: &Ident) -> Reported {
-        let others = ["bool", "int", "duration", "place", "vec2", "vec3", "rotation", "landmark", "joint", "muscle"];
-        let near = nearest(&annotation.text, Dimension::names().chain(others));
+    /// Whether a value is of the type called so in `file`.
+    fn is_of_type(&mut self, annotation: &Ident, file: FileId, value: &Value) -> Checked<bool> {
+        let kind = if let Value::Data(data) = value { Some(&data.kind) } else { None };
+        let word = annotation.text.as_str();
+        if OTHER_TYPES.contains(&word) {
+            return Ok(matches!(
+                (word, kind, value),
+                ("landmark", _, Value::Thing(Thing::Landmark(_)))
+                    | ("joint", _, Value::Thing(Thing::Joint(_)))
+                    | ("muscle", _, Value::Thing(Thing::Muscle(_)))
+                    | ("bool", Some(Type::Bool), _)
+                    | ("int", Some(Type::Int), _)
+                    | ("duration", Some(Type::Steps), _)
+                    | ("place", Some(Type::Place(_)), _)
+                    | ("rotation", Some(Type::Rotation), _)
+                    | ("vec2", Some(Type::Vector { size: 2, .. }), _)
+                    | ("vec3", Some(Type::Vector { size: 3, .. }), _)
+            ));
+        }
+        let Some(dimension) = Dimension::named(word) else {
+            return Err(self.unknown_type(annotation, file));
+        };
+        let zero = matches!(value, Value::Data(data) if data.is_zero());
+        let number = |kind: &Type| matches!(kind, Type::Number(_) | Type::Int) && kind.dimension() == Some(dimension);
+        Ok(zero || kind.is_some_and(number))
+    }
+
+    fn unknown_type(&mut self, annotation: &Ident, file: FileId) -> Reported {
+        let near = nearest(&annotation.text, Dimension::names().chain(OTHER_TYPES.iter().copied()));
         let message = format!("there is no type `{}`", annotation.text);
-        let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, annotation.span, message);
-        if let Some(help) = did_you_mean(&near) {
-            diagnostic = diagnostic.help(help);
+        let mut diagnostic = Diagnostic::new(codes::names::UNKNOWN_NAME, file, annotation.span, message);
+        for name in near {
+            diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), annotation.span, name);
         }
         self.report(diagnostic)
     }

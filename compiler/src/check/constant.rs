@@ -2,14 +2,25 @@
 
 use super::dimension::Dimension;
 use super::unit::{self, Quantity};
-use crate::diagnostics::Span;
+use crate::diagnostics::{Code, Span, codes};
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, UnaryOperator};
 
 /// Why an expression is no constant quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NotConstant {
+    pub code: &'static Code,
     pub span: Span,
     pub message: String,
+}
+
+impl NotConstant {
+    fn new(span: Span, message: impl Into<String>) -> Self {
+        Self { code: codes::types::NOT_CONSTANT, span, message: message.into() }
+    }
+
+    fn dimension(span: Span, message: impl Into<String>) -> Self {
+        Self { code: codes::types::DIMENSIONS_DIFFER, span, message: message.into() }
+    }
 }
 
 /// The value of an expression in SI units.
@@ -17,13 +28,13 @@ pub(crate) struct NotConstant {
 /// # Errors
 /// The first part that is not a constant, or whose unit does not fit.
 pub(crate) fn quantity(expr: &Expr) -> Result<Quantity, NotConstant> {
-    let fail = |message: &str| Err(NotConstant { span: expr.span, message: message.to_owned() });
+    let fail = |message: &str| Err(NotConstant::new(expr.span, message));
     match &expr.kind {
         ExprKind::Number(number) => match number.unit.as_ref().map(unit::evaluate) {
             None => Ok(Quantity { value: number.value, dimension: Dimension::NONE }),
             Some(Ok(one)) => Ok(Quantity { value: number.value * one.value, ..one }),
             Some(Err(factor)) => {
-                Err(NotConstant { span: factor.span, message: format!("there is no unit `{}` here", factor.name) })
+                Err(NotConstant::new(factor.span, format!("`{}` cannot stand in a unit like this", factor.name)))
             }
         },
         ExprKind::Paren(inner) => quantity(inner),
@@ -38,7 +49,9 @@ pub(crate) fn quantity(expr: &Expr) -> Result<Quantity, NotConstant> {
                 BinaryOperator::Divide => a.dimension.per(b.dimension),
                 _ => None,
             };
-            let Some(dimension) = dimension else { return fail("these units do not fit together") };
+            let Some(dimension) = dimension else {
+                return Err(NotConstant::dimension(expr.span, "these units do not fit together"));
+            };
             let value = match operator {
                 BinaryOperator::Add => a.value + b.value,
                 BinaryOperator::Subtract => a.value - b.value,
@@ -59,12 +72,24 @@ pub(crate) fn of_dimension(expr: &Expr, wanted: Dimension) -> Result<f64, NotCon
     let found = quantity(expr)?;
     if found.dimension != wanted && !(found.value == 0.0 && found.dimension.is_none()) {
         let message = format!("this is {}, where {} is wanted", found.dimension.described(), wanted.described());
-        return Err(NotConstant { span: expr.span, message });
+        return Err(NotConstant::dimension(expr.span, message));
     }
     if !found.value.is_finite() {
-        return Err(NotConstant { span: expr.span, message: "this is no finite number".to_owned() });
+        return Err(NotConstant::new(expr.span, "this is no finite number"));
     }
     Ok(found.value)
+}
+
+/// A whole number that is not negative.
+///
+/// # Errors
+/// Anything else.
+pub(crate) fn whole(expr: &Expr) -> Result<u64, NotConstant> {
+    let found = of_dimension(expr, Dimension::NONE)?;
+    if found >= 0.0 && found.fract() == 0.0 && found <= 9e15 {
+        return Ok(found as u64);
+    }
+    Err(NotConstant::new(expr.span, "a whole number is wanted here"))
 }
 
 /// The components of a bracket, each of this dimension.
@@ -74,11 +99,10 @@ pub(crate) fn of_dimension(expr: &Expr, wanted: Dimension) -> Result<f64, NotCon
 pub(crate) fn bracket<const SIZE: usize>(expr: &Expr, wanted: Dimension) -> Result<[f64; SIZE], NotConstant> {
     let ExprKind::List(elements) = &expr.kind else {
         let message = format!("a bracket of {SIZE} numbers is wanted here");
-        return Err(NotConstant { span: expr.span, message });
+        return Err(NotConstant::new(expr.span, message));
     };
     let values: Vec<f64> = elements.iter().map(|element| of_dimension(element, wanted)).collect::<Result<_, _>>()?;
-    <[f64; SIZE]>::try_from(values).map_err(|values| NotConstant {
-        span: expr.span,
-        message: format!("a bracket of {SIZE} numbers is wanted here, this has {}", values.len()),
+    <[f64; SIZE]>::try_from(values).map_err(|values| {
+        NotConstant::new(expr.span, format!("a bracket of {SIZE} numbers is wanted here, this has {}", values.len()))
     })
 }

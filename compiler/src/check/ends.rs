@@ -76,11 +76,11 @@ impl<'a> Checker<'a> {
     }
 
     /// The entry itself; `remove` needs `extends`, which is reported.
-    pub(crate) fn plain_entry<'e, T>(&mut self, entry: &'e Entry<T>, what: &str) -> Option<&'e T> {
+    pub(crate) fn plain_entry<T>(&mut self, entry: &'a Entry<T>, what: &str) -> Option<&'a T> {
         match entry {
             Entry::Item(item) => Some(item),
             Entry::Allow(allow) => {
-                self.allowed.insert(allow.lint.text.clone());
+                self.allow(allow);
                 None
             }
             Entry::Remove(remove) => {

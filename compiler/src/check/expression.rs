@@ -152,14 +152,8 @@ impl<'a> Checker<'a> {
                 Ok(Data::new(node, Type::Number(one.dimension)))
             }
             Err(factor) => {
-                let known = unit::UNITS.iter().map(|unit| unit.name);
-                let near = crate::diagnostics::nearest(&factor.name, known);
-                let message = format!("there is no unit `{}`", factor.name);
-                let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_UNIT, factor.span, message);
-                for name in near {
-                    diagnostic = diagnostic.suggest(format!("write `{name}`"), factor.span, name);
-                }
-                Err(self.report(diagnostic))
+                let message = format!("`{}` cannot stand in a unit like this", factor.name);
+                Err(self.error(codes::names::UNIT, factor.span, message))
             }
         }
     }
@@ -308,7 +302,10 @@ impl<'a> Checker<'a> {
             Value::Thing(_) => None,
         };
         let Some(length) = length else {
-            return Err(self.error(codes::types::WRONG_TYPE, span, "only a list can be indexed"));
+            let diagnostic = self
+                .diagnostic(codes::types::WRONG_TYPE, span, "only a list can be indexed")
+                .help("components have names: `.x`, `.y`, `.z` in world axes, `.forward`, `.left`, `.up` in those of a landmark");
+            return Err(self.report(diagnostic));
         };
         let known = self.graph.constant_value(place.node).filter(|_| place.kind == Type::Int);
         let Some(known) = known else {

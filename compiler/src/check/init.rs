@@ -29,7 +29,7 @@ impl<'a> Checker<'a> {
                 InitStatement::Noise(noise) => self.noise(noise, &mut init),
                 InitStatement::Settle(settle) => Err(self.not_yet(settle.span, "settle")),
                 InitStatement::Allow(allow) => {
-                    self.allowed.insert(allow.lint.text.clone());
+                    self.allow(allow);
                     Ok(())
                 }
             };
@@ -51,7 +51,7 @@ impl<'a> Checker<'a> {
     }
 
     fn constant(&mut self, found: Result<f64, NotConstant>) -> Checked<f64> {
-        found.map_err(|wrong| self.error(codes::types::NOT_CONSTANT, wrong.span, wrong.message))
+        found.map_err(|wrong| self.error(wrong.code, wrong.span, wrong.message))
     }
 
     fn pose(&mut self, pose: &'a PoseUse, init: &mut Init) -> Checked<()> {
@@ -121,7 +121,7 @@ impl<'a> Checker<'a> {
     }
 
     fn root_field(&mut self, field: &'a Field, root: &mut RootPlacement) -> Checked<()> {
-        let wrong = |checker: &mut Self, wrong: NotConstant| checker.error(codes::types::NOT_CONSTANT, wrong.span, wrong.message);
+        let wrong = |checker: &mut Self, wrong: NotConstant| checker.error(wrong.code, wrong.span, wrong.message);
         match (field.name.text.as_str(), &field.value) {
             ("height", FieldValue::On(Expr { kind: ExprKind::Name(name), .. })) if name.text == "ground" => root.height = None,
             ("height", FieldValue::Value(value)) => {

@@ -1,21 +1,60 @@
 //! Lints: what compiles, but is probably not what was meant. Each can be allowed in place by its name.
 
 use super::context::Checker;
-use super::ranges::Working;
+use super::ranges::{Standing, Working};
 use super::reward::PaidTerm;
 use super::scope::Definition;
 use super::task::CheckedTask;
-use crate::diagnostics::{Code, Diagnostic, codes};
+use crate::diagnostics::{Code, Diagnostic, codes, nearest};
+use crate::explain::short;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
-use crate::syntax::tree::{BinaryOperator, Expr, ExprKind};
-use std::collections::BTreeMap;
+use crate::syntax::tree::{Allow, BinaryOperator, Expr, ExprKind};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Every lint by the name under which it is allowed.
+const LINTS: [&str; 12] = [
+    "constant_term",
+    "dead_at_reset",
+    "dead_term",
+    "decided",
+    "doubled_sign",
+    "factor_in_term",
+    "hidden_sign",
+    "holds_at_reset",
+    "identical",
+    "twice_observed",
+    "unobserved",
+    "unused",
+];
+
+impl<'a> Checker<'a> {
+    /// The lint that an `allow` names; one that does not exist is an error, or the next slip would go unseen.
+    pub(crate) fn lint(&mut self, allow: &'a Allow) -> Option<&'a str> {
+        let name = allow.lint.text.as_str();
+        if LINTS.contains(&name) {
+            return Some(name);
+        }
+        let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, allow.lint.span, format!("there is no lint `{name}`"));
+        let near = nearest(name, LINTS);
+        let diagnostic = if near.is_empty() { diagnostic.help(format!("there is {}", LINTS.join(", "))) } else { diagnostic };
+        let offer = |diagnostic: Diagnostic, name| diagnostic.suggest(format!("did you mean `{name}`?"), allow.lint.span, name);
+        self.diagnostics.push(near.into_iter().fold(diagnostic, offer));
+        None
+    }
+
+    /// Allows a lint in the whole task.
+    pub(crate) fn allow(&mut self, allow: &'a Allow) {
+        let name = self.lint(allow);
+        self.allowed.extend(name.map(str::to_owned));
+    }
+}
 
 /// Names that a task declares and nothing reads.
 pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
     for (name, declared) in checker.names.of_task() {
-        if !checker.used.contains(name) && !matches!(declared.definition, Definition::Observation(_)) {
+        if !checker.used.contains(name) && !matches!(declared.definition, Definition::State(_)) {
             let span = declared.definition.span();
             let message = format!("nothing reads `{name}`");
             push(checker, "unused", Diagnostic::new(codes::lints::UNUSED, declared.file, span, message), diagnostics);
@@ -35,13 +74,21 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
     }
     decided_ends(checker, task, &bounds, diagnostics);
     twice_observed(checker, task, diagnostics);
-    unobserved(checker, task, diagnostics);
+    states(checker, task, diagnostics);
+    at_reset(checker, task, &bounds, diagnostics);
     task.terms.iter().map(|term| interval::of_scalar(&bounds, term.node)).collect()
 }
 
 fn push(checker: &Checker<'_>, lint: &str, diagnostic: Diagnostic, diagnostics: &mut Vec<Diagnostic>) {
     if !checker.allowed.contains(lint) {
         diagnostics.push(diagnostic);
+    }
+}
+
+/// The same for a lint on a term, which may allow it for itself.
+fn push_term(checker: &Checker<'_>, term: &PaidTerm<'_>, lint: &str, diagnostic: Diagnostic, diagnostics: &mut Vec<Diagnostic>) {
+    if !term.allowed.contains(&lint) {
+        push(checker, lint, diagnostic, diagnostics);
     }
 }
 
@@ -57,7 +104,7 @@ fn constant_term(checker: &Checker<'_>, term: &PaidTerm<'_>, bounds: Bounds, dia
     let message = format!("the term `{}` is {value} whatever the body does", term.name);
     let diagnostic =
         at(checker, code, term, message).help("what it reads cannot change it: look for a swapped side or a saturated bound");
-    push(checker, lint, diagnostic, diagnostics);
+    push_term(checker, term, lint, diagnostic, diagnostics);
 }
 
 /// A negative weight on a term that is never positive pays for what was to be a cost.
@@ -65,12 +112,12 @@ fn doubled_sign(checker: &Checker<'_>, term: &PaidTerm<'_>, bounds: Bounds, diag
     if term.weight < 0.0 && bounds.high <= 0.0 && bounds.low < 0.0 {
         let message = format!("the term `{}` is never positive and its weight is negative: the cost becomes pay", term.name);
         let diagnostic = at(checker, codes::lints::DOUBLED_SIGN, term, message).help("keep one of the two signs");
-        push(checker, "doubled_sign", diagnostic, diagnostics);
+        push_term(checker, term, "doubled_sign", diagnostic, diagnostics);
     }
     if term.weight > 0.0 && bounds.high <= 0.0 && bounds.low < 0.0 {
         let message = format!("the term `{}` is never positive; its sign is hidden in the formula", term.name);
         let help = "write the formula positive and its weight negative, so that the column of weights tells what is a cost";
-        push(checker, "hidden_sign", at(checker, codes::lints::HIDDEN_SIGN, term, message).help(help), diagnostics);
+        push_term(checker, term, "hidden_sign", at(checker, codes::lints::HIDDEN_SIGN, term, message).help(help), diagnostics);
     }
 }
 
@@ -88,7 +135,7 @@ fn factor_in_term(checker: &Checker<'_>, term: &PaidTerm<'_>, diagnostics: &mut 
     let message = format!("the term `{}` begins with a plain factor", term.name);
     let diagnostic = Diagnostic::new(codes::lints::FACTOR_IN_TERM, checker.task_place.file, expr.span, message)
         .help("it belongs in the weight, where people and tuners look for it");
-    push(checker, "factor_in_term", diagnostic, diagnostics);
+    push_term(checker, term, "factor_in_term", diagnostic, diagnostics);
 }
 
 /// Terminations and success that can never hold or never fail.
@@ -124,6 +171,53 @@ fn span_of_end(checker: &Checker<'_>, task: &CheckedTask<'_>, node: NodeId) -> c
     reason.or(success).unwrap_or_default()
 }
 
+/// What holds in the very first snapshot, where the task begins in the standing pose: ends that hold there, and paid terms
+/// that pay less than a twentieth of what they can.
+fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
+    let standing = checker.vocabulary.joints.iter().map(|joint| joint.neutral);
+    if !task.init.coordinates.iter().copied().eq(standing)
+        || task.init.root.velocity != [0.0; 3]
+        || task.init.root.height.is_some()
+    {
+        return;
+    }
+    let reset = interval::analyse(&task.graph, &Standing { vocabulary: checker.vocabulary, reset: true });
+    let ends = task.terminations.iter().map(|(name, node)| (format!("the termination `{name}`"), *node));
+    for (what, node) in ends.chain(std::iter::once(("success".to_owned(), task.success))) {
+        let decided = interval::of_scalar(bounds, node).single().is_some();
+        if interval::of_scalar(&reset, node).single() == Some(1.0) && !decided {
+            let span = span_of_end(checker, task, node);
+            let message = format!("{what} holds before anything has happened, in the pose in which the task begins");
+            let diagnostic = Diagnostic::new(codes::lints::HOLDS_AT_RESET, checker.task_place.file, span, message);
+            push(checker, "holds_at_reset", diagnostic, diagnostics);
+        }
+    }
+    for term in &task.terms {
+        let (range, start) = (interval::of_scalar(bounds, term.node), interval::of_scalar(&reset, term.node));
+        let Some(value) = start.single().filter(|_| term.weight > 0.0 && range.single().is_none()) else { continue };
+        if range.low >= 0.0 && range.high.is_finite() && value < 0.05 * range.high && !gated(term.formula) {
+            let message = format!("the term `{}` pays almost nothing in the pose in which the task begins", term.name);
+            let diagnostic = at(checker, codes::lints::DEAD_AT_RESET, term, message)
+                .expected(format!("more than a twentieth of its highest value, {}", short(range.high)))
+                .found(short(value))
+                .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
+            push_term(checker, term, "dead_at_reset", diagnostic, diagnostics);
+        }
+    }
+}
+
+/// Whether a formula says itself that it does not always pay.
+fn gated(formula: &Expr) -> bool {
+    match &formula.kind {
+        ExprKind::When { .. } | ExprKind::If { .. } | ExprKind::Compare { .. } | ExprKind::EndedBy(_) => true,
+        ExprKind::Paren(inner) => gated(inner),
+        ExprKind::Call { function, .. } => {
+            matches!(&function.kind, ExprKind::Name(name) if matches!(name.text.as_str(), "once" | "rising" | "ever" | "held"))
+        }
+        _ => false,
+    }
+}
+
 /// Two channels that carry the same numbers.
 fn twice_observed(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let mut first: BTreeMap<NodeId, &str> = BTreeMap::new();
@@ -136,19 +230,41 @@ fn twice_observed(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &m
     }
 }
 
-/// Memory that the pay depends on and the policy cannot see.
-fn unobserved(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
-    let paid = states_read(&task.graph, task.terms.iter().map(|term| term.node).chain(task.updates.iter().copied()));
-    let seen = states_read(&task.graph, task.channels.iter().map(|channel| channel.node));
-    for index in paid.into_iter().filter(|index| !seen.contains(index)) {
-        let Some(state) = task.states.get(index as usize) else { continue };
+/// States that nothing reads, and states that the pay depends on and the policy cannot see.
+fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let terms = || task.terms.iter().map(|term| term.node);
+    let channels = || task.channels.iter().map(|channel| channel.node);
+    let ends = task.terminations.iter().map(|(_, node)| *node).chain([task.success]);
+    let paid = states_behind(task, terms());
+    let seen = states_behind(task, channels());
+    let read = states_behind(task, terms().chain(channels()).chain(ends));
+    for (index, state) in task.states.iter().enumerate() {
+        let index = u32::try_from(index).unwrap_or(u32::MAX);
         let declared = checker.names.of_task().find(|(name, _)| *name == state.name).map(|(_, declared)| declared);
         let span = declared.map(|declared| declared.definition.span()).unwrap_or_default();
-        let message = format!("the reward depends on the state `{}`, which the policy cannot observe", state.name);
-        let diagnostic = Diagnostic::new(codes::lints::UNOBSERVED, checker.task_place.file, span, message)
-            .help("add it to `observe`, or the same observation will be paid differently");
-        push(checker, "unobserved", diagnostic, diagnostics);
+        let file = checker.task_place.file;
+        if !read.contains(&index) {
+            let message = format!("nothing reads `{}`", state.name);
+            push(checker, "unused", Diagnostic::new(codes::lints::UNUSED, file, span, message), diagnostics);
+        } else if paid.contains(&index) && !seen.contains(&index) {
+            let message = format!("the reward depends on the state `{}`, which the policy cannot observe", state.name);
+            let diagnostic = Diagnostic::new(codes::lints::UNOBSERVED, file, span, message)
+                .help("add it to `observe`, or the same observation will be paid differently");
+            push(checker, "unobserved", diagnostic, diagnostics);
+        }
     }
+}
+
+/// The states that nodes read, directly or through the updates of other states.
+fn states_behind(task: &CheckedTask<'_>, roots: impl Iterator<Item = NodeId>) -> BTreeSet<u32> {
+    let mut found = BTreeSet::new();
+    let mut pending = states_read(&task.graph, roots);
+    while let Some(index) = pending.pop() {
+        if found.insert(index) {
+            pending.extend(states_read(&task.graph, task.updates.get(index as usize).copied().into_iter()));
+        }
+    }
+    found
 }
 
 fn states_read(graph: &Graph, roots: impl Iterator<Item = NodeId>) -> Vec<u32> {
@@ -157,8 +273,5 @@ fn states_read(graph: &Graph, roots: impl Iterator<Item = NodeId>) -> Vec<u32> {
         Operation::StateBefore(index) | Operation::StateAfter(index) => Some(index),
         _ => None,
     });
-    let mut found: Vec<u32> = states.collect();
-    found.sort_unstable();
-    found.dedup();
-    found
+    states.collect()
 }

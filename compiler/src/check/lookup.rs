@@ -4,9 +4,8 @@ use super::context::{Checked, Checker, Reported, Step};
 use super::scope::{Declared, Definition, Place};
 use super::signals::{self, Owner};
 use super::value::{Thing, Value};
-use super::wording::did_you_mean;
 use crate::diagnostics::nearest;
-use crate::diagnostics::{Span, codes};
+use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::syntax::tree::{Ident, Name, NamePart, Text};
 use crate::vocabulary::{GroupKind, JointKind};
 
@@ -103,21 +102,23 @@ impl<'a> Checker<'a> {
     pub(crate) fn unknown_name(&mut self, text: &str, span: Span, candidates: Vec<String>) -> Reported {
         let near = nearest(text, candidates.iter().map(String::as_str));
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, format!("there is nothing called `{text}`"));
-        if let Some(help) = did_you_mean(&near) {
-            diagnostic = diagnostic.help(help);
-        } else if super::functions::find(text).is_some() {
+        if super::functions::find(text).is_some() {
             diagnostic = diagnostic.help(format!("`{text}` is a function: `{text}(...)`"));
-        } else {
+        } else if near.is_empty() && (1..=12).contains(&candidates.len()) {
+            diagnostic = diagnostic.help(format!("there is {}", candidates.join(", ")));
+        } else if near.is_empty() {
             diagnostic = diagnostic.help("`msk vocabulary` lists what the body and the language offer");
         }
         for name in near {
-            diagnostic = diagnostic.suggest(format!("write `{name}`"), span, name);
+            diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), span, name);
         }
         self.report(diagnostic)
     }
 
     fn names_in_sight(&self) -> Vec<String> {
-        let mut names = self.body_names();
+        // Names that do not fit the language's spelling need a selector; offered bare they would not even parse.
+        let plain = |name: &String| name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+        let mut names: Vec<String> = self.body_names().into_iter().filter(plain).collect();
         names.extend(self.names.in_sight(self.place).map(str::to_owned));
         names.extend(self.locals.iter().map(|(name, _)| name.clone()));
         let words = signals::SIGNALS.iter().filter(|s| matches!(s.owner, Owner::Time | Owner::WholeBody)).map(|s| s.name);
@@ -214,12 +215,17 @@ impl<'a> Checker<'a> {
             let mut circle: Vec<&str> = self.path[start..].iter().map(|step| step.name.as_str()).collect();
             circle.push(&step.name);
             let drawn = circle.join(" -> ");
+            let help = if step.call {
+                "a function cannot call itself: every formula must come to an end"
+            } else {
+                "to use the value of the step before, write `prev(...)` of a signal or declare a `state`"
+            };
             let message = format!("`{}` depends on itself", step.name);
-            let diagnostic = crate::diagnostics::Diagnostic::new(codes::names::CYCLE, step.file, step.span, message)
+            let diagnostic = Diagnostic::new(codes::names::CYCLE, step.file, step.span, message)
                 .here("this closes the circle")
                 .label(declared.file, declared.definition.span(), "declared here")
                 .help(format!("the circle: {drawn}"))
-                .help("to use the value of the step before, write `prev(...)` of a signal or declare a `state`");
+                .help(help);
             return Err(self.report(diagnostic));
         }
         self.path.push(step);
@@ -245,11 +251,11 @@ impl<'a> Checker<'a> {
                 let near = nearest(&pattern.value, names.into_iter());
                 let message = format!("no {} fits \"{}\"", kind.text.trim_end_matches('s'), pattern.value);
                 let mut diagnostic = self.diagnostic(codes::names::NOTHING_FITS, pattern.span, message);
-                if let Some(help) = did_you_mean(&near) {
-                    diagnostic = diagnostic.help(help);
+                if near.is_empty() {
+                    diagnostic = diagnostic.help("`msk vocabulary` lists what the body has; `*` stands for anything");
                 }
                 for name in near {
-                    diagnostic = diagnostic.suggest(format!("write \"{name}\""), pattern.span, format!("\"{name}\""));
+                    diagnostic = diagnostic.suggest(format!("did you mean \"{name}\"?"), pattern.span, format!("\"{name}\""));
                 }
                 Err(self.report(diagnostic))
             }

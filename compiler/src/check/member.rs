@@ -5,7 +5,6 @@ use super::dimension::Dimension;
 use super::signals::{self, Owner, Read, Signal};
 use super::types::{Frame, Type};
 use super::value::{Data, Form, Thing, Value};
-use super::wording::did_you_mean;
 use crate::diagnostics::nearest;
 use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
@@ -72,15 +71,14 @@ impl<'a> Checker<'a> {
         let near = nearest(&name.text, known.iter().copied());
         let message = format!("{} has no `{}`", self.thing_name(thing), name.text);
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message);
-        diagnostic = match did_you_mean(&near) {
-            Some(help) => diagnostic.help(help),
-            None => diagnostic.help(format!("it has {}", known.join(", "))),
-        };
+        if near.is_empty() {
+            diagnostic = diagnostic.help(format!("it has {}", known.join(", ")));
+        }
         if matches!(name.text.as_str(), "x" | "y" | "z" | "xy") {
             diagnostic = diagnostic.help(format!("components belong to vectors and places: `.position.{}`", name.text));
         }
         for property in near {
-            diagnostic = diagnostic.suggest(format!("write `{property}`"), name.span, property);
+            diagnostic = diagnostic.suggest(format!("did you mean `{property}`?"), name.span, property);
         }
         self.report(diagnostic)
     }
@@ -324,7 +322,8 @@ impl<'a> Checker<'a> {
                 "its components are `.forward`, `.left` and `.up`".to_owned(),
             ),
         };
-        let code = if anatomical { codes::types::FRAMES_DIFFER } else { codes::names::UNKNOWN_PROPERTY };
+        let of_axes = anatomical || matches!(name.text.as_str(), "x" | "y" | "z" | "xy");
+        let code = if of_axes { codes::types::FRAMES_DIFFER } else { codes::names::UNKNOWN_PROPERTY };
         let diagnostic = self.diagnostic(code, name.span, message).help(help);
         self.report(diagnostic)
     }

@@ -32,6 +32,5 @@ pub(crate) mod task;
 mod types;
 pub mod unit;
 mod value;
-mod wording;
 
 pub(crate) use observe::Texts;

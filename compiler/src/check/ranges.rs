@@ -2,7 +2,7 @@
 
 use crate::frame::Sensor;
 use crate::graph::interval::{Bounds, Ranges};
-use crate::vocabulary::Vocabulary;
+use crate::vocabulary::{Landmark, Vocabulary};
 
 /// Any state of an episode: joint ranges, unit vectors, activations.
 pub(crate) struct Working<'a> {
@@ -34,15 +34,23 @@ impl Ranges for Working<'_> {
 }
 
 /// The standing pose at rest, as far as the vocabulary settles it.
-pub(crate) struct Standing<'a>(pub &'a Vocabulary);
+pub(crate) struct Standing<'a> {
+    pub vocabulary: &'a Vocabulary,
+    /// Whether it is the beginning of an episode, when no muscle is active yet.
+    pub reset: bool,
+}
 
 impl Ranges for Standing<'_> {
     fn sensor(&self, sensor: Sensor, lane: usize) -> Bounds {
-        let Self(vocabulary) = self;
+        let vocabulary = self.vocabulary;
+        let landmark = |index: usize, read: fn(&Landmark) -> &[f64]| {
+            let lanes = vocabulary.landmarks.get(index).map_or(&[][..], read);
+            lanes.get(lane).map_or(Bounds::ANY, |value| Bounds::point(*value))
+        };
         match sensor {
-            Sensor::LandmarkPosition(index) if lane == 2 => {
-                vocabulary.landmarks.get(index).map_or(Bounds::ANY, |landmark| Bounds::point(landmark.neutral_height))
-            }
+            Sensor::LandmarkPosition(index) => landmark(index, |landmark| &landmark.neutral_position),
+            Sensor::LandmarkAxes(index) => landmark(index, |landmark| &landmark.neutral_axes),
+            Sensor::ComPosition => Bounds::point(vocabulary.neutral_com.get(lane).copied().unwrap_or(f64::NAN)),
             Sensor::JointPosition(index) => {
                 vocabulary.joints.get(index).map_or(Bounds::ANY, |joint| Bounds::point(joint.neutral))
             }
@@ -58,9 +66,11 @@ impl Ranges for Standing<'_> {
             | Sensor::RootVelocity
             | Sensor::RootAngularVelocity
             | Sensor::Time => Bounds::point(0.0),
-            Sensor::MuscleLength(_) => Bounds::POSITIVE,
+            Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) if self.reset => Bounds::point(0.0),
             Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::GroundContact(_) => Bounds::TRUTH,
-            Sensor::LandmarkAxes(_) | Sensor::RootAxes => Bounds::new(-1.0, 1.0),
+            Sensor::MuscleLength(_) => Bounds::POSITIVE,
+            Sensor::MuscleForce(_) => Bounds::new(f64::NEG_INFINITY, 0.0),
+            Sensor::RootAxes | Sensor::Action(_) => Bounds::new(-1.0, 1.0),
             _ => Bounds::ANY,
         }
     }

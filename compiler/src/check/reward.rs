@@ -2,11 +2,12 @@
 
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
+use super::functions::divide_by;
 use super::types::Type;
 use super::value::Data;
-use crate::diagnostics::{Span, codes};
+use crate::diagnostics::codes;
 use crate::graph::NodeId;
-use crate::syntax::tree::{Bounds, Expr, Reward, Term};
+use crate::syntax::tree::{Bounds, Entry, Expr, Reward, Term};
 
 /// A term that the graph computes.
 #[derive(Debug, Clone)]
@@ -19,6 +20,8 @@ pub(crate) struct PaidTerm<'a> {
     pub node: NodeId,
     /// Whether it counts 0 or 1.
     pub condition: bool,
+    /// Lints that are allowed on it.
+    pub allowed: Vec<&'a str>,
 }
 
 impl<'a> Checker<'a> {
@@ -28,7 +31,12 @@ impl<'a> Checker<'a> {
             return Err(self.not_yet(reward.span, "reward per second"));
         }
         let mut broken = false;
+        let mut allowed = Vec::new();
         for entry in &reward.terms {
+            if let Entry::Allow(allow) = entry {
+                allowed.extend(self.lint(allow));
+                continue;
+            }
             let Some(term) = self.plain_entry(entry, "term") else { continue };
             if terms.iter().any(|known| known.name == term.name.text) {
                 let message = format!("there are two terms called `{}`", term.name.text);
@@ -36,7 +44,7 @@ impl<'a> Checker<'a> {
                 broken = true;
             }
             match self.term(term) {
-                Ok(paid) => terms.push(paid),
+                Ok(paid) => terms.push(PaidTerm { allowed: std::mem::take(&mut allowed), ..paid }),
                 Err(Reported) => broken = true,
             }
         }
@@ -62,6 +70,7 @@ impl<'a> Checker<'a> {
             formula,
             node: data.node,
             condition: data.kind == Type::Bool,
+            allowed: Vec::new(),
         })
     }
 
@@ -95,30 +104,26 @@ impl<'a> Checker<'a> {
 
     /// A term is one plain number; conditions count 0 or 1.
     fn must_be_payable(&mut self, data: Data, formula: &Expr, name: &str) -> Checked<Data> {
-        let end = Span::at(formula.span.end as usize);
-        let (help, suggestion) = match &data.kind {
+        let help = match &data.kind {
             Type::Bool | Type::Int => return Ok(data),
             Type::Number(dimension) if dimension.is_none() => return Ok(data),
-            Type::Number(dimension) => {
-                (format!("divide by the size at which it shall matter: `/ 1 {dimension}`"), Some(format!(" / 1 {dimension}")))
-            }
-            Type::Vector { .. } => ("pay for its length `norm(v)` or for one component".to_owned(), None),
-            Type::List(element, _) if **element == Type::Bool => ("say `any(...)`, `all(...)` or `mean(...)`".to_owned(), None),
-            Type::List(..) | Type::Mixed(_) => ("make one number of it: `sum(...)`, `mean(...)`, `norm(...)`".to_owned(), None),
-            Type::Place(_) => ("pay for a distance: `distance(a, b) / 1 m`".to_owned(), None),
-            Type::Rotation => ("pay for an angle or for an axis: `torso.up.z`".to_owned(), None),
-            Type::Steps => ("write the time in seconds and divide by `1 s`".to_owned(), None),
+            Type::Number(_) => "",
+            Type::Vector { .. } => "pay for its length `norm(v)` or for one component",
+            Type::List(element, _) if **element == Type::Bool => "say `any(...)`, `all(...)` or `mean(...)`",
+            Type::List(..) | Type::Mixed(_) => "make one number of it: `sum(...)`, `mean(...)`, `norm(...)`",
+            Type::Place(_) => "pay for a distance: `distance(a, b) / 1 m`",
+            Type::Rotation => "pay for an angle or for an axis: `torso.up.z`",
+            Type::Steps => "write the time in seconds and divide by `1 s`",
         };
         let message = format!("the term `{name}` must be a plain number, so that weights can be compared");
-        let mut diagnostic = self
+        let diagnostic = self
             .diagnostic(codes::types::NOT_PLAIN, formula.span, message)
             .expected(Dimension::NONE.described())
-            .found(data.kind.described(self.vocabulary))
-            .help(help);
-        if let Some(text) = suggestion {
-            let title = format!("write `{}` at the end", text.trim());
-            diagnostic = diagnostic.suggest(title, end, text);
-        }
+            .found(data.kind.described(self.vocabulary));
+        let diagnostic = match &data.kind {
+            Type::Number(dimension) => divide_by(diagnostic, formula, *dimension),
+            _ => diagnostic.help(help),
+        };
         Err(self.report(diagnostic))
     }
 }

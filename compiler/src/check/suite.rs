@@ -1,7 +1,6 @@
 //! Suites: families of tasks and the protocol.
 
-use super::task::whole_number;
-use super::wording::did_you_mean;
+use super::constant;
 use crate::compile::{Protocol, Suite};
 use crate::diagnostics::nearest;
 use crate::diagnostics::{Diagnostic, FileId, codes};
@@ -17,10 +16,12 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
                 let near = nearest(&task.text, tasks.iter().copied());
                 let message = format!("there is no task `{}` in sight", task.text);
                 let mut diagnostic = Diagnostic::new(codes::names::UNKNOWN_NAME, file, task.span, message);
-                diagnostic = match did_you_mean(&near) {
-                    Some(help) => diagnostic.help(help),
-                    None => diagnostic.help("bring it in with `use \"...\"`"),
-                };
+                if near.is_empty() {
+                    diagnostic = diagnostic.help("bring it in with `use \"...\"`");
+                }
+                for name in near {
+                    diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), task.span, name);
+                }
                 diagnostics.push(diagnostic);
             }
             members.push(task.text.clone());
@@ -29,7 +30,7 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
     }
     for field in suite.protocol.iter().flat_map(|protocol| &protocol.fields) {
         match (field.name.text.as_str(), &field.value) {
-            ("episodes" | "seed", FieldValue::Value(value)) => match whole_number(value) {
+            ("episodes" | "seed", FieldValue::Value(value)) => match constant::whole(value) {
                 Ok(number) if field.name.text == "seed" => checked.protocol.seed = number,
                 Ok(number @ 1..=1_000_000) => checked.protocol.episodes = number as u32,
                 Ok(_) => {
@@ -37,7 +38,7 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
                     diagnostics.push(Diagnostic::new(codes::tasks::OUT_OF_RANGE, file, value.span, message));
                 }
                 Err(wrong) => {
-                    diagnostics.push(Diagnostic::new(codes::types::NOT_CONSTANT, file, wrong.span, wrong.message));
+                    diagnostics.push(Diagnostic::new(wrong.code, file, wrong.span, wrong.message));
                 }
             },
             (name, _) => {

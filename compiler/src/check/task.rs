@@ -2,11 +2,11 @@
 
 use super::context::{Cell, Checked, Checker, Reported, Timing};
 use super::dimension::Dimension;
+use super::lints;
 use super::observe::{ObservedChannel, Texts};
 use super::reward::PaidTerm;
 use super::scope::{Names, Place};
 use super::value::Data;
-use super::{constant, lints};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
@@ -125,9 +125,7 @@ impl<'a> Checker<'a> {
                 S::Observe(block) => self.only_one(&mut parts.observe, block, block.keyword, "observe"),
                 S::Reward(reward) => self.only_one(&mut parts.reward, reward, reward.span, "reward"),
                 S::Success(expr) => self.only_one(&mut parts.success, expr, expr.span, "success"),
-                S::Allow(allow) => {
-                    self.allowed.insert(allow.lint.text.clone());
-                }
+                S::Allow(allow) => self.allow(allow),
                 S::Body(body) if !body.edits.is_empty() => {
                     self.not_yet(body.span, "body ... with");
                 }
@@ -301,13 +299,4 @@ pub(crate) fn summary(task: &Task) -> String {
     let text = task.docs.as_ref().map_or("", |docs| docs.text.as_str());
     let paragraph: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     paragraph.join(" ")
-}
-
-/// Quantities of protocol fields and the like are read without a checker.
-pub(crate) fn whole_number(expr: &crate::syntax::tree::Expr) -> Result<u64, constant::NotConstant> {
-    let found = constant::of_dimension(expr, Dimension::NONE)?;
-    if found >= 0.0 && found.fract() == 0.0 && found <= 9e15 {
-        return Ok(found as u64);
-    }
-    Err(constant::NotConstant { span: expr.span, message: "a whole number is wanted here".to_owned() })
 }

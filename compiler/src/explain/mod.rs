@@ -5,4 +5,5 @@ mod snapshot;
 mod text;
 
 pub(crate) use formula::{mathematics, names_in};
+pub(crate) use text::short;
 pub use text::{Options, text};

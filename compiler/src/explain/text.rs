@@ -139,12 +139,16 @@ fn range(bounds: Bounds) -> String {
     }
 }
 
-/// At most six significant digits.
-fn short(value: f64) -> String {
+/// At most six significant digits; far from one as a power of ten.
+pub(crate) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
-    let digits = (5 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-4..9).contains(&exponent) {
+        return format!("{value:.2e}");
+    }
+    let digits = (5 - exponent).clamp(0, 9) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }

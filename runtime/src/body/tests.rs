@@ -104,7 +104,7 @@ fn the_vocabulary_tells_the_compiler_what_exists() {
     let sole = &vocabulary.landmarks[0];
     assert_eq!((sole.name.as_str(), sole.mass, sole.has_segment), ("sole_l", 2.0, true));
     // Knees follow their hips at 0.1 rad, so the soles swing back and up a little, and the trunk stands lower.
-    assert!(sole.neutral_height.abs() < 1e-3);
+    assert!(sole.neutral_position[2].abs() < 1e-3);
     assert_eq!(vocabulary.joints[0].range, Some([-0.5, 2.0]));
     assert_eq!(vocabulary.joints[1].neutral, 0.1);
     let groups: Vec<_> = vocabulary.groups.iter().map(|group| (group.kind, group.members.as_slice())).collect();

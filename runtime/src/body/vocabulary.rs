@@ -5,6 +5,7 @@ use crate::model::{self, Model};
 use crate::physics::{self, State, Workspace};
 use msk_compiler::task::RootPlacement;
 use msk_compiler::vocabulary::{Joint, JointKind, Landmark, Muscle, Vocabulary};
+use nalgebra::Matrix3;
 
 impl Body {
     /// What exists on this body, for the compiler: plain data without any physics.
@@ -19,8 +20,8 @@ impl Body {
             name: landmark.name.clone(),
             description: landmark.description.clone(),
             mass: model.bodies.mass[landmark.body],
-            neutral_height: (kinematics.body_position[landmark.body] + kinematics.body_rotation[landmark.body] * landmark.point)
-                .z,
+            neutral_position: kinematics.point(landmark.body, &landmark.point).into(),
+            neutral_axes: columns(&(kinematics.body_rotation[landmark.body] * landmark.axes)),
             has_segment: !landmark.segment.is_empty(),
         };
         let joint = |(joint, &neutral): (&super::Joint, &f64)| Joint {
@@ -39,6 +40,7 @@ impl Body {
             body: self.name.clone(),
             physics_step: model.options.timestep,
             mass: model.bodies.subtree_mass[self.root.body],
+            neutral_com: kinematics.subtree_com[self.root.body].into(),
             landmarks: self.landmarks.iter().map(landmark).collect(),
             joints: self.joints.iter().zip(neutral).map(joint).collect(),
             muscles: self.muscles.iter().map(muscle).collect(),
@@ -46,4 +48,11 @@ impl Body {
             poses: self.poses.clone(),
         }
     }
+}
+
+/// Columns one after the other.
+fn columns(axes: &Matrix3<f64>) -> [f64; 9] {
+    let mut lanes = [0.0; 9];
+    lanes.iter_mut().zip(axes.iter()).for_each(|(lane, value)| *lane = *value);
+    lanes
 }

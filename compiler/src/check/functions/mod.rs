@@ -10,8 +10,8 @@ use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
 use super::types::Type;
 use super::value::Data;
-use crate::diagnostics::{Span, codes};
-use crate::syntax::tree::{Argument, Expr, ExprKind};
+use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::syntax::tree::{Argument, BinaryOperator, Expr, ExprKind};
 
 /// A call of a built-in function, its arguments not yet checked.
 pub(crate) struct Call<'a> {
@@ -198,28 +198,46 @@ impl<'a> Checker<'a> {
     /// Another dimension; the error says what to divide by.
     pub(crate) fn number_of(&mut self, expr: &'a Expr, dimension: Dimension, wanted_by: &str) -> Checked<Data> {
         let data = self.data(expr)?;
-        self.must_have_dimension(&data, expr.span, dimension, wanted_by)?;
+        self.must_have_dimension(&data, expr, dimension, wanted_by)?;
         Ok(data)
     }
 
-    pub(crate) fn must_have_dimension(&mut self, data: &Data, span: Span, wanted: Dimension, by: &str) -> Checked<()> {
+    fn must_have_dimension(&mut self, data: &Data, expr: &Expr, wanted: Dimension, by: &str) -> Checked<()> {
         let number = matches!(data.kind.element(), Type::Number(_) | Type::Int);
         let found = data.kind.dimension().filter(|_| number);
         if found == Some(wanted) || number && data.is_zero() {
             return Ok(());
         }
-        let message = format!("{by} takes {}", wanted.described());
-        let mut diagnostic = self
-            .diagnostic(codes::types::DIMENSIONS_DIFFER, span, message)
+        let diagnostic = self
+            .diagnostic(codes::types::DIMENSIONS_DIFFER, expr.span, format!("{by} takes {}", wanted.described()))
             .expected(wanted.described())
             .found(data.kind.element().described(self.vocabulary));
-        if let Some(factor) = found.and_then(|found| found.per(wanted)) {
-            diagnostic = diagnostic.help(format!("divide by `1 {factor}`, or by the size at which it shall matter")).suggest(
-                format!("divide by `1 {factor}`"),
-                Span::at(span.end as usize),
-                format!(" / 1 {factor}"),
-            );
-        }
+        let factor = found.and_then(|found| found.per(wanted));
+        let diagnostic = match factor {
+            Some(factor) => divide_by(diagnostic, expr, factor),
+            None => diagnostic,
+        };
         Err(self.report(diagnostic))
+    }
+}
+
+/// Advises to divide `expr` by a quantity; offers to write it where that needs no brackets.
+pub(crate) fn divide_by(diagnostic: Diagnostic, expr: &Expr, factor: Dimension) -> Diagnostic {
+    let advice = format!("divide by `1 {factor}`, or by the size at which it shall matter");
+    let mut first = expr;
+    while let ExprKind::Unary { operand, .. } = &first.kind {
+        first = operand;
+    }
+    let binds = match &first.kind {
+        ExprKind::Binary { operator, .. } => {
+            matches!(operator, BinaryOperator::Multiply | BinaryOperator::Divide | BinaryOperator::Power)
+        }
+        ExprKind::Name(_) | ExprKind::Field { .. } | ExprKind::Call { .. } | ExprKind::Paren(_) | ExprKind::Number(_) => true,
+        _ => false,
+    };
+    if binds {
+        diagnostic.suggest(advice, Span::at(expr.span.end as usize), format!(" / 1 {factor}"))
+    } else {
+        diagnostic.help(advice)
     }
 }

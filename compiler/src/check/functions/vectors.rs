@@ -3,6 +3,7 @@
 use super::Call;
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
+use crate::check::ranges::Standing;
 use crate::check::types::{Frame, Type};
 use crate::check::value::{Data, Value};
 use crate::diagnostics::codes;
@@ -151,12 +152,12 @@ pub(super) fn distance<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checke
 pub(super) fn neutral<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
     let [x] = call.take(checker, ["x"])?;
     let data = checker.data(x)?;
-    let known = interval::analyse_for(&checker.graph, data.node, &crate::check::ranges::Standing(checker.vocabulary));
+    let known = interval::analyse_for(&checker.graph, data.node, &Standing { vocabulary: checker.vocabulary, reset: false });
     let lanes: Option<Vec<f64>> = known.iter().map(|bounds| bounds.single()).collect();
     let Some(lanes) = lanes else {
         let diagnostic = checker
             .diagnostic(codes::types::NOT_CONSTANT, x.span, "the standing pose does not settle this value")
-            .help("heights of landmarks, joint coordinates and velocities are known there");
+            .help("places, axes, joint coordinates and velocities are known there; forces and muscle lengths are not");
         return Err(checker.report(diagnostic));
     };
     let node = checker.graph.constants(&lanes);

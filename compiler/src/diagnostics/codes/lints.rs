@@ -10,14 +10,14 @@ codes! {
     DEAD_TERM = "W0501" {
         title: "a term that is always zero",
         explanation: "The ranges of what the term reads leave it no other value: its weight is wasted.",
-        example: "reward { 1 a = max(0, 1 - 2 * 1) }",
-        fix: "reward { 1 a = max(0, 1 - torso.up.z) }",
+        example: "reward { 1 a = max(0, torso.up.z - 2) }",
+        fix: "reward { 1 a = max(0, torso.up.z) }",
     }
     CONSTANT_TERM = "W0502" {
         title: "a term that never changes",
         explanation: "The ranges of what the term reads leave it one value: it pays the same for everything.",
         example: "reward { 1 a = 1 }",
-        fix: "reward { 1 a = not terminated }",
+        fix: "reward { 1 a = torso.up.z }",
     }
     DECIDED = "W0503" {
         title: "an end that can never hold, or always holds",
@@ -52,8 +52,8 @@ codes! {
     IDENTICAL = "W0508" {
         title: "both sides are the same thing",
         explanation: "A difference of equal things is zero, a comparison of equal things decided.",
-        example: "reward { 1 a = exp(-abs(knee_angle_r.q - knee_angle_r.q) / 1 rad) }",
-        fix: "reward { 1 a = exp(-abs(knee_angle_r.q - knee_angle_l.q) / 1 rad) }",
+        example: "terminate { bent when knee_angle_r.q > 1 rad and knee_angle_r.q > 1 rad }",
+        fix: "terminate { bent when knee_angle_r.q > 1 rad and knee_angle_l.q > 1 rad }",
     }
     UNOBSERVED = "W0509" {
         title: "pay that depends on what the policy cannot see",
@@ -66,5 +66,20 @@ codes! {
         explanation: "One of them was probably to be another.",
         example: "observe { com.height\n tall = com.height }",
         fix: "observe { com.height }",
+    }
+    DEAD_AT_RESET = "W0511" {
+        title: "a term that pays almost nothing where the task begins",
+        explanation: "In the pose in which the task begins the term pays less than a twentieth of what it can. A wrong axis or \
+            a doubled sign shows like this: the torso's left axis is level when the body stands, and its z is no measure of \
+            uprightness. A term that is to be earned later says so with `when`, or allows the lint with a reason.",
+        example: "reward { 1 upright = exp(-5 * max(0, 1 - torso.left.z)) }",
+        fix: "reward { 1 upright = exp(-5 * max(0, 1 - torso.up.z)) }",
+    }
+    HOLDS_AT_RESET = "W0512" {
+        title: "an end that holds before anything has happened",
+        explanation: "The condition holds in the pose in which the task begins: an episode would fail at once, or a policy \
+            that does nothing would succeed.",
+        example: "terminate { fallen when com.height < 1.2 m }",
+        fix: "terminate { fallen when com.height < 0.8 m }",
     }
 }

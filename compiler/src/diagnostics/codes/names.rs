@@ -5,8 +5,8 @@ codes! {
         title: "a name that means nothing",
         explanation: "Every name is looked up while compiling: among the declarations in sight, the parts of the body and the \
             signals. A name that is not found is an error, never a zero. The nearest names are offered.",
-        example: "reward { 1 bend = knee_angel_r.q / 1 rad }",
-        fix: "reward { 1 bend = knee_angle_r.q / 1 rad }",
+        example: "reward { 1 straight = cos(knee_angel_r.q) }",
+        fix: "reward { 1 straight = cos(knee_angle_r.q) }",
     }
     UNKNOWN_PROPERTY = "E0202" {
         title: "a property that this thing does not have",
@@ -20,21 +20,21 @@ codes! {
         explanation: "Signals, parts of the body, constants, functions, lets and states share one namespace, so that a name \
             means one thing throughout a task. The second declaration would hide the first.",
         example: "let com = 1\nreward { 1 a = com }",
-        fix: "let middle = 1\nreward { 1 a = middle }",
+        fix: "let middle = com.height\nreward { 1 a = middle / 1 m }",
     }
     CYCLE = "E0204" {
         title: "a name that depends on itself",
         explanation: "All formulas of a step are evaluated together, in no order, so a value cannot depend on itself, and \
             functions do not recurse. What should come from the step before is read with `prev` or declared as a `state`.",
         example: "let a = b\nlet b = a\nreward { 1 x = a }",
-        fix: "let a = 1\nlet b = a\nreward { 1 x = b }",
+        fix: "let a = torso.up.z\nlet b = a\nreward { 1 x = b }",
     }
     NOTHING_FITS = "E0205" {
         title: "a pattern that nothing fits",
         explanation: "A pattern stands for the parts of the body that fit it. One that fits nothing is a slip of the pen: a \
             sum over nothing would silently be zero.",
-        example: "reward { 1 calm = mean(muscles \"glutmax*\".activation) }",
-        fix: "reward { 1 calm = mean(muscles \"glmax*\".activation) }",
+        example: "reward { -1 effort = mean(muscles \"glutmax*\".activation) }",
+        fix: "reward { -1 effort = mean(muscles \"glmax*\".activation) }",
     }
     NOT_YET = "E0206" {
         title: "a signal that is not measured yet",
@@ -43,10 +43,11 @@ codes! {
         example: "reward { 1 near = support_margin / 1 m }",
         fix: "reward { 1 near = com.height / 1 m }",
     }
-    UNKNOWN_UNIT = "E0207" {
-        title: "a unit that does not exist",
-        explanation: "Units are a closed list; there is none that could be taken for a name.",
-        example: "reward { 1 tall = pelvis.height / 1 meter }",
+    UNIT = "E0207" {
+        title: "a unit that measures nothing",
+        explanation: "Control steps are counted and stand alone: they are neither multiplied nor raised. Powers of units stay \
+            within reason.",
+        example: "reward { 1 tall = pelvis.height / 1 m*steps }",
         fix: "reward { 1 tall = pelvis.height / 1 m }",
     }
     FILE = "E0208" {

@@ -30,8 +30,8 @@ codes! {
     LABEL_TWICE = "E0405" {
         title: "two terms, channels or reasons of one name",
         explanation: "Results are reported by name, so names of terms, of channels and of reasons are unique among themselves.",
-        example: "reward { 1 a = 1\n 2 a = 2 }",
-        fix: "reward { 1 a = 1\n 2 b = 2 }",
+        example: "reward { 1 a = torso.up.z\n 2 a = pelvis.up.z }",
+        fix: "reward { 1 a = torso.up.z\n 2 b = pelvis.up.z }",
     }
     WEIGHT = "E0406" {
         title: "a weight outside its own range",
@@ -54,14 +54,14 @@ codes! {
     SLAVED = "E0409" {
         title: "a joint that follows another is set",
         explanation: "Slaved joints are solved from their couplings; setting one would break the coupling at the first step.",
-        example: "init { pose neutral { l1_l2_fe = 5 deg } }",
+        example: "init { pose neutral { joint \"L1_L2_FE\" = 5 deg } }",
         fix: "init { pose neutral { lumbar_extension = 5 deg } }",
     }
     TOO_LARGE = "E0410" {
         title: "a task that becomes too large",
         explanation: "Functions, lists and loops unroll while compiling; what they unroll to is bounded, so that compiling and \
             every step take a bounded time.",
-        example: "reward { 1 a = sum([i for i in 0..1000000]) }",
-        fix: "reward { 1 a = sum([i for i in 0..100]) }",
+        example: "reward { 1 a = sum([i for i in 0..1000000]) * torso.up.z }",
+        fix: "reward { 1 a = sum([i for i in 0..100]) * torso.up.z }",
     }
 }

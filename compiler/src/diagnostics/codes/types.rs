@@ -32,14 +32,14 @@ codes! {
     LENGTHS_DIFFER = "E0305" {
         title: "lists of different length meet",
         explanation: "Lists are combined element by element, so they must be equally long.",
-        example: "reward { 1 a = sum([1, 2, 3] * [1, 2, 3, 4]) }",
-        fix: "reward { 1 a = sum([1, 2, 3] * [1, 2, 3]) }",
+        example: "reward { 1 a = sum([1, 2, 3, 4] * sole_{l,r}.speed) / 1 m/s }",
+        fix: "reward { 1 a = sum([1, 2] * sole_{l,r}.speed) / 1 m/s }",
     }
     ARGUMENTS = "E0306" {
         title: "arguments that the function does not take",
         explanation: "The number and the names of the arguments must be those of the function.",
-        example: "reward { 1 a = exp(1, 2) }",
-        fix: "reward { 1 a = exp(1) }",
+        example: "reward { 1 a = exp(torso.up.z, 2) }",
+        fix: "reward { 1 a = exp(torso.up.z) }",
     }
     MIXED = "E0307" {
         title: "a list that mixes dimensions is reduced to one number",
@@ -52,7 +52,7 @@ codes! {
         title: "a power whose unit is not known",
         explanation: "The unit of a power follows from its exponent, which must therefore be a simple fraction known while \
             compiling, unless the base is a plain number.",
-        example: "reward { 1 a = com.height^com.height / 1 m }",
+        example: "reward { 1 a = com.height^(com.height / 1 m) }",
         fix: "reward { 1 a = (com.height / 1 m)^2 }",
     }
     NOT_CONSTANT = "E0309" {
@@ -70,8 +70,8 @@ codes! {
     INDEX = "E0311" {
         title: "an index outside the list",
         explanation: "Elements are counted from 0.",
-        example: "reward { 1 a = [1, 2, 3, 4][4] }",
-        fix: "reward { 1 a = [1, 2, 3, 4][3] }",
+        example: "reward { 1 a = sole_{l,r}.speed[2] / 1 m/s }",
+        fix: "reward { 1 a = sole_{l,r}.speed[1] / 1 m/s }",
     }
     ANNOTATION = "E0312" {
         title: "a value that is not of the type written beside its name",

@@ -1,0 +1,55 @@
+//! The meaning of tasks as a specification: the pages under `tests/language/`, compiled whole.
+
+#[path = "support/compiling.rs"]
+mod compiling;
+#[allow(dead_code)] // `reading` serves the pages about syntax.
+mod support;
+
+use compiling::{Compiling, compile_text, complete};
+use msk_compiler::diagnostics::codes;
+use support::{ENTRY, Reading, check_pages};
+
+#[test]
+fn pages_about_meaning_tell_the_truth() {
+    check_pages("meaning", &Compiling);
+}
+
+#[test]
+fn known_defects_are_caught() {
+    check_pages("defects", &Compiling);
+}
+
+/// Pages whose example is no list of statements of a task.
+const ELSEWHERE: [&str; 2] = ["E0208", "W0500"];
+
+#[test]
+fn examples_of_codes_cause_them_and_fixes_do_not() {
+    let mut wrong = Vec::new();
+    let pages = [codes::names::ALL, codes::types::ALL, codes::tasks::ALL, codes::lints::ALL];
+    for code in pages.into_iter().flatten().filter(|code| !ELSEWHERE.contains(&code.id)) {
+        let found = |statements: &str| -> Vec<&str> {
+            Compiling.read(&complete(statements), &[]).diagnostics.iter().map(|told| told.code.id).collect()
+        };
+        let (example, fix) = (found(code.example), found(code.fix));
+        if example.is_empty() || example.iter().any(|id| *id != code.id) {
+            wrong.push(format!("{}: its example gives {example:?}", code.id));
+        }
+        if !fix.is_empty() {
+            wrong.push(format!("{}: its fix gives {fix:?}", code.id));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_standing_task_compiles_without_a_warning() {
+    let stand = include_str!("../../tasks/stabilization/stand.msk").replace("../lib/", "lib/");
+    let compilation = compile_text(&stand, &[]).unwrap_or_else(|report| panic!("{report}"));
+    assert!(compilation.warnings.is_empty(), "{ENTRY}");
+    let task = &compilation.tasks[0];
+    assert_eq!(task.terms.iter().map(|term| term.weight).collect::<Vec<_>>(), [10.0, 15.0, 10.0, 10.0, 5.0, -0.01]);
+    assert_eq!(task.terms[1].weight_range, Some([5.0, 30.0]));
+    assert_eq!(task.terminations, ["fallen", "tilted"]);
+    assert_eq!((task.horizon, task.control_frequency, task.symmetric), (1000, 100.0, true));
+    assert_eq!(task.init.joint_noise, 0.005);
+}
