@@ -1,10 +1,10 @@
 //! Reading and writing MJCF, MuJoCo's model format.
 //!
-//! 1. [`document`] reads the XML files, splices includes, and keeps where every element stood;
-//! 2. [`schema`] knows every element and attribute that is read, skipped or refused, and lists all that are refused at once;
-//! 3. [`defaults`] merges the attributes of default classes into each element;
-//! 4. [`compile`] turns elements into the arrays of a [`Model`], in MuJoCo's orders;
-//! 5. [`write`](mod@write) prints a model as one flat file.
+//! 1. `document` reads the XML files, splices includes, and keeps where every element stood;
+//! 2. `schema` knows every element and attribute that is read, skipped or refused, and lists all that are refused at once;
+//! 3. `defaults` merges the attributes of default classes into each element;
+//! 4. `compile` turns elements into the arrays of a [`Model`], in MuJoCo's orders;
+//! 5. `write` prints a model as one flat file.
 //!
 //! Files come from strangers: sizes, nesting and numbers are bounded, and every failure is one [`ModelError`].
 

@@ -179,14 +179,14 @@ impl Compiler<'_> {
             JointKind::Free => None,
             _ => self.settings.limited(element, "limited", "range")?,
         };
-        let (scale, coordinates) = self.coordinates(element, kind)?;
+        let coordinates = self.coordinates(element, kind)?;
         let joints = &mut self.model.joints;
         joints.name.push(name);
         joints.kind.push(kind);
         joints.body.push(around.body);
         joints.anchor.push(if kind == JointKind::Free { anchor } else { placed.position });
         joints.axis.push(if turned { rotation::rotate(around.frame.orientation, axis) } else { axis });
-        joints.range.push(range.map(|range| range.map(scale)));
+        joints.range.push(range.map(|range| range.map(coordinates.scale)));
         joints.margin.push(element.number_or("margin", 0.0)?);
         joints.limit_softness.push(softness(element, "solreflimit", "solimplimit")?);
         joints.stiffness.push(linear(element, "stiffness")?);
@@ -199,12 +199,12 @@ impl Compiler<'_> {
     }
 
     /// The file's unit of the joint's coordinate, and its reference values in ours.
-    fn coordinates(&self, element: &Element, kind: JointKind) -> Result<(fn(f64) -> f64, References), ModelError> {
+    fn coordinates(&self, element: &Element, kind: JointKind) -> Result<Coordinates, ModelError> {
         let angular = matches!(kind, JointKind::Hinge | JointKind::Ball);
         let scale: fn(f64) -> f64 = if angular && self.settings.degrees { f64::to_radians } else { |value| value };
         let scalar = matches!(kind, JointKind::Hinge | JointKind::Slide);
         let read = |attribute| Ok::<_, ModelError>(if scalar { scale(element.number_or(attribute, 0.0)?) } else { 0.0 });
-        Ok((scale, References { reference: read("ref")?, spring: read("springref")? }))
+        Ok(Coordinates { scale, reference: read("ref")?, spring: read("springref")? })
     }
 
     /// Appends the joint's coordinates at the reference configuration.
@@ -264,9 +264,13 @@ fn dof_count(kind: JointKind) -> usize {
     }
 }
 
-/// The coordinates at which a joint is said to be at zero, and at which its spring rests.
-struct References {
+/// How a file gives a joint's coordinates.
+struct Coordinates {
+    /// From the file's unit to radians or metres.
+    scale: fn(f64) -> f64,
+    /// Where the joint is at the reference configuration.
     reference: f64,
+    /// Where its spring rests.
     spring: f64,
 }
 
