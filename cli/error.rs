@@ -20,17 +20,23 @@ pub struct Error {
     hint: Option<String>,
     code: u8,
     quiet: bool,
+    told: bool,
 }
 
 impl Error {
     /// A failure with nothing beneath it.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), cause: None, hint: None, code: FAILURE, quiet: false }
+        Self { message: message.into(), cause: None, hint: None, code: FAILURE, quiet: false, told: false }
     }
 
     /// A wrong use of the command line.
     pub fn usage(message: impl Into<String>) -> Self {
         Self { code: USAGE, ..Self::new(message) }
+    }
+
+    /// A failure that has already been put into words, line by line, by the compiler.
+    pub fn told(report: String) -> Self {
+        Self { told: true, ..Self::new(report) }
     }
 
     /// Says what to do about it, as one sentence.
@@ -54,6 +60,9 @@ impl Error {
 
 impl Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.told {
+            return f.write_str(&self.message);
+        }
         writeln!(f, "error: {}", self.message)?;
         let mut printed = self.message.clone();
         let mut cause = self.cause.as_deref().map(|cause| cause as &dyn StdError);
@@ -75,20 +84,17 @@ impl Display for Error {
 
 impl<E: StdError + Send + Sync + 'static> From<E> for Error {
     fn from(error: E) -> Self {
-        let boxed: Box<dyn StdError + Send + Sync> = Box::new(error);
-        let quiet = boxed.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe);
-        Self { quiet, cause: Some(boxed), ..Self::new(String::new()) }.with_cause_as_message()
+        let message = error.to_string();
+        let cause: Box<dyn StdError + Send + Sync> = Box::new(error);
+        Self { quiet: is_closed_pipe(cause.as_ref()), cause: Some(cause), ..Self::new(message) }
     }
 }
 
-impl Error {
-    /// The outermost cause speaks for itself; those beneath it follow.
-    fn with_cause_as_message(mut self) -> Self {
-        if let Some(cause) = &self.cause {
-            self.message = cause.to_string();
-        }
-        self
-    }
+/// Whether the reader of our output went away; writers of JSON wrap that error in their own.
+fn is_closed_pipe(error: &(dyn StdError + 'static)) -> bool {
+    let input_output = error.downcast_ref::<io::Error>().map(io::Error::kind);
+    let json = error.downcast_ref::<serde_json::Error>().and_then(serde_json::Error::io_error_kind);
+    input_output.or(json) == Some(io::ErrorKind::BrokenPipe)
 }
 
 /// Puts what was being done in front of why it failed.

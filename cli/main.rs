@@ -3,9 +3,16 @@
 //! A subcommand's file holds its `Args` and `run`; here it gets one line in [`Command`] and one in [`Command::run`].
 //! What goes wrong comes back as an [`Error`] and is printed in one place.
 
+mod check;
 mod error;
+mod eval;
+mod explain;
 mod help;
 mod physics;
+mod progress;
+mod project;
+mod run;
+mod vocabulary;
 
 use clap::{Parser, Subcommand};
 use error::Error;
@@ -21,6 +28,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Check(check::Args),
+    Explain(explain::Args),
+    Run(run::Args),
+    Eval(eval::Args),
+    Vocabulary(vocabulary::Args),
     Physics(physics::Args),
     Help(help::Args),
 }
@@ -28,6 +40,11 @@ enum Command {
 impl Command {
     fn run(self) -> Result<ExitCode, Error> {
         match self {
+            Self::Check(args) => check::run(args),
+            Self::Explain(args) => explain::run(args),
+            Self::Run(args) => run::run(args),
+            Self::Eval(args) => eval::run(args),
+            Self::Vocabulary(args) => vocabulary::run(args),
             Self::Physics(args) => physics::run(args),
             Self::Help(args) => help::run(args),
         }

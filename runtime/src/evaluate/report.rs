@@ -7,7 +7,7 @@ use core::fmt::Write;
 pub fn markdown(summary: &Summary) -> String {
     let protocol = summary.protocol;
     let mut text = format!("# Policy `{}`, {} episodes per task, seed {}\n\n", summary.policy, protocol.episodes, protocol.seed);
-    let mut tasks = Table::new(&["task", "success", "95 % interval", "return", "steps", "ended by"]);
+    let mut tasks = Table::new(&["task", "success [95 %]", "return", "steps", "ended by"]);
     for task in &summary.tasks {
         tasks.row(task_row(task));
     }
@@ -22,8 +22,8 @@ pub fn markdown(summary: &Summary) -> String {
         text.push_str(&terms.print());
     }
     text.push_str(
-        "\nReturn and steps: mean ± standard deviation over episodes. Value: mean over all steps; pay: weight times value;\n\
-         share: pay over the sum of all magnitudes. Interval: Wilson.\n",
+        "\nReturn and steps: mean ± standard deviation over episodes. Interval: Wilson's. Value: mean over all\n\
+         steps; pay: weight times value; share: pay over the sum of the magnitudes of all pay.\n",
     );
     text
 }
@@ -38,16 +38,21 @@ pub fn terms(terms: &[TermSummary]) -> String {
 }
 
 fn task_row(task: &TaskSummary) -> Vec<String> {
-    let [low, high] = task.success_interval;
-    let endings: Vec<String> = task.ended_by.iter().map(|(reason, count)| format!("{reason} {count}")).collect();
+    let [low, high] = task.success_interval.map(|bound| format!("{:.0}", 100.0 * bound));
     vec![
         task.task.clone(),
-        format!("{}/{} {}", task.successes, task.episodes, percent(task.success_rate)),
-        if task.episodes == 0 { "-".into() } else { format!("{} to {}", percent(Some(low)), percent(Some(high))) },
+        task.success_rate.map_or("-".into(), |rate| format!("{:.0} % [{low}, {high}]", 100.0 * rate)),
         spread(task.total),
         spread(task.steps),
-        endings.join(", "),
+        endings(&task.ended_by),
     ]
+}
+
+/// The two most frequent ends, and how many episodes ended otherwise.
+fn endings(ended_by: &[(String, u64)]) -> String {
+    let named = ended_by.iter().take(2).map(|(reason, count)| format!("{reason} {count}"));
+    let others: u64 = ended_by.iter().skip(2).map(|(_, count)| count).sum();
+    named.chain((others > 0).then(|| format!("other {others}"))).collect::<Vec<_>>().join(", ")
 }
 
 fn term_row(term: &TermSummary) -> Vec<String> {
@@ -61,14 +66,12 @@ fn term_row(term: &TermSummary) -> Vec<String> {
     ]
 }
 
-fn percent(rate: Option<f64>) -> String {
-    rate.map_or("-".into(), |rate| format!("{:.0} %", 100.0 * rate))
-}
-
+/// One decimal, or none where the numbers are large.
 fn spread(spread: Option<Spread>) -> String {
     let Some(Spread { mean, deviation }) = spread else { return "-".into() };
-    let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {deviation:.1}"));
-    format!("{mean:.1}{deviation}")
+    let decimals = usize::from(mean.abs() < 1000.0);
+    let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {deviation:.decimals$}"));
+    format!("{mean:.decimals$}{deviation}")
 }
 
 /// Four significant digits, in powers of ten where the number would be long.
@@ -84,7 +87,7 @@ fn significant(value: f64) -> String {
     }
 }
 
-/// A Markdown table with aligned columns: names to the left, all else to the right.
+/// A Markdown table with aligned columns: words to the left, numbers to the right.
 struct Table {
     rows: Vec<Vec<String>>,
 }
@@ -102,8 +105,7 @@ impl Table {
         let columns = self.rows.first().map_or(0, Vec::len);
         let width = |column: usize| self.rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
         let widths: Vec<usize> = (0..columns).map(width).collect();
-        // The first column holds names; the last of a wide table, prose.
-        let left = |column: usize| column == 0 || (columns == 6 && column == 5);
+        let left = |column: usize| column == 0 || self.rows[0][column] == "ended by";
         let mut text = String::new();
         for (index, row) in self.rows.iter().enumerate() {
             for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
@@ -146,7 +148,7 @@ mod tests {
             success_interval: wilson_interval(47, 50),
             total: Some(Spread { mean: 38123.46, deviation: Some(1234.5) }),
             steps: Some(Spread { mean: 971.2, deviation: Some(120.0) }),
-            ended_by: vec![("horizon".into(), 47), ("fallen".into(), 3)],
+            ended_by: vec![("horizon".into(), 40), ("fallen".into(), 7), ("tilted".into(), 2), ("fault".into(), 1)],
             terms: vec![TermSummary {
                 name: "pose".into(),
                 weight: 10.0,
@@ -157,9 +159,12 @@ mod tests {
         };
         let protocol = Protocol { episodes: 50, seed: 0 };
         let text = markdown(&Summary { policy: "posture".into(), protocol, tasks: vec![task] });
-        assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
-        assert!(text.contains("| task             |    success | 95 % interval |"), "{text}");
-        assert!(text.contains("| single_leg_stand | 47/50 94 % |  84 % to 98 % | 38123.5 ± 1234.5 | 971.2 ± 120.0 |"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+        assert!(text.contains("| task             | success [95 %] |"), "{text}");
+        assert!(
+            text.contains("| single_leg_stand |  94 % [84, 98] | 38123 ± 1234 | 971.2 ± 120.0 | horizon 40, fallen 7, other 3 |"),
+            "{text}"
+        );
         assert!(text.contains("| pose |     10 |         0.9300 |        9.300 | 25.00 % |"), "{text}");
     }
 
@@ -182,6 +187,6 @@ mod tests {
                 terms: vec![],
             }],
         });
-        assert!(text.contains("|   0/0 - |             - |"), "{text}");
+        assert!(text.contains("| stand |              - |      - |     - |"), "{text}");
     }
 }

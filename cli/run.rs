@@ -1,0 +1,71 @@
+//! `msk run TASK`: one episode, told term by term.
+
+use crate::error::Error;
+use crate::project::Project;
+use msk::runtime::episode::EpisodeKey;
+use msk::runtime::evaluate::{EpisodeRecord, Plan, Protocol, Summary, play, report};
+use msk::runtime::policy;
+use std::io::{self, Write};
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+
+/// Run one episode of a task and print what each reward term paid
+#[derive(clap::Args)]
+pub struct Args {
+    /// Name of a task in tasks.msk, or a file with one task
+    task: String,
+    /// What acts: posture (holds the beginning pose by computed muscle control), zero (every muscle at
+    /// rest), random (every action uniform in -1..1)
+    #[arg(long, default_value = "posture")]
+    policy: String,
+    /// Seed of all chance
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Which episode of that seed
+    #[arg(long, default_value_t = 0)]
+    episode: u64,
+    /// Print the record of the episode as JSON instead
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the episode.
+///
+/// # Errors
+/// Errors in the file, or a policy that does not exist or cannot act.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let (_, trial) = Project::find(&args.task)?;
+    let mut policy = policy::create(&args.policy)?;
+    let mut episode = trial.episode()?;
+    let key = EpisodeKey { seed: args.seed, episode: args.episode };
+    let stop = AtomicBool::new(false);
+    let record = play(&trial, &mut episode, key, policy.as_mut(), &stop, || {})?;
+    let Some(record) = record else { return Ok(ExitCode::SUCCESS) };
+    let mut out = io::stdout().lock();
+    if args.json {
+        serde_json::to_writer(&mut out, &record)?;
+        writeln!(out)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let protocol = Protocol { episodes: 1, seed: args.seed };
+    let time = f64::from(record.steps) / trial.task.control_frequency;
+    let plan = Plan { trials: vec![trial], policy: args.policy, protocol };
+    let summary = Summary::of(&plan, std::slice::from_ref(&record));
+    writeln!(out, "{}", headline(&record, time))?;
+    for task in &summary.tasks {
+        writeln!(out, "\n{}", report::terms(&task.terms))?;
+    }
+    writeln!(out, "return {:.3}, {}", record.total, if record.success { "success" } else { "no success" })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What ran and how it ended.
+fn headline(record: &EpisodeRecord, time: f64) -> String {
+    let EpisodeRecord { task, policy, seed, episode, steps, .. } = record;
+    let end = match &record.fault {
+        Some(fault) => format!("stopped by a fault: {fault}"),
+        None if record.truncated => "reached the horizon".into(),
+        None => format!("ended by {}", record.terminated_by.join(" and ")),
+    };
+    format!("{task}, policy {policy}, seed {seed}, episode {episode}: {end} after {steps} steps ({time:.2} s)")
+}

@@ -1,0 +1,47 @@
+//! `msk check` and `msk explain`.
+
+use crate::project::{LEAN, Project};
+use serde_json::Value;
+
+#[test]
+fn a_sound_file_passes() {
+    let project = Project::lean();
+    let done = project.msk(&["check", "tasks.msk", "lean.msk"]).succeeded();
+    assert_eq!(done.out.lines().filter(|line| line.contains("1 task")).count(), 2, "{}", done.out);
+}
+
+#[test]
+fn all_errors_of_all_files_come_in_one_run() {
+    let project = Project::lean();
+    project.write("names.msk", &LEAN.replace("pelvis.height", "pelviss.height").replace("pose neutral", "pose nuetral"));
+    project.write("units.msk", &LEAN.replace("/ 1 rad", ""));
+    let done = project.msk(&["check", "names.msk", "lean.msk", "units.msk"]);
+    assert_eq!(done.code, Some(1));
+    for part in ["pelviss", "nuetral", "names.msk:", "units.msk:"] {
+        assert!(done.out.contains(part), "no `{part}` in {}", done.out);
+    }
+    assert!(done.out.contains("lean.msk: 1 task"), "{}", done.out);
+}
+
+#[test]
+fn json_has_codes_places_and_edits() {
+    let project = Project::empty();
+    project.write("units.msk", &LEAN.replace("/ 1 rad", ""));
+    let done = project.msk(&["check", "--format", "json", "units.msk"]);
+    assert_eq!(done.code, Some(1));
+    let report: Value = serde_json::from_str(&done.out).unwrap();
+    let diagnostic = &report["diagnostics"][0];
+    assert!(diagnostic["code"].as_str().unwrap().starts_with('E'), "{report}");
+    assert_eq!(diagnostic["labels"][0]["place"]["file"], "units.msk");
+    assert_eq!(diagnostic["labels"][0]["place"]["start"]["line"], 19);
+}
+
+#[test]
+fn an_explanation_tells_terms_weights_and_values_at_reset() {
+    let project = Project::lean();
+    let done = project.msk(&["explain", "lean"]).succeeded();
+    for part in ["lean", "stabilization", "pose", "alive", "effort", "sunk", "pelvis.height", "hash"] {
+        assert!(done.out.contains(part), "no `{part}` in {}", done.out);
+    }
+    assert!(done.out.contains("at reset"), "{}", done.out);
+}

@@ -1,0 +1,11 @@
+//! The program from end to end, through its binary: what users type, what they get, and how it fails.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod bad_input;
+mod check;
+mod eval;
+mod help;
+mod interrupt;
+mod project;
+mod run;
