@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[allow(dead_code)] // `compiling` serves the other pages.
 mod support;
 
 use msk_compiler::diagnostics::{FileId, Report, SourceMap};

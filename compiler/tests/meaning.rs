@@ -1,12 +1,10 @@
 //! The meaning of tasks as a specification: the pages under `tests/language/`, compiled whole.
 
-#[path = "support/compiling.rs"]
-mod compiling;
 #[allow(dead_code)] // `reading` serves the pages about syntax.
 mod support;
 
-use compiling::{Compiling, compile_text, complete};
 use msk_compiler::diagnostics::codes;
+use support::compiling::{Compiling, compile_text, complete};
 use support::{ENTRY, Reading, check_pages};
 
 #[test]

@@ -16,10 +16,10 @@ pub(crate) struct Reported;
 pub(crate) type Checked<T> = Result<T, Reported>;
 
 /// Expressions and lanes that one task may take: enough for any real task, little enough to stay far below a second.
-const BUDGET: usize = 400_000;
+const BUDGET: usize = 100_000;
 
 /// Brackets, calls and names nested in each other; each level costs native stack.
-const DEEPEST: usize = 320;
+const DEEPEST: usize = 160;
 
 /// A function call or a name on the way to where the checker stands.
 #[derive(Debug, Clone)]
@@ -87,6 +87,8 @@ pub(crate) struct Checker<'a> {
     pub allowed: BTreeSet<String>,
     depth: usize,
     budget: usize,
+    /// Whether it is told that nothing is left of the budget.
+    spent: bool,
 }
 
 impl<'a> Checker<'a> {
@@ -110,6 +112,7 @@ impl<'a> Checker<'a> {
             allowed: BTreeSet::new(),
             depth: 0,
             budget: BUDGET,
+            spent: false,
         }
     }
 
@@ -159,8 +162,7 @@ impl<'a> Checker<'a> {
             self.budget -= amount;
             return Ok(());
         }
-        if self.budget > 0 {
-            self.budget = 0;
+        if !std::mem::replace(&mut self.spent, true) {
             let message = "the task becomes too large here: functions and lists unroll while compiling";
             self.error(codes::tasks::TOO_LARGE, span, message);
         }

@@ -1,6 +1,6 @@
 //! The snapshot: canonical text of what a task means. Layout, comments and local names of the source do not show in it.
 
-use crate::graph::text::Writer;
+use crate::graph::text::{Writer, values};
 use crate::task::CompiledTask;
 use std::fmt::Write;
 
@@ -51,6 +51,6 @@ impl CompiledTask {
             root.position, root.heading, root.velocity
         );
         let _ = writeln!(text, "init noise joints {} rad, velocities {} rad/s", self.init.joint_noise, self.init.velocity_noise);
-        let _ = writeln!(text, "init coordinates {:?}", self.init.coordinates);
+        let _ = writeln!(text, "init coordinates {}", values(self.init.coordinates.iter().copied()));
     }
 }

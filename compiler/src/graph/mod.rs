@@ -6,7 +6,7 @@
 //! 3. [`text`] writes the graph canonically; its hash identifies the task whatever its layout, comments and local names.
 //! 4. `lower` turns the graph into a program; a second back end would start here too.
 
-mod fold;
+pub(crate) mod fold;
 pub mod interval;
 pub mod operation;
 pub mod text;

@@ -2,6 +2,7 @@
 
 use super::operation::Operation;
 use super::{Graph, NodeId};
+use crate::frame::Sensor;
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -34,9 +35,9 @@ impl Writer {
     fn write(&mut self, graph: &Graph, id: NodeId) {
         let node = graph.node(id);
         let number = self.numbers.len();
-        let inputs: Vec<String> = node.inputs.iter().map(|input| format!("%{}", self.numbers[input])).collect();
+        let inputs: String = node.inputs.iter().map(|input| format!(" %{}", self.numbers[input])).collect();
         // Writing to a string cannot fail.
-        let _ = writeln!(self.lines, "%{number} = {} {}", describe(&node.operation), inputs.join(" "));
+        let _ = writeln!(self.lines, "%{number} = {}{inputs}", describe(&node.operation));
         self.numbers.insert(id, number);
     }
 
@@ -49,20 +50,8 @@ impl Writer {
 /// The operation with its fixed parts.
 pub fn describe(operation: &Operation) -> String {
     match operation {
-        Operation::Constant(lanes) => {
-            let mut text = String::from("constant");
-            for (value, count) in runs(&lanes.iter().map(|lane| lane.value()).collect::<Vec<_>>()) {
-                let _ = write!(text, " {value:?}");
-                if count > 1 {
-                    let _ = write!(text, " x{count}");
-                }
-            }
-            text
-        }
-        Operation::Sensors(sensors) => {
-            let names: Vec<String> = sensors.iter().map(|sensor| format!("{sensor:?}")).collect();
-            format!("sensors {}", names.join(" "))
-        }
+        Operation::Constant(lanes) => format!("constant {}", values(lanes.iter().map(|lane| lane.value()))),
+        Operation::Sensors(sensors) => format!("sensors {}", blocks(sensors)),
         Operation::Step => "step".to_owned(),
         Operation::Unary(function) => format!("{function:?}"),
         Operation::Binary(function) => format!("{function:?}"),
@@ -77,14 +66,48 @@ pub fn describe(operation: &Operation) -> String {
     }
 }
 
-/// Neighbouring equal numbers counted together.
-fn runs(values: &[f64]) -> Vec<(f64, usize)> {
+/// Numbers to the last bit, neighbouring equal ones counted together: `0.0 x4 1.5`.
+pub fn values(values: impl Iterator<Item = f64>) -> String {
     let mut counted: Vec<(f64, usize)> = Vec::new();
-    for &value in values {
+    for value in values {
         match counted.last_mut() {
             Some((last, count)) if last.to_bits() == value.to_bits() => *count += 1,
             _ => counted.push((value, 1)),
         }
     }
-    counted
+    let texts = counted.into_iter().map(|(value, count)| match count {
+        1 => format!("{value:?}"),
+        _ => format!("{value:?} x{count}"),
+    });
+    texts.collect::<Vec<_>>().join(" ")
+}
+
+/// Sensor blocks, neighbouring indices joined: `JointPosition 0..3 28..30`.
+fn blocks(sensors: &[Sensor]) -> String {
+    let mut text = String::new();
+    let mut open: Option<(String, usize, usize)> = None;
+    let close = |text: &mut String, open: Option<(String, usize, usize)>, kind: &str| {
+        if let Some((own, first, last)) = open {
+            let _ = if first == last { write!(text, " {first}") } else { write!(text, " {first}..{}", last + 1) };
+            return own == kind;
+        }
+        false
+    };
+    for sensor in sensors {
+        let written = format!("{sensor:?}");
+        let (kind, index) = written.split_once('(').unwrap_or((&written, ""));
+        let index = index.trim_end_matches(')').parse::<usize>().ok();
+        match (&mut open, index) {
+            (Some((own, _, last)), Some(index)) if own == kind && index == *last + 1 => *last = index,
+            _ => {
+                let same_kind = close(&mut text, open.take(), kind);
+                if !same_kind {
+                    let _ = write!(text, "{}{kind}", if text.is_empty() { "" } else { " " });
+                }
+                open = index.map(|index| (kind.to_owned(), index, index));
+            }
+        }
+    }
+    close(&mut text, open, "");
+    text
 }

@@ -8,6 +8,8 @@
 
 mod assemble;
 mod finish;
+#[cfg(test)]
+mod interpret;
 mod program;
 mod run;
 

@@ -36,8 +36,9 @@ pub(crate) enum Code {
     Quaternion,
     /// First cell.
     Memory(Memory, usize),
-    /// Reads a state's cells; at reset takes input 0.
+    /// Reads a state's cells; at reset they take input 0.
     StateBefore(usize),
+    /// The same, after the update.
     StateAfter(usize),
 }
 

@@ -79,14 +79,14 @@ impl Program {
                     };
                 }
             }
-            Code::StateBefore(first) => {
+            // Whichever of the two comes first at reset gives the state its first value.
+            Code::StateBefore(first) | Code::StateAfter(first) => {
                 let cells = &mut cells[*first..first + out.len()];
                 if moment == Moment::Reset {
                     cells.copy_from_slice(input(0));
                 }
                 out.copy_from_slice(cells);
             }
-            Code::StateAfter(first) => out.copy_from_slice(&cells[*first..first + out.len()]),
         }
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! `MSK_UPDATE=1 cargo test` rewrites the `text` blocks; read the difference before keeping it.
 
+pub mod compiling;
 pub mod reading;
 
 use msk_compiler::diagnostics::{Report, SourceMap, Span, Style};
