@@ -339,3 +339,13 @@ proptest! {
         let _ = Model::from_mjcf(&format!("{}{number:?}{}", &text[..start], &text[end..]));
     }
 }
+
+#[test]
+fn a_giant_file_is_not_read_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("giant.xml");
+    // Sparse: a terabyte that takes no room.
+    fs::File::create(&path).unwrap().set_len(1 << 40).unwrap();
+    let message = Model::from_file(&path).map(|model| model.name).unwrap_err().to_string();
+    assert!(message.contains("larger than 64 MiB"), "{message}");
+}
