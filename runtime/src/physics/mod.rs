@@ -29,6 +29,7 @@ pub mod spatial;
 pub mod state;
 pub mod stepping;
 pub mod tendons;
+pub mod tree_matrix;
 pub mod velocities;
 pub mod workspace;
 

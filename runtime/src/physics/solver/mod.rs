@@ -108,7 +108,7 @@ impl Newton {
         let tolerance = model.options.tolerance;
         while self.iterations < model.options.iterations {
             self.search.copy_from_slice(&self.gradient);
-            self.pattern.solve(&self.factor, &mut self.search);
+            self.pattern.layout().solve(&self.factor, &mut self.search);
             // Newton's decrement predicts what the next step gains. Where that is nothing the step is still taken: its
             // direction is known, and if no row changes it ends at the exact optimum.
             let last = 0.5 * scale * dot(&self.gradient, &self.search) < tolerance;
@@ -147,31 +147,27 @@ impl Newton {
         let bridges = constraints.bridges.iter().map(|&candidate| constraints.plan.columns_of(candidate));
         self.pattern.rebuild(&model.dofs.parent, coupled.iter().map(|pair| &pair[..]).chain(bridges));
         self.factor.clear();
-        self.factor.resize(self.pattern.entries(), 0.0);
+        self.factor.resize(self.pattern.column.len(), 0.0);
         self.bridges = Some(constraints.bridges.clone());
     }
 
     /// Chooses where to start and returns its cost.
     fn start(&mut self, model: &Model, problem: &Problem<'_>, jacobian: &Jacobian, rows: &Rows) -> f64 {
-        self.go_to(model, problem.mass, jacobian, rows, problem.smooth);
-        let smooth_cost = self.cost(problem, rows);
-        self.go_to(model, problem.mass, jacobian, rows, problem.warm_start);
+        self.acceleration.copy_from_slice(problem.warm_start);
+        inertia::multiply(model, problem.mass, &self.acceleration, &mut self.momentum);
+        residuals(jacobian, rows, &self.acceleration, &mut self.residual);
         let warm_cost = self.cost(problem, rows);
+        // M a_smooth is the force itself, so this start costs no product with M and no inertial term.
+        residuals(jacobian, rows, problem.smooth, &mut self.search_rate);
+        let smooth_cost = spring_cost(rows, &self.search_rate);
         // Not `>`: a warm start that is not finite never wins.
         if warm_cost <= smooth_cost {
             return warm_cost;
         }
-        self.go_to(model, problem.mass, jacobian, rows, problem.smooth);
+        self.acceleration.copy_from_slice(problem.smooth);
+        self.momentum.copy_from_slice(problem.force);
+        core::mem::swap(&mut self.residual, &mut self.search_rate);
         smooth_cost
-    }
-
-    fn go_to(&mut self, model: &Model, mass: &[f64], jacobian: &Jacobian, rows: &Rows, acceleration: &[f64]) {
-        self.acceleration.copy_from_slice(acceleration);
-        inertia::multiply(model, mass, &self.acceleration, &mut self.momentum);
-        jacobian.multiply(&self.acceleration, &mut self.residual);
-        for (residual, reference) in self.residual.iter_mut().zip(&rows.reference) {
-            *residual -= reference;
-        }
     }
 
     /// Cost of the current acceleration.
@@ -179,12 +175,7 @@ impl Newton {
         let accelerations = self.acceleration.iter().zip(problem.smooth);
         let momenta = self.momentum.iter().zip(problem.force);
         let inertial: f64 = accelerations.zip(momenta).map(|((a, smooth), (m, force))| (a - smooth) * (m - force)).sum();
-        let springs = (0..rows.len()).map(|row| {
-            let force = row_force(rows, row, self.residual[row]);
-            // Quadratic while the force is free, linear beyond its bounds.
-            -force * (self.residual[row] + 0.5 * force * rows.regularization[row])
-        });
-        0.5 * inertial + springs.sum::<f64>()
+        0.5 * inertial + spring_cost(rows, &self.residual)
     }
 
     /// Forces, pulling rows and gradient at the current acceleration.
@@ -233,13 +224,13 @@ impl Newton {
         let Self { pattern, factor, pulling, .. } = self;
         for dof in 0..model.nv {
             let entries = &mass[model.dofs.row[dof].clone()];
-            let row = &mut factor[pattern.start[dof]..pattern.start[dof + 1]];
+            let row = &mut factor[pattern.row[dof].clone()];
             if row.len() == entries.len() {
                 row.copy_from_slice(entries);
             } else {
                 row.fill(0.0);
                 for (entry, &column) in entries.iter().zip(&model.dofs.column[model.dofs.row[dof].clone()]) {
-                    row[pattern.depth[column]] = *entry;
+                    row[pattern.depth(column)] = *entry;
                 }
             }
         }
@@ -256,16 +247,16 @@ impl Newton {
         let changes: Vec<usize> = (0..self.pulling.len()).filter(changed).collect();
         let last_dof = |row: usize| jacobian.columns_of(jacobian.block_of(row)).last().copied().unwrap_or(0);
         // An update passes over the path once with two operations per entry of a triangle, and with shorter vectors.
-        let cost: usize = changes.iter().map(|&row| (self.pattern.depth[last_dof(row)] + 2).pow(2)).sum();
+        let cost: usize = changes.iter().map(|&row| (self.pattern.depth(last_dof(row)) + 2).pow(2)).sum();
         if 2 * cost > self.pattern.factor_cost() {
             return self.factor_all(model, mass, jacobian);
         }
         for row in changes {
             let dof = last_dof(row);
-            let vector = &mut self.vector[..=self.pattern.depth[dof]];
+            let vector = &mut self.vector[..=self.pattern.depth(dof)];
             vector.fill(0.0);
             for (column, value) in jacobian.row_values(jacobian.block_of(row), row) {
-                vector[self.pattern.depth[column]] = value;
+                vector[self.pattern.depth(column)] = value;
             }
             let change = self.pulling[row] - self.factored[row];
             if self.pattern.update(&mut self.factor, dof, vector, change).is_err() {
@@ -285,14 +276,31 @@ fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, blo
     let rows: [&[f64]; MOST_BASE_ROWS] =
         core::array::from_fn(|row| if row < block.dimension { jacobian.base_row(block, row) } else { &[] });
     for (place, &dof) in columns.iter().enumerate() {
-        let target = &mut matrix[pattern.start[dof]..pattern.start[dof + 1]];
+        let target = &mut matrix[pattern.row[dof].clone()];
         for (row, values) in rows[..block.dimension].iter().enumerate() {
             let pull: f64 = (0..block.dimension).map(|other| base[row][other] * rows[other][place]).sum();
             for (&column, value) in columns[..=place].iter().zip(*values) {
-                target[pattern.depth[column]] += pull * value;
+                target[pattern.depth(column)] += pull * value;
             }
         }
     }
+}
+
+/// J a - a_ref.
+fn residuals(jacobian: &Jacobian, rows: &Rows, acceleration: &[f64], out: &mut [f64]) {
+    jacobian.multiply(acceleration, out);
+    for (residual, reference) in out.iter_mut().zip(&rows.reference) {
+        *residual -= reference;
+    }
+}
+
+/// Cost of the rows' springs: quadratic while a force is free, linear beyond its bounds.
+fn spring_cost(rows: &Rows, residual: &[f64]) -> f64 {
+    let cost = |(row, residual): (usize, &f64)| {
+        let force = row_force(rows, row, *residual);
+        -force * (residual + 0.5 * force * rows.regularization[row])
+    };
+    residual.iter().enumerate().map(cost).sum()
 }
 
 /// A row's force at a residual J a - a_ref.

@@ -1,20 +1,19 @@
-//! Symmetric positive matrices whose every row reaches exactly to the ancestors of its dof in a tree.
+//! The Hessian's sparsity: a tree again, but one in which the dofs of every constraint lie on one path.
 //!
-//! The mass matrix has this shape for the kinematic tree, and L'DL elimination from the leaves to the root creates no other
-//! entries (R. Featherstone, "Efficient factorization of the joint-space inertia matrix for branched kinematic trees").
-//! A constraint adds entries between all dofs that it couples. If they lie on one root path nothing changes; if they lie
+//! The mass matrix has the sparsity of the kinematic tree ([`tree_matrix`](crate::physics::tree_matrix)). A constraint adds entries between all dofs that it couples. If they lie on one root path nothing changes; if they lie
 //! on two chains, eliminating them hangs the deeper chain onto the other one: the elimination tree of the sum (J. W. H. Liu,
 //! "The role of elimination trees in sparse factorization") is again a tree, with longer paths for some dofs. Padding every
 //! row to its whole path in that tree keeps all kernels below unchanged and contiguous: a row's entries are a prefix of the
 //! rows of its descendants.
 
+use crate::physics::tree_matrix::Layout;
+use core::ops::Range;
+
 /// The pattern: a tree over the dofs, parents before children.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct PathPattern {
-    /// Number of proper ancestors of every dof: the place of its column in the rows of its descendants.
-    pub depth: Vec<usize>,
-    /// Start of every row among the values, and the end of the last.
-    pub start: Vec<usize>,
+    /// Entries of every row among the values.
+    pub row: Vec<Range<usize>>,
     /// Columns of all rows, ascending within a row, the diagonal last.
     pub column: Vec<usize>,
     /// Scratch of the elimination tree.
@@ -56,87 +55,46 @@ impl PathPattern {
     }
 
     fn lay_out(&mut self, size: usize) {
-        self.depth.clear();
-        self.start.clear();
+        self.row.clear();
         self.column.clear();
         for dof in 0..size {
-            self.start.push(self.column.len());
-            let parent = self.parent[dof];
-            if parent != NONE {
-                self.column.extend_from_within(self.start[parent]..self.start[parent + 1]);
+            let start = self.column.len();
+            if self.parent[dof] != NONE {
+                self.column.extend_from_within(self.row[self.parent[dof]].clone());
             }
-            self.depth.push(self.column.len() - self.start[dof]);
             self.column.push(dof);
+            self.row.push(start..self.column.len());
         }
-        self.start.push(self.column.len());
     }
 
-    /// Number of dofs.
-    pub fn size(&self) -> usize {
-        self.depth.len()
-    }
-
-    /// Number of stored entries.
-    pub fn entries(&self) -> usize {
-        self.column.len()
+    /// The pattern as the kernels want it.
+    pub fn layout(&self) -> Layout<'_> {
+        Layout { row: &self.row, column: &self.column }
     }
 
     /// Columns of a row, the diagonal last.
-    pub fn row(&self, dof: usize) -> &[usize] {
-        &self.column[self.start[dof]..self.start[dof + 1]]
+    pub fn columns(&self, dof: usize) -> &[usize] {
+        &self.column[self.row[dof].clone()]
+    }
+
+    /// Number of proper ancestors of a dof: the place of its column in the rows of its descendants.
+    pub fn depth(&self, dof: usize) -> usize {
+        self.row[dof].len() - 1
     }
 
     /// Multiplications of a factorisation, to weigh updates against it.
     pub fn factor_cost(&self) -> usize {
-        self.depth.iter().map(|depth| (depth + 1) * (depth + 2) / 2).sum()
+        self.row.iter().map(|row| row.len() * (row.len() + 1) / 2).sum()
     }
 
-    /// Replaces the matrix in `values` by its factors L'DL: D on the diagonal, the strictly lower part of L elsewhere.
+    /// Factors in place.
     ///
     /// # Errors
-    /// The dof whose pivot is not positive and finite.
+    /// The first dof whose pivot is not positive and finite.
     pub fn factor(&self, values: &mut [f64]) -> Result<(), usize> {
-        for dof in (0..self.size()).rev() {
-            let (upper_rows, rest) = values.split_at_mut(self.start[dof]);
-            let (above, diagonal) = rest[..=self.depth[dof]].split_at_mut(self.depth[dof]);
-            let pivot = diagonal[0];
-            if !(pivot > 0.0 && pivot.is_finite()) {
-                return Err(dof);
-            }
-            let inverse = 1.0 / pivot;
-            for (place, &ancestor) in self.row(dof)[..above.len()].iter().enumerate() {
-                let scale = above[place] * inverse;
-                let row = &mut upper_rows[self.start[ancestor]..][..=place];
-                for (entry, value) in row.iter_mut().zip(&above[..=place]) {
-                    *entry -= scale * value;
-                }
-            }
-            for value in above {
-                *value *= inverse;
-            }
-        }
-        Ok(())
-    }
-
-    /// Solves L'DL x = b in place.
-    pub fn solve(&self, factor: &[f64], x: &mut [f64]) {
-        for dof in (0..self.size()).rev() {
-            let value = x[dof];
-            if value != 0.0 {
-                let columns = &self.row(dof)[..self.depth[dof]];
-                for (&column, entry) in columns.iter().zip(&factor[self.start[dof]..]) {
-                    x[column] -= entry * value;
-                }
-            }
-        }
-        for dof in 0..self.size() {
-            let row = &factor[self.start[dof]..self.start[dof + 1]];
-            let mut value = x[dof] / row[row.len() - 1];
-            for (&column, entry) in self.row(dof)[..row.len() - 1].iter().zip(row) {
-                value -= entry * x[column];
-            }
-            x[dof] = value;
-        }
+        self.layout().factor(values);
+        let unsound = |row: &Range<usize>| !(values[row.end - 1] > 0.0 && values[row.end - 1].is_finite());
+        self.row.iter().position(unsound).map_or(Ok(()), Err)
     }
 
     /// Changes the factors of H into those of H + `weight` w w' where w is nonzero only on the path of `dof`: `vector` holds
@@ -146,12 +104,12 @@ impl PathPattern {
     /// # Errors
     /// The dof whose pivot is not positive and finite.
     pub fn update(&self, factor: &mut [f64], dof: usize, vector: &mut [f64], mut weight: f64) -> Result<(), usize> {
-        for (place, &row) in self.row(dof).iter().enumerate().rev() {
+        for (place, &row) in self.columns(dof).iter().enumerate().rev() {
             let first = vector[place];
             if first == 0.0 {
                 continue;
             }
-            let entries = &mut factor[self.start[row]..=self.start[row] + place];
+            let entries = &mut factor[self.row[row].clone()];
             let (above, diagonal) = entries.split_at_mut(place);
             let old = diagonal[0];
             let new = old + weight * first * first;
@@ -177,10 +135,10 @@ mod tests {
 
     /// A random tree, cliques across it, and a positive matrix with the entries that both need.
     fn dense(pattern: &PathPattern, values: &[f64]) -> Vec<Vec<f64>> {
-        let mut full = vec![vec![0.0; pattern.size()]; pattern.size()];
-        for row in 0..pattern.size() {
-            for (place, &column) in pattern.row(row).iter().enumerate() {
-                full[row][column] = values[pattern.start[row] + place];
+        let mut full = vec![vec![0.0; pattern.row.len()]; pattern.row.len()];
+        for row in 0..pattern.row.len() {
+            for (place, &column) in pattern.columns(row).iter().enumerate() {
+                full[row][column] = values[pattern.row[row].start + place];
                 full[column][row] = full[row][column];
             }
         }
@@ -205,34 +163,34 @@ mod tests {
             let mut pattern = PathPattern::default();
             pattern.rebuild(&parents, cliques.iter().map(Vec::as_slice));
             for clique in &cliques {
-                let path = pattern.row(*clique.last().unwrap());
+                let path = pattern.columns(*clique.last().unwrap());
                 prop_assert!(clique.iter().all(|dof| path.contains(dof)));
             }
-            let mut values = vec![0.0; pattern.entries()];
+            let mut values = vec![0.0; pattern.column.len()];
             for row in 0..size {
-                for place in 0..pattern.depth[row] {
-                    values[pattern.start[row] + place] = choices[(row + place) % size].1;
+                for place in 0..pattern.depth(row) {
+                    values[pattern.row[row].start + place] = choices[(row + place) % size].1;
                 }
-                values[pattern.start[row] + pattern.depth[row]] = size as f64 + 1.0;
+                values[pattern.row[row].start + pattern.depth(row)] = size as f64 + 1.0;
             }
             let right: Vec<f64> = choices.iter().map(|c| c.1).collect();
             let mut factor = values.clone();
             prop_assert!(pattern.factor(&mut factor).is_ok());
             let mut x = right.clone();
-            pattern.solve(&factor, &mut x);
+            pattern.layout().solve(&factor, &mut x);
             prop_assert!(residual(&dense(&pattern, &values), &x, &right) < 1e-10);
 
             let last = size - 1;
-            let vector: Vec<f64> = (0..=pattern.depth[last]).map(|i| choices[i % size].1).collect();
+            let vector: Vec<f64> = (0..=pattern.depth(last)).map(|i| choices[i % size].1).collect();
             prop_assert!(pattern.update(&mut factor, last, &mut vector.clone(), weight).is_ok());
             let mut changed = values.clone();
-            for (i, &row) in pattern.row(last).iter().enumerate() {
+            for (i, &row) in pattern.columns(last).iter().enumerate() {
                 for j in 0..=i {
-                    changed[pattern.start[row] + j] += weight * vector[i] * vector[j];
+                    changed[pattern.row[row].start + j] += weight * vector[i] * vector[j];
                 }
             }
             let mut x = right.clone();
-            pattern.solve(&factor, &mut x);
+            pattern.layout().solve(&factor, &mut x);
             prop_assert!(residual(&dense(&pattern, &changed), &x, &right) < 1e-8);
         }
     }
