@@ -4,6 +4,7 @@
 //! What goes wrong comes back as an [`Error`] and is printed in one place.
 
 mod check;
+mod draw;
 mod error;
 mod eval;
 mod explain;
@@ -33,6 +34,7 @@ enum Command {
     Run(run::Args),
     Eval(eval::Args),
     Vocabulary(vocabulary::Args),
+    Draw(draw::Args),
     Physics(physics::Args),
     Help(help::Args),
 }
@@ -45,6 +47,7 @@ impl Command {
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),
+            Self::Draw(args) => draw::run(args),
             Self::Physics(args) => physics::run(args),
             Self::Help(args) => help::run(args),
         }

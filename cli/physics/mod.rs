@@ -67,7 +67,7 @@ impl Start {
 }
 
 /// Reads a state file of at most 64 MiB.
-fn read_state(path: &Path) -> Result<StateFile, Error> {
+pub fn read_state(path: &Path) -> Result<StateFile, Error> {
     const LARGEST: u64 = 64 << 20;
     let mut text = String::new();
     let file = File::open(path).context(|| format!("cannot read {}", path.display()))?;

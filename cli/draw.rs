@@ -1,0 +1,137 @@
+//! `msk draw`: a picture of a body.
+
+use crate::error::{Context, Error};
+use crate::physics::read_state;
+use crate::project::style;
+use msk::compiler::body::BodyDescription;
+use msk::compiler::compile;
+use msk::compiler::task::RootPlacement;
+use msk::runtime::body::sensors::Snapshot;
+use msk::runtime::draw::{Options, View, svg};
+use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::runtime::physics::{self, State, Workspace};
+use msk::runtime::{bodies, body::Body, model::Model};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Draw a body as SVG: shapes, bones, muscles by activation, contact forces
+#[derive(clap::Args)]
+pub struct Args {
+    /// Name of a body (bodies/NAME.msk here or in a folder above, else built in), or a body file
+    #[arg(long, default_value = "human")]
+    body: String,
+    /// Draw this pose of the body, standing on the ground
+    #[arg(long, default_value = "neutral")]
+    pose: String,
+    /// Draw this state instead: JSON with qpos, qvel, act, ctrl
+    #[arg(long, value_name = "FILE", conflicts_with = "pose")]
+    state: Option<PathBuf>,
+    /// Use this model instead of the body file's, for example a scene with the body in it
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Activation of all muscles, 0 to 1, where no state gives them
+    #[arg(long, value_name = "LEVEL", default_value_t = 0.0, conflicts_with = "state")]
+    activation: f64,
+    /// From where
+    #[arg(long, value_enum, default_value_t = Views::Both)]
+    view: Views,
+    /// Line above the picture instead of the names of body and pose
+    #[arg(long)]
+    caption: Option<String>,
+    /// The file to write; without it, standard output
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Views {
+    /// From the body's right
+    Side,
+    /// From in front
+    Front,
+    /// Both, side by side
+    Both,
+}
+
+/// Draws.
+///
+/// # Errors
+/// A body, pose, state or model that cannot be found, read or used, or a file that cannot be written.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    if !(0.0..=1.0).contains(&args.activation) {
+        return Err(Error::usage(format!("an activation lies between 0 and 1, not at {}", args.activation)));
+    }
+    let library = BodyLibrary::default();
+    let mut description = describe(&args.body, &library)?;
+    if let Some(model) = &args.model {
+        description.model = model.display().to_string();
+    }
+    let bound = library.bind(&description)?;
+    let (body, model) = (&*bound.body, &*bound.model);
+    let state = match &args.state {
+        Some(path) => read_state(path)?.state(model)?,
+        None => posed(body, model, &args.pose, args.activation)?,
+    };
+    let mut workspace = Workspace::new(model);
+    physics::forward(model, &state, &mut workspace)?;
+    let snapshot = Snapshot { body, model, state: &state, workspace: &workspace };
+    let named = || match &args.state {
+        Some(path) => format!("{}, {}", body.name, path.file_stem().unwrap_or_default().display()),
+        None => format!("{}, {}", body.name, args.pose.replace('_', " ")),
+    };
+    let options = Options { views: args.view.list(), caption: args.caption.clone().unwrap_or_else(named) };
+    let picture = svg(&snapshot, &options);
+    match &args.out {
+        Some(path) => std::fs::write(path, picture).context(|| format!("cannot write {}", path.display()))?,
+        None => io::stdout().lock().write_all(picture.as_bytes())?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Views {
+    fn list(self) -> Vec<View> {
+        match self {
+            Self::Side => vec![View::Side],
+            Self::Front => vec![View::Front],
+            Self::Both => vec![View::Side, View::Front],
+        }
+    }
+}
+
+/// The body in a pose on the ground, all muscles equally active.
+fn posed(body: &Body, model: &Model, pose: &str, activation: f64) -> Result<State<f64>, Error> {
+    let Some(coordinates) = body.pose(pose) else {
+        let known: Vec<&str> = body.poses.iter().map(|pose| pose.name.as_str()).collect();
+        let message = format!("the body `{}` has no pose `{pose}`", body.name);
+        return Err(Error::new(message).hint(format!("it has: {}", known.join(", "))));
+    };
+    let mut state = State::new(model);
+    body.place(model, &RootPlacement::default(), coordinates, &mut state, &mut Workspace::new(model));
+    state.activation.fill(activation);
+    Ok(state)
+}
+
+/// The body of that name, or the one in a body file.
+fn describe(name: &str, library: &BodyLibrary) -> Result<BodyDescription, Error> {
+    let path = find(name)?;
+    let compilation = compile(&path, &FileLoader, library).map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
+    match compilation.bodies.as_slice() {
+        [body] => Ok((**body).clone()),
+        bodies => Err(Error::new(format!("{} holds {} bodies, not one", path.display(), bodies.len()))),
+    }
+}
+
+/// The file of a body: `name` itself, `bodies/NAME.msk` here or above, or the built-in one.
+fn find(name: &str) -> Result<PathBuf, Error> {
+    if name.ends_with(".msk") {
+        return Ok(PathBuf::from(name));
+    }
+    let file = Path::new("bodies").join(format!("{name}.msk"));
+    let here = std::env::current_dir().context(|| "cannot tell the current folder".into())?;
+    let own = here.ancestors().map(|folder| folder.join(&file)).find(|path| path.exists());
+    own.or_else(|| bodies::builtin(name).map(|body| body.path)).ok_or_else(|| {
+        let known: Vec<&str> = bodies::names().collect();
+        Error::new(format!("there is no body `{name}`")).hint(format!("built in: {}", known.join(", ")))
+    })
+}

@@ -1,0 +1,60 @@
+//! `msk draw` from outside.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
+
+use std::process::{Command, Output};
+
+fn draw(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_msk")).arg("draw").args(arguments).output().unwrap()
+}
+
+fn picture(arguments: &[&str]) -> String {
+    let output = draw(arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn complaint(arguments: &[&str]) -> String {
+    let output = draw(arguments);
+    assert!(!output.status.success() && output.stdout.is_empty());
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn the_built_in_human_is_drawn_in_its_poses() {
+    let standing = picture(&[]);
+    assert!(standing.starts_with("<svg") && standing.contains("<title>human, neutral</title>"));
+    assert_ne!(standing, picture(&["--pose", "squatting"]));
+    assert_eq!(standing, picture(&["--pose", "neutral"]), "the same picture, byte for byte");
+}
+
+#[test]
+fn one_view_shows_half_of_both() {
+    let muscles = |arguments: &[&str]| picture(arguments).matches(r#"class="muscle""#).count();
+    assert_eq!([muscles(&["--view", "side"]), muscles(&["--view", "front"]), muscles(&[])], [416, 416, 832]);
+}
+
+#[test]
+fn a_state_shows_activations_and_the_forces_of_the_ground() {
+    let folder = tempfile::tempdir().unwrap();
+    let (state, out) = (folder.path().join("pressed.json"), folder.path().join("pressed.svg"));
+    // Standing straight, 2 mm into the ground, all muscles fully active.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let mut position = vec![0.0; 129];
+    position[..7].copy_from_slice(&[0.0, 0.0, 0.9448, half, 0.0, 0.0, half]);
+    std::fs::write(&state, format!(r#"{{"qpos":{position:?},"act":{:?}}}"#, vec![1.0; 416])).unwrap();
+    let output = draw(&["--state", state.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert!(output.status.success() && output.stdout.is_empty());
+    let picture = std::fs::read_to_string(out).unwrap();
+    assert!(picture.contains("<title>human, pressed</title>"));
+    assert!(picture.contains(r##"stroke="#d61820""##) && !picture.contains(r##"class="muscle" stroke="#2e5ca8""##));
+    assert!(picture.matches(r#"class="force""#).count() >= 4, "one arrow per foot and view");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_told_in_one_message() {
+    assert!(complaint(&["--body", "nobody"]).starts_with("error: there is no body `nobody`"));
+    assert!(complaint(&["--pose", "lotus"]).contains("it has: neutral"));
+    assert!(complaint(&["--activation", "2"]).contains("between 0 and 1"));
+    assert!(complaint(&["--state", "missing.json"]).starts_with("error: cannot read missing.json"));
+    assert!(complaint(&["--out", "missing/folder/human.svg"]).starts_with("error: cannot write missing/folder/human.svg"));
+}
