@@ -166,7 +166,7 @@ impl Jacobian {
         let local = row - block.rows.start;
         let (tangent, factor) = match block.dimension {
             1 => (0, 0.0),
-            _ => (1 + local / 2, block.friction[local / 2] * if local % 2 == 0 { 1.0 } else { -1.0 }),
+            _ => (1 + local / 2, block.friction[local / 2] * if local.is_multiple_of(2) { 1.0 } else { -1.0 }),
         };
         let pairs = self.base_row(block, 0).iter().zip(self.base_row(block, tangent));
         self.columns_of(block).iter().copied().zip(pairs.map(move |(normal, tangent)| normal + factor * tangent))
