@@ -20,6 +20,7 @@ fn an_interrupted_run_leaves_a_valid_journal_that_can_be_continued() {
     let done = Done::from(child.wait_with_output().unwrap());
     assert_eq!(done.code, Some(130), "{done:?}");
     assert!(done.err.contains("interrupted after") && done.err.contains("--out"), "{}", done.err);
+    assert!(done.out.contains("lean, ") && done.out.contains(" so far"), "{}", done.out);
 
     let text = project.read("out/episodes.jsonl");
     let lines = journal(&text);

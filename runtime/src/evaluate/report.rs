@@ -9,7 +9,7 @@ pub fn markdown(summary: &Summary) -> String {
     let mut text = format!("# Policy `{}`, {} episodes per task, seed {}\n\n", summary.policy, protocol.episodes, protocol.seed);
     let mut tasks = Table::new(&["task", "success [95 %]", "return", "steps", "ended by"]);
     for task in &summary.tasks {
-        tasks.row(task_row(task));
+        tasks.row(task_row(task, protocol.episodes));
     }
     text.push_str(&tasks.print());
     for task in summary.tasks.iter().filter(|task| !task.terms.is_empty()) {
@@ -37,10 +37,10 @@ pub fn terms(terms: &[TermSummary]) -> String {
     table.print()
 }
 
-fn task_row(task: &TaskSummary) -> Vec<String> {
+fn task_row(task: &TaskSummary, planned: u64) -> Vec<String> {
     let [low, high] = task.success_interval.map(|bound| format!("{:.0}", 100.0 * bound));
     vec![
-        task.task.clone(),
+        if task.episodes == planned { task.task.clone() } else { format!("{}, {} so far", task.task, task.episodes) },
         task.success_rate.map_or("-".into(), |rate| format!("{:.0} % [{low}, {high}]", 100.0 * rate)),
         spread(task.total),
         spread(task.steps),
@@ -169,10 +169,10 @@ mod tests {
     }
 
     #[test]
-    fn a_run_without_episodes_prints_dashes() {
+    fn a_run_that_has_only_begun_says_so() {
         let text = markdown(&Summary {
             policy: "zero".into(),
-            protocol: Protocol { episodes: 0, seed: 0 },
+            protocol: Protocol { episodes: 5, seed: 0 },
             tasks: vec![TaskSummary {
                 task: "stand".into(),
                 family: String::new(),
@@ -187,6 +187,6 @@ mod tests {
                 terms: vec![],
             }],
         });
-        assert!(text.contains("| stand |              - |      - |     - |"), "{text}");
+        assert!(text.contains("| stand, 0 so far |              - |      - |     - |"), "{text}");
     }
 }

@@ -1,0 +1,260 @@
+//! What an episode promises: how it begins, what chance does to it, how it ends, and that it continues bit for bit.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+use msk::compiler::compile;
+use msk::compiler::files::{LoadError, Loader};
+use msk::runtime::body::shape;
+use msk::runtime::episode::{Ending, Episode, EpisodeError, EpisodeKey, Fault};
+use msk::runtime::library::{BodyLibrary, BoundBody};
+use msk::runtime::model::JointKind;
+use msk::runtime::policy;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// One file, whatever its path.
+struct Text(String);
+
+impl Loader for Text {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        if path == Path::new("task.msk") { Ok(self.0.clone()) } else { Err(LoadError::Missing(path.into())) }
+    }
+}
+
+/// A task on the human body; `parts` replaces a line of the usual one by another.
+fn episode(parts: &[(&str, &str)]) -> Episode {
+    let mut text = "
+task balance {
+    body    human
+    control 100 Hz
+    horizon 12 steps
+    init {
+        pose neutral
+        root { height on ground, velocity [0.2 m/s, 0, 0] }
+        noise joints normal(0, 0.03 rad)
+        noise velocities normal(0, 0.3 rad/s)
+    }
+    observe { com.acceleration; prev(pelvis.height); independent.q }
+    reward {
+        2 upright = torso.up.z
+        3 change = 1 s/m * rate(pelvis.height)
+    }
+    terminate { early when step > 100 }
+    success survived
+}
+"
+    .to_string();
+    for (from, to) in parts {
+        assert!(text.contains(from), "the task has no `{from}`");
+        text = text.replace(from, to);
+    }
+    static BODIES: OnceLock<BodyLibrary> = OnceLock::new();
+    let bodies = BODIES.get_or_init(BodyLibrary::default);
+    let compilation = compile(Path::new("task.msk"), &Text(text), bodies).unwrap_or_else(|report| panic!("{report}"));
+    let task = compilation.tasks[0].clone();
+    let BoundBody { model, body, .. } = bodies.bind(&task.body).unwrap();
+    Episode::new(model, body, task).unwrap()
+}
+
+const KEY: EpisodeKey = EpisodeKey { seed: 4, episode: 2 };
+
+/// Steps with the policy `random` until the end, or as often as said.
+fn advance(episode: &mut Episode, steps: usize) {
+    let mut policy = policy::create("random").unwrap();
+    let mut action = vec![0.0; episode.context().body.muscles.len()];
+    for _ in 0..steps {
+        policy.act(&episode.context(), &mut action).unwrap();
+        episode.step(&action).unwrap();
+    }
+}
+
+#[test]
+fn an_episode_continues_from_a_snapshot_bit_for_bit() {
+    let mut first = episode(&[]);
+    first.reset(KEY);
+    advance(&mut first, 5);
+    let middle = first.snapshot();
+    advance(&mut first, 7);
+
+    // In another episode, after other things have happened there.
+    let mut second = episode(&[]);
+    advance(&mut second, 3);
+    second.restore(&middle);
+    assert_eq!(second.snapshot(), middle);
+    advance(&mut second, 7);
+    assert_eq!(second.snapshot(), first.snapshot());
+    assert_ne!(first.snapshot(), middle);
+
+    // And in the same one, backwards.
+    first.restore(&middle);
+    advance(&mut first, 7);
+    assert_eq!(second.snapshot(), first.snapshot());
+}
+
+#[test]
+fn an_episode_depends_on_its_seed_and_index_alone() {
+    let mut used = episode(&[]);
+    used.reset(EpisodeKey { seed: 9, episode: 9 });
+    advance(&mut used, 4);
+    used.reset(KEY);
+    let mut fresh = episode(&[]);
+    fresh.reset(KEY);
+    assert_eq!(used.snapshot(), fresh.snapshot());
+    let mut other = episode(&[]);
+    other.reset(EpisodeKey { episode: 3, ..KEY });
+    assert_ne!(other.state(), fresh.state());
+}
+
+#[test]
+fn it_begins_on_the_ground_within_limits_with_couplings_solved() {
+    for index in 0..20 {
+        let mut episode = episode(&[]);
+        episode.reset(EpisodeKey { seed: 1, episode: index });
+        let (context, state) = (episode.context(), episode.state());
+        let geoms = &context.model.geoms;
+        let clearance = shape::clearance(geoms, &context.workspace.kinematics, &context.body.shapes, &context.body.ground);
+        assert!(clearance.abs() < 1e-12, "the lowest shape begins {clearance} m above the ground");
+        for joint in &context.body.joints {
+            let value = state.position[joint.position];
+            let within = joint.range.is_none_or(|[low, high]| (low - 1e-12..=high + 1e-12).contains(&value));
+            assert!(within || !joint.independent, "{} begins at {value}, outside {:?}", joint.name, joint.range);
+        }
+        let (mut position, mut velocity) = (state.position.clone(), state.velocity.clone());
+        context.body.solve_couplings(context.model, &mut position);
+        context.body.solve_coupled_velocities(context.model, &position, &mut velocity);
+        assert_eq!((&position, &velocity), (&state.position, &state.velocity));
+    }
+}
+
+#[test]
+fn noise_moves_independent_hinges_and_nothing_else() {
+    let mut quiet = episode(&[("normal(0, 0.03 rad)", "normal(0, 0 rad)"), ("normal(0, 0.3 rad/s)", "normal(0, 0 rad/s)")]);
+    let mut noisy = episode(&[]);
+    quiet.reset(KEY);
+    noisy.reset(KEY);
+    let root = quiet.context().body.root.free.unwrap();
+    let orientation = root.0 + 3..root.0 + 7;
+    assert_eq!(noisy.state().position[orientation.clone()], quiet.state().position[orientation]);
+    assert_eq!(noisy.state().velocity[root.1..root.1 + 3], [0.2, 0.0, 0.0]);
+    assert_eq!(noisy.state().velocity[root.1 + 3..root.1 + 6], [0.0; 3]);
+    let body = quiet.context().body;
+    let (mut hinges, mut squares) = (0.0, 0.0);
+    for joint in body.joints.iter().filter(|joint| joint.independent) {
+        let difference = noisy.state().position[joint.position] - quiet.state().position[joint.position];
+        let moves = joint.kind == JointKind::Hinge;
+        assert_eq!(difference != 0.0, moves, "{}", joint.name);
+        assert_eq!(noisy.state().velocity[joint.dof] != 0.0, moves, "{}", joint.name);
+        hinges += f64::from(u8::from(moves));
+        squares += difference * difference;
+    }
+    // Root mean square over some 60 hinges: within a third of the deviation that the task asks for.
+    assert!((f64::sqrt(squares / hinges) / 0.03 - 1.0).abs() < 0.33, "{}", f64::sqrt(squares / hinges));
+}
+
+#[test]
+fn one_source_of_chance_does_not_shift_another() {
+    let mut both = episode(&[]);
+    let mut joints_only = episode(&[("        noise velocities normal(0, 0.3 rad/s)\n", "")]);
+    both.reset(KEY);
+    joints_only.reset(KEY);
+    assert_eq!(both.state().position, joints_only.state().position);
+    assert_ne!(both.state().velocity, joints_only.state().velocity);
+}
+
+#[test]
+fn the_horizon_truncates_and_a_termination_terminates() {
+    let mut whole = episode(&[]);
+    advance(&mut whole, 12);
+    assert_eq!((whole.ending(), whole.success(), whole.steps()), (Some(&Ending::Truncated), true, 12));
+
+    let mut cut = episode(&[("early when step > 100", "early when step > 4; late when step > 3; never when step > 99")]);
+    advance(&mut cut, 4);
+    assert_eq!((cut.ending(), cut.success(), cut.steps()), (Some(&Ending::Terminated(vec![1])), false, 4));
+
+    // Falling in the very last step is falling.
+    let mut last = episode(&[("early when step > 100", "early when step > 11; late when step >= 12")]);
+    advance(&mut last, 12);
+    assert_eq!(last.ending(), Some(&Ending::Terminated(vec![0, 1])));
+}
+
+#[test]
+fn an_ended_episode_takes_no_step_until_it_is_reset() {
+    let mut episode = episode(&[("horizon 12", "horizon 1")]);
+    advance(&mut episode, 1);
+    let end = episode.snapshot();
+    let action = vec![0.0; 416];
+    assert_eq!(episode.step(&action).unwrap_err(), EpisodeError::Ended);
+    assert_eq!(episode.snapshot(), end);
+    episode.reset(KEY);
+    assert!(episode.step(&action).is_ok());
+}
+
+#[test]
+fn actions_are_clipped_and_their_number_is_checked() {
+    let mut clipped = episode(&[]);
+    let mut wild = episode(&[]);
+    clipped.step(&[1.0; 416]).unwrap();
+    wild.step(&[7.5; 416]).unwrap();
+    assert_eq!(clipped.snapshot(), wild.snapshot());
+    assert_eq!(wild.state().control, [1.0; 416]);
+    assert_eq!(wild.step(&[0.0; 415]).unwrap_err(), EpisodeError::ActionSize { expected: 416, found: 415 });
+}
+
+#[test]
+fn an_action_that_is_no_number_is_a_fault_of_that_episode() {
+    let mut episode = episode(&[]);
+    advance(&mut episode, 2);
+    let before = episode.state().clone();
+    let mut action = vec![0.0; 416];
+    action[7] = f64::NAN;
+    episode.step(&action).unwrap();
+    let muscle = episode.context().body.muscles[7].name.clone();
+    let Some(Ending::Fault(fault)) = episode.ending() else { panic!("{:?}", episode.ending()) };
+    assert!(matches!(fault, Fault::Action { muscle: named, step: 3, .. } if *named == muscle), "{fault}");
+    assert_eq!((episode.steps(), episode.success(), episode.report().reward), (2, false, 0.0));
+    assert_eq!(*episode.state(), before, "the state before the fault is kept");
+}
+
+#[test]
+fn a_term_that_is_no_number_is_a_fault_that_names_it() {
+    let mut episode = episode(&[("2 upright = torso.up.z", "2 upright = exp(20000 * step)")]);
+    advance(&mut episode, 1);
+    let Some(Ending::Fault(fault)) = episode.ending() else { panic!("{:?}", episode.ending()) };
+    assert!(fault.to_string().contains("`upright`") && fault.to_string().contains("step 1"), "{fault}");
+    assert_eq!((episode.steps(), episode.success()), (0, false));
+}
+
+#[test]
+fn physics_that_diverges_is_a_fault_that_names_joint_and_time() {
+    // Faster than anything that the simulator takes for a number that means something.
+    let mut episode = episode(&[("velocity [0.2 m/s, 0, 0]", "velocity [1e12 m/s, 0, 0]")]);
+    let Some(Ending::Fault(fault)) = episode.ending() else { panic!("{:?}", episode.ending()) };
+    assert!(fault.to_string().contains("joint") && fault.to_string().contains("at 0 s"), "{fault}");
+    assert_eq!(episode.step(&[0.0; 416]).unwrap_err(), EpisodeError::Ended);
+}
+
+#[test]
+fn the_reward_can_be_read_by_terms_and_reweighted_without_compiling() {
+    let mut episode = episode(&[]);
+    advance(&mut episode, 1);
+    let upright = episode.reward().term("upright").unwrap();
+    assert!(upright.value > 0.9 && upright.pay() == 2.0 * upright.value);
+    let change = episode.reward().term("change").unwrap();
+    assert_eq!(episode.reward().total(), upright.pay() + change.pay());
+    assert_eq!(episode.reward().term("upside"), None);
+    let before = episode.snapshot();
+    episode.reset(KEY);
+    episode.weights_mut()[0] = 20.0;
+    advance(&mut episode, 1);
+    assert_eq!(episode.reward().term("upright").unwrap().weight, 20.0);
+    episode.restore(&before);
+    assert_eq!(episode.weights()[0], 20.0, "weights are settings and no part of a snapshot");
+}
+
+#[test]
+fn zero_is_rest() {
+    let mut episode = episode(&[]);
+    let mut action = vec![0.5; 416];
+    policy::create("zero").unwrap().act(&episode.context(), &mut action).unwrap();
+    episode.step(&action).unwrap();
+    assert_eq!(episode.state().control, [0.0; 416]);
+}
