@@ -2,13 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use msk_compiler::check::functions::{self, Function};
+use msk_compiler::check::signals;
 use msk_compiler::diagnostics::{Code, FileId, codes};
 use msk_compiler::syntax::{self, UNITS};
 use std::fmt::Write;
 use std::path::Path;
-
-const BEGIN: &str = "<!-- codes -->\n";
-const END: &str = "<!-- /codes -->\n";
 
 fn path() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../grammar/REFERENCE.md")
@@ -49,16 +48,34 @@ fn section(code: &Code) -> String {
     )
 }
 
+/// A table of functions.
+fn table(functions: &[Function]) -> String {
+    let row = |function: &Function| format!("| `{}` | {} |\n", function.signature, function.description);
+    format!("| function | value |\n|---|---|\n{}", functions.iter().map(row).collect::<String>())
+}
+
 #[test]
-fn codes_of_syntax_are_listed() {
-    let page = page();
-    let (before, rest) = page.split_once(BEGIN).unwrap();
-    let (listed, after) = rest.split_once(END).unwrap();
-    let expected: String = codes::syntax::ALL.iter().map(|code| section(code)).collect();
+fn generated_parts_are_those_of_the_compiler() {
+    let list = |codes: &[&'static Code]| codes.iter().map(|code| section(code)).collect::<String>();
+    let meaning = [codes::names::ALL, codes::types::ALL, codes::tasks::ALL, codes::lints::ALL].concat();
+    let parts = [
+        ("codes", list(codes::syntax::ALL)),
+        ("signals", signals::markdown()),
+        ("functions", table(functions::FUNCTIONS)),
+        ("operators", table(functions::OPERATORS)),
+        ("meaning", list(&meaning)),
+    ];
+    let mut page = page();
+    for (name, expected) in parts {
+        let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->\n"));
+        let (before, rest) = page.split_once(&begin).unwrap();
+        let (listed, after) = rest.split_once(&end).unwrap();
+        let update = std::env::var_os("MSK_UPDATE").is_some();
+        assert!(update || listed == expected, "the part `{name}` is out of date: MSK_UPDATE=1 rewrites it");
+        page = format!("{before}{begin}{expected}{end}{after}");
+    }
     if std::env::var_os("MSK_UPDATE").is_some() {
-        std::fs::write(path(), format!("{before}{BEGIN}{expected}{END}{after}")).unwrap();
-    } else {
-        assert!(listed == expected, "the list of codes is out of date: MSK_UPDATE=1 rewrites it");
+        std::fs::write(path(), page).unwrap();
     }
 }
 

@@ -1,6 +1,6 @@
 //! Compiling without physics: the body's vocabulary is a fixture, texts are in memory.
 //!
-//! The fixture is what `msk vocabulary human --json` prints; write it anew after a change of the body.
+//! The fixture is what `msk vocabulary --json` says of the body; a test of the workspace compares them.
 
 use super::{ENTRY, Reading};
 use msk_compiler::body::BodyDescription;
