@@ -100,9 +100,7 @@ impl<'a> Checker<'a> {
         let point = |operand: &Operand<'a>, kind: &Type| place(kind) || operand.0.is_bracket() && offset(kind);
         let element = if subtract && point(left, &l.kind) && point(right, &r.kind) {
             vector
-        } else if subtract && place(&l.kind) && offset(&r.kind) {
-            Type::Place(frame)
-        } else if !subtract && (place(&l.kind) && offset(&r.kind) || offset(&l.kind) && place(&r.kind)) {
+        } else if place(&l.kind) && offset(&r.kind) || !subtract && offset(&l.kind) && place(&r.kind) {
             Type::Place(frame)
         } else {
             return Err(self.places_do_not_add(subtract, left, right));

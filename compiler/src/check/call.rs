@@ -57,7 +57,7 @@ impl<'a> Checker<'a> {
     fn unknown_function(&mut self, text: &str, span: Span) -> Reported {
         let known = functions::FUNCTIONS.iter().chain(functions::OPERATORS).map(|function| function.name);
         let names: Vec<&str> = known.chain(self.names.in_sight(self.place)).collect();
-        let near = nearest(text, names.into_iter());
+        let near = nearest(text, names);
         let message = format!("there is no function `{text}`");
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
         if near.is_empty() {

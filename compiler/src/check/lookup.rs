@@ -248,7 +248,7 @@ impl<'a> Checker<'a> {
             names.iter().enumerate().filter(|(_, name)| fits(&pattern.value, name)).map(|(index, _)| thing(index)).collect();
         match fitting.as_slice() {
             [] => {
-                let near = nearest(&pattern.value, names.into_iter());
+                let near = nearest(&pattern.value, names);
                 let message = format!("no {} fits \"{}\"", kind.text.trim_end_matches('s'), pattern.value);
                 let mut diagnostic = self.diagnostic(codes::names::NOTHING_FITS, pattern.span, message);
                 if near.is_empty() {

@@ -1,7 +1,7 @@
 //! The dataflow graph of one task.
 //!
 //! 1. The checker adds nodes ([`Graph::add`]); equal nodes are one node, so that reward, observation, termination and success
-//!    share whatever they have in common, and constants fold on the way in ([`fold`]).
+//!    share whatever they have in common, and constants fold on the way in (`fold`).
 //! 2. [`interval`] bounds every lane from the ranges of sensors.
 //! 3. [`text`] writes the graph canonically; its hash identifies the task whatever its layout, comments and local names.
 //! 4. `lower` turns the graph into a program; a second back end would start here too.

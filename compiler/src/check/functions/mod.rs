@@ -151,7 +151,7 @@ impl<'a> Call<'a> {
         // Every place is filled, or the first that is not is reported.
         let mut filled = Vec::with_capacity(COUNT);
         for slot in found {
-            filled.push(slot.ok_or(()).or_else(|()| Err(self.wrong_arguments(checker)))?);
+            filled.push(slot.ok_or_else(|| self.wrong_arguments(checker))?);
         }
         <[&'a Expr; COUNT]>::try_from(filled).or(Err(Reported))
     }
