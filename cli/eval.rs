@@ -29,14 +29,14 @@ pub struct Args {
     #[arg(long, default_value = "posture")]
     policy: String,
     /// Episodes per task [default: the suite's protocol, else 50]
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     episodes: Option<u64>,
     /// Seed of all chance [default: the suite's protocol, else 0]
     #[arg(long)]
     seed: Option<u64>,
     /// Worker threads; results do not depend on it [default: all cores]
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
     /// Folder for the results [default: a new one under results/]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -51,7 +51,8 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let protocol = protocol(&args, &project);
     let plan = Plan { trials: project.trials(args.task.as_deref())?, policy: args.policy.clone(), protocol };
     msk::runtime::policy::create(&plan.policy)?;
-    let threads = args.threads.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
+    let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
 
     let folder = match args.out {
         Some(folder) => folder,

@@ -7,6 +7,7 @@ use msk::runtime::body::shape;
 use msk::runtime::episode::{Ending, Episode, EpisodeError, EpisodeKey, Fault};
 use msk::runtime::library::{BodyLibrary, BoundBody};
 use msk::runtime::model::JointKind;
+use msk::runtime::physics;
 use msk::runtime::policy;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -88,6 +89,24 @@ fn an_episode_continues_from_a_snapshot_bit_for_bit() {
     first.restore(&middle);
     advance(&mut first, 7);
     assert_eq!(second.snapshot(), first.snapshot());
+}
+
+#[test]
+fn a_control_step_is_ten_physics_steps_under_one_excitation() {
+    let mut episode = episode(&[]);
+    episode.reset(KEY);
+    advance(&mut episode, 2);
+    let mut state = episode.state().clone();
+    advance(&mut episode, 1);
+    state.control.clone_from(&episode.state().control);
+    let model = episode.context().model;
+    let mut workspace = physics::Workspace::new(model);
+    for _ in 0..10 {
+        physics::step(model, &mut state, &mut workspace).unwrap();
+    }
+    assert_eq!(state, *episode.state());
+    physics::forward(model, &state, &mut workspace).unwrap();
+    assert_eq!(workspace.acceleration, episode.context().workspace.acceleration, "the snapshot is of the new state");
 }
 
 #[test]

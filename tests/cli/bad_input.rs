@@ -129,6 +129,7 @@ fn wrong_use_of_the_command_line() {
         &["eval", "tasks.msk", "--episodes", "0"][..],
         &["eval", "tasks.msk", "--episodes", "many"],
         &["eval", "tasks.msk", "--threads", "0"],
+        &["eval", "tasks.msk", "--threads", "1000000"],
         &["eval", "tasks.msk", "--seed", "-1"],
         &["eval", "tasks.msk", "--task"],
         &["dance"],

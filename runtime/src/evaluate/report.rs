@@ -12,6 +12,9 @@ pub fn markdown(summary: &Summary) -> String {
         tasks.row(task_row(task, protocol.episodes));
     }
     text.push_str(&tasks.print());
+    for task in &summary.tasks {
+        faults(task, &mut text);
+    }
     for task in summary.tasks.iter().filter(|task| !task.terms.is_empty()) {
         // Writing to a string cannot fail.
         let _ = write!(text, "\n## {}: reward terms\n\n", task.task);
@@ -26,6 +29,18 @@ pub fn markdown(summary: &Summary) -> String {
          steps; pay: weight times value; share: pay over the sum of the magnitudes of all pay.\n",
     );
     text
+}
+
+/// The first few faults in full: what broke matters more than how often.
+fn faults(task: &TaskSummary, text: &mut String) {
+    const SHOWN: usize = 3;
+    for (episode, fault) in task.faults.iter().take(SHOWN) {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "\nFault in `{}`, episode {episode}: {fault}\n", task.task);
+    }
+    if task.faults.len() > SHOWN {
+        let _ = write!(text, "\n... and {} more episodes of `{}`\n", task.faults.len() - SHOWN, task.task);
+    }
 }
 
 /// The terms of one episode or task alone, as a table.
@@ -149,6 +164,7 @@ mod tests {
             total: Some(Spread { mean: 38123.46, deviation: Some(1234.5) }),
             steps: Some(Spread { mean: 971.2, deviation: Some(120.0) }),
             ended_by: vec![("horizon".into(), 40), ("fallen".into(), 7), ("tilted".into(), 2), ("fault".into(), 1)],
+            faults: vec![(31, "at 0.2 s the velocity of joint `knee` (body `tibia`) is inf".into())],
             terms: vec![TermSummary {
                 name: "pose".into(),
                 weight: 10.0,
@@ -165,6 +181,7 @@ mod tests {
             text.contains("| single_leg_stand |  94 % [84, 98] | 38123 ± 1234 | 971.2 ± 120.0 | horizon 40, fallen 7, other 3 |"),
             "{text}"
         );
+        assert!(text.contains("\nFault in `single_leg_stand`, episode 31: at 0.2 s the velocity of joint `knee`"), "{text}");
         assert!(text.contains("| pose |     10 |         0.9300 |        9.300 | 25.00 % |"), "{text}");
     }
 
@@ -184,6 +201,7 @@ mod tests {
                 total: None,
                 steps: None,
                 ended_by: vec![],
+                faults: vec![],
                 terms: vec![],
             }],
         });

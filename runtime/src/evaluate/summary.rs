@@ -38,6 +38,8 @@ pub struct TaskSummary {
     pub steps: Option<Spread>,
     /// How episodes ended and how many did so, the most frequent first.
     pub ended_by: Vec<(String, u64)>,
+    /// Episodes that a fault ended, with what broke.
+    pub faults: Vec<(u64, String)>,
     /// One entry per reward term, in the task's order.
     pub terms: Vec<TermSummary>,
 }
@@ -79,6 +81,7 @@ impl Summary {
                 total: spread(|record| record.total),
                 steps: spread(|record| f64::from(record.steps)),
                 ended_by: endings(&episodes),
+                faults: faults(&episodes),
                 terms: terms(&task.weights, &episodes),
             }
         });
@@ -100,6 +103,10 @@ fn endings(episodes: &[&EpisodeRecord]) -> Vec<(String, u64)> {
     // The sort is stable: equal counts stay in alphabetical order.
     counts.sort_by_key(|(_, count)| core::cmp::Reverse(*count));
     counts
+}
+
+fn faults(episodes: &[&EpisodeRecord]) -> Vec<(u64, String)> {
+    episodes.iter().filter_map(|record| Some((record.episode, record.fault.clone()?))).collect()
 }
 
 fn terms(weights: &[(String, f64)], episodes: &[&EpisodeRecord]) -> Vec<TermSummary> {
