@@ -1,11 +1,14 @@
 //! `msk run TASK`: one episode, told term by term.
 
-use crate::error::Error;
+use crate::error::{Context, Error};
 use crate::project::Project;
 use msk::runtime::episode::EpisodeKey;
 use msk::runtime::evaluate::{EpisodeRecord, Plan, Protocol, Summary, play, report};
+use msk::runtime::inspect::StateFile;
 use msk::runtime::policy;
+use std::fs;
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
@@ -27,12 +30,15 @@ pub struct Args {
     /// Print the record of the episode as JSON instead
     #[arg(long)]
     json: bool,
+    /// Write the state at the end to this file, as `msk draw --state` reads it
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
 }
 
 /// Runs the episode.
 ///
 /// # Errors
-/// Errors in the file, or a policy that does not exist or cannot act.
+/// Errors in the file, a policy that does not exist or cannot act, or a state file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (_, trial) = Project::find(&args.task)?;
     let mut policy = policy::create(&args.policy)?;
@@ -41,6 +47,10 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let stop = AtomicBool::new(false);
     let record = play(&trial, &mut episode, key, policy.as_mut(), &stop, || {})?;
     let Some(record) = record else { return Ok(ExitCode::SUCCESS) };
+    if let Some(path) = &args.state {
+        let state = serde_json::to_string(&StateFile::of(episode.state()))?;
+        fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))?;
+    }
     let mut out = io::stdout().lock();
     if args.json {
         serde_json::to_writer(&mut out, &record)?;

@@ -42,3 +42,13 @@ fn a_file_with_several_tasks_is_not_one_task() {
     project.write("two.msk", &format!("{LEAN}\n{}", LEAN.replace("task lean", "task loll")));
     project.msk(&["run", "two.msk", "--policy", "zero"]).failed(1, &["`two.msk` holds 2 tasks: lean, loll"]);
 }
+
+#[test]
+fn the_state_at_the_end_can_be_drawn() {
+    let project = Project::lean();
+    project.msk(&["run", "lean", "--policy", "random", "--state", "end.json"]).succeeded();
+    project.msk(&["draw", "--state", "end.json", "--out", "end.svg"]).succeeded();
+    assert!(project.read("end.svg").starts_with("<svg"));
+    let refused = project.msk(&["run", "lean", "--policy", "zero", "--state", "nowhere/end.json"]);
+    refused.failed(1, &["`nowhere/end.json` cannot be written"]);
+}

@@ -57,6 +57,19 @@ pub enum StateError {
 }
 
 impl StateFile {
+    /// What has to be written of a state to draw it or to look into it; outside forces are left out.
+    pub fn of(state: &State<f64>) -> Self {
+        Self {
+            time: Some(state.time),
+            qpos: Some(state.position.clone()),
+            qvel: Some(state.velocity.clone()),
+            act: Some(state.activation.clone()),
+            ctrl: Some(state.control.clone()),
+            qacc_warmstart: Some(state.warm_start.clone()),
+            ..Self::default()
+        }
+    }
+
     /// The state for a model.
     ///
     /// # Errors
