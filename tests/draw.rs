@@ -46,7 +46,7 @@ fn a_state_shows_activations_and_the_forces_of_the_ground() {
     assert!(output.status.success() && output.stdout.is_empty());
     let picture = std::fs::read_to_string(out).unwrap();
     assert!(picture.contains("<title>human, pressed</title>"));
-    assert!(picture.contains(r##"stroke="#d61820""##) && !picture.contains(r##"class="muscle" stroke="#2e5ca8""##));
+    assert!(picture.contains(r##"stroke="#c60e1a""##) && !picture.contains(r##"class="muscle" stroke="#7a9ecc""##));
     assert!(picture.matches(r#"class="force""#).count() >= 4, "one arrow per foot and view");
 }
 

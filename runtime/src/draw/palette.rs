@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Silhouettes far from the viewer and near.
 const SKIN: [[u8; 3]; 2] = [[214, 204, 190], [250, 247, 241]];
 /// Anchors of the activation scale, from silent to fully active.
-const ACTIVATION: [[u8; 3]; 5] = [[46, 92, 168], [112, 120, 196], [186, 112, 168], [224, 88, 96], [214, 24, 32]];
+const ACTIVATION: [[u8; 3]; 5] = [[122, 158, 204], [126, 118, 198], [184, 92, 168], [218, 66, 98], [198, 14, 26]];
 
 /// The colour of a silhouette, from far (0) to near (1), as `#rrggbb`.
 pub(super) fn skin(near: f64) -> String {
@@ -79,9 +79,9 @@ mod tests {
 
     #[test]
     fn the_scale_hits_its_anchors_and_its_ends() {
-        assert_eq!(activation(0.0), "#2e5ca8");
-        assert_eq!(activation(0.5), "#ba70a8");
-        assert_eq!(activation(7.0), "#d61820");
+        assert_eq!(activation(0.0), "#7a9ecc");
+        assert_eq!(activation(0.5), "#b85ca8");
+        assert_eq!(activation(7.0), "#c60e1a");
         assert_eq!(activation(f64::NAN), activation(0.0));
     }
 
