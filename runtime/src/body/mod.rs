@@ -1,6 +1,6 @@
 //! A body file bound to its model: names become indices, poses become coordinates, landmarks get their frames.
 //!
-//! 1. [`bind`](Body::bind) resolves every name of a [`BodyDescription`] in a [`Model`] and reports all problems at once;
+//! 1. [`bind`](Body::bind) resolves every name of a body file in a [`Model`] and reports all problems at once;
 //! 2. [`Body::vocabulary`] tells the compiler what exists;
 //! 3. [`Body::place`] puts the body into a pose with its lowest point on the ground, facing where it should;
 //! 4. [`sensors`] measures the quantities that a compiled task reads.

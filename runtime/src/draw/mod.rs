@@ -1,9 +1,9 @@
 //! Pictures: a body in a scene at a state, as an SVG that a page can show and a person can read.
 //!
-//! 1. [`camera`]: orthographic views from the side and from in front;
-//! 2. [`silhouette`], [`skeleton`], [`muscles`]: everything becomes flat outlines with a depth;
-//! 3. [`panel`]: one view, painted from far to near;
-//! 4. [`forces`]: arrows of contact forces on top, the centre of mass, and the legend.
+//! 1. `camera`: orthographic views from the side and from in front;
+//! 2. `silhouette`, `skeleton`, `muscles`: everything becomes flat outlines with a depth;
+//! 3. `panel`: one view, painted from far to near;
+//! 4. `forces`: arrows of contact forces on top, the centre of mass, and the legend.
 //!
 //! The same state gives the same bytes. Units in the file are millimetres.
 
