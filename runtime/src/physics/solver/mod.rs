@@ -7,8 +7,8 @@
 //! ```
 //!
 //! 1. start from the last step's acceleration or the unconstrained one, whichever costs less;
-//! 2. factor the Hessian M + J'DJ of the rows that pull, on the tree's own sparsity ([`path_matrix`]);
-//! 3. step along Newton's direction to the exact minimum ([`line_search`]);
+//! 2. factor the Hessian M + J'DJ of the rows that pull, on the tree's own sparsity (`path_matrix`);
+//! 3. step along Newton's direction to the exact minimum (`line_search`);
 //! 4. rows that began or ceased to pull change the factor by rank-one updates where that is cheaper than factoring again.
 //!
 //! It ends when the improvement, the gradient or the predicted improvement (Newton's decrement), divided by the trace of M,
