@@ -5,6 +5,7 @@ use msk::compiler::diagnostics::{Report, Style};
 use msk::compiler::{Compilation, compile};
 use msk::runtime::evaluate::Trial;
 use msk::runtime::library::{BodyLibrary, FileLoader};
+use std::collections::BTreeSet;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
@@ -74,6 +75,9 @@ impl Project {
                 if members.is_empty() { tasks.iter().map(|task| task.name.as_str()).collect() } else { members }
             }
         };
+        // A task that is in two families runs once.
+        let mut seen = BTreeSet::new();
+        let members: Vec<&str> = members.into_iter().filter(|name| seen.insert(*name)).collect();
         if members.is_empty() {
             return Err(Error::new("the file holds no task").hint("a task begins with `task NAME {`"));
         }

@@ -124,3 +124,32 @@ fn one_task_of_a_suite_may_be_chosen() {
     eval(&project, "out", &["--task", "lean", "--episodes", "1"]).succeeded();
     eval(&project, "other", &["--task", "leap"]).failed(1, &["no task `leap`", "lean"]);
 }
+
+#[test]
+fn a_task_in_two_families_runs_once() {
+    let project = Project::lean();
+    project.write("tasks.msk", "use \"lean.msk\"\nsuite twice {\n    family one { lean }\n    family two { lean }\n}\n");
+    eval(&project, "out", &["--episodes", "2"]).succeeded();
+    assert_eq!(project.read("out/episodes.jsonl").lines().count(), 2);
+}
+
+#[test]
+fn an_episode_that_cannot_go_on_is_a_result_and_the_others_go_on() {
+    let project = Project::lean();
+    // Faster than anything that the simulator takes for a number that means something.
+    let root = "root { height on ground, velocity [1e12 m/s, 0, 0] }";
+    let fault = crate::project::LEAN.replace("root { height on ground }", root).replace("task lean", "task flung");
+    project.write("flung.msk", &fault);
+    let suite = "use \"lean.msk\"\nuse \"flung.msk\"\nsuite both { family one { flung, lean } }\n";
+    project.write("tasks.msk", suite);
+    for policy in ["posture", "random"] {
+        let arguments = ["eval", "tasks.msk", "--policy", policy, "--episodes", "2", "--out", policy];
+        let done = project.msk(&arguments).succeeded();
+        assert!(done.out.contains("Fault in `flung`, episode 1: at 0 s"), "{}", done.out);
+        let lines = project.read(format!("{policy}/episodes.jsonl"));
+        let records = lines.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        let (faults, sound): (Vec<_>, Vec<_>) = records.partition(|record| record["task"] == "flung");
+        assert!(faults.len() == 2 && faults.iter().all(|record| record["fault"].is_string() && record["success"] == false));
+        assert!(sound.len() == 2 && sound.iter().all(|record| record["fault"] == Value::Null && record["steps"] != 0));
+    }
+}

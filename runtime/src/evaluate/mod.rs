@@ -134,7 +134,10 @@ pub fn play(
 ) -> Result<Option<EpisodeRecord>, EvaluationError> {
     let start = Instant::now();
     episode.reset(key);
-    policy.reset(&episode.context())?;
+    // An episode that could not begin has nothing that a policy could look at.
+    if episode.ending().is_none() {
+        policy.reset(&episode.context())?;
+    }
     let mut action = vec![REST; episode.context().body.muscles.len()];
     let mut tally = Tally::new(trial.task.terms.len());
     while episode.ending().is_none() {
