@@ -292,6 +292,7 @@ fn deep_and_large_texts_are_refused_without_harm_to_a_small_stack() {
     let nested_lets: String = (1..4000).map(|n| format!("let a{n} = a{} + 1\n", n - 1)).rev().collect();
     let doubling: String = (1..60).map(|n| format!("fn f{n}(x) = f{p}(x) + f{p}(x)\n", p = n - 1)).collect();
     let brackets = format!("{}com.height{}", "(".repeat(60), ")".repeat(60));
+    let wide: String = (0..100).map(|n| format!("let w{n} = wide * {n}\n")).collect();
     let calls = format!("{}com.height{}", "initial(".repeat(60), ")".repeat(60));
     let choices = format!("{}com.height{}", "(if step > 3 then 1 m else ".repeat(60), ")".repeat(60));
     let lists = format!("{}com.height{}", "[".repeat(60), "]".repeat(60));
@@ -306,6 +307,7 @@ fn deep_and_large_texts_are_refused_without_harm_to_a_small_stack() {
         (whole("", &format!("reward {{\n1 x = mean({lists}) / 1 m\n}}")), None),
         (whole("", &format!("reward {{\n1 x = ({sums}) / 1 m\n}}")), None),
         (whole("", "reward {\n1 x = mean([i for i in 0..100000000])\n}"), Some("E0410")),
+        (whole("", &format!("let wide = [i + t / 1 s for i in 0..20000]\n{wide}reward {{\n1 x = mean(w99)\n}}")), Some("E0410")),
         (whole("", "reward {\n1 x = mean(delay(muscles.activation, 90000 steps))\n}"), Some("E0410")),
     ];
     let checked = std::thread::Builder::new().stack_size(1 << 20).spawn(move || {

@@ -18,6 +18,9 @@ pub(crate) type Checked<T> = Result<T, Reported>;
 /// Expressions and lanes that one task may take: enough for any real task, little enough to stay far below a second.
 const BUDGET: usize = 100_000;
 
+/// Numbers that the graph of one task may hold: eight megabytes at run time.
+const LANES: usize = 1_000_000;
+
 /// Brackets, calls and names nested in each other; each level costs native stack.
 const DEEPEST: usize = 160;
 
@@ -158,7 +161,7 @@ impl<'a> Checker<'a> {
     /// # Errors
     /// The task has become too large; told once.
     pub(crate) fn spend(&mut self, amount: usize, span: Span) -> Checked<()> {
-        if self.budget >= amount {
+        if self.budget >= amount && self.graph.lanes() <= LANES {
             self.budget -= amount;
             return Ok(());
         }

@@ -215,7 +215,7 @@ impl<'a> Checker<'a> {
         let mut length = 0;
         for (other, place) in &data {
             let fits = *other.kind.element() == element
-                || other.is_zero() && element.dimension().is_some()
+                || other.is_zero() && matches!(element, Type::Number(_) | Type::Int | Type::Vector { .. })
                 || other.kind.dimension().is_some_and(Dimension::is_none) && element == Type::PLAIN;
             if !fits {
                 let (expected, found) = (element.described(self.vocabulary), other.kind.element().described(self.vocabulary));
@@ -227,7 +227,14 @@ impl<'a> Checker<'a> {
             }
             length += other.kind.length().unwrap_or(1);
         }
-        let nodes: Vec<_> = data.iter().map(|(element, _)| element.node).collect();
+        // A written zero among vectors stands for all their components.
+        let lanes = element.element_lanes();
+        let mut nodes = Vec::with_capacity(data.len());
+        for (part, _) in &data {
+            let count = part.kind.length().unwrap_or(1);
+            let narrow = part.kind.element_lanes() == 1 && lanes > 1;
+            nodes.push(if narrow { self.graph.constants(&vec![0.0; count * lanes]) } else { part.node });
+        }
         let node = self.graph.join(&nodes);
         self.spend(self.graph.width(node), span)?;
         let all_zero = data.iter().all(|(element, _)| element.is_zero());

@@ -141,7 +141,11 @@ fn range(bounds: Bounds) -> String {
 
 /// At most six significant digits; far from one as a power of ten.
 pub(crate) fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
+    if value == 0.0 {
+        // Nothing times a negative weight is plain nothing to a reader.
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
         return format!("{value}");
     }
     let exponent = value.abs().log10().floor() as i32;

@@ -42,9 +42,15 @@ pub struct Node {
 pub struct Graph {
     nodes: Vec<Node>,
     known: HashMap<Node, NodeId>,
+    lanes: usize,
 }
 
 impl Graph {
+    /// Lanes of all nodes together: what the graph takes of memory and time.
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
     /// All nodes; a [`NodeId`] is a place in them.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
@@ -90,6 +96,7 @@ impl Graph {
             return id;
         }
         let id = NodeId(u32::try_from(self.nodes.len()).unwrap_or(u32::MAX));
+        self.lanes += node.width;
         self.known.insert(node.clone(), id);
         self.nodes.push(node);
         id
