@@ -5,6 +5,7 @@
 //!
 //! [`Vocabulary`]: crate::vocabulary::Vocabulary
 
+use crate::scene::Part;
 use serde::{Deserialize, Serialize};
 
 /// One block of values that the runtime can measure.
@@ -63,8 +64,72 @@ pub enum Sensor {
     GroundForce(usize),
     /// Whether a landmark's segment touches the ground: 1, 0 or 1.
     GroundContact(usize),
+    /// Whether two parts touch: 1, 0 or 1.
+    Touching(Part, Part),
+    /// Force on the first part by the second: 3, N.
+    ContactForce(Part, Part),
+    /// Number of contacts between two parts: 1.
+    ContactCount(Part, Part),
+    /// Shortest distance between the surfaces of two parts, negative where they overlap: 1, m.
+    SurfaceDistance(Part, Part),
+    /// Sliding speed where the first part touches the second, weighted by the normal forces; zero without contact: 1, m/s.
+    Slip(Part, Part),
+    /// A query of the terrain: its place in [`FrameLayout::queries`], and the number of values of its answer.
+    Query(usize, usize),
     /// Time since reset: 1, s.
     Time,
+}
+
+/// Where a query of the terrain begins.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Origin {
+    /// A place of the world, m.
+    World([f64; 3]),
+    /// A landmark, moved by an offset in the axes of its heading (forward, left, up), m.
+    Landmark(usize, [f64; 3]),
+}
+
+/// What a task asks of the terrain.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Query {
+    /// Height of the ground under a place: 1, m.
+    GroundHeight(Origin),
+    /// Upward unit normal of the ground under a place: 3.
+    GroundNormal(Origin),
+    /// How near the nearest member of a group is, sector by sector from left to right, seen from a landmark's heading:
+    /// `1 - distance / range` in 0..1, 0 where nothing is in range: `sectors` values.
+    Radar {
+        /// Who looks: index of a landmark.
+        from: usize,
+        /// At what: index of a group of landmarks.
+        group: usize,
+        /// Number of sectors.
+        sectors: usize,
+        /// Angle that all sectors span, centred on the heading, rad.
+        over: f64,
+        /// Range, m.
+        range: f64,
+    },
+    /// Distance to the first surface of the scene along a direction in the landmark's anatomical frame, at most `range`: 1, m.
+    Ray {
+        /// Index of a landmark.
+        from: usize,
+        /// Unit direction (forward, left, up).
+        direction: [f64; 3],
+        /// Range, m.
+        range: f64,
+    },
+}
+
+impl Query {
+    /// Number of values of the answer.
+    pub fn size(&self) -> usize {
+        match self {
+            Self::GroundHeight(_) | Self::Ray { .. } => 1,
+            Self::GroundNormal(_) => 3,
+            Self::Radar { sectors, .. } => *sectors,
+        }
+    }
 }
 
 impl Sensor {
@@ -72,6 +137,7 @@ impl Sensor {
     pub fn size(self) -> usize {
         use Sensor::*;
         match self {
+            Query(_, size) => size,
             LandmarkAxes(_) | RootAxes => 9,
             LandmarkPosition(_)
             | LandmarkVelocity(_)
@@ -84,18 +150,20 @@ impl Sensor {
             | RootPosition
             | RootVelocity
             | RootAngularVelocity
-            | GroundForce(_) => 3,
+            | GroundForce(_)
+            | ContactForce(..) => 3,
             LandmarkClearance(_) | JointPosition(_) | JointVelocity(_) | JointAcceleration(_) | JointTorque(_)
             | MuscleLength(_) | MuscleVelocity(_) | MuscleForce(_) | MuscleActivation(_) | MuscleExcitation(_) | Action(_)
-            | GroundContact(_) | Time => 1,
+            | GroundContact(_) | Touching(..) | ContactCount(..) | SurfaceDistance(..) | Slip(..) | Time => 1,
         }
     }
 }
 
 /// The sensors a task reads and where each stands in the flat record.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrameLayout {
     entries: Vec<(Sensor, usize)>,
+    queries: Vec<Query>,
     size: usize,
 }
 
@@ -114,6 +182,21 @@ impl FrameLayout {
         self.entries.push((sensor, offset));
         self.size += sensor.size();
         offset
+    }
+
+    /// The slot of a query of the terrain, appended if the layout does not have it yet.
+    pub fn query_slot(&mut self, query: Query) -> usize {
+        let size = query.size();
+        let index = self.queries.iter().position(|known| *known == query).unwrap_or_else(|| {
+            self.queries.push(query);
+            self.queries.len() - 1
+        });
+        self.slot(Sensor::Query(index, size))
+    }
+
+    /// Queries of the terrain, to which [`Sensor::Query`] refers.
+    pub fn queries(&self) -> &[Query] {
+        &self.queries
     }
 
     /// Sensors with their offsets, in the order of the record.

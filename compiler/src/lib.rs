@@ -11,6 +11,7 @@ pub mod files;
 pub mod frame;
 pub mod graph;
 mod lower;
+pub mod scene;
 pub mod syntax;
 pub mod task;
 pub mod vocabulary;

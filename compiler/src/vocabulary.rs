@@ -3,6 +3,7 @@
 //! The runtime makes a [`Vocabulary`] from a model and a body file; the checker resolves names against it. It is plain data:
 //! it can be printed for people, written as JSON for agents, and kept as a fixture for tests that need no physics.
 
+use crate::scene::{Motion, ObjectJointKind, Parent, SceneDescription};
 use serde::{Deserialize, Serialize};
 
 /// A closed interval.
@@ -46,6 +47,9 @@ pub struct Landmark {
     pub neutral_axes: [f64; 9],
     /// Whether it has a segment of geoms, which `touching` and `clearance` need.
     pub has_segment: bool,
+    /// Whether it is an object of the scene and no part of the body.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub of_scene: bool,
 }
 
 /// Whether a joint turns or slides.
@@ -71,6 +75,9 @@ pub struct Joint {
     pub neutral: f64,
     /// Whether no coupling slaves it to another joint.
     pub independent: bool,
+    /// Whether it belongs to an object of the scene: no set of the body's joints holds it.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub of_scene: bool,
 }
 
 /// A muscle.
@@ -114,4 +121,75 @@ pub struct Pose {
     pub name: String,
     /// Coordinates in the order of `joints`, rad or m.
     pub coordinates: Vec<f64>,
+}
+
+impl Vocabulary {
+    /// The vocabulary of this body in `scene`: objects become landmarks, their hinges and slides joints, both appended in the
+    /// order of the scene; groups of objects become groups of landmarks.
+    #[must_use]
+    pub fn with_scene(&self, scene: &SceneDescription) -> Self {
+        let mut whole = self.clone();
+        let first = whole.landmarks.len();
+        for object in &scene.objects {
+            let (origin, axes) = match &object.parent {
+                Parent::World => ([0.0; 3], IDENTITY),
+                Parent::Object(parent) => place_of(&whole.landmarks[first + parent]),
+                Parent::Landmark(name) => {
+                    whole.landmarks.iter().find(|landmark| landmark.name == *name).map_or(([0.0; 3], IDENTITY), place_of)
+                }
+            };
+            let offset = turned(&axes, object.position);
+            whole.landmarks.push(Landmark {
+                name: object.name.clone(),
+                description: object.description.clone(),
+                mass: object.mass,
+                neutral_position: core::array::from_fn(|k| origin[k] + offset[k]),
+                neutral_axes: composed(&axes, object.orientation),
+                has_segment: object.shape.is_some() && object.surface.solid,
+                of_scene: true,
+            });
+            let Motion::Joints(joints) = &object.motion else { continue };
+            for joint in joints {
+                let kind = match joint.kind {
+                    ObjectJointKind::Hinge => JointKind::Hinge,
+                    ObjectJointKind::Slide => JointKind::Slide,
+                    ObjectJointKind::Ball => continue,
+                };
+                let name = joint.name.clone();
+                whole.joints.push(Joint { name, kind, range: joint.range, neutral: 0.0, independent: true, of_scene: true });
+            }
+        }
+        whole.groups.extend(scene.groups.iter().map(|(name, members)| Group {
+            name: name.clone(),
+            kind: GroupKind::Landmarks,
+            members: members.iter().map(|member| first + member).collect(),
+        }));
+        whole
+    }
+}
+
+/// Axes of the world, one after the other.
+const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+fn place_of(landmark: &Landmark) -> ([f64; 3], [f64; 9]) {
+    (landmark.neutral_position, landmark.neutral_axes)
+}
+
+/// A vector given along `axes` (one after the other), in world axes.
+fn turned(axes: &[f64; 9], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    core::array::from_fn(|k| axes[k] * x + axes[3 + k] * y + axes[6 + k] * z)
+}
+
+/// Axes, one after the other, of what is turned by `quaternion` (w x y z) against `axes`.
+fn composed(axes: &[f64; 9], [w, x, y, z]: [f64; 4]) -> [f64; 9] {
+    let columns = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
+        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ];
+    let mut whole = [0.0; 9];
+    for (axis, column) in whole.chunks_exact_mut(3).zip(columns) {
+        axis.copy_from_slice(&turned(axes, column));
+    }
+    whole
 }

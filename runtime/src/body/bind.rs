@@ -226,6 +226,7 @@ impl Binder<'_> {
             point: Vector3::from(description.point),
             axes: axes?,
             segment: segment.into_iter().collect::<Option<_>>()?,
+            of_scene: false,
         })
     }
 
@@ -250,6 +251,7 @@ impl Binder<'_> {
                 dof: joints.dof_address[index],
                 range: joints.range[index],
                 independent: !self.model.couplings.joint.contains(&index),
+                of_scene: false,
             })
             .collect();
         self.unique("joint", bound.iter().map(|joint| joint.name.as_str()));

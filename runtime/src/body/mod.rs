@@ -77,6 +77,8 @@ pub struct Landmark {
     pub axes: Matrix3<f64>,
     /// Shapes of its segment.
     pub segment: Vec<usize>,
+    /// Whether it is an object of the scene and no part of the body.
+    pub of_scene: bool,
 }
 
 /// A hinge or slide.
@@ -96,6 +98,8 @@ pub struct Joint {
     pub range: Option<[f64; 2]>,
     /// Whether no coupling slaves it to another joint.
     pub independent: bool,
+    /// Whether it belongs to an object of the scene.
+    pub of_scene: bool,
 }
 
 /// A muscle.

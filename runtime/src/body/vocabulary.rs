@@ -23,6 +23,7 @@ impl Body {
             neutral_position: kinematics.point(landmark.body, &landmark.point).into(),
             neutral_axes: columns(&(kinematics.body_rotation[landmark.body] * landmark.axes)),
             has_segment: !landmark.segment.is_empty(),
+            of_scene: landmark.of_scene,
         };
         let joint = |(joint, &neutral): (&super::Joint, &f64)| Joint {
             name: joint.name.clone(),
@@ -30,6 +31,7 @@ impl Body {
             range: joint.range,
             neutral,
             independent: joint.independent,
+            of_scene: joint.of_scene,
         };
         let muscle = |muscle: &super::Muscle| Muscle {
             name: muscle.name.clone(),
