@@ -17,6 +17,7 @@ pub mod mjcf;
 mod muscles;
 mod options;
 pub mod rotation;
+pub(crate) mod topology;
 
 pub use bodies::{Bodies, Dofs, JointKind, Joints};
 pub use constraints::{ContactPairs, Couplings, Softness};

@@ -5,12 +5,11 @@
 //! 3. [`tree`]: bodies in depth-first order with their frames, joints, shapes and sites; [`shapes`] reads one geom or site;
 //! 4. [`inertias`]: explicit or inferred mass properties, bounded and balanced;
 //! 5. [`couplings`], [`tendons`], [`actuators`]: what refers to the tree by name;
-//! 6. [`derive`]: topology, degrees of freedom, the rows of the mass matrix, subtree masses;
+//! 6. the model's `topology`: roots and welds, degrees of freedom, the rows of the mass matrix, subtree masses;
 //! 7. the physics' own constants at the reference configuration (inverse weights, reference lengths).
 
 mod actuators;
 mod couplings;
-mod derive;
 mod inertias;
 mod names;
 mod settings;
@@ -24,7 +23,7 @@ use super::error::{ModelError, Unsupported};
 use super::mesh::Mesh;
 use super::schema;
 use crate::{
-    model::Model,
+    model::{Model, topology},
     physics::{collision, constants},
 };
 use names::Names;
@@ -68,7 +67,7 @@ pub(super) fn compile(document: &Document) -> Result<Model, ModelError> {
     if !compiler.unsupported.is_empty() {
         return Err(ModelError::Unsupported(compiler.unsupported));
     }
-    derive::derive(&mut compiler.model, root)?;
+    topology::complete(&mut compiler.model).map_err(|message| root.invalid(message))?;
     check_contacts(&compiler.model, root)?;
     constants::derive(&mut compiler.model);
     Ok(compiler.model)

@@ -1,8 +1,9 @@
 //! What follows from the tree's shape alone: roots, welds, subtree masses, the sparsity of the mass matrix.
+//!
+//! Readers of files and builders of scenes fill what is given and call [`complete`]; constants that need the physics come
+//! after it, from [`constants`](crate::physics::constants).
 
-use crate::model::Model;
-use crate::model::mjcf::document::Element;
-use crate::model::mjcf::error::ModelError;
+use super::Model;
 
 /// The mass matrix may have this many entries.
 const MOST_ENTRIES: usize = 20_000_000;
@@ -18,13 +19,16 @@ const MOST_WORK: usize = 4_000_000_000;
 const LEAST: f64 = 1e-15;
 
 /// Fills the derived arrays. Constants that need the physics are left at zero, with the right lengths.
-pub(super) fn derive(model: &mut Model, root: &Element) -> Result<(), ModelError> {
+///
+/// # Errors
+/// In words: a moving body without mass, or a model so large that compiling it would take minutes.
+pub(crate) fn complete(model: &mut Model) -> Result<(), String> {
     model.nq = model.reference_position.len();
     model.nv = model.dofs.body.len();
     bodies(model);
-    check_masses(model, root)?;
-    dofs(model, root)?;
-    check_size(model, root)?;
+    check_masses(model)?;
+    dofs(model)?;
+    check_size(model)?;
     model.bodies.inverse_weight = vec![[0.0; 2]; model.bodies.name.len()];
     model.dofs.inverse_weight = vec![0.0; model.nv];
     model.tendons.reference_length = vec![0.0; model.tendons.name.len()];
@@ -35,6 +39,7 @@ pub(super) fn derive(model: &mut Model, root: &Element) -> Result<(), ModelError
 fn bodies(model: &mut Model) {
     let bodies = &mut model.bodies;
     let count = bodies.name.len();
+    (bodies.root, bodies.weld, bodies.dofs) = Default::default();
     bodies.subtree_mass = bodies.mass.clone();
     for body in (1..count).rev() {
         bodies.subtree_mass[bodies.parent[body]] += bodies.subtree_mass[body];
@@ -53,7 +58,9 @@ fn bodies(model: &mut Model) {
 }
 
 /// Parents of dofs, and the rows of the mass matrix: a dof couples to those on its path to the root.
-fn dofs(model: &mut Model, root: &Element) -> Result<(), ModelError> {
+fn dofs(model: &mut Model) -> Result<(), String> {
+    let dofs = &mut model.dofs;
+    (dofs.parent, dofs.row, dofs.column) = Default::default();
     for dof in 0..model.nv {
         let body = model.dofs.body[dof];
         let first = dof == model.bodies.dofs[body].start;
@@ -65,7 +72,7 @@ fn dofs(model: &mut Model, root: &Element) -> Result<(), ModelError> {
         }
         model.dofs.column.push(dof);
         if model.dofs.column.len() > MOST_ENTRIES {
-            return Err(root.invalid(format!("the mass matrix has more than {MOST_ENTRIES} entries")));
+            return Err(format!("the mass matrix has more than {MOST_ENTRIES} entries"));
         }
         model.dofs.parent.push(parent);
         model.dofs.row.push(start..model.dofs.column.len());
@@ -84,20 +91,19 @@ fn last_dof_above(model: &Model, mut body: usize) -> Option<usize> {
 }
 
 /// Refuses models so large that compiling them would take minutes.
-fn check_size(model: &Model, root: &Element) -> Result<(), ModelError> {
+fn check_size(model: &Model) -> Result<(), String> {
     let geoms = model.geoms.name.len();
     if geoms > MOST_GEOMS {
-        return Err(root.invalid(format!("the model has {geoms} geoms; at most {MOST_GEOMS} are supported")));
+        return Err(format!("the model has {geoms} geoms; at most {MOST_GEOMS} are supported"));
     }
     let pairs = colliding_pairs(model);
     if pairs > MOST_PAIRS {
-        return Err(root.invalid(format!("{pairs} pairs of shapes can collide; at most {MOST_PAIRS} are supported")));
+        return Err(format!("{pairs} pairs of shapes can collide; at most {MOST_PAIRS} are supported"));
     }
     let solves = model.bodies.name.len() + model.nv + model.actuators.name.len();
     let entries = model.dofs.column.len() + model.nv;
     if solves.saturating_mul(entries) > MOST_WORK {
-        return Err(root
-            .invalid(format!("the model is too large: {} degrees of freedom, {solves} bodies, degrees and muscles", model.nv)));
+        return Err(format!("the model is too large: {} degrees of freedom, {solves} bodies, degrees and muscles", model.nv));
     }
     Ok(())
 }
@@ -117,7 +123,7 @@ fn colliding_pairs(model: &Model) -> usize {
 }
 
 /// Refuses bodies that move without mass or inertia: the mass matrix would be singular.
-fn check_masses(model: &Model, root: &Element) -> Result<(), ModelError> {
+fn check_masses(model: &Model) -> Result<(), String> {
     let bodies = &model.bodies;
     let heavy = |body: usize| bodies.mass[body] > LEAST && bodies.inertia[body].iter().all(|moment| *moment > LEAST);
     let mut carried = vec![false; bodies.name.len()];
@@ -128,7 +134,7 @@ fn check_masses(model: &Model, root: &Element) -> Result<(), ModelError> {
     match light {
         Some(body) => {
             let name = &bodies.name[body];
-            Err(root.invalid(format!("the moving body `{name}` (number {body}) has no mass or no inertia")))
+            Err(format!("the moving body `{name}` (number {body}) has no mass or no inertia"))
         }
         None => Ok(()),
     }
