@@ -168,6 +168,11 @@ pub struct FrameLayout {
 }
 
 impl FrameLayout {
+    /// A layout without sensors that answers these queries when they are asked.
+    pub(crate) fn with_queries(queries: Vec<Query>) -> Self {
+        Self { queries, ..Self::default() }
+    }
+
     /// The slot of `sensor`, appended if the layout does not have it yet.
     pub fn slot(&mut self, sensor: Sensor) -> usize {
         if let Some(&(_, offset)) = self.entries.iter().find(|(known, _)| *known == sensor) {

@@ -2,6 +2,7 @@
 //!
 //! [`compile`](compile::compile) is the entry; [`explain`] tells what was understood; [`task::CompiledTask`] is what runs.
 
+pub mod beginning;
 pub mod body;
 pub mod check;
 pub mod compile;

@@ -8,7 +8,11 @@ use crate::frame::FrameLayout;
 use crate::graph::Graph;
 use crate::graph::interval::Bounds;
 use crate::lower::{Outputs, Program};
+use crate::scene::SceneDescription;
+use std::borrow::Cow;
 use std::sync::Arc;
+
+pub use crate::beginning::{Disturbance, Init, ObjectStart, RootPlacement, Setting, Settle, Spread};
 
 /// A task ready to run: a program over a flat frame and a flat state record.
 pub struct CompiledTask {
@@ -26,8 +30,16 @@ pub struct CompiledTask {
     pub horizon: u32,
     /// Whether mirroring left and right must not change the pay.
     pub symmetric: bool,
+    /// What surrounds the body.
+    pub scene: SceneDescription,
     /// How an episode begins.
     pub init: Init,
+    /// Forces that disturb it.
+    pub disturbances: Vec<Disturbance>,
+    /// Connections that let go, by their place in the scene: in the order of [`StepReport::released`].
+    pub releases: Vec<usize>,
+    /// Names of places that are shown and never touched: [`CompiledTask::marker`] tells where each is.
+    pub markers: Vec<String>,
     /// Channels of the observation, in order.
     pub channels: Vec<Channel>,
     /// Reward terms, in order.
@@ -93,38 +105,6 @@ pub struct Term {
     pub source: String,
 }
 
-/// How an episode begins.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Init {
-    /// Joint coordinates in the order of the vocabulary's joints, rad or m.
-    pub coordinates: Vec<f64>,
-    /// Where the root starts.
-    pub root: RootPlacement,
-    /// Standard deviation of normal noise on independent hinges, rad.
-    pub joint_noise: f64,
-    /// Standard deviation of normal noise on their velocities, rad/s.
-    pub velocity_noise: f64,
-}
-
-/// Where the root starts.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RootPlacement {
-    /// Height of the root, m; `None` puts the lowest point of the body on the ground.
-    pub height: Option<f64>,
-    /// Horizontal position, m.
-    pub position: [f64; 2],
-    /// Turn about the vertical, rad; 0 faces world x.
-    pub heading: f64,
-    /// Linear velocity in world axes, m/s.
-    pub velocity: [f64; 3],
-}
-
-impl Default for RootPlacement {
-    fn default() -> Self {
-        Self { height: None, position: [0.0; 2], heading: 0.0, velocity: [0.0; 3] }
-    }
-}
-
 /// What a task reports of one control step. Allocated once per episode, overwritten every step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepReport {
@@ -136,6 +116,8 @@ pub struct StepReport {
     pub terminations: Vec<bool>,
     /// Whether the success expression holds at this step.
     pub success: bool,
+    /// Which connections shall let go, in the order of [`CompiledTask::releases`].
+    pub released: Vec<bool>,
 }
 
 /// The task's own state over one episode: plain data.
@@ -164,6 +146,30 @@ pub struct NonFiniteTerm {
 }
 
 impl CompiledTask {
+    /// How this episode begins: what was drawn stands in `state`.
+    pub fn beginning(&self, state: &TaskState) -> Cow<'_, Init> {
+        if self.init.drawn.is_empty() {
+            return Cow::Borrowed(&self.init);
+        }
+        let mut init = self.init.clone();
+        for &(setting, index) in &self.init.drawn {
+            init.set(setting, self.drawn(index, state));
+        }
+        Cow::Owned(init)
+    }
+
+    /// A value that the beginning takes from what was drawn for this episode.
+    pub fn drawn(&self, index: usize, state: &TaskState) -> f64 {
+        let operand = self.program.beginning.get(index);
+        operand.and_then(|&operand| self.program.read(operand, &[], &state.values).first().copied()).unwrap_or(0.0)
+    }
+
+    /// Where a marker is, in the snapshot of `frame`.
+    pub fn marker(&self, index: usize, frame: &[f64], state: &TaskState) -> Option<[f64; 3]> {
+        let operand = *self.program.markers.get(index)?;
+        self.program.read(operand, frame, &state.values).try_into().ok()
+    }
+
     /// Starts the task's state from the reset snapshot. `frame` has `self.frame.size()` values.
     pub fn reset(&self, frame: &[f64], state: &mut TaskState) {
         state.step = 0;
@@ -203,6 +209,8 @@ impl CompiledTask {
         report.terms.extend(self.program.terms.iter().map(|&operand| lane(operand)));
         report.terminations.clear();
         report.terminations.extend(self.program.terminations.iter().map(|&operand| lane(operand) != 0.0));
+        report.released.clear();
+        report.released.extend(self.program.releases.iter().map(|&operand| lane(operand) != 0.0));
         report.success = self.program.success.is_some_and(|operand| lane(operand) != 0.0);
         report.reward = report.terms.iter().zip(weights).map(|(value, weight)| value * weight).sum();
     }

@@ -6,6 +6,7 @@
 mod support;
 
 use msk_compiler::diagnostics::codes;
+use msk_compiler::task::Spread;
 use support::compiling::{Compiling, compile_text, complete};
 use support::{ENTRY, Reading, check_pages};
 
@@ -51,5 +52,5 @@ fn the_standing_task_compiles_without_a_warning() {
     assert_eq!(task.terms[1].weight_range, Some([5.0, 30.0]));
     assert_eq!(task.terminations, ["fallen", "tilted"]);
     assert_eq!((task.horizon, task.control_frequency, task.symmetric), (1000, 100.0, true));
-    assert_eq!(task.init.joint_noise, 0.005);
+    assert!(task.init.coordinate_noise.iter().all(|spread| matches!(spread, Spread::None | Spread::Normal(0.005))));
 }

@@ -6,7 +6,7 @@ use super::dimension::Dimension;
 use super::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
 use crate::syntax::tree::{Assignment, Expr, ExprKind, Field, FieldValue, InitStatement, Noise, Placement, PoseUse};
-use crate::task::{Init, RootPlacement};
+use crate::task::{Init, RootPlacement, Spread};
 use crate::vocabulary::JointKind;
 
 impl<'a> Checker<'a> {
@@ -160,10 +160,13 @@ impl<'a> Checker<'a> {
             }
         };
         let deviation = self.normal_deviation(&noise.distribution, dimension)?;
+        let free = |joint: &crate::vocabulary::Joint| joint.kind == JointKind::Hinge && joint.independent && !joint.of_scene;
+        let spread = |joint| if free(joint) { Spread::Normal(deviation) } else { Spread::None };
+        let spreads = self.vocabulary.joints.iter().map(spread).collect();
         if target == "joints" {
-            init.joint_noise = deviation
+            init.coordinate_noise = spreads
         } else {
-            init.velocity_noise = deviation
+            init.velocity_noise = spreads
         }
         Ok(())
     }

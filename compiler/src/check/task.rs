@@ -8,10 +8,12 @@ use super::reward::PaidTerm;
 use super::scope::{Names, Place};
 use super::value::Data;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
+use crate::scene::{SceneDescription, Surface};
 use crate::syntax::tree::{StateDeclaration, Task, TaskStatement};
-use crate::task::Init;
+use crate::task::{Disturbance, Init};
 use crate::vocabulary::Vocabulary;
 
 /// A task whose every formula is checked and in the graph.
@@ -21,7 +23,15 @@ pub(crate) struct CheckedTask<'a> {
     pub control_frequency: f64,
     pub timing: Timing,
     pub symmetric: bool,
+    pub scene: SceneDescription,
     pub init: Init,
+    /// Numbers that the beginning takes from what is drawn.
+    pub beginning: Vec<NodeId>,
+    pub disturbances: Vec<Disturbance>,
+    /// Connections of the scene with the conditions on which they let go.
+    pub releases: Vec<(usize, NodeId)>,
+    pub markers: Vec<(String, NodeId)>,
+    pub queries: Vec<Query>,
     pub channels: Vec<ObservedChannel>,
     pub terms: Vec<PaidTerm<'a>>,
     pub terminations: Vec<(String, NodeId)>,
@@ -100,7 +110,17 @@ impl<'a> Checker<'a> {
             control_frequency,
             timing: self.timing,
             symmetric: parts.symmetric,
+            // A task that says nothing of a scene stands on the level ground.
+            scene: SceneDescription {
+                ground: Some(Surface { walkable: true, ..Surface::default() }),
+                ..SceneDescription::default()
+            },
             init,
+            beginning: Vec::new(),
+            disturbances: Vec::new(),
+            releases: Vec::new(),
+            markers: Vec::new(),
+            queries: Vec::new(),
             channels,
             terms,
             terminations: terminations?,

@@ -1,7 +1,7 @@
 //! The snapshot: canonical text of what a task means. Layout, comments and local names of the source do not show in it.
 
 use crate::graph::text::{Writer, values};
-use crate::task::CompiledTask;
+use crate::task::{CompiledTask, Spread};
 use std::fmt::Write;
 
 impl CompiledTask {
@@ -17,7 +17,17 @@ impl CompiledTask {
         let _ = writeln!(text, "control {} Hz", self.control_frequency);
         let _ = writeln!(text, "horizon {} steps", self.horizon);
         let _ = writeln!(text, "symmetric {}", self.symmetric);
+        self.write_scene(&mut text);
         self.write_init(&mut text);
+        for (&(setting, index), &node) in self.init.drawn.iter().zip(&outputs.beginning) {
+            let _ = writeln!(text, "init {setting:?} is drawn {index} = %{}", writer.number(graph, node));
+        }
+        for (connection, &node) in self.releases.iter().zip(&outputs.releases) {
+            let _ = writeln!(text, "release {connection} when %{}", writer.number(graph, node));
+        }
+        for (name, &node) in self.markers.iter().zip(&outputs.markers) {
+            let _ = writeln!(text, "marker {name} at %{}", writer.number(graph, node));
+        }
         for (term, &node) in self.terms.iter().zip(&outputs.terms) {
             let bounds = match (term.fixed, term.weight_range) {
                 (true, _) => " (fixed)".to_owned(),
@@ -42,6 +52,28 @@ impl CompiledTask {
         text + writer.lines()
     }
 
+    fn write_scene(&self, text: &mut String) {
+        // Plain data in the order of its declaration: writing it cannot fail.
+        let written = |value: serde_json::Result<String>| value.unwrap_or_default();
+        let scene = &self.scene;
+        let _ = writeln!(text, "scene ground {}", written(serde_json::to_string(&scene.ground)));
+        for object in &scene.objects {
+            let _ = writeln!(text, "scene object {}", written(serde_json::to_string(object)));
+        }
+        for connection in &scene.connections {
+            let _ = writeln!(text, "scene connection {}", written(serde_json::to_string(connection)));
+        }
+        for group in &scene.groups {
+            let _ = writeln!(text, "scene group {}", written(serde_json::to_string(group)));
+        }
+        for (index, query) in self.frame.queries().iter().enumerate() {
+            let _ = writeln!(text, "query {index} {}", written(serde_json::to_string(query)));
+        }
+        for disturbance in &self.disturbances {
+            let _ = writeln!(text, "disturb {disturbance:?}");
+        }
+    }
+
     fn write_init(&self, text: &mut String) {
         let root = &self.init.root;
         let height = root.height.map_or("on ground".to_owned(), |height| format!("{height} m"));
@@ -50,7 +82,32 @@ impl CompiledTask {
             "init root height {height}, at {:?} m, heading {} rad, velocity {:?} m/s",
             root.position, root.heading, root.velocity
         );
-        let _ = writeln!(text, "init noise joints {} rad, velocities {} rad/s", self.init.joint_noise, self.init.velocity_noise);
+        for (what, spreads) in [("coordinates", &self.init.coordinate_noise), ("velocities", &self.init.velocity_noise)] {
+            for (spread, joints) in by_spread(spreads) {
+                let _ = writeln!(text, "init noise {what} {spread:?} on joints {joints:?}");
+            }
+        }
+        for meeting in &root.meets {
+            let _ = writeln!(text, "init root meets {meeting:?}");
+        }
+        for start in &self.init.objects {
+            let _ = writeln!(text, "init {start:?}");
+        }
+        if let Some(settle) = &self.init.settle {
+            let _ = writeln!(text, "init {settle:?}");
+        }
         let _ = writeln!(text, "init coordinates {}", values(self.init.coordinates.iter().copied()));
     }
+}
+
+/// Joints that scatter alike, by the first of each.
+fn by_spread(spreads: &[Spread]) -> Vec<(Spread, Vec<usize>)> {
+    let mut sorted: Vec<(Spread, Vec<usize>)> = Vec::new();
+    for (joint, &spread) in spreads.iter().enumerate().filter(|(_, spread)| **spread != Spread::None) {
+        match sorted.iter_mut().find(|(known, _)| *known == spread) {
+            Some((_, joints)) => joints.push(joint),
+            None => sorted.push((spread, vec![joint])),
+        }
+    }
+    sorted
 }

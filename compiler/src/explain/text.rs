@@ -3,7 +3,7 @@
 use crate::graph::NodeId;
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Memory, Operation};
-use crate::task::{CompiledTask, StepReport, TaskState, Term};
+use crate::task::{CompiledTask, Spread, StepReport, TaskState, Term};
 use std::fmt::Write;
 
 /// What an explanation may tell besides the source.
@@ -52,10 +52,19 @@ fn head(task: &CompiledTask, text: &mut String) {
         if task.symmetric { ", symmetric" } else { "" }
     );
     let root = task.init.root.height.map_or("standing on the ground".to_owned(), |height| format!("root at {height} m"));
+    let widest = |spreads: &[Spread]| {
+        let widths = spreads.iter().map(|spread| match spread {
+            Spread::None => 0.0,
+            Spread::Normal(deviation) => *deviation,
+            Spread::Uniform(low, high) => low.abs().max(high.abs()),
+        });
+        widths.fold(0.0, f64::max)
+    };
     let _ = writeln!(
         text,
         "begins {root}, noise {} rad on joints, {} rad/s on velocities",
-        task.init.joint_noise, task.init.velocity_noise
+        short(widest(&task.init.coordinate_noise)),
+        short(widest(&task.init.velocity_noise))
     );
 }
 

@@ -1,7 +1,7 @@
 //! From the graph to the list of instructions.
 
 use super::program::{Bank, Code, Instruction, Operand, Program};
-use crate::frame::{FrameLayout, Sensor};
+use crate::frame::{FrameLayout, Query, Sensor};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
 use std::collections::{BTreeSet, HashMap};
@@ -15,20 +15,28 @@ pub(crate) struct Outputs {
     pub channels: Vec<NodeId>,
     /// New value of each declared state.
     pub updates: Vec<NodeId>,
+    /// Numbers that the beginning takes from what is drawn.
+    pub beginning: Vec<NodeId>,
+    /// When connections let go.
+    pub releases: Vec<NodeId>,
+    /// Places that are shown.
+    pub markers: Vec<NodeId>,
 }
 
 impl Outputs {
     /// Every node that is wanted, in the task's order.
     pub(crate) fn roots(&self) -> impl Iterator<Item = NodeId> + '_ {
-        let lists = [&self.terms, &self.terminations, &self.channels, &self.updates];
-        lists.into_iter().flatten().copied().chain(self.success)
+        let ends = [&self.terms, &self.terminations, &self.channels, &self.updates];
+        let scene = [&self.beginning, &self.releases, &self.markers];
+        let lists = ends.into_iter().chain(scene);
+        lists.flatten().copied().chain(self.success)
     }
 }
 
 /// Lowers what `outputs` need.
-pub(crate) fn assemble(graph: &Graph, outputs: &Outputs) -> (Program, FrameLayout) {
+pub(crate) fn assemble(graph: &Graph, outputs: &Outputs, queries: &[Query]) -> (Program, FrameLayout) {
     let live = graph.reachable(outputs.roots());
-    let mut assembler = Assembler::new(graph, &live);
+    let mut assembler = Assembler::new(graph, &live, queries);
     assembler.reserve_states(outputs);
     let mut late = vec![false; graph.nodes().len()];
     for &id in &live {
@@ -44,9 +52,10 @@ pub(crate) fn assemble(graph: &Graph, outputs: &Outputs) -> (Program, FrameLayou
     let terms = list(&outputs.terms);
     let terminations = list(&outputs.terminations);
     let channels = list(&outputs.channels);
+    let (beginning, releases, markers) = (list(&outputs.beginning), list(&outputs.releases), list(&outputs.markers));
     let success = outputs.success.map(|node| assembler.places[&node]);
     let updates = assembler.state_cells.iter().copied().zip(list(&outputs.updates)).collect();
-    let program = Program { terms, terminations, success, channels, updates, ..assembler.program };
+    let program = Program { terms, terminations, success, channels, updates, beginning, releases, markers, ..assembler.program };
     (program, assembler.layout)
 }
 
@@ -60,14 +69,14 @@ struct Assembler<'a> {
 }
 
 impl<'a> Assembler<'a> {
-    fn new(graph: &'a Graph, live: &[NodeId]) -> Self {
+    fn new(graph: &'a Graph, live: &[NodeId], queries: &[Query]) -> Self {
         let mut wanted = BTreeSet::new();
         for &id in live {
             if let Operation::Sensors(sensors) = &graph.node(id).operation {
                 wanted.extend(sensors.iter().copied());
             }
         }
-        let mut layout = FrameLayout::default();
+        let mut layout = FrameLayout::with_queries(queries.to_vec());
         let offsets = wanted.into_iter().map(|sensor| (sensor, layout.append(sensor))).collect();
         Self { graph, layout, offsets, places: HashMap::new(), state_cells: Vec::new(), program: Program::default() }
     }

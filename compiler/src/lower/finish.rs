@@ -26,8 +26,11 @@ pub(crate) fn finish(
         success: Some(checked.success),
         channels: checked.channels.iter().map(|channel| channel.node).collect(),
         updates: checked.updates,
+        beginning: checked.beginning,
+        releases: checked.releases.iter().map(|(_, node)| *node).collect(),
+        markers: checked.markers.iter().map(|(_, node)| *node).collect(),
     };
-    let (program, frame) = assemble(&checked.graph, &outputs);
+    let (program, frame) = assemble(&checked.graph, &outputs, &checked.queries);
     let mut channels = Vec::with_capacity(checked.channels.len());
     let mut offset = 0;
     for channel in checked.channels {
@@ -53,7 +56,11 @@ pub(crate) fn finish(
         control_frequency: checked.control_frequency,
         horizon: checked.timing.horizon,
         symmetric: checked.symmetric,
+        scene: checked.scene,
         init: checked.init,
+        disturbances: checked.disturbances,
+        releases: checked.releases.iter().map(|(connection, _)| *connection).collect(),
+        markers: checked.markers.into_iter().map(|(name, _)| name).collect(),
         channels,
         terms: terms.collect(),
         terminations: checked.terminations.into_iter().map(|(name, _)| name).collect(),

@@ -120,7 +120,7 @@ proptest! {
         let update = graph.select([0], scalar);
         let channels = roots.iter().map(|root| *root.get(&nodes)).collect();
         let outputs = Outputs { channels, updates: vec![update], ..Outputs::default() };
-        let (program, layout) = assemble(&graph, &outputs);
+        let (program, layout) = assemble(&graph, &outputs, &[]);
 
         let mut plain = Interpreter { graph: &graph, memories: BTreeMap::new(), states: vec![vec![0.5]] };
         let (mut cells, mut registers) = (Vec::new(), Vec::new());

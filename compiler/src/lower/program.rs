@@ -67,4 +67,8 @@ pub(crate) struct Program {
     pub terminations: Vec<Operand>,
     pub success: Option<Operand>,
     pub channels: Vec<Operand>,
+    /// Numbers that the beginning takes from what is drawn.
+    pub beginning: Vec<Operand>,
+    pub releases: Vec<Operand>,
+    pub markers: Vec<Operand>,
 }

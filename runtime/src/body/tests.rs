@@ -208,7 +208,8 @@ fn a_body_faces_its_heading_and_stands_upright() {
 
 #[test]
 fn a_given_height_position_and_velocity_are_kept() {
-    let placement = RootPlacement { height: Some(1.5), position: [2.0, -1.0], heading: 0.0, velocity: [0.3, 0.0, 0.1] };
+    let placement =
+        RootPlacement { height: Some(1.5), position: [2.0, -1.0], heading: 0.0, velocity: [0.3, 0.0, 0.1], meets: Vec::new() };
     let (_, _, state, _) = placed("neutral", &placement);
     assert_eq!(state.position[..3], [2.0, -1.0, 1.5]);
     assert_eq!(state.velocity[..6], [0.3, 0.0, 0.1, 0.0, 0.0, 0.0]);

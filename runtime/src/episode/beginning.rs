@@ -2,9 +2,9 @@
 
 use super::streams::{EpisodeKey, Stream};
 use crate::body::Body;
-use crate::model::{JointKind, Model};
+use crate::model::Model;
 use crate::physics::{State, Workspace};
-use msk_compiler::task::Init;
+use msk_compiler::task::{Init, Spread};
 
 /// Puts `state` at the beginning of an episode: everything else in it is as after [`State::new`].
 ///
@@ -17,9 +17,8 @@ use msk_compiler::task::Init;
 /// The root itself gets no noise, so its quaternion stays a rotation.
 pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &mut State<f64>, workspace: &mut Workspace<f64>) {
     let mut noise = Stream::new(key, "init/noise/joints");
-    for (joint, &coordinate) in body.joints.iter().zip(&init.coordinates) {
-        let hinge = joint.independent && joint.kind == JointKind::Hinge;
-        let deviation = if hinge { init.joint_noise * noise.normal() } else { 0.0 };
+    for (index, (joint, &coordinate)) in body.joints.iter().zip(&init.coordinates).enumerate() {
+        let deviation = draw(init.coordinate_noise.get(index), &mut noise);
         state.position[joint.position] = fold(coordinate + deviation, coordinate, joint.range);
     }
     body.solve_couplings(model, &mut state.position);
@@ -27,10 +26,19 @@ pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &m
     body.place(model, &init.root, &coordinates, state, workspace);
 
     let mut noise = Stream::new(key, "init/noise/velocities");
-    for joint in body.joints.iter().filter(|joint| joint.independent && joint.kind == JointKind::Hinge) {
-        state.velocity[joint.dof] = init.velocity_noise * noise.normal();
+    for (joint, spread) in body.joints.iter().zip(&init.velocity_noise) {
+        state.velocity[joint.dof] = draw(Some(spread), &mut noise);
     }
     body.solve_coupled_velocities(model, &state.position, &mut state.velocity);
+}
+
+/// A deviation; what does not scatter draws nothing.
+fn draw(spread: Option<&Spread>, noise: &mut Stream) -> f64 {
+    match spread {
+        None | Some(Spread::None) => 0.0,
+        Some(Spread::Normal(deviation)) => deviation * noise.normal(),
+        Some(Spread::Uniform(low, high)) => low + (high - low) * noise.uniform(),
+    }
 }
 
 /// Mirrors a value that noise has driven out of `range` at the limit it passed. A `centre` outside the range was the task's
