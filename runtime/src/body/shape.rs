@@ -13,7 +13,8 @@ pub fn support(kind: GeomKind, size: Vector3<f64>, direction: Vector3<f64>) -> f
         GeomKind::Capsule => size.x * d.norm() + size.y * d.z.abs(),
         GeomKind::Ellipsoid => size.component_mul(&d).norm(),
         GeomKind::Cylinder => size.x * d.xy().norm() + size.y * d.z.abs(),
-        GeomKind::Box => size.dot(&d.abs()),
+        // A mesh reaches as far as its bounding box at most.
+        GeomKind::Box | GeomKind::Mesh | GeomKind::HeightField => size.dot(&d.abs()),
         // A half space below z = 0: bounded only straight upwards.
         GeomKind::Plane if d.x == 0.0 && d.y == 0.0 && d.z >= 0.0 => 0.0,
         GeomKind::Plane => f64::INFINITY,

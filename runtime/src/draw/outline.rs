@@ -22,7 +22,7 @@ impl Shape {
         let axis = |index: usize| camera.direction(self.rotation.column(index).into_owned());
         let radius = self.size.x * 1000.0;
         match self.kind {
-            GeomKind::Plane => {}
+            GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => {}
             GeomKind::Sphere => path.ellipse(centre, [radius, radius], 0.0),
             GeomKind::Capsule => path.stadium(centre - axis(2) * self.size.y, centre + axis(2) * self.size.y, radius),
             GeomKind::Ellipsoid => {

@@ -3,11 +3,13 @@
 use super::{Quaternion, Softness};
 use nalgebra::Vector3;
 
-/// Kind of shape.
+/// Kind of shape, in MuJoCo's order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GeomKind {
     /// Infinite half space below z = 0 of its frame.
     Plane,
+    /// Heights over a rectangle, an asset of the model.
+    HeightField,
     /// Radius.
     Sphere,
     /// Radius, half length along z.
@@ -18,6 +20,8 @@ pub enum GeomKind {
     Cylinder,
     /// Half extents.
     Box,
+    /// The convex hull of a mesh, an asset of the model.
+    Mesh,
 }
 
 /// Shapes, one entry each per array.
@@ -29,8 +33,10 @@ pub struct Geoms {
     pub kind: Vec<GeomKind>,
     /// Body that carries it.
     pub body: Vec<usize>,
-    /// Size as the kind says, m.
+    /// Size as the kind says, m; half extents of the bounding box for height fields and meshes.
     pub size: Vec<Vector3<f64>>,
+    /// What gives a height field or mesh its shape: index into the model's assets of that kind.
+    pub asset: Vec<Option<usize>>,
     /// Position in the body's frame, m.
     pub position: Vec<Vector3<f64>>,
     /// Orientation in the body's frame.

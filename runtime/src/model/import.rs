@@ -59,6 +59,7 @@ fn retain_geoms(model: &mut Model, kept: &[bool]) {
     retain(&mut geoms.kind, kept);
     retain(&mut geoms.body, kept);
     retain(&mut geoms.size, kept);
+    retain(&mut geoms.asset, kept);
     retain(&mut geoms.position, kept);
     retain(&mut geoms.orientation, kept);
     retain(&mut geoms.contact_type, kept);

@@ -22,7 +22,8 @@ pub(crate) struct MassProperties {
 pub(crate) fn volume(kind: GeomKind, size: Vector3<f64>) -> f64 {
     let [a, b, c] = [size.x, size.y, size.z];
     match kind {
-        GeomKind::Plane => 0.0,
+        // Meshes bring their own figures; a height field carries no mass.
+        GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => 0.0,
         GeomKind::Sphere => 4.0 / 3.0 * PI * a * a * a,
         GeomKind::Capsule => PI * a * a * (2.0 * b + 4.0 / 3.0 * a),
         GeomKind::Cylinder => PI * a * a * 2.0 * b,
@@ -36,7 +37,7 @@ pub(crate) fn moments(kind: GeomKind, size: Vector3<f64>, mass: f64) -> Vector3<
     let [a, b, c] = [size.x, size.y, size.z];
     let round = |across: f64, along: f64| Vector3::new(across, across, along);
     match kind {
-        GeomKind::Plane => Vector3::zeros(),
+        GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => Vector3::zeros(),
         GeomKind::Sphere => Vector3::repeat(0.4 * mass * a * a),
         GeomKind::Capsule => {
             // Two hemispheres, their centres of mass 3/8 a beyond the ends of a cylinder.

@@ -11,8 +11,10 @@
 mod bodies;
 mod constraints;
 mod geometry;
+mod height_field;
 pub mod import;
 mod inertia;
+mod mesh;
 pub mod mjcf;
 mod muscles;
 mod options;
@@ -22,6 +24,8 @@ pub(crate) mod topology;
 pub use bodies::{Bodies, Dofs, JointKind, Joints};
 pub use constraints::{ContactPairs, Couplings, Softness};
 pub use geometry::{GeomKind, Geoms, Sites};
+pub use height_field::HeightField;
+pub use mesh::{Face, Hull, Mesh};
 pub use mjcf::ModelError;
 pub use muscles::{Actuators, PathPoint, Tendons};
 pub use options::Options;
@@ -44,6 +48,10 @@ pub struct Model {
     pub dofs: Dofs,
     /// Collision and wrapping shapes.
     pub geoms: Geoms,
+    /// Meshes that geoms may show.
+    pub meshes: Vec<Mesh>,
+    /// Height fields that geoms may show.
+    pub height_fields: Vec<HeightField>,
     /// Marked points.
     pub sites: Sites,
     /// Spatial tendons.

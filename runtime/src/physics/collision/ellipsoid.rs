@@ -17,6 +17,7 @@
 //! * two ellipsoids: Newton's method on the sphere, from several starts when they overlap.
 
 use super::{Placed, Touch, frame_of};
+use crate::model::GeomKind;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// Signed distance of `point` to the ellipsoid with half axes `axes` along the coordinate axes, and the outward unit normal
@@ -68,14 +69,14 @@ struct Separation {
 }
 
 /// Point relative to the ellipsoid's centre, world axes.
-fn separate_point(ellipsoid: &Placed, point: Vector3<f64>) -> Separation {
+fn separate_point(ellipsoid: &Placed<'_>, point: Vector3<f64>) -> Separation {
     let local = ellipsoid.rotation.tr_mul(&point);
     let (distance, normal) = point_to_ellipsoid(ellipsoid.size.into(), local.into());
     Separation { distance, normal: ellipsoid.rotation * Vector3::from(normal) }
 }
 
 /// The best normal across `axis`: the point against the ellipsoid's shadow in the plane across the axis.
-fn separate_across(ellipsoid: &Placed, centre: Vector3<f64>, axis: Vector3<f64>) -> Separation {
+fn separate_across(ellipsoid: &Placed<'_>, centre: Vector3<f64>, axis: Vector3<f64>) -> Separation {
     let frame = frame_of(axis, None);
     let (u, v) = (frame.row(1).transpose(), frame.row(2).transpose());
     let shape = shape_matrix(ellipsoid);
@@ -94,30 +95,58 @@ fn separate_across(ellipsoid: &Placed, centre: Vector3<f64>, axis: Vector3<f64>)
 }
 
 /// A with h(n) = sqrt(n'An), the square of the support function about the centre.
-fn shape_matrix(ellipsoid: &Placed) -> Matrix3<f64> {
+fn shape_matrix(ellipsoid: &Placed<'_>) -> Matrix3<f64> {
     let squares = ellipsoid.size.component_mul(&ellipsoid.size);
     ellipsoid.rotation * Matrix3::from_diagonal(&squares) * ellipsoid.rotation.transpose()
 }
 
-/// The contact of shape 1 with the ellipsoid as shape 2, `normal` pointing from the ellipsoid.
-fn touch(ellipsoid: &Placed, separation: Separation, distance: f64, reach: f64) -> Option<Touch> {
-    if distance > reach {
-        return None;
+/// How a shape stands to an ellipsoid: signed distance, unit normal from the shape to the ellipsoid, and the point half way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stand {
+    pub distance: f64,
+    normal: Vector3<f64>,
+    middle: Vector3<f64>,
+}
+
+impl Stand {
+    /// `separation` is that of the shape's core, `radius` around which the shape is round.
+    fn new(ellipsoid: &Placed<'_>, separation: Separation, radius: f64) -> Self {
+        let support = shape_matrix(ellipsoid) * separation.normal;
+        let surface = ellipsoid.position + support / separation.normal.dot(&support).sqrt();
+        let distance = separation.distance - radius;
+        Self { distance, normal: -separation.normal, middle: surface + separation.normal * (distance / 2.0) }
     }
-    let support = shape_matrix(ellipsoid) * separation.normal;
-    let surface = ellipsoid.position + support / separation.normal.dot(&support).sqrt();
-    Some(Touch { distance, position: surface + separation.normal * (distance / 2.0), frame: frame_of(-separation.normal, None) })
+
+    /// The nearest points of the shape and the ellipsoid.
+    pub fn points(&self) -> [Vector3<f64>; 2] {
+        let half = self.normal * (self.distance / 2.0);
+        [self.middle - half, self.middle + half]
+    }
 }
 
-/// Sphere against ellipsoid.
-pub(super) fn sphere_ellipsoid(sphere: &Placed, ellipsoid: &Placed, reach: f64, found: &mut Vec<Touch>) {
-    let best = separate_point(ellipsoid, sphere.position - ellipsoid.position);
-    found.extend(touch(ellipsoid, best, best.distance - sphere.size.x, reach));
+/// A sphere, capsule or ellipsoid against an ellipsoid; `None` for other shapes.
+pub(super) fn separate(shape: &Placed<'_>, ellipsoid: &Placed<'_>) -> Option<Stand> {
+    let centre = shape.position - ellipsoid.position;
+    match shape.kind {
+        GeomKind::Sphere => Some(Stand::new(ellipsoid, separate_point(ellipsoid, centre), shape.size.x)),
+        GeomKind::Capsule => Some(Stand::new(ellipsoid, separate_segment(shape, ellipsoid, centre), shape.size.x)),
+        GeomKind::Ellipsoid => Some(Stand::new(ellipsoid, separate_ellipsoids(shape, ellipsoid), 0.0)),
+        _ => None,
+    }
 }
 
-/// Capsule against ellipsoid.
-pub(super) fn capsule_ellipsoid(capsule: &Placed, ellipsoid: &Placed, reach: f64, found: &mut Vec<Touch>) {
-    let centre = capsule.position - ellipsoid.position;
+/// A sphere, capsule or ellipsoid against an ellipsoid.
+pub(super) fn collide(shape: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+    let near = separate(shape, ellipsoid).filter(|stand| stand.distance <= reach);
+    found.extend(near.map(|stand| Touch {
+        distance: stand.distance,
+        position: stand.middle,
+        frame: frame_of(stand.normal, None),
+    }));
+}
+
+/// A capsule's segment against an ellipsoid.
+fn separate_segment(capsule: &Placed<'_>, ellipsoid: &Placed<'_>, centre: Vector3<f64>) -> Separation {
     let axis = capsule.axis();
     let mut best = separate_across(ellipsoid, centre, axis);
     for end in [capsule.size.y, -capsule.size.y] {
@@ -127,7 +156,7 @@ pub(super) fn capsule_ellipsoid(capsule: &Placed, ellipsoid: &Placed, reach: f64
             best = separation;
         }
     }
-    found.extend(touch(ellipsoid, best, best.distance - capsule.size.x, reach));
+    best
 }
 
 /// Two ellipsoids in the form that Newton's method works on.
@@ -187,7 +216,7 @@ impl Pair {
 }
 
 /// Ellipsoid against ellipsoid.
-pub(super) fn ellipsoid_ellipsoid(first: &Placed, second: &Placed, reach: f64, found: &mut Vec<Touch>) {
+fn separate_ellipsoids(first: &Placed<'_>, second: &Placed<'_>) -> Separation {
     let between = first.position - second.position;
     let pair = Pair { between, shapes: [shape_matrix(first), shape_matrix(second)] };
     let mut best = pair.climb(between.try_normalize(1e-12).unwrap_or_else(Vector3::z));
@@ -201,7 +230,7 @@ pub(super) fn ellipsoid_ellipsoid(first: &Placed, second: &Placed, reach: f64, f
             }
         }
     }
-    found.extend(touch(second, best, best.distance, reach));
+    best
 }
 
 #[cfg(test)]

@@ -8,32 +8,21 @@
 //! to date. Which pair collides is ragged from episode to episode, so this stage works on one episode in `f64`; episodes
 //! that share SIMD lanes elsewhere pass through it one by one.
 
+mod convex;
+pub mod distance;
 mod ellipsoid;
+mod height_field;
 mod parameters;
+mod place;
+pub mod ray;
 mod shapes;
 
+pub use convex::Scratch;
 pub use parameters::{Candidate, unsupported_pairs};
+pub use place::{Asset, Placed};
 
 use crate::model::{GeomKind, Model};
 use nalgebra::{Matrix3, Vector3};
-
-/// A shape in the world.
-#[derive(Debug, Clone, Copy)]
-pub struct Placed {
-    /// Centre, m.
-    pub position: Vector3<f64>,
-    /// Rotation from the shape's axes to the world's.
-    pub rotation: Matrix3<f64>,
-    /// Size as its kind says, m.
-    pub size: Vector3<f64>,
-}
-
-impl Placed {
-    /// The z axis: a plane's normal, a capsule's axis.
-    fn axis(&self) -> Vector3<f64> {
-        self.rotation.column(2).into_owned()
-    }
-}
 
 /// What a collider finds.
 #[derive(Debug, Clone, Copy)]
@@ -58,6 +47,13 @@ pub struct Contact {
     pub distance: f64,
     /// Force (N) and torque (N m) on the second geom in the contact frame; filled by the solver.
     pub force: [f64; 6],
+}
+
+/// Memory of the search for contacts, kept between steps.
+#[derive(Debug, Clone, Default)]
+pub struct Memory {
+    found: Vec<Touch>,
+    scratch: Scratch,
 }
 
 /// The pairs of geoms that can meet in a model.
@@ -85,9 +81,10 @@ impl Plan {
         position: impl Fn(usize) -> Vector3<f64>,
         rotation: impl Fn(usize) -> Matrix3<f64>,
         contacts: &mut Vec<Contact>,
+        memory: &mut Memory,
     ) {
         contacts.clear();
-        let mut found = Vec::new();
+        let Memory { found, scratch } = memory;
         for (index, candidate) in self.candidates.iter().enumerate() {
             let [first, second] = candidate.geoms;
             let between = position(second) - position(first);
@@ -99,8 +96,8 @@ impl Plan {
             if far {
                 continue;
             }
-            let place = |geom: usize| Placed { position: position(geom), rotation: rotation(geom), size: model.geoms.size[geom] };
-            collide(candidate, &place(first), &place(second), &mut found);
+            let place = |geom: usize| Placed::new(model, geom, position(geom), rotation(geom));
+            collide(candidate, &place(first), &place(second), scratch, found);
             contacts.extend(found.drain(..).map(|touch: Touch| Contact {
                 candidate: index,
                 geoms: candidate.geoms,
@@ -114,8 +111,8 @@ impl Plan {
 }
 
 /// Calls the collider for a pair of kinds, the first not after the second in [`GeomKind`]'s order.
-fn collide(candidate: &Candidate, first: &Placed, second: &Placed, found: &mut Vec<Touch>) {
-    use GeomKind::{Capsule, Ellipsoid, Plane, Sphere};
+fn collide(candidate: &Candidate, first: &Placed<'_>, second: &Placed<'_>, scratch: &mut Scratch, found: &mut Vec<Touch>) {
+    use GeomKind::{Capsule, Ellipsoid, HeightField, Plane, Sphere};
     let reach = candidate.margin + candidate.gap;
     let collider = match candidate.kinds {
         [Plane, Sphere] => shapes::plane_sphere,
@@ -124,9 +121,8 @@ fn collide(candidate: &Candidate, first: &Placed, second: &Placed, found: &mut V
         [Sphere, Sphere] => shapes::sphere_sphere,
         [Sphere, Capsule] => shapes::sphere_capsule,
         [Capsule, Capsule] => shapes::capsule_capsule,
-        [Sphere, Ellipsoid] => ellipsoid::sphere_ellipsoid,
-        [Capsule, Ellipsoid] => ellipsoid::capsule_ellipsoid,
-        [Ellipsoid, Ellipsoid] => ellipsoid::ellipsoid_ellipsoid,
+        [Sphere | Capsule | Ellipsoid, Ellipsoid] => ellipsoid::collide,
+        [HeightField, _] => return height_field::collide(first, second, reach, scratch, found),
         // The plan holds supported pairs only; `unsupported_pairs` names the others when a model is read.
         _ => return,
     };
@@ -135,8 +131,8 @@ fn collide(candidate: &Candidate, first: &Placed, second: &Placed, found: &mut V
 
 /// Whether two kinds, in either order, have a collider.
 fn has_collider(first: GeomKind, second: GeomKind) -> bool {
-    use GeomKind::{Box, Cylinder, Plane};
-    let unsupported = |kind| matches!(kind, Cylinder | Box);
+    use GeomKind::{Box, Cylinder, HeightField, Mesh, Plane};
+    let unsupported = |kind| matches!(kind, HeightField | Cylinder | Box | Mesh);
     !(unsupported(first) || unsupported(second) || (first == Plane && second == Plane))
 }
 

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 const TINY: f64 = 1e-15;
 
 /// Sphere of `radius` at `centre` against the half space below `plane`.
-fn plane_point(plane: &Placed, centre: Vector3<f64>, radius: f64, reach: f64) -> Option<Touch> {
+fn plane_point(plane: &Placed<'_>, centre: Vector3<f64>, radius: f64, reach: f64) -> Option<Touch> {
     let normal = plane.axis();
     let height = (centre - plane.position).dot(&normal);
     if height > reach + radius {
@@ -21,12 +21,12 @@ fn plane_point(plane: &Placed, centre: Vector3<f64>, radius: f64, reach: f64) ->
 }
 
 /// Plane against sphere.
-pub(super) fn plane_sphere(plane: &Placed, sphere: &Placed, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn plane_sphere(plane: &Placed<'_>, sphere: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
     found.extend(plane_point(plane, sphere.position, sphere.size.x, reach));
 }
 
 /// Plane against capsule: each end as a sphere, the first tangent along the capsule.
-pub(super) fn plane_capsule(plane: &Placed, capsule: &Placed, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn plane_capsule(plane: &Placed<'_>, capsule: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
     let axis = capsule.axis();
     for end in [capsule.size.y, -capsule.size.y] {
         if let Some(touch) = plane_point(plane, capsule.position + axis * end, capsule.size.x, reach) {
@@ -36,7 +36,7 @@ pub(super) fn plane_capsule(plane: &Placed, capsule: &Placed, reach: f64, found:
 }
 
 /// Plane against ellipsoid: the ellipsoid's lowest point.
-pub(super) fn plane_ellipsoid(plane: &Placed, ellipsoid: &Placed, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn plane_ellipsoid(plane: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
     let normal = plane.axis();
     let scaled = ellipsoid.rotation.tr_mul(&normal).component_mul(&ellipsoid.size);
     let lowest = ellipsoid.position - ellipsoid.rotation * ellipsoid.size.component_mul(&scaled) / scaled.norm().max(TINY);
@@ -59,18 +59,18 @@ fn points(first: Vector3<f64>, radii: [f64; 2], second: Vector3<f64>, reach: f64
 }
 
 /// Normal of two shapes whose centres coincide: across both axes.
-fn concentric_normal(first: &Placed, second: &Placed) -> Vector3<f64> {
+fn concentric_normal(first: &Placed<'_>, second: &Placed<'_>) -> Vector3<f64> {
     first.axis().cross(&second.axis()).try_normalize(TINY).unwrap_or_else(Vector3::x)
 }
 
 /// Sphere against sphere.
-pub(super) fn sphere_sphere(first: &Placed, second: &Placed, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn sphere_sphere(first: &Placed<'_>, second: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
     let radii = [first.size.x, second.size.x];
     found.extend(points(first.position, radii, second.position, reach, concentric_normal(first, second)));
 }
 
 /// Sphere against capsule: the nearest point of the capsule's segment as a sphere.
-pub(super) fn sphere_capsule(sphere: &Placed, capsule: &Placed, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn sphere_capsule(sphere: &Placed<'_>, capsule: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
     let axis = capsule.axis();
     let along = axis.dot(&(sphere.position - capsule.position)).clamp(-capsule.size.y, capsule.size.y);
     let radii = [sphere.size.x, capsule.size.x];
@@ -79,7 +79,7 @@ pub(super) fn sphere_capsule(sphere: &Placed, capsule: &Placed, reach: f64, foun
 }
 
 /// Capsule against capsule: the nearest points of the two segments as spheres; parallel capsules touch at up to two places.
-pub(super) fn capsule_capsule(first: &Placed, second: &Placed, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn capsule_capsule(first: &Placed<'_>, second: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
     let radii = [first.size.x, second.size.x];
     let fallback = concentric_normal(first, second);
     let (half_first, half_second) = (first.axis() * first.size.y, second.axis() * second.size.y);

@@ -39,6 +39,7 @@ pub struct Constraints {
     /// Candidates in contact that couple two chains, ascending: what the solver's pattern depends on.
     pub(crate) bridges: Vec<usize>,
     velocity: Vec<f64>,
+    memory: collision::Memory,
 }
 
 impl Constraints {
@@ -73,7 +74,7 @@ impl Constraints {
         let kinematics = &workspace.kinematics;
         let position = |geom: usize| kinematics.geom_position[geom].map(|value| value.lane(lane));
         let rotation = |geom: usize| kinematics.geom_rotation[geom].map(|value| value.lane(lane));
-        self.plan.detect(model, position, rotation, &mut self.contacts);
+        self.plan.detect(model, position, rotation, &mut self.contacts, &mut self.memory);
     }
 
     /// Builds all rows of the episode in `lane` from its contacts.

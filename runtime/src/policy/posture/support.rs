@@ -123,13 +123,13 @@ fn underside(
                 push(rotation * (rim + Vector3::z() * (end * size.y)));
             }
         }
-        GeomKind::Box => {
+        GeomKind::Box | GeomKind::Mesh => {
             for corner in 0..8 {
                 let side = |bit: usize| if corner >> bit & 1 == 0 { -1.0 } else { 1.0 };
                 push(rotation * size.component_mul(&Vector3::new(side(0), side(1), side(2))));
             }
         }
-        GeomKind::Plane => {}
+        GeomKind::Plane | GeomKind::HeightField => {}
     }
 }
 

@@ -21,7 +21,7 @@ pub(in crate::model::mjcf) const GEOM_KINDS: [(&str, GeomKind); 6] = [
 /// How many sizes a kind needs.
 fn size_count(kind: GeomKind) -> usize {
     match kind {
-        GeomKind::Plane => 0,
+        GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => 0,
         GeomKind::Sphere => 1,
         GeomKind::Capsule | GeomKind::Cylinder => 2,
         GeomKind::Ellipsoid | GeomKind::Box => 3,
@@ -31,7 +31,7 @@ fn size_count(kind: GeomKind) -> usize {
 /// Radius of the smallest sphere about the centre that holds the shape; 0 for planes, which no sphere holds.
 fn bounding_radius(kind: GeomKind, size: Vector3<f64>) -> f64 {
     match kind {
-        GeomKind::Plane => 0.0,
+        GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => 0.0,
         GeomKind::Sphere => size.x,
         GeomKind::Capsule => size.x + size.y,
         GeomKind::Ellipsoid => size.max(),
@@ -65,6 +65,7 @@ impl Compiler<'_> {
         geoms.kind.push(kind);
         geoms.body.push(body);
         geoms.size.push(size);
+        geoms.asset.push(None);
         geoms.position.push(placed.position);
         geoms.orientation.push(placed.orientation);
         Ok(())
@@ -79,7 +80,7 @@ impl Compiler<'_> {
             match kind {
                 GeomKind::Capsule | GeomKind::Cylinder => size.y = half,
                 GeomKind::Ellipsoid | GeomKind::Box => (size.y, size.z) = (size.x, half),
-                GeomKind::Plane | GeomKind::Sphere => {
+                GeomKind::Plane | GeomKind::HeightField | GeomKind::Sphere | GeomKind::Mesh => {
                     return Err(element.invalid("`fromto` needs a capsule, cylinder, ellipsoid or box"));
                 }
             }

@@ -1,0 +1,111 @@
+//! Convex shapes by their farthest points.
+
+use super::super::place::{Asset, Placed};
+use crate::model::{GeomKind, Hull};
+use nalgebra::{Matrix3, Vector3};
+
+/// What a shape is once its roundness is taken off.
+#[derive(Debug, Clone, Copy)]
+pub(in super::super) enum Core<'a> {
+    /// A point.
+    Point,
+    /// Half length along z.
+    Segment(f64),
+    /// Half axes.
+    Ellipsoid(Vector3<f64>),
+    /// Radius, half length along z.
+    Cylinder(f64, f64),
+    /// Half extents.
+    Box(Vector3<f64>),
+    /// A polyhedron.
+    Hull(&'a Hull),
+    /// A prism between two triangles; the first three corners are its foot.
+    Prism(&'a [Vector3<f64>; 6]),
+}
+
+/// A convex shape: everything within `radius` of its core.
+#[derive(Debug, Clone, Copy)]
+pub(in super::super) struct Solid<'a> {
+    /// Its core.
+    pub core: Core<'a>,
+    /// Origin of the core, m.
+    pub position: Vector3<f64>,
+    /// Rotation from the core's axes to the world's.
+    pub rotation: Matrix3<f64>,
+    /// Roundness, m.
+    pub radius: f64,
+}
+
+impl<'a> Solid<'a> {
+    /// The shape at a place relative to `origin`; `None` for planes and height fields, which have no farthest points.
+    pub fn new(placed: &Placed<'a>, origin: Vector3<f64>) -> Option<Self> {
+        let size = placed.size;
+        let (core, radius) = match (placed.kind, placed.asset) {
+            (GeomKind::Sphere, _) => (Core::Point, size.x),
+            (GeomKind::Capsule, _) => (Core::Segment(size.y), size.x),
+            (GeomKind::Ellipsoid, _) => (Core::Ellipsoid(size), 0.0),
+            (GeomKind::Cylinder, _) => (Core::Cylinder(size.x, size.y), 0.0),
+            (GeomKind::Box, _) => (Core::Box(size), 0.0),
+            (GeomKind::Mesh, Asset::Mesh(mesh)) => (Core::Hull(&mesh.hull), 0.0),
+            _ => return None,
+        };
+        Some(Self { core, position: placed.position - origin, rotation: placed.rotation, radius })
+    }
+
+    /// The core's farthest point along `direction`.
+    pub fn farthest(&self, direction: Vector3<f64>) -> Vector3<f64> {
+        let d = self.rotation.tr_mul(&direction);
+        let local = match self.core {
+            Core::Point => return self.position,
+            Core::Segment(half) => Vector3::new(0.0, 0.0, half.copysign(d.z)),
+            Core::Ellipsoid(axes) => {
+                let stretched = axes.component_mul(&d);
+                let length = stretched.norm();
+                if length > 0.0 { axes.component_mul(&stretched) / length } else { Vector3::new(axes.x, 0.0, 0.0) }
+            }
+            Core::Cylinder(radius, half) => {
+                let across = libm::hypot(d.x, d.y);
+                let scale = if across > 0.0 { radius / across } else { 0.0 };
+                Vector3::new(d.x * scale, d.y * scale, half.copysign(d.z))
+            }
+            Core::Box(half) => half.zip_map(&d, f64::copysign),
+            Core::Hull(hull) => hull.vertices[hull.farthest(d)],
+            Core::Prism(corners) => {
+                let mut best = 0;
+                for index in 1..6 {
+                    if (corners[index] - corners[best]).dot(&d) > 0.0 {
+                        best = index;
+                    }
+                }
+                corners[best]
+            }
+        };
+        self.position + self.rotation * local
+    }
+
+    /// A length to compare rounding errors with, m.
+    pub fn scale(&self) -> f64 {
+        let size = match self.core {
+            Core::Point => 0.0,
+            Core::Segment(half) => half,
+            Core::Ellipsoid(size) | Core::Box(size) => size.amax(),
+            Core::Cylinder(radius, half) => radius.max(half),
+            Core::Hull(hull) => hull.vertices.first().map_or(0.0, |vertex| vertex.amax()),
+            Core::Prism(corners) => corners[3].amax(),
+        };
+        size.max(self.radius)
+    }
+}
+
+/// A point of the difference of two cores, and the points of both whose difference it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Vertex {
+    pub point: Vector3<f64>,
+    pub on: [Vector3<f64>; 2],
+}
+
+/// The farthest point of first - second along `direction`.
+pub(super) fn farthest(first: &Solid<'_>, second: &Solid<'_>, direction: Vector3<f64>) -> Vertex {
+    let on = [first.farthest(direction), second.farthest(-direction)];
+    Vertex { point: on[0] - on[1], on }
+}
