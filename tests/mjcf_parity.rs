@@ -124,6 +124,8 @@ fn geom_index(model: &Model, geom: usize) -> Vec<f64> {
         GeomKind::Ellipsoid => 4.0,
         GeomKind::Cylinder => 5.0,
         GeomKind::Box => 6.0,
+        GeomKind::HeightField => 1.0,
+        GeomKind::Mesh => 7.0,
     };
     let bits = [f64::from(geoms.contact_type[geom]), f64::from(geoms.contact_affinity[geom])];
     let rest = [f64::from(geoms.contact_dimension[geom]), f64::from(geoms.priority[geom]), f64::from(geoms.group[geom])];
