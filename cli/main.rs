@@ -8,11 +8,13 @@ mod draw;
 mod error;
 mod eval;
 mod explain;
+mod fmt;
 mod help;
 mod physics;
 mod progress;
 mod project;
 mod run;
+mod texts;
 mod vocabulary;
 
 use clap::{Parser, Subcommand};
@@ -31,6 +33,7 @@ struct Cli {
 enum Command {
     Check(check::Args),
     Explain(explain::Args),
+    Fmt(fmt::Args),
     Run(run::Args),
     Eval(eval::Args),
     Vocabulary(vocabulary::Args),
@@ -44,6 +47,7 @@ impl Command {
         match self {
             Self::Check(args) => check::run(args),
             Self::Explain(args) => explain::run(args),
+            Self::Fmt(args) => fmt::run(args),
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),

@@ -9,6 +9,7 @@ pub mod compile;
 pub mod diagnostics;
 pub mod explain;
 pub mod files;
+pub mod format;
 pub mod frame;
 pub mod graph;
 mod lower;

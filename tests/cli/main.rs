@@ -5,6 +5,7 @@
 mod bad_input;
 mod check;
 mod eval;
+mod fmt;
 mod help;
 mod interrupt;
 mod project;

@@ -10,7 +10,7 @@
 mod build;
 mod grammar;
 mod recovery;
-mod scanner;
+pub(crate) mod scanner;
 pub mod tree;
 mod units;
 mod wording;

@@ -10,7 +10,7 @@ use crate::diagnostics::{FileId, Span};
 
 /// What the layout must know of a stretch of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TokenKind {
+pub(crate) enum TokenKind {
     /// A word, with glued braces if it has any.
     Word,
     /// A number.
@@ -29,25 +29,25 @@ pub(super) enum TokenKind {
 
 /// A stretch of text.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Token {
+pub(crate) struct Token {
     /// What it is.
-    pub(super) kind: TokenKind,
+    pub(crate) kind: TokenKind,
     /// First byte.
-    pub(super) start: usize,
+    pub(crate) start: usize,
     /// Byte after the last.
-    pub(super) end: usize,
+    pub(crate) end: usize,
     /// What the grammar sees instead of it.
-    pub(super) replacement: Option<String>,
+    pub(crate) replacement: Option<String>,
 }
 
 impl Token {
     /// Where it stands.
-    pub(super) fn span(&self) -> Span {
+    pub(crate) fn span(&self) -> Span {
         Span::new(self.start, self.end)
     }
 
     /// What the grammar sees.
-    pub(super) fn text<'a>(&'a self, source: &'a str) -> &'a str {
+    pub(crate) fn text<'a>(&'a self, source: &'a str) -> &'a str {
         self.replacement.as_deref().unwrap_or(&source[self.start..self.end])
     }
 }

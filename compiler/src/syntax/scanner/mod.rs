@@ -11,6 +11,7 @@ mod lines;
 mod mask;
 
 pub(crate) use brackets::MAXIMUM_DEPTH;
+pub(crate) use lexer::{Token, TokenKind};
 pub(crate) use mask::{DocRun, Masked};
 
 use super::MAXIMUM_ERRORS;
@@ -41,6 +42,18 @@ pub(crate) struct Scanned {
     pub(crate) file_docs: Vec<DocRun>,
     /// Errors of characters, quotes, brackets and line ends.
     pub(crate) diagnostics: Vec<Diagnostic>,
+}
+
+/// The tokens of a text, newlines among them, and for each whether it is a newline with which no statement ends.
+pub(crate) fn tokens(file: FileId, source: &str) -> (Vec<Token>, Vec<bool>) {
+    let mut errors = Errors::default();
+    let lexed = lexer::lex(file, source, &mut errors);
+    let lines = lines::describe(source, &lexed.tokens);
+    let goes_on = match brackets::pair(file, source, &lexed.tokens, &lines, &mut errors) {
+        None => vec![false; lexed.tokens.len()],
+        Some(brackets) => lines::masked(file, source, &lexed.tokens, &lines, &brackets.paired, &mut errors),
+    };
+    (lexed.tokens, goes_on)
 }
 
 /// Scans a text.

@@ -10,6 +10,7 @@ mod name;
 mod scene;
 mod task;
 mod test;
+pub mod walk;
 
 pub use body::*;
 pub use expression::*;

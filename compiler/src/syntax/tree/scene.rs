@@ -50,6 +50,16 @@ pub enum ElementName {
     Quoted(Text),
 }
 
+impl ElementName {
+    /// Where it stands.
+    pub fn span(&self) -> Span {
+        match self {
+            Self::Name(name) => name.span,
+            Self::Quoted(text) => text.span,
+        }
+    }
+}
+
 /// `mass 2 kg`, `walkable`, `height on ground`, `forward -y`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {

@@ -1,0 +1,57 @@
+//! Texts on disk: which there are, and how one is replaced so that no reader ever sees half of it.
+
+use crate::error::{Context, Error};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Files as they are; folders are looked through for `.msk` files, in order, hidden ones and build outputs left out.
+///
+/// # Errors
+/// A path that does not exist, or a folder that cannot be read.
+pub fn find(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut found = Vec::new();
+    for path in paths {
+        let meta = fs::metadata(path).context(|| format!("cannot read `{}`", path.display()))?;
+        if meta.is_dir() { look_through(path, &mut found)? } else { found.push(path.clone()) }
+    }
+    Ok(found)
+}
+
+fn look_through(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Error> {
+    let cannot = || format!("cannot read the folder `{}`", folder.display());
+    let mut entries = Vec::new();
+    for entry in fs::read_dir(folder).context(cannot)? {
+        entries.push(entry.context(cannot)?.path());
+    }
+    entries.sort();
+    for path in entries {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        // A link to a folder could lead back to where we are.
+        if path.is_dir() && !path.is_symlink() && !name.starts_with('.') && name != "target" {
+            look_through(&path, found)?;
+        } else if path.is_file() && name.ends_with(".msk") {
+            found.push(path.strip_prefix(".").map_or_else(|_| path.clone(), Path::to_path_buf));
+        }
+    }
+    Ok(())
+}
+
+/// Replaces a file in one step: readers see the old text or the new one.
+///
+/// # Errors
+/// The folder or the file cannot be written; the file is then what it was.
+pub fn replace(path: &Path, text: &str) -> Result<(), Error> {
+    let cannot = || format!("cannot write `{}`", path.display());
+    // A link stays a link: what it leads to is replaced.
+    let path = fs::canonicalize(path).context(cannot)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut file = NamedTempFile::new_in(folder).context(cannot)?;
+    file.write_all(text.as_bytes()).context(cannot)?;
+    file.as_file().sync_all().context(cannot)?;
+    let permissions = fs::metadata(&path).context(cannot)?.permissions();
+    file.as_file().set_permissions(permissions).context(cannot)?;
+    file.persist(&path).context(cannot)?;
+    Ok(())
+}
