@@ -246,7 +246,7 @@ macro_rules! parity {
     )*};
 }
 
-parity!(frames, inertias, actuators);
+parity!(frames, inertias, actuators, copies, masses);
 
 #[test]
 fn the_full_body() {

@@ -121,7 +121,9 @@ fn masses_that_cannot_move() {
     refused(&body("<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 -1\"/>"), "not positive");
     refused(&body("<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"5 1 1\"/>"), "impossible");
     refused(&body("<inertial pos=\"0 0 0\" mass=\"1\" fullinertia=\"1 1 1 5 5 5\"/>"), "not positive");
-    refused(&body("<inertial pos=\"0 0 0\" mass=\"1\"/>"), "either `diaginertia` or `fullinertia`");
+    refused(&body("<inertial pos=\"0 0 0\" mass=\"1\"/>"), "has no mass or no inertia");
+    let both = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\" fullinertia=\"1 1 1 0 0 0\"/>";
+    refused(&body(both), "not both");
     refused(&body("<inertial mass=\"1\" diaginertia=\"1 1 1\"/>"), "needs the attribute `pos`");
     refused(&with("<body><geom type=\"mesh\" mesh=\"none\" contype=\"0\" conaffinity=\"0\"/></body>"), "does not exist");
 }
@@ -137,6 +139,44 @@ fn joints_that_cannot_be() {
     refused(&with("<joint damping=\"1 2\"/>"), "polynomial");
     refused(&with("<joint class=\"none\"/>"), "no default class `none`");
     refused(&with("<body childclass=\"none\"/>"), "no default class `none`");
+}
+
+#[test]
+fn copies_that_cannot_be() {
+    let replicate = |attributes: &str, inside: &str| with(&format!("<replicate {attributes}>{inside}</replicate>"));
+    refused(&replicate("", "<geom/>"), "needs the attribute `count`");
+    refused(&replicate("count=\"-1\"", "<geom/>"), "`count` expects a whole number");
+    refused(&replicate("count=\"1000000\"", "<geom size=\"1\"/>"), "with all copies the model has more than");
+    let nested = (0..9).fold("<site/>".to_owned(), |inside, _| format!("<replicate count=\"10\">{inside}</replicate>"));
+    refused(&with(&nested), "with all copies the model has more than");
+    refused(&replicate("count=\"2\"", "<joint/>"), "`joint` cannot stand directly in `replicate`");
+    refused(&with(&"<replicate count=\"0\"/>".repeat(1_001)), "more than 1000 `replicate` elements");
+    let copied = "<replicate count=\"2\"><body name=\"b\"><joint name=\"k\"/><geom size=\"1\"/></body></replicate>";
+    let mixed = with(copied).replace("</mujoco>", "<equality><joint joint1=\"j\" joint2=\"k\"/></equality></mujoco>");
+    refused(&mixed, "cannot join something that `replicate` copies");
+    let many = "<replicate count=\"500000\"><site name=\"s\"/></replicate>";
+    let paths = "<spatial><site site=\"s\"/><site site=\"s\"/></spatial>".repeat(100);
+    refused(&with(many).replace("</mujoco>", &format!("<tendon>{paths}</tendon></mujoco>")), "with all copies");
+}
+
+#[test]
+fn bodies_placed_from_outside() {
+    let body = |inside: &str| format!("<body mocap=\"true\">{inside}</body>");
+    refused(&with(&body("")), "a child of the world without joints");
+    let world = |body: &str| format!("<mujoco><worldbody>{body}</worldbody></mujoco>");
+    refused(&world(&body("<joint/>")), "a child of the world without joints");
+    let model = Model::from_mjcf(&world(&body("<geom size=\"1\"/>"))).unwrap();
+    assert_eq!((model.bodies.mocap, model.bodies.weld), (vec![false, true], vec![0, 1]));
+}
+
+#[test]
+fn what_is_not_quite_xml_is_read_as_mujoco_reads_it() {
+    let text =
+        "<mujoco><!-- a -- b -->\n<worldbody>\n<site name=\"a<b & c\"pos=\"1 2 3\"/>\n<geom sise=\"1\"/></worldbody></mujoco>";
+    refused(text, "line 4: attribute `sise` of `geom` (is it `size`?)");
+    let mended = text.replace("sise", "size");
+    assert_eq!(Model::from_mjcf(&mended).unwrap().sites.name, ["a<b & c"]);
+    refused("<mujoco><a b=\"1\"c=\"2\"></mujoco>", "line 1: not well-formed XML: expected a whitespace");
 }
 
 #[test]
@@ -181,6 +221,9 @@ fn everything_unsupported_is_listed_with_its_line() {
         (14, "element `motor` in `actuator`"),
     ];
     assert_eq!(found, expected);
+    assert!(list.iter().all(|item| !item.advice().is_empty()));
+    let message = ModelError::Unsupported(list).to_string();
+    assert!(message.contains("help: only rigid bodies are simulated"), "{message}");
 }
 
 #[test]

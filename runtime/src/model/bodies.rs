@@ -13,7 +13,9 @@ pub struct Bodies {
     pub parent: Vec<usize>,
     /// Root of the kinematic tree, the child of the world that the body hangs on.
     pub root: Vec<usize>,
-    /// Nearest ancestor (or itself) with joints, else the world: bodies welded together share it.
+    /// Whether the body is placed from outside (MuJoCo's `mocap`): without joints, yet not welded to the world.
+    pub mocap: Vec<bool>,
+    /// Nearest ancestor (or itself) with joints or placed from outside, else the world: bodies welded together share it.
     pub weld: Vec<usize>,
     /// Position in the parent's frame, m.
     pub position: Vec<Vector3<f64>>,

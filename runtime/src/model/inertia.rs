@@ -78,32 +78,35 @@ pub(crate) fn combine(parts: &[MassProperties]) -> Option<MassProperties> {
 
 /// Principal moments of a symmetric matrix in descending order, and the axes they belong to.
 ///
-/// Cyclic Jacobi rotations (Golub & Van Loan 8.5); a matrix that is already diagonal and in order keeps its axes exactly.
+/// Classical Jacobi rotations, the largest off-diagonal element first (Golub & Van Loan 8.5); a matrix that is already
+/// diagonal and in order keeps its axes exactly. Of the possible axes these are the ones that MuJoCo takes, which matters
+/// where a free body is aligned with them.
 pub(crate) fn principal(matrix: &Matrix3<f64>) -> (Vector3<f64>, Quaternion) {
     let mut diagonalised = *matrix;
     let mut axes = Matrix3::identity();
     let scale = matrix.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    // Each sweep squares the off-diagonal part: six suffice from any start, the bound only guards against surprises.
-    for _ in 0..32 {
-        let mut rotated = false;
-        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            if diagonalised[(i, j)].abs() <= f64::EPSILON * 1e-2 * scale {
-                continue;
-            }
-            rotated = true;
-            let theta = (diagonalised[(j, j)] - diagonalised[(i, i)]) / (2.0 * diagonalised[(i, j)]);
-            let tangent = if theta >= 0.0 { 1.0 } else { -1.0 } / (theta.abs() + (1.0 + theta * theta).sqrt());
-            let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
-            let sine = tangent * cosine;
-            let mut turn = Matrix3::identity();
-            (turn[(i, i)], turn[(j, j)], turn[(i, j)], turn[(j, i)]) = (cosine, cosine, sine, -sine);
-            diagonalised = turn.transpose() * diagonalised * turn;
-            (diagonalised[(i, j)], diagonalised[(j, i)]) = (0.0, 0.0);
-            axes *= turn;
-        }
-        if !rotated {
+    // Three rotations or so square the off-diagonal part: twenty suffice, the bound only guards against surprises.
+    for _ in 0..96 {
+        let off = |i: usize, j: usize| diagonalised[(i, j)].abs();
+        let (i, j) = if off(0, 1) > off(0, 2) && off(0, 1) > off(1, 2) {
+            (0, 1)
+        } else if off(0, 2) > off(1, 2) {
+            (0, 2)
+        } else {
+            (1, 2)
+        };
+        if off(i, j) <= f64::EPSILON * 1e-2 * scale {
             break;
         }
+        let theta = (diagonalised[(j, j)] - diagonalised[(i, i)]) / (2.0 * diagonalised[(i, j)]);
+        let tangent = if theta >= 0.0 { 1.0 } else { -1.0 } / (theta.abs() + (1.0 + theta * theta).sqrt());
+        let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+        let sine = tangent * cosine;
+        let mut turn = Matrix3::identity();
+        (turn[(i, i)], turn[(j, j)], turn[(i, j)], turn[(j, i)]) = (cosine, cosine, sine, -sine);
+        diagonalised = turn.transpose() * diagonalised * turn;
+        (diagonalised[(i, j)], diagonalised[(j, i)]) = (0.0, 0.0);
+        axes *= turn;
     }
     in_descending_order(diagonalised.diagonal(), axes)
 }

@@ -44,11 +44,13 @@ fn bodies(model: &mut Model) {
     for body in (1..count).rev() {
         bodies.subtree_mass[bodies.parent[body]] += bodies.subtree_mass[body];
     }
+    bodies.mocap.resize(count, false);
     // Parents come before children, so one pass down the tree carries roots and welds along.
     for body in 0..count {
         let parent = bodies.parent[body];
         bodies.root.push(if parent == 0 { body } else { bodies.root[parent] });
-        bodies.weld.push(if body == 0 || !bodies.joints[body].is_empty() { body } else { bodies.weld[parent] });
+        let own = body == 0 || bodies.mocap[body] || !bodies.joints[body].is_empty();
+        bodies.weld.push(if own { body } else { bodies.weld[parent] });
         // Bodies are read in order, and so are their dofs: a body's start where the previous one's end.
         let end = bodies.joints[body].end;
         let dof_end = model.joints.dof_address.get(end).copied().unwrap_or(model.nv);
@@ -130,7 +132,7 @@ fn check_masses(model: &Model) -> Result<(), String> {
     for body in 1..bodies.name.len() {
         carried[bodies.weld[body]] |= heavy(body);
     }
-    let light = (1..bodies.name.len()).find(|body| bodies.weld[*body] == *body && !carried[*body]);
+    let light = (1..bodies.name.len()).find(|body| bodies.weld[*body] == *body && !bodies.mocap[*body] && !carried[*body]);
     match light {
         Some(body) => {
             let name = &bodies.name[body];

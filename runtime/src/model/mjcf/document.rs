@@ -1,6 +1,7 @@
 //! Model files as a tree of elements: XML parsed, includes spliced in, every element with its file and line.
 
 use super::error::{ModelError, Place};
+use super::lenient;
 use std::collections::BTreeSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ const DEEPEST: usize = 256;
 /// One file may hold this many bytes.
 const LONGEST_FILE: u64 = 64 << 20;
 /// All files of a model together may hold this many elements.
-const MOST_ELEMENTS: usize = 1_000_000;
+pub(super) const MOST_ELEMENTS: usize = 1_000_000;
 /// A model may be spread over this many files.
 const MOST_FILES: usize = 1_000;
 
@@ -22,6 +23,18 @@ pub(super) struct Element {
     pub attributes: Vec<(String, String)>,
     pub children: Vec<Element>,
     pub place: Place,
+}
+
+impl Element {
+    /// An element without attributes or children.
+    pub fn empty(tag: &str, place: Place) -> Self {
+        Self { tag: tag.to_owned(), attributes: Vec::new(), children: Vec::new(), place }
+    }
+
+    /// How many elements this is, with all in it.
+    pub fn size(&self) -> usize {
+        1 + self.children.iter().map(Self::size).sum::<usize>()
+    }
 }
 
 /// A model's elements, and the folder that its file names are relative to.
@@ -92,11 +105,19 @@ impl Reader {
 
     fn text(&mut self, text: &str, path: &Path, depth: usize) -> Result<Element, ModelError> {
         let file: Arc<Path> = Arc::from(path);
-        let options = roxmltree::ParsingOptions { nodes_limit: 4 * MOST_ELEMENTS as u32, ..Default::default() };
-        let xml = roxmltree::Document::parse_with_options(text, options).map_err(|error| ModelError::Syntax {
-            place: Place { file: file.clone(), line: error.pos().row },
-            reason: error.to_string(),
-        })?;
+        let mended: String;
+        let xml = match parse(text) {
+            Ok(xml) => xml,
+            Err(error) => {
+                // MuJoCo's parser is more lenient than the standard, and published models rely on it.
+                mended = lenient::mend(text);
+                parse(&mended).map_err(|_| ModelError::Syntax {
+                    place: Place { file: file.clone(), line: error.pos().row },
+                    reason: error.to_string(),
+                })?
+            }
+        };
+        let text = xml.input_text();
         let lines = Lines { file, starts: line_starts(text) };
         let mut spliced = Vec::new();
         self.convert(xml.root_element(), &lines, depth, &mut spliced)?;
@@ -157,6 +178,11 @@ impl Reader {
         into.extend(included.children);
         Ok(())
     }
+}
+
+fn parse(text: &str) -> Result<roxmltree::Document<'_>, roxmltree::Error> {
+    let options = roxmltree::ParsingOptions { nodes_limit: 4 * MOST_ELEMENTS as u32, ..Default::default() };
+    roxmltree::Document::parse_with_options(text, options)
 }
 
 /// Byte offsets to lines: looked up by bisection, since asking the parser costs a scan of the file for every element.

@@ -1,5 +1,6 @@
 //! What can be wrong with a model file.
 
+use super::advice::advice;
 use core::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,6 +31,13 @@ pub struct Unsupported {
     pub place: Place,
     /// What: an element, an attribute of an element, or an attribute with its value.
     pub what: String,
+}
+
+impl Unsupported {
+    /// What can be done about it.
+    pub fn advice(&self) -> &'static str {
+        advice(&self.what)
+    }
 }
 
 /// Why a model could not be read.
@@ -78,8 +86,12 @@ const MOST_PRINTED: usize = 50;
 
 fn list(items: &[Unsupported]) -> String {
     let mut text = format!("the model uses {} unsupported feature{}:", items.len(), if items.len() == 1 { "" } else { "s" });
-    for item in items.iter().take(MOST_PRINTED) {
+    for (index, item) in items.iter().enumerate().take(MOST_PRINTED) {
         text.push_str(&format!("\n  {}: {}", item.place, item.what));
+        // Said once for a run of alike features.
+        if items.get(index + 1).is_none_or(|next| next.advice() != item.advice()) || index + 1 == MOST_PRINTED {
+            text.push_str(&format!("\n    help: {}", item.advice()));
+        }
     }
     if items.len() > MOST_PRINTED {
         text.push_str(&format!("\n  and {} more", items.len() - MOST_PRINTED));

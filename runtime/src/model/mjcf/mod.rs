@@ -3,16 +3,21 @@
 //! 1. `document` reads the XML files, splices includes, and keeps where every element stood;
 //! 2. `schema` knows every element and attribute that is read, skipped or refused, and lists all that are refused at once;
 //! 3. `defaults` merges the attributes of default classes into each element;
-//! 4. `compile` turns elements into the arrays of a [`Model`], in MuJoCo's orders;
-//! 5. `write` prints a model as one flat file.
+//! 4. `replicate` writes repeated parts of the tree out;
+//! 5. `compile` turns elements into the arrays of a [`Model`], in MuJoCo's orders;
+//! 6. `write` prints a model as one flat file.
 //!
 //! Files come from strangers: sizes, nesting and numbers are bounded, and every failure is one [`ModelError`].
 
+mod advice;
 mod compile;
 mod defaults;
 mod document;
 mod error;
+mod lenient;
 mod mesh;
+mod references;
+mod replicate;
 mod schema;
 mod shortcut;
 mod values;
@@ -32,7 +37,7 @@ impl Model {
     /// physical features that the simulator does not have (all of them, each with its line).
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ModelError> {
         let document = document::read_file(path.as_ref())?;
-        compile::compile(&document)
+        compile::compile(document)
     }
 
     /// Compiles MJCF text that stands alone: it may not include files or load meshes.
@@ -42,7 +47,7 @@ impl Model {
     /// As for [`Model::from_file`].
     pub fn from_mjcf(text: &str) -> Result<Self, ModelError> {
         let document = document::read_text(text)?;
-        compile::compile(&document)
+        compile::compile(document)
     }
 
     /// Prints the model as flat MJCF; reading it back gives an equal model.

@@ -94,7 +94,9 @@ const MUSCLE: &str = "name class tendon ctrllimited ctrlrange lengthrange gear t
 const GENERAL: &str = "name class tendon ctrllimited ctrlrange lengthrange gear dyntype gaintype biastype dynprm gainprm \
     biasprm";
 const PAIR: &str = "name class geom1 geom2 condim friction solref solreffriction solimp gap margin";
+const BODY: &str = "name childclass pos quat axisangle xyaxes zaxis euler mocap";
 const FRAME: &str = "name childclass pos quat axisangle xyaxes zaxis euler";
+const FRAME_NEUTRAL: &[(&str, &str)] = &[("scale", "1"), ("massscale", "0"), ("scaling", "similar")];
 const OPTION_NEUTRAL: &[(&str, &str)] = &[
     ("integrator", "Euler"),
     ("cone", "pyramidal"),
@@ -106,11 +108,11 @@ const OPTION_NEUTRAL: &[(&str, &str)] = &[
 ];
 
 #[rustfmt::skip]
-const RULES: [Rule; 38] = [
+const RULES: [Rule; 39] = [
     rule("mujoco", "model", "", &[]),
-    rule("mujoco/compiler", "angle autolimits eulerseq meshdir assetdir strippath inertiafromgeom inertiagrouprange boundmass boundinertia balanceinertia",
+    rule("mujoco/compiler", "angle autolimits eulerseq meshdir assetdir strippath inertiafromgeom inertiagrouprange boundmass boundinertia balanceinertia settotalmass alignfree",
         "texturedir usethread discardvisual saveinertial savecompiled savecanonical conflict passthrough fitaabb",
-        &[("settotalmass", "-1"), ("coordinate", "local"), ("alignfree", "false"), ("fusestatic", "false")]),
+        &[("coordinate", "local"), ("fusestatic", "false")]),
     rule("mujoco/option", "timestep gravity iterations ls_iterations tolerance ls_tolerance impratio",
         "magnetic wind jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
          o_margin o_solref o_solimp o_friction", OPTION_NEUTRAL),
@@ -134,12 +136,13 @@ const RULES: [Rule; 38] = [
     rule("default/general", GENERAL, "group user interp", ACTUATOR_NEUTRAL),
     rule("default/muscle", MUSCLE, "group user interp", ACTUATOR_NEUTRAL),
     rule("mujoco/worldbody", "", "name", &[]),
-    rule("body/body", FRAME, "user fuse",
-        &[("mocap", "false"), ("gravcomp", "0"), ("sleep", "auto"), ("simple", "auto")]),
-    rule("body/frame", FRAME, "", &[]),
+    rule("body/body", BODY, "user fuse",
+        &[("gravcomp", "0"), ("sleep", "auto"), ("simple", "auto")]),
+    rule("body/frame", FRAME, "", FRAME_NEUTRAL),
+    rule("body/replicate", "count sep offset euler", "", &[]),
     rule("body/inertial", "pos quat axisangle xyaxes zaxis euler mass diaginertia fullinertia", "", &[]),
     rule("body/joint", JOINT, "group user", JOINT_NEUTRAL),
-    rule("body/freejoint", "name", "group", &[("align", "false")]),
+    rule("body/freejoint", "name align", "group", &[]),
     rule("body/geom", GEOM, GEOM_SKIPPED, GEOM_NEUTRAL),
     rule("body/site", SITE, "type group material mesh size rgba user", &[]),
     rule("mujoco/contact", "", "", &[]),
@@ -184,7 +187,7 @@ fn visit(element: &Element, context: &str, refused: &mut Vec<Unsupported>) {
         match rule.neutral.iter().find(|(neutral, _)| neutral == name) {
             Some((_, harmless)) if is_neutral(value, harmless) => {}
             Some(_) => refuse(format!("attribute `{name}` of `{}` with the value `{value}`", element.tag)),
-            None => refuse(format!("attribute `{name}` of `{}`", element.tag)),
+            None => refuse(format!("attribute `{name}` of `{}`{}", element.tag, likely(rule, name))),
         }
     }
     let inner = context_of(&element.tag);
@@ -193,10 +196,23 @@ fn visit(element: &Element, context: &str, refused: &mut Vec<Unsupported>) {
     }
 }
 
+/// The known attribute that an unknown one may be a misspelling of, as a question.
+fn likely(rule: &Rule, name: &str) -> String {
+    let neutral = rule.neutral.iter().map(|(known, _)| *known);
+    // Longer than any attribute: not worth comparing.
+    if name.len() > 32 {
+        return String::new();
+    }
+    let known = rule.read.split_whitespace().chain(rule.skipped.split_whitespace()).chain(neutral);
+    let near = known.map(|known| (strsim::damerau_levenshtein(known, name), known)).min();
+    let near = near.filter(|(distance, known)| *distance <= 1.max(known.len() / 4));
+    near.map(|(_, known)| format!(" (is it `{known}`?)")).unwrap_or_default()
+}
+
 /// What surrounds the children of an element: bodies, frames and the world hold the same things.
 fn context_of(tag: &str) -> &str {
     match tag {
-        "worldbody" | "body" | "frame" => "body",
+        "worldbody" | "body" | "frame" | "replicate" => "body",
         other => other,
     }
 }

@@ -133,7 +133,9 @@ fn bodies_can_meet(model: &Model, first: usize, second: usize) -> bool {
     let neighbours =
         weld_first != 0 && weld_second != 0 && (weld_first == parent_weld(weld_second) || weld_second == parent_weld(weld_first));
     let excluded = model.exclusions.binary_search(&(first.min(second), first.max(second))).is_ok();
-    weld_first != weld_second && !neighbours && !excluded
+    let still = |weld: usize| weld == 0 || bodies.mocap[weld];
+    let immovable = still(weld_first) && still(weld_second);
+    weld_first != weld_second && !immovable && !neighbours && !excluded
 }
 
 fn bits_match(model: &Model, a: usize, b: usize) -> bool {

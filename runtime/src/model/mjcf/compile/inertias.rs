@@ -111,7 +111,9 @@ impl Compiler<'_> {
                 }
                 principal(&Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
             }
-            _ => return Err(element.invalid("`inertial` needs either `diaginertia` or `fullinertia`")),
+            // A body that cannot move needs no inertia; one that can is refused later.
+            (None, None) => (Vector3::zeros(), frame.orientation),
+            (Some(_), Some(_)) => return Err(element.invalid("`inertial` takes either `diaginertia` or `fullinertia`, not both")),
         };
         let positive = full.is_none() || self.settings.least_inertia > 0.0 || moments.min() > 0.0;
         if moments.iter().any(|moment| *moment < 0.0) && diagonal.is_some() || !positive {
@@ -169,6 +171,17 @@ impl Compiler<'_> {
         let mesh = Rc::new(mesh::read(&path, scale)?);
         self.meshes.insert(name.to_owned(), mesh.clone());
         Ok(mesh)
+    }
+
+    /// Scales all masses and inertias to the total that the file asks for (`settotalmass`).
+    pub(super) fn scale_masses(&mut self) {
+        let bodies = &mut self.model.bodies;
+        let found: f64 = bodies.mass.iter().sum();
+        if let Some(wanted) = self.settings.total_mass.filter(|_| found > 0.0) {
+            let factor = wanted / found;
+            bodies.mass.iter_mut().for_each(|mass| *mass *= factor);
+            bodies.inertia.iter_mut().for_each(|moments| *moments *= factor);
+        }
     }
 
     /// Applies the file's lower bounds, and the triangle inequality that moments of inertia obey.

@@ -9,6 +9,7 @@
 //! 7. the physics' own constants at the reference configuration (inverse weights, reference lengths).
 
 mod actuators;
+mod align;
 mod couplings;
 mod inertias;
 mod names;
@@ -21,13 +22,13 @@ use super::defaults::Defaults;
 use super::document::{Document, Element};
 use super::error::{ModelError, Unsupported};
 use super::mesh::Mesh;
-use super::schema;
+use super::{replicate, schema};
 use crate::{
     model::{Model, topology},
     physics::{collision, constants},
 };
 use names::Names;
-use settings::Settings;
+pub(super) use settings::Settings;
 pub(super) use shapes::GEOM_KINDS;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -46,12 +47,15 @@ struct Compiler<'a> {
 }
 
 /// Compiles a document.
-pub(super) fn compile(document: &Document) -> Result<Model, ModelError> {
+pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
+    schema::check(&document.root)?;
+    let settings = settings::compiler_settings(&document.root)?;
+    replicate::expand(&mut document.root, &settings)?;
+    let document = &document;
     let root = &document.root;
-    schema::check(root)?;
     let mut compiler = Compiler {
         document,
-        settings: settings::compiler_settings(root)?,
+        settings,
         defaults: Defaults::collect(root)?,
         names: Names::default(),
         meshes: BTreeMap::new(),
@@ -67,6 +71,7 @@ pub(super) fn compile(document: &Document) -> Result<Model, ModelError> {
     if !compiler.unsupported.is_empty() {
         return Err(ModelError::Unsupported(compiler.unsupported));
     }
+    compiler.scale_masses();
     topology::complete(&mut compiler.model).map_err(|message| root.invalid(message))?;
     check_contacts(&compiler.model, root)?;
     constants::derive(&mut compiler.model);

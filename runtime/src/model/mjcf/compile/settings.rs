@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 /// When a body's inertia comes from its geoms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum InertiaFromGeoms {
+pub(in crate::model::mjcf) enum InertiaFromGeoms {
     Never,
     Always,
     WhereMissing,
@@ -15,7 +15,7 @@ pub(super) enum InertiaFromGeoms {
 
 /// How the file is to be read.
 #[derive(Debug)]
-pub(super) struct Settings {
+pub(in crate::model::mjcf) struct Settings {
     pub degrees: bool,
     pub infer_limits: bool,
     pub euler_sequence: [u8; 3],
@@ -26,6 +26,10 @@ pub(super) struct Settings {
     pub least_mass: f64,
     pub least_inertia: f64,
     pub balance_inertia: bool,
+    /// The mass that all bodies together are scaled to, kg.
+    pub total_mass: Option<f64>,
+    /// Whether free bodies without children are aligned with their principal axes of inertia.
+    pub align_free: bool,
 }
 
 /// Reads all `compiler` elements.
@@ -41,6 +45,8 @@ pub(super) fn compiler_settings(root: &Element) -> Result<Settings, ModelError> 
         least_mass: 0.0,
         least_inertia: 0.0,
         balance_inertia: false,
+        total_mass: None,
+        align_free: false,
     };
     for element in root.children.iter().filter(|child| child.tag == "compiler") {
         settings.update(element)?;
@@ -75,6 +81,10 @@ impl Settings {
         self.balance_inertia = element.flag("balanceinertia")?.unwrap_or(self.balance_inertia);
         self.least_mass = element.size_or("boundmass", self.least_mass)?;
         self.least_inertia = element.size_or("boundinertia", self.least_inertia)?;
+        self.align_free = element.flag("alignfree")?.unwrap_or(self.align_free);
+        if let Some([mass]) = element.numbers::<1>("settotalmass")? {
+            self.total_mass = (mass > 0.0).then_some(mass);
+        }
         Ok(())
     }
 

@@ -19,6 +19,13 @@ pub(super) struct Frame {
 impl Frame {
     const IDENTITY: Self = Self { position: Vector3::new(0.0, 0.0, 0.0), orientation: rotation::IDENTITY };
 
+    /// What encloses this frame, as seen from it.
+    pub fn inverse(&self) -> Self {
+        let [w, x, y, z] = self.orientation;
+        let orientation = [w, -x, -y, -z];
+        Self { position: -rotation::rotate(orientation, self.position), orientation }
+    }
+
     /// The pose of `inner`, given in this frame, in what encloses this frame. Exact where this frame is the identity.
     pub fn then(&self, inner: &Self) -> Self {
         if self.orientation == rotation::IDENTITY {
@@ -120,12 +127,29 @@ impl Compiler<'_> {
         let body = self.add_body(name, around.body, &placed);
         let surroundings = Surroundings { body, frame: Frame::IDENTITY, class };
         let mut parts = Parts::default();
+        let first_site = self.model.sites.name.len();
         self.open_ranges(body);
         self.read_contents(element, surroundings, &mut parts)?;
         self.close_ranges(body);
         self.check_joints(element, body)?;
+        self.model.bodies.mocap[body] = self.mocap(element, body)?;
         self.read_inertia(element, body, parts)?;
-        self.read_child_bodies(element, surroundings)
+        let sites = first_site..self.model.sites.name.len();
+        self.read_child_bodies(element, surroundings)?;
+        if body + 1 == self.model.bodies.name.len() && self.aligned(element, body)? {
+            self.align(body, sites);
+        }
+        Ok(())
+    }
+
+    /// Whether the body is placed from outside.
+    fn mocap(&self, element: &Element, body: usize) -> Result<bool, ModelError> {
+        let mocap = element.flag("mocap")?.unwrap_or(false);
+        let bodies = &self.model.bodies;
+        if mocap && (bodies.parent[body] != 0 || !bodies.joints[body].is_empty()) {
+            return Err(element.invalid("a `mocap` body must be a child of the world without joints"));
+        }
+        Ok(mocap)
     }
 
     /// Appends a body with no mass yet.
@@ -139,6 +163,7 @@ impl Compiler<'_> {
         bodies.inertial_orientation.push(rotation::IDENTITY);
         bodies.mass.push(0.0);
         bodies.inertia.push(Vector3::zeros());
+        bodies.mocap.push(false);
         bodies.joints.push(0..0);
         bodies.geoms.push(0..0);
         bodies.name.len() - 1

@@ -61,6 +61,11 @@ impl Row {
         if value == rotation::IDENTITY { self } else { self.numbers("quat", value) }
     }
 
+    /// Adds a flag if it is set.
+    fn flag(self, name: &'static str, value: bool) -> Self {
+        if value { self.word(name, "true") } else { self }
+    }
+
     fn range(self, name: &'static str, value: Option<[f64; 2]>) -> Self {
         match value {
             Some(range) => self.numbers(name, range),
@@ -144,7 +149,11 @@ pub(super) fn options(options: &Options) -> Row {
 
 pub(super) fn body(model: &Model, body: usize) -> Row {
     let bodies = &model.bodies;
-    Row::new("body").text("name", &bodies.name[body]).vector("pos", bodies.position[body]).orientation(bodies.orientation[body])
+    Row::new("body")
+        .text("name", &bodies.name[body])
+        .vector("pos", bodies.position[body])
+        .orientation(bodies.orientation[body])
+        .flag("mocap", bodies.mocap[body])
 }
 
 pub(super) fn inertial(model: &Model, body: usize) -> Row {

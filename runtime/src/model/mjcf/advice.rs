@@ -1,0 +1,52 @@
+//! What can be done about a feature that the simulator does not have.
+
+/// The first word in backquotes of a description, and what to do about it.
+const BY_WORD: [(&str, &str); 20] = [
+    ("composite", DEFORMABLE),
+    ("flexcomp", DEFORMABLE),
+    ("flex", DEFORMABLE),
+    ("deformable", DEFORMABLE),
+    ("skin", DEFORMABLE),
+    ("plugin", PLUGIN),
+    ("extension", PLUGIN),
+    ("attach", COMPOSED),
+    ("model", COMPOSED),
+    ("scale", COMPOSED),
+    ("massscale", COMPOSED),
+    ("fluidshape", FLUID),
+    ("density", FLUID),
+    ("viscosity", FLUID),
+    ("wind", FLUID),
+    ("coordinate", "open and save the file with MuJoCo 2.2 or older, which rewrites it in local coordinates"),
+    ("noslip_iterations", "remove it; `cone` elliptic with a larger `impratio` reduces slip too"),
+    ("sdf", "replace the signed distance field by a mesh or by primitive shapes"),
+    ("adhesion", "remove it, or hold the bodies together by a weld"),
+    ("surfacevel", "remove it, or move the surface by a slide joint of its own"),
+];
+
+const DEFORMABLE: &str = "only rigid bodies are simulated: replace it by bodies with joints, or remove it";
+const PLUGIN: &str = "plugins are programs outside the model: replace it by built-in elements, or remove it";
+const COMPOSED: &str = "load the file with MuJoCo and save it (`mj_saveLastXML`): the saved file has it resolved";
+const FLUID: &str = "there is no fluid: set it to zero, or remove it";
+
+/// Advice where no other is known.
+const GENERAL: &str = "remove it if the motion does not depend on it, or express it by other elements";
+
+/// What to do about an unsupported feature, from its description.
+pub(super) fn advice(what: &str) -> &'static str {
+    let word = what.split('`').nth(1).unwrap_or_default();
+    BY_WORD.iter().find(|(known, _)| *known == word).map_or(GENERAL, |(_, advice)| advice)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_word_in_backquotes_decides() {
+        assert_eq!(advice("element `flexcomp` in `body`"), DEFORMABLE);
+        assert_eq!(advice("attribute `density` of `option` with the value `1`"), FLUID);
+        assert_eq!(advice("attribute `unheard` of `density`"), GENERAL);
+        assert_eq!(advice("something"), GENERAL);
+    }
+}
