@@ -16,6 +16,7 @@ mod project;
 mod run;
 mod texts;
 mod vocabulary;
+mod weights;
 
 use clap::{Parser, Subcommand};
 use error::Error;
@@ -37,6 +38,7 @@ enum Command {
     Run(run::Args),
     Eval(eval::Args),
     Vocabulary(vocabulary::Args),
+    Weights(weights::Args),
     Draw(draw::Args),
     Physics(physics::Args),
     Help(help::Args),
@@ -51,6 +53,7 @@ impl Command {
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),
+            Self::Weights(args) => weights::run(args),
             Self::Draw(args) => draw::run(args),
             Self::Physics(args) => physics::run(args),
             Self::Help(args) => help::run(args),

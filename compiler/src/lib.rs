@@ -17,5 +17,6 @@ pub mod scene;
 pub mod syntax;
 pub mod task;
 pub mod vocabulary;
+pub mod weights;
 
 pub use compile::{Compilation, Protocol, Suite, compile};

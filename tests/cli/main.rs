@@ -10,3 +10,4 @@ mod help;
 mod interrupt;
 mod project;
 mod run;
+mod weights;

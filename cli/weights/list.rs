@@ -1,0 +1,43 @@
+//! `msk weights list FILE`: what may be tuned, and how far.
+
+use super::Opened;
+use crate::error::Error;
+use msk::compiler::weights::written;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// List the weights with what their author allows
+#[derive(clap::Args)]
+pub struct Args {
+    /// The file
+    file: PathBuf,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the weights.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn run(args: &Args) -> Result<ExitCode, Error> {
+    let opened = Opened::read(&args.file)?;
+    let mut out = io::stdout().lock();
+    let entries = &opened.weights.entries;
+    if args.json {
+        let entry = |entry: &msk::compiler::weights::Entry| serde_json::json!({ "task": entry.task, "term": entry.term, "weight": entry.value, "bounds": entry.bounds });
+        writeln!(out, "{}", serde_json::Value::from(entries.iter().map(entry).collect::<Vec<_>>()))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let rows: Vec<[String; 3]> = entries
+        .iter()
+        .map(|entry| [format!("{}.{}", entry.task, entry.term), written(entry.value), entry.bounds.described(entry.value)])
+        .collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let (term, weight) = (width(0), width(1));
+    for row in &rows {
+        writeln!(out, "{:<term$}  {:>weight$}  {}", row[0], row[1], row[2])?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

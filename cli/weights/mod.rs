@@ -1,0 +1,129 @@
+//! `msk weights ...`: the weights of a file as data.
+//!
+//! Every change goes the same way: the file is read, all wishes are checked together, what would change is printed, the file is
+//! replaced in one step, and the change is added to the history from which `reset` can go back.
+
+mod history;
+mod list;
+mod normalize;
+mod reset;
+mod scale;
+mod set;
+
+use crate::error::{Context, Error};
+use crate::{project, texts};
+use msk::compiler::diagnostics::{Report, SourceMap};
+use msk::compiler::files::Loader;
+use msk::compiler::weights::{Change, Edit, Weights};
+use msk::runtime::library::FileLoader;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// List and change the weights of reward terms in a file, and nothing else in it
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    List(list::Args),
+    Set(set::Args),
+    Scale(scale::Args),
+    Normalize(normalize::Args),
+    Reset(reset::Args),
+}
+
+/// Runs the chosen subcommand.
+///
+/// # Errors
+/// Those of the subcommand.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    match args.command {
+        Command::List(args) => list::run(&args),
+        Command::Set(args) => set::run(&args),
+        Command::Scale(args) => scale::run(&args),
+        Command::Normalize(args) => normalize::run(&args),
+        Command::Reset(args) => reset::run(&args),
+    }
+}
+
+/// A file whose weights change.
+#[derive(clap::Args)]
+struct Target {
+    /// The file
+    file: PathBuf,
+    /// Show what would change, and change nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Print the changes as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A file with its weights.
+struct Opened {
+    path: PathBuf,
+    text: String,
+    weights: Weights,
+}
+
+impl Opened {
+    fn read(path: &Path) -> Result<Self, Error> {
+        let text = FileLoader.load(path)?;
+        let mut sources = SourceMap::default();
+        let file = sources.add(path.display().to_string(), text.clone());
+        match Weights::of(file, &text) {
+            Ok(weights) => Ok(Self { path: path.into(), text, weights }),
+            Err(errors) => Err(Error::told(Report::new(sources, errors).render(project::style(&io::stderr())))),
+        }
+    }
+
+    /// The entries of the named terms; of all that are not fixed if none is named.
+    fn chosen(&self, terms: &[String]) -> Result<Vec<usize>, Error> {
+        if terms.is_empty() {
+            let bounds = |index: &usize| self.weights.entries[*index].bounds;
+            return Ok((0..self.weights.entries.len())
+                .filter(|index| bounds(index) != msk::compiler::weights::Bounds::Fixed)
+                .collect());
+        }
+        terms.iter().map(|term| self.weights.find(term).map_err(Error::from)).collect()
+    }
+
+    /// The wish that entry `index` become `value`.
+    fn wish(&self, index: usize, value: f64) -> Edit {
+        let entry = &self.weights.entries[index];
+        Edit { term: format!("{}.{}", entry.task, entry.term), value }
+    }
+
+    /// Makes the changes, or shows them.
+    fn change(&self, edits: &[Edit], target: &Target, by: &str) -> Result<ExitCode, Error> {
+        let (text, changes) = self.weights.edit(&self.text, edits).context(|| "nothing was changed".into())?;
+        if !target.dry_run && !changes.is_empty() {
+            // First the history: a change that is not in it could not be taken back.
+            history::append(&self.path, by, &changes)?;
+            texts::replace(&self.path, &text)?;
+        }
+        print(&changes, target)
+    }
+}
+
+fn print(changes: &[Change], target: &Target) -> Result<ExitCode, Error> {
+    let mut out = io::stdout().lock();
+    if target.json {
+        let report = serde_json::json!({ "file": target.file, "applied": !target.dry_run, "changes": changes });
+        writeln!(out, "{report}")?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    for change in changes {
+        writeln!(out, "{change}")?;
+    }
+    match (changes.len(), target.dry_run) {
+        (0, _) => writeln!(out, "nothing to change")?,
+        (_, true) => writeln!(out, "(dry run: `{}` is as it was)", target.file.display())?,
+        _ => {}
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,54 @@
+//! Weights as data: read from a text, changed in it digit by digit, and kept within what their author allows.
+//!
+//! 1. [`Weights::of`] lists the weights of a text with their bounds and where their digits stand;
+//! 2. [`Weights::edit`] checks a set of changes as one: all are made, or none;
+//! 3. [`rules`] bounds how far one change may go, and projects proposals onto a fixed sum of sizes.
+//!
+//! An edit of the source replaces the digits of the weights concerned; every other byte stays.
+
+mod number;
+pub mod rules;
+mod source;
+
+pub use number::written;
+pub use source::{Change, Edit, Entry, Problem, Refused, Weights};
+
+/// What a tuner may do with a weight.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bounds {
+    /// Anything that keeps the sign; nothing stays nothing.
+    Free,
+    /// Nothing.
+    Fixed,
+    /// Anything between the two.
+    Range(f64, f64),
+}
+
+impl Bounds {
+    /// Whether a weight that is `now` may become `next`.
+    pub fn allow(self, now: f64, next: f64) -> bool {
+        match self {
+            Self::Free => sign(now) == sign(next),
+            Self::Fixed => now == next,
+            Self::Range(low, high) => low <= next && next <= high,
+        }
+    }
+
+    /// In words: `fixed`, `5..30`, `above 0`.
+    pub fn described(self, now: f64) -> String {
+        match self {
+            Self::Free => match sign(now) {
+                1 => "above 0".into(),
+                -1 => "below 0".into(),
+                _ => "0".into(),
+            },
+            Self::Fixed => "fixed".into(),
+            Self::Range(low, high) => format!("{}..{}", written(low), written(high)),
+        }
+    }
+}
+
+fn sign(value: f64) -> i8 {
+    i8::from(value > 0.0) - i8::from(value < 0.0)
+}
