@@ -1,13 +1,13 @@
 //! `msk check FILE...`: everything that is wrong, in one go.
 
 use crate::error::{Error, FAILURE};
-use crate::project;
+use crate::{project, texts};
 use clap::ValueEnum;
 use msk::compiler::compile;
 use msk::compiler::diagnostics::Report;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Check files: syntax, names, dimensions, meaning
@@ -21,6 +21,9 @@ pub struct Args {
     /// How to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+    /// First apply the fixes that are surely meant; what remains is printed
+    #[arg(long)]
+    fix: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -40,6 +43,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     let mut sound = true;
     for file in &args.files {
+        if args.fix {
+            mend(file, &bodies)?;
+        }
         let (report, tasks) = match compile(file, &FileLoader, &bodies) {
             Ok(compilation) => (Report::new(compilation.sources, compilation.warnings), compilation.tasks.len()),
             Err(report) => (report, 0),
@@ -58,8 +64,38 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
 }
 
+/// Most rounds of fixes: one may make room for another, but none may go round in circles.
+const ROUNDS: usize = 16;
+
+/// Applies automatic fixes to a file and those that it uses, until there is none left. What was changed is told.
+fn mend(file: &Path, bodies: &BodyLibrary) -> Result<(), Error> {
+    for _ in 0..ROUNDS {
+        let report = match compile(file, &FileLoader, bodies) {
+            Ok(compilation) => Report::new(compilation.sources, compilation.warnings),
+            Err(report) => report,
+        };
+        let mut changed = false;
+        for source in report.sources.files() {
+            let (text, count) = report.fixed(source);
+            let path = Path::new(report.sources.path(source));
+            // What is embedded in the program is not there to be changed.
+            if count > 0 && path.exists() && texts::replace_if(path, report.sources.text(source), &text)? {
+                writeln!(io::stderr().lock(), "{}: {} applied", path.display(), plural(count, "fix", "fixes"))?;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn plural(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
 fn found(tasks: usize, warnings: usize) -> String {
-    let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
-    let remarks = if warnings == 0 { "nothing to remark".into() } else { plural(warnings, "warning") };
-    format!("{}, {remarks}", plural(tasks, "task"))
+    let remarks = if warnings == 0 { "nothing to remark".into() } else { plural(warnings, "warning", "warnings") };
+    format!("{}, {remarks}", plural(tasks, "task", "tasks"))
 }

@@ -55,3 +55,15 @@ pub fn replace(path: &Path, text: &str) -> Result<(), Error> {
     file.persist(&path).context(cannot)?;
     Ok(())
 }
+
+/// Replaces a file whose text is still `before`, and says whether it did: what somebody else wrote meanwhile is not lost.
+///
+/// # Errors
+/// The file cannot be read or written.
+pub fn replace_if(path: &Path, before: &str, text: &str) -> Result<bool, Error> {
+    let now = fs::read_to_string(path).context(|| format!("cannot read `{}`", path.display()))?;
+    if now != before || now == text {
+        return Ok(false);
+    }
+    replace(path, text).map(|()| true)
+}

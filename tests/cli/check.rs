@@ -45,3 +45,16 @@ fn an_explanation_tells_terms_weights_and_values_at_reset() {
     }
     assert!(done.out.contains("at reset"), "{}", done.out);
 }
+
+#[test]
+fn fixes_that_are_surely_meant_are_applied() {
+    let project = Project::lean();
+    project.write("lean.msk", &LEAN.replace("- 2 cm", "\u{2212} 2cm").replace("0.02 rad", "0.02rad"));
+    let done = project.msk(&["check", "--fix", "lean.msk"]).succeeded();
+    assert!(done.err.contains("fixes applied"), "{}", done.err);
+    assert_eq!(project.read("lean.msk"), LEAN);
+    // What needs a decision stays as it is.
+    project.write("lean.msk", &LEAN.replace("pelvis.height }", "pelvi.height }"));
+    assert_eq!(project.msk(&["check", "--fix", "lean.msk"]).code, Some(1));
+    assert!(project.read("lean.msk").contains("pelvi.height"));
+}
