@@ -46,7 +46,7 @@ const QUANTITIES: [Quantity; 7] = [
 fn draw(model: &Model, random: &mut SplitMix, violated: bool) -> State<f64> {
     let mut state = State::new(model);
     let reach = if violated { 0.05 } else { -0.05 };
-    let muscles = !model.actuators.tendon.is_empty();
+    let muscles = !model.actuators.name.is_empty();
     for joint in 0..model.joints.kind.len() {
         let address = model.joints.position_address[joint];
         let kind = model.joints.kind[joint];

@@ -4,7 +4,7 @@
 mod support;
 
 use core::ops::Range;
-use msk_runtime::model::{GeomKind, Model, PathPoint, Quaternion, Softness, rotation};
+use msk_runtime::model::{GeomKind, Model, Muscle, PathPoint, Quaternion, Softness, rotation};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use support::{golden, numbers, repository};
@@ -160,18 +160,23 @@ fn path_point(model: &Model, point: &PathPoint) -> [f64; 3] {
     }
 }
 
+fn muscle(model: &Model, actuator: usize) -> Muscle {
+    model.actuators.muscle(actuator).expect("a muscle")
+}
+
 fn actuator_index(model: &Model, actuator: usize) -> Vec<f64> {
-    vec![model.actuators.tendon[actuator] as f64, one(model.actuators.control_range[actuator].is_some())]
+    vec![muscle(model, actuator).tendon as f64, one(model.actuators.control_range[actuator].is_some())]
 }
 
 fn actuator_numbers(model: &Model, actuator: usize) -> Vec<f64> {
     let actuators = &model.actuators;
-    let mut numbers = vec![actuators.gear[actuator]];
+    let muscle = muscle(model, actuator);
+    let mut numbers = vec![muscle.gear];
     numbers.extend(actuators.control_range[actuator].unwrap_or_default());
     numbers.extend(actuators.length_range[actuator]);
-    numbers.extend(actuators.time_constants[actuator]);
-    numbers.extend(actuators.gain[actuator]);
-    numbers.extend(actuators.bias[actuator]);
+    numbers.extend(muscle.time_constants);
+    numbers.extend(muscle.active);
+    numbers.extend(muscle.passive);
     numbers
 }
 

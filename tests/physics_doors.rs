@@ -65,7 +65,7 @@ fn forward_prints_what_the_library_computes() {
     // Bit for bit: the printed numbers read back to the same.
     assert_eq!(numbers(&report["qacc"]), workspace.acceleration);
     assert_eq!(numbers(&report["ten_length"]), workspace.tendons.length);
-    assert_eq!(numbers(&report["actuator_force"]), workspace.muscles.force);
+    assert_eq!(numbers(&report["actuator_force"]), workspace.actuation.force);
     assert_eq!(numbers(&report["xquat"]), workspace.kinematics.body_orientation.concat());
     let muscles = model.actuators.name.len();
     assert_eq!(numbers(&report["actuator_moment"]).len(), muscles * model.nv);

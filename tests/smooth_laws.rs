@@ -53,7 +53,7 @@ fn tendon_velocity_is_moment_arms_times_velocity() {
 fn muscle_power_in_the_joints_is_the_power_along_the_paths() {
     everywhere(|name, _, state, workspace| {
         let at_joints = product(&workspace.forces.actuator, &state.velocity);
-        let along_paths = product(&workspace.muscles.force, &workspace.muscles.velocity);
+        let along_paths = product(&workspace.actuation.force, &workspace.actuation.velocity);
         assert_near(at_joints, along_paths, 1e-11 * (1.0 + along_paths.abs()), name);
     });
 }

@@ -41,7 +41,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if steps > rows {
         return Err(Error::new(format!("{} has {rows} rows; {steps} steps need one each", args.ctrl.display())));
     }
-    let width = 1 + model.nq + model.nv + model.actuators.name.len();
+    let width = 1 + model.nq + model.nv + model.na;
     if steps.saturating_mul(width) > MOST_NUMBERS {
         return Err(Error::new(format!("{steps} steps are too many: at most {} fit into memory", MOST_NUMBERS / width)));
     }
@@ -114,7 +114,7 @@ impl Trajectory {
             ("time", &self.time, vec![steps as u64]),
             ("qpos", &self.position, vec![steps as u64, model.nq as u64]),
             ("qvel", &self.velocity, vec![steps as u64, model.nv as u64]),
-            ("act", &self.activation, vec![steps as u64, model.actuators.name.len() as u64]),
+            ("act", &self.activation, vec![steps as u64, model.na as u64]),
         ];
         for (name, values, shape) in arrays {
             let mut writer = archive.array(name, Default::default())?.default_dtype().shape(&shape).begin_nd()?;

@@ -6,7 +6,7 @@
 use crate::{
     body::shape::clearance,
     model::{GeomKind, JointKind, Model},
-    physics::{Fault, State, Workspace, constrained, inertia, integrator, kinematics, smooth, stepping, tendons},
+    physics::{Fault, State, Workspace, constrained, inertia, kinematics, smooth, stepping, tendons},
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -209,7 +209,7 @@ fn step(
     lap();
     constrained::solve(model, state, workspace)?;
     lap();
-    integrator::euler(model, state, workspace);
+    stepping::integrate(model, state, workspace)?;
     lap();
     Ok(())
 }
@@ -251,8 +251,7 @@ fn spread(histogram: &[usize]) -> Spread {
 }
 
 fn state_bytes(model: &Model) -> usize {
-    let muscles = model.actuators.tendon.len();
-    let numbers = model.nq + 3 * model.nv + 2 * muscles + 6 * model.bodies.parent.len();
+    let numbers = model.nq + 3 * model.nv + model.na + model.actuators.name.len() + 6 * model.bodies.parent.len();
     size_of::<State<f64>>() + numbers * size_of::<f64>()
 }
 

@@ -203,22 +203,22 @@ fn names_that_lead_nowhere_or_twice() {
 
 #[test]
 fn everything_unsupported_is_listed_with_its_line() {
-    let text = "<mujoco>\n<option integrator=\"RK4\">\n<flag gravity=\"disable\"/></option>\n<worldbody>\n\
-                <body gravcomp=\"1\">\n<joint springdamper=\"1 1\"/>\n<geom size=\"1\" fluidshape=\"ellipsoid\"/>\n\
+    let text = "<mujoco>\n<option integrator=\"discrete\">\n<flag gravity=\"disable\"/></option>\n<worldbody>\n\
+                <body sleep=\"init\">\n<joint springyield=\"1\"/>\n<geom size=\"1\" fluidshape=\"ellipsoid\"/>\n\
                 <composite/>\n</body></worldbody>\n<deformable/>\n<equality>\n<weld body1=\"b\"/></equality>\n\
-                <actuator>\n<motor joint=\"j\"/></actuator></mujoco>";
+                <actuator>\n<dcmotor joint=\"j\"/></actuator></mujoco>";
     let Err(ModelError::Unsupported(list)) = Model::from_mjcf(text) else { panic!("not refused as unsupported") };
     let found: Vec<_> = list.iter().map(|item| (item.place.line, item.what.as_str())).collect();
     let expected = [
-        (2, "attribute `integrator` of `option` with the value `RK4`"),
+        (2, "attribute `integrator` of `option` with the value `discrete`"),
         (3, "attribute `gravity` of `flag` with the value `disable`"),
-        (5, "attribute `gravcomp` of `body` with the value `1`"),
-        (6, "attribute `springdamper` of `joint` with the value `1 1`"),
+        (5, "attribute `sleep` of `body` with the value `init`"),
+        (6, "attribute `springyield` of `joint` with the value `1`"),
         (7, "attribute `fluidshape` of `geom` with the value `ellipsoid`"),
         (8, "element `composite` in `body`"),
         (10, "element `deformable` in `mujoco`"),
         (12, "element `weld` in `equality`"),
-        (14, "element `motor` in `actuator`"),
+        (14, "element `dcmotor` in `actuator`"),
     ];
     assert_eq!(found, expected);
     assert!(list.iter().all(|item| !item.advice().is_empty()));

@@ -59,6 +59,12 @@ pub enum Problem {
         /// The body of the model.
         body: String,
     },
+    /// An actuator that tasks could not command, because they command muscles.
+    #[error("actuator `{actuator}` is no muscle that pulls a tendon; tasks need a body that moves by muscles alone")]
+    NotAMuscle {
+        /// The actuator.
+        actuator: String,
+    },
     /// A muscle outside of all recruitment families.
     #[error("muscle `{muscle}` is in no recruitment family")]
     NoFamily {
@@ -275,6 +281,9 @@ impl Binder<'_> {
         let bound: Vec<Muscle> = (0..actuators.name.len())
             .map(|index| {
                 let name = actuators.name[index].clone();
+                if self.model.actuators.muscle(index).is_none() {
+                    self.problems.push(Problem::NotAMuscle { actuator: name.clone() });
+                }
                 if families[index].is_none() && !complete {
                     self.problems.push(Problem::NoFamily { muscle: name.clone() });
                 }
@@ -374,7 +383,8 @@ fn subtree(model: &Model, root: usize) -> Range<usize> {
 
 /// Peak isometric force of a muscle, N: given, or its scale over its acceleration scale where the given one is negative.
 fn peak_force(model: &Model, muscle: usize) -> f64 {
-    let [_, _, force, scale, ..] = model.actuators.gain[muscle];
+    let figures = model.actuators.muscle(muscle).map(|muscle| muscle.active);
+    let [_, _, force, scale, ..] = figures.unwrap_or([0.0; 9]);
     if force >= 0.0 { force } else { scale / model.actuators.acceleration_scale[muscle] }
 }
 

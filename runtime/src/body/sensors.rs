@@ -86,7 +86,7 @@ impl Snapshot<'_> {
     fn measure(&self, sensor: Sensor, control: &Control<'_>) -> Value {
         use Value::{Axes, Nothing, Scalar, Vector};
         let (body, state, workspace) = (self.body, self.state, self.workspace);
-        let (kinematics, muscles) = (&workspace.kinematics, &workspace.muscles);
+        let (kinematics, muscles) = (&workspace.kinematics, &workspace.actuation);
         match sensor {
             Sensor::LandmarkPosition(landmark) => Vector(self.landmark_position(&body.landmarks[landmark])),
             Sensor::LandmarkVelocity(landmark) => Vector(self.landmark_velocity(landmark)),

@@ -42,7 +42,8 @@ pub(super) fn add(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
 /// The branches of a muscle's path as lines of points, with arcs resolved.
 pub(super) fn lines(snapshot: &Snapshot<'_>, muscle: usize) -> Vec<Vec<Vector3<f64>>> {
     let mut lines: Vec<Vec<Vector3<f64>>> = Vec::new();
-    for vertex in &path(snapshot.model, &snapshot.workspace.kinematics, snapshot.model.actuators.tendon[muscle]) {
+    let Some(muscle) = snapshot.model.actuators.muscle(muscle) else { return lines };
+    for vertex in &path(snapshot.model, &snapshot.workspace.kinematics, muscle.tendon) {
         match (vertex.kind, lines.last_mut()) {
             (VertexKind::Leave(geom), Some(line)) => {
                 if let Some(&touch) = line.last() {

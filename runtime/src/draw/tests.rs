@@ -65,7 +65,7 @@ fn drawn_paths_are_as_long_as_the_tendons_they_show() {
     for (index, muscle) in body.muscles.iter().enumerate() {
         let drawn: f64 =
             muscles::lines(&snapshot, index).iter().flat_map(|line| line.windows(2).map(|pair| (pair[1] - pair[0]).norm())).sum();
-        let length = workspace.tendons.length[model.actuators.tendon[index]];
+        let length = workspace.tendons.length[model.actuators.muscle(index).unwrap().tendon];
         // Chords of arcs of 0.35 rad are half a percent shorter than the arcs.
         assert!(drawn <= length + 1e-9 && drawn > 0.994 * length, "{}: {drawn} m drawn, {length} m long", muscle.name);
     }

@@ -190,12 +190,16 @@ impl Episode {
     /// Takes the physics steps of one control step; the workspace then holds the forward pass of the new state.
     ///
     /// It also held that of the old one, which saves a pass: a new excitation changes nothing in it but the rates of
-    /// activation (a muscle's force follows its activation).
+    /// activation (a muscle's force follows its activation, unless it acts early).
     fn simulate(&mut self) -> Result<(), Fault> {
         let (model, state, workspace) = (&*self.model, &mut self.present.state, &mut self.workspace);
-        physics::muscles::update(model, state, &workspace.tendons, &mut workspace.muscles);
+        if model.actuators.early.contains(&true) {
+            physics::forward(model, state, workspace)?;
+        } else {
+            physics::actuation::update(model, state, &workspace.kinematics, &workspace.tendons, &mut workspace.actuation);
+        }
         for _ in 0..self.substeps {
-            physics::integrator::euler(model, state, workspace);
+            physics::integrate(model, state, workspace)?;
             physics::forward(model, state, workspace)?;
         }
         Ok(())

@@ -2,14 +2,14 @@
 
 use crate::model::Model;
 use crate::physics::constraint::{Constraints, RowKind};
-use crate::physics::{State, Workspace, moment_arms};
+use crate::physics::{State, Workspace, actuation};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
 
 /// Large quantities that are only listed on request.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Extra {
-    /// `actuator_moment`: how each muscle's length changes with each dof, `nu` times `nv`.
+    /// `actuator_moment`: how each actuator's length changes with each dof, `nu` times `nv`.
     pub moment_arms: bool,
     /// `efc_J`: the constraint rows, `nefc` times `nv`.
     pub constraint_jacobian: bool,
@@ -45,12 +45,12 @@ pub fn forward_report(model: &Model, state: &State<f64>, workspace: &Workspace<f
     put("subtree_com", vectors(&kinematics.subtree_com));
     put("ten_length", json!(workspace.tendons.length));
     put("ten_velocity", json!(workspace.tendons.velocity));
-    put("actuator_length", json!(workspace.muscles.length));
-    put("actuator_velocity", json!(workspace.muscles.velocity));
-    put("actuator_force", json!(workspace.muscles.force));
-    put("act_dot", json!(workspace.muscles.activation_rate));
+    put("actuator_length", json!(workspace.actuation.length));
+    put("actuator_velocity", json!(workspace.actuation.velocity));
+    put("actuator_force", json!(workspace.actuation.force));
+    put("act_dot", json!(workspace.actuation.activation_rate));
     if extra.moment_arms {
-        put("actuator_moment", json!(actuator_moment(model, workspace)));
+        put("actuator_moment", json!(actuator_moment(model, state, workspace)));
     }
     put("M", json!(mass_matrix(model, workspace)));
     put("qfrc_bias", json!(workspace.forces.bias));
@@ -81,7 +81,7 @@ fn sizes(model: &Model) -> Value {
         "nq": model.nq,
         "nv": model.nv,
         "nu": model.actuators.name.len(),
-        "na": model.actuators.name.len(),
+        "na": model.na,
         "nbody": model.bodies.name.len(),
         "njnt": model.joints.name.len(),
         "ngeom": model.geoms.name.len(),
@@ -115,12 +115,11 @@ fn row_major(matrix: &Matrix3<f64>) -> [f64; 9] {
     core::array::from_fn(|index| matrix[(index / 3, index % 3)])
 }
 
-fn actuator_moment(model: &Model, workspace: &Workspace<f64>) -> Vec<f64> {
-    let mut moment = vec![0.0; model.actuators.tendon.len() * model.nv];
+fn actuator_moment(model: &Model, state: &State<f64>, workspace: &Workspace<f64>) -> Vec<f64> {
+    let mut moment = vec![0.0; model.actuators.name.len() * model.nv];
     // No dofs, no columns: `chunks` needs a size of at least one.
-    for (muscle, row) in moment.chunks_mut(model.nv.max(1)).enumerate() {
-        moment_arms(model, &workspace.kinematics, &workspace.tendons, model.actuators.tendon[muscle], row);
-        row.iter_mut().for_each(|arm| *arm *= model.actuators.gear[muscle]);
+    for (actuator, row) in moment.chunks_mut(model.nv.max(1)).enumerate() {
+        actuation::moment(model, state, &workspace.kinematics, &workspace.tendons, actuator, row);
     }
     moment
 }

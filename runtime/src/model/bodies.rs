@@ -37,6 +37,8 @@ pub struct Bodies {
     pub dofs: Vec<Range<usize>>,
     /// Geoms of the body.
     pub geoms: Vec<Range<usize>>,
+    /// Share of the body's weight that is compensated at its centre of mass.
+    pub gravity_compensation: Vec<f64>,
     /// Inverse weight at the reference configuration: translation (1/kg), rotation (1/(kg m²)).
     pub inverse_weight: Vec<[f64; 2]>,
 }
@@ -81,6 +83,10 @@ pub struct Joints {
     pub stiffness: Vec<f64>,
     /// Spring reference coordinate.
     pub spring_reference: Vec<f64>,
+    /// Range that the force of all actuators together is clamped to (hinges and slides), N m or N.
+    pub actuator_force_range: Vec<Option<[f64; 2]>>,
+    /// Whether gravity compensation of this joint counts as a force of its actuators.
+    pub actuator_compensates: Vec<bool>,
 }
 
 /// Degrees of freedom, one entry each per array.

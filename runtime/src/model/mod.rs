@@ -8,6 +8,7 @@
 //! Orders and meanings of all arrays are MuJoCo's (body 0 is the world, bodies in depth-first order), so that any number
 //! can be compared with the oracle index by index. Quaternions are w x y z, positions in metres, angles in radians.
 
+mod actuators;
 mod bodies;
 mod constraints;
 mod geometry;
@@ -16,19 +17,20 @@ pub mod import;
 mod inertia;
 mod mesh;
 pub mod mjcf;
-mod muscles;
 mod options;
 pub mod rotation;
+mod tendons;
 pub(crate) mod topology;
 
+pub use actuators::{Actuators, Bias, Dynamics, Gain, Muscle, Transmission};
 pub use bodies::{Bodies, Dofs, JointKind, Joints};
 pub use constraints::{ContactPairs, Couplings, Softness};
 pub use geometry::{GeomKind, Geoms, Sites};
 pub use height_field::HeightField;
 pub use mesh::{Face, Hull, Mesh};
 pub use mjcf::ModelError;
-pub use muscles::{Actuators, PathPoint, Tendons};
-pub use options::Options;
+pub use options::{Integrator, Options};
+pub use tendons::{PathPoint, Tendons};
 
 /// Quaternion in the order w, x, y, z.
 pub type Quaternion = [f64; 4];
@@ -56,7 +58,7 @@ pub struct Model {
     pub sites: Sites,
     /// Spatial tendons.
     pub tendons: Tendons,
-    /// Muscles.
+    /// Muscles and other actuators.
     pub actuators: Actuators,
     /// Polynomial joint couplings.
     pub couplings: Couplings,
@@ -68,6 +70,8 @@ pub struct Model {
     pub nq: usize,
     /// Number of degrees of freedom.
     pub nv: usize,
+    /// Length of the activation vector.
+    pub na: usize,
     /// Configuration at which joint angles and couplings are zero, length `nq`.
     pub reference_position: Vec<f64>,
 }

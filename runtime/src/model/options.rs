@@ -2,11 +2,26 @@
 
 use nalgebra::Vector3;
 
+/// How time advances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Integrator {
+    /// Semi-implicit Euler with implicit joint damping.
+    Euler,
+    /// Implicit in all velocities but those of Coriolis forces (MuJoCo's `implicitfast`).
+    Implicit,
+    /// Runge-Kutta of fourth order (`RK4`).
+    RungeKutta,
+}
+
 /// Simulation options, MuJoCo's `option` element.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// Physics step in seconds.
     pub timestep: f64,
+    /// How time advances.
+    pub integrator: Integrator,
+    /// Whether Euler's method takes joint damping implicitly.
+    pub euler_damping: bool,
     /// Gravity in m/s².
     pub gravity: Vector3<f64>,
     /// Solver iterations at most.
@@ -25,6 +40,8 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             timestep: 0.002,
+            integrator: Integrator::Euler,
+            euler_damping: true,
             gravity: Vector3::new(0.0, 0.0, -9.81),
             iterations: 100,
             line_search_iterations: 50,

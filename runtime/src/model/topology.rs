@@ -45,6 +45,10 @@ fn bodies(model: &mut Model) {
         bodies.subtree_mass[bodies.parent[body]] += bodies.subtree_mass[body];
     }
     bodies.mocap.resize(count, false);
+    bodies.gravity_compensation.resize(count, 0.0);
+    let joints = &mut model.joints;
+    joints.actuator_force_range.resize(joints.kind.len(), None);
+    joints.actuator_compensates.resize(joints.kind.len(), false);
     // Parents come before children, so one pass down the tree carries roots and welds along.
     for body in 0..count {
         let parent = bodies.parent[body];

@@ -2,16 +2,19 @@
 //!
 //! 1. inverse weights: how much a unit force accelerates a body or dof, the scale of every constraint's regularisation;
 //! 2. tendon lengths, where springs without a stated length rest;
-//! 3. the joint-space acceleration that a muscle causes per unit force, from which MuJoCo sets peak forces not given.
+//! 3. the joint-space acceleration that an actuator causes per unit force, from which MuJoCo sets peak forces not given,
+//!    and the damping of servos that ask for a damping ratio.
 
 use super::{
+    actuation,
     inertia::{self, Inertia},
     kinematics::{self, Kinematics},
+    rotation::MINIMUM,
     spatial::pair,
     state::State,
-    tendons::{self, TendonPaths, moment_arms},
+    tendons::{self, TendonPaths},
 };
-use crate::model::{JointKind, Model};
+use crate::model::{Actuators, Bias, Gain, JointKind, Model};
 use nalgebra::Vector3;
 
 /// Fills [`Bodies::inverse_weight`](crate::model::Bodies), [`Dofs::inverse_weight`](crate::model::Dofs),
@@ -31,12 +34,47 @@ pub fn derive(model: &mut Model) {
         (0..model.bodies.parent.len()).map(|body| body_weight(model, &kinematics, &inertia.factor, body)).collect();
     model.dofs.inverse_weight = dof_weights(model, &inertia.factor);
     let mut row = vec![0.0; model.nv];
-    let mut acceleration = |muscle: usize| {
-        moment_arms(model, &kinematics, &tendons, model.actuators.tendon[muscle], &mut row);
+    for actuator in 0..model.actuators.name.len() {
+        actuation::moment(model, &state, &kinematics, &tendons, actuator, &mut row);
+        let moment = row.clone();
         inertia::solve(model, &inertia.factor, &mut row);
-        model.actuators.gear[muscle].abs() * row.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
-    };
-    model.actuators.acceleration_scale = (0..model.actuators.tendon.len()).map(&mut acceleration).collect();
+        model.actuators.acceleration_scale[actuator] = row.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        let response = moment.iter().zip(&row).map(|(arm, acceleration)| arm * acceleration).sum();
+        settle_damping(&mut model.actuators, actuator, response);
+    }
+}
+
+/// Gives joints the spring and damper that have the wanted time constant t (s) and damping ratio z with the inertia
+/// m that the joint feels at the reference configuration, as a constraint with these figures would: stiffness m / (t z)², damping 2 m / t.
+pub fn settle_springs(model: &mut Model, wanted: &[(usize, [f64; 2])]) {
+    if wanted.is_empty() {
+        return;
+    }
+    let state = State::<f64>::new(model);
+    let mut kinematics = Kinematics::new(model);
+    let mut inertia = Inertia::new(model);
+    kinematics::update(model, &state, &mut kinematics);
+    inertia::update(model, &kinematics, &mut inertia);
+    let weights = dof_weights(model, &inertia.factor);
+    for &(joint, [time, ratio]) in wanted {
+        let dofs: Vec<usize> = (0..model.nv).filter(|&dof| model.dofs.joint[dof] == joint).collect();
+        let mean = dofs.len() as f64 / dofs.iter().map(|&dof| weights[dof]).sum::<f64>().max(MINIMUM);
+        model.joints.stiffness[joint] = mean / (time * ratio).powi(2).max(MINIMUM);
+        for dof in dofs {
+            model.dofs.damping[dof] = 2.0 * mean / time.max(MINIMUM);
+        }
+    }
+}
+
+/// Turns the damping ratio of a servo (a positive last figure of its bias) into a damping, given the acceleration that a unit
+/// force causes along its own direction, 1/kg: critical damping of a mass m on a spring k is 2 sqrt(k m).
+fn settle_damping(actuators: &mut Actuators, actuator: usize, response: f64) {
+    if let (Gain::Fixed(pull), Bias::Affine([_, back, damping])) = (actuators.gain[actuator], &mut actuators.bias[actuator])
+        && pull == -*back
+        && *damping > 0.0
+    {
+        *damping *= -2.0 * (pull / response.max(MINIMUM)).max(0.0).sqrt();
+    }
 }
 
 /// J M^-1 J' for one Jacobian row, of which `row` holds J on entry and scratch on return.

@@ -23,6 +23,8 @@ pub struct Forces<T: Real> {
     pub bias: Vec<T>,
     /// Muscles (`qfrc_actuator`).
     pub actuator: Vec<T>,
+    /// What balances the weight of bodies with gravity compensation (`qfrc_gravcomp`).
+    pub compensation: Vec<T>,
     /// Passive - bias + actuator + applied (`qfrc_smooth`).
     pub smooth: Vec<T>,
     /// M^-1 smooth (`qacc_smooth`), m/s² and rad/s².
@@ -42,6 +44,7 @@ impl<T: Real> Forces<T> {
         let bodies = vec![spatial_zero(); model.bodies.parent.len()];
         Self {
             passive: zeros.clone(),
+            compensation: zeros.clone(),
             bias: zeros.clone(),
             actuator: zeros.clone(),
             smooth: zeros.clone(),
@@ -110,6 +113,7 @@ pub fn passive<T: Real>(
             joint_spring(model, state, joint, &mut out.passive);
         }
     }
+    compensate(model, kinematics, out);
     let elastic = |tendon: &usize| model.tendons.stiffness[*tendon] != 0.0 || model.tendons.damping[*tendon] != 0.0;
     let tendon_count = model.tendons.path.len();
     if !(0..tendon_count).any(|tendon| elastic(&tendon)) {
@@ -122,6 +126,23 @@ pub fn passive<T: Real>(
     gather(model, kinematics, &mut out.body_force, &mut out.swept);
     for (total, part) in out.passive.iter_mut().zip(&out.swept) {
         *total += *part;
+    }
+}
+
+/// Fills the forces that balance the weight of bodies and adds them where no actuator provides them.
+fn compensate<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Forces<T>) {
+    let shares = &model.bodies.gravity_compensation;
+    if shares.iter().all(|share| *share == 0.0) {
+        return;
+    }
+    for (body, share) in shares.iter().enumerate() {
+        let force = constant(&(-model.options.gravity * (share * model.bodies.mass[body])));
+        let arm = kinematics.inertial_position[body] - kinematics.reference(model, body);
+        out.body_force[body] = [cross(&arm, &force), force];
+    }
+    gather(model, kinematics, &mut out.body_force, &mut out.compensation);
+    for dof in (0..model.nv).filter(|&dof| !model.joints.actuator_compensates[model.dofs.joint[dof]]) {
+        out.passive[dof] += out.compensation[dof];
     }
 }
 

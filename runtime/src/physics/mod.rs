@@ -4,13 +4,14 @@
 //! 2. [`inertia`]: composite rigid bodies, the mass matrix on the tree's own sparsity, its factor;
 //! 3. [`tendons`]: path lengths with wrapping, the segments that join two bodies;
 //! 4. [`velocities`]: bodies, dofs' time derivatives, tendon and muscle velocities, without any tendon Jacobian;
-//! 5. [`muscles`] and [`forces`]: muscles, passive elements, bias;
+//! 5. [`actuation`] and [`forces`]: muscles and other actuators, passive elements, bias;
 //! 6. [`collision`] and [`constraint`]: contacts; rows of couplings, limits and contacts, references, regularisation;
 //! 7. [`solver`]: Newton on the primal problem;
-//! 8. [`integrator`]: Euler with implicit joint damping.
+//! 8. [`integrator`]: Euler with implicit joint damping, implicit in velocity, Runge-Kutta.
 //!
 //! Every stage owns a struct of outputs (structure of arrays) inside [`Workspace`], which is allocated once per worker.
 
+pub mod actuation;
 pub mod collision;
 pub mod constants;
 pub mod constrained;
@@ -21,7 +22,6 @@ pub mod inertia;
 pub mod integrator;
 pub mod jacobian;
 pub mod kinematics;
-pub mod muscles;
 pub mod rotation;
 pub mod smooth;
 pub mod solver;
@@ -37,6 +37,6 @@ pub use fault::Fault;
 pub use jacobian::{center_of_mass_jacobian, point_jacobian};
 pub use smooth::smooth;
 pub use state::State;
-pub use stepping::{forward, step};
+pub use stepping::{forward, integrate, step};
 pub use tendons::moment_arms;
 pub use workspace::Workspace;

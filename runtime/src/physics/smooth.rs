@@ -1,6 +1,6 @@
 //! The constraint-free half of a step.
 
-use super::{forces, inertia, kinematics, muscles, state::State, tendons, velocities, workspace::Workspace};
+use super::{actuation, forces, forces::Forces, inertia, kinematics, state::State, tendons, velocities, workspace::Workspace};
 use crate::{model::Model, scalar::Real};
 
 /// Everything up to the acceleration without constraints, stage by stage.
@@ -26,10 +26,11 @@ pub fn motions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspa
     forces::passive(model, state, kinematics, tendons, forces);
 }
 
-/// Stages that depend on excitations, activations and applied forces too: muscles, total force, acceleration.
+/// Stages that depend on excitations, activations and applied forces too: actuators, total force, acceleration.
 pub fn inputs<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    let Workspace { kinematics, inertia, tendons, muscles, forces, .. } = workspace;
-    muscles::update(model, state, tendons, muscles);
-    muscles::generalised_force(model, kinematics, tendons, muscles, &mut forces.body_force, &mut forces.actuator);
+    let Workspace { kinematics, inertia, tendons, actuation, forces, .. } = workspace;
+    actuation::update(model, state, kinematics, tendons, actuation);
+    let Forces { compensation, body_force, actuator, .. } = forces;
+    actuation::generalised_force(model, kinematics, tendons, actuation, compensation, body_force, actuator);
     forces::smooth(model, state, kinematics, inertia, forces);
 }

@@ -12,9 +12,9 @@ pub struct State<T: Real> {
     pub position: Vec<T>,
     /// Generalised velocities, `nv` entries: m/s and rad/s. A free joint moves in world axes and turns in its body's axes.
     pub velocity: Vec<T>,
-    /// Muscle activations, one per muscle.
+    /// Activations of muscles and other actuators that have one, `na` entries.
     pub activation: Vec<T>,
-    /// Muscle excitations, one per muscle.
+    /// Controls (of muscles: excitations), one per actuator.
     pub control: Vec<T>,
     /// Generalised forces applied from outside, `nv` entries: N and N m.
     pub applied_force: Vec<T>,
@@ -28,13 +28,12 @@ impl<T: Real> State<T> {
     /// The reference configuration at rest, with silent muscles and nothing applied.
     pub fn new(model: &Model) -> Self {
         let zero = T::splat(0.0);
-        let muscles = model.actuators.name.len();
         Self {
             time: 0.0,
             position: model.reference_position.iter().map(|&value| T::splat(value)).collect(),
             velocity: vec![zero; model.nv],
-            activation: vec![zero; muscles],
-            control: vec![zero; muscles],
+            activation: vec![zero; model.na],
+            control: vec![zero; model.actuators.name.len()],
             applied_force: vec![zero; model.nv],
             body_force: vec![[Vector3::from_element(zero); 2]; model.bodies.parent.len()],
             warm_start: vec![zero; model.nv],

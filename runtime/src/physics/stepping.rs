@@ -3,11 +3,14 @@
 use super::{
     Workspace, constrained,
     fault::{Fault, Quantity, is_sound},
-    integrator,
+    integrator::{self, implicit, runge_kutta},
     smooth::{inputs, motions, positions},
     state::State,
 };
-use crate::{model::Model, scalar::Real};
+use crate::{
+    model::{Integrator, Model},
+    scalar::Real,
+};
 
 /// Everything up to the acceleration, constraints included, in MuJoCo's order.
 ///
@@ -29,7 +32,19 @@ pub fn forward<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspa
 /// As for [`forward`]; `state` is then what it was before.
 pub fn step<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     forward(model, state, workspace)?;
-    integrator::euler(model, state, workspace);
+    integrate(model, state, workspace)
+}
+
+/// Advances `state` by one step from its forward pass in `workspace`; with Runge-Kutta the later stages follow.
+///
+/// # Errors
+/// As for [`forward`]; `state` is then what it was before.
+pub fn integrate<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
+    match model.options.integrator {
+        Integrator::Euler => integrator::euler(model, state, workspace),
+        Integrator::Implicit => implicit::implicit(model, state, workspace),
+        Integrator::RungeKutta => runge_kutta::runge_kutta(model, state, workspace)?,
+    }
     Ok(())
 }
 

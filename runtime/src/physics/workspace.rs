@@ -1,10 +1,14 @@
 //! The outputs of all stages, allocated once per worker.
 
+use super::integrator::{implicit::Implicit, runge_kutta::RungeKutta};
 use super::{
-    constrained::Episode, forces::Forces, inertia::Inertia, kinematics::Kinematics, muscles::Muscles, tendons::TendonPaths,
+    actuation::Actuation, constrained::Episode, forces::Forces, inertia::Inertia, kinematics::Kinematics, tendons::TendonPaths,
     velocities::Velocities,
 };
-use crate::{model::Model, scalar::Real};
+use crate::{
+    model::{Integrator, Model},
+    scalar::Real,
+};
 
 /// Scratch memory and results of one forward step, in the order of the stages. Nothing in it outlives the step: whatever an
 /// episode needs to continue is in [`State`](super::state::State).
@@ -18,8 +22,8 @@ pub struct Workspace<T: Real> {
     pub tendons: TendonPaths<T>,
     /// Body velocities.
     pub velocities: Velocities<T>,
-    /// Muscle lengths, velocities, activation rates and forces.
-    pub muscles: Muscles<T>,
+    /// Lengths, velocities, activation rates and forces of muscles and other actuators.
+    pub actuation: Actuation<T>,
     /// Generalised forces and the acceleration that they cause without constraints.
     pub forces: Forces<T>,
     /// Contacts, constraint rows and solver of each episode: one per lane of `T`.
@@ -28,8 +32,12 @@ pub struct Workspace<T: Real> {
     pub acceleration: Vec<T>,
     /// Generalised force of all constraints, `nv` entries (`qfrc_constraint`): N and N m.
     pub constraint_force: Vec<T>,
-    /// Acceleration that the integrator applies, joint damping implicit, `nv` entries.
+    /// Acceleration that the integrator applies, damping implicit, `nv` entries.
     pub damped_acceleration: Vec<T>,
+    /// Memory of the implicit integrator, if the model asks for it.
+    pub(super) implicit: Option<Implicit<T>>,
+    /// Memory of the Runge-Kutta method, if the model asks for it.
+    pub(super) runge_kutta: Option<RungeKutta<T>>,
 }
 
 impl<T: Real> Workspace<T> {
@@ -40,12 +48,14 @@ impl<T: Real> Workspace<T> {
             inertia: Inertia::new(model),
             tendons: TendonPaths::new(model),
             velocities: Velocities::new(model),
-            muscles: Muscles::new(model),
+            actuation: Actuation::new(model),
             forces: Forces::new(model),
             episodes: vec![Episode::new(model); T::LANES],
             acceleration: vec![T::splat(0.0); model.nv],
             constraint_force: vec![T::splat(0.0); model.nv],
             damped_acceleration: vec![T::splat(0.0); model.nv],
+            implicit: (model.options.integrator == Integrator::Implicit).then(|| Implicit::new(model)),
+            runge_kutta: (model.options.integrator == Integrator::RungeKutta).then(|| RungeKutta::new(model)),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What can be done about a feature that the simulator does not have.
 
 /// The first word in backquotes of a description, and what to do about it.
-const BY_WORD: [(&str, &str); 20] = [
+const BY_WORD: [(&str, &str); 28] = [
     ("composite", DEFORMABLE),
     ("flexcomp", DEFORMABLE),
     ("flex", DEFORMABLE),
@@ -20,12 +20,21 @@ const BY_WORD: [(&str, &str); 20] = [
     ("coordinate", "open and save the file with MuJoCo 2.2 or older, which rewrites it in local coordinates"),
     ("noslip_iterations", "remove it; `cone` elliptic with a larger `impratio` reduces slip too"),
     ("sdf", "replace the signed distance field by a mesh or by primitive shapes"),
+    ("integrator", "choose `implicitfast`, which is as stable where bodies do not spin fast, or `RK4`"),
+    ("dcmotor", MOTOR),
+    ("pid", MOTOR),
+    ("orientation", MOTOR),
+    ("dyntype", MOTOR),
+    ("gaintype", MOTOR),
+    ("cranksite", "make the crank and the slider bodies of their own, joined by a `connect`"),
+    ("delay", "remove it, or delay the control before it reaches the simulator"),
     ("adhesion", "remove it, or hold the bodies together by a weld"),
     ("surfacevel", "remove it, or move the surface by a slide joint of its own"),
 ];
 
 const DEFORMABLE: &str = "only rigid bodies are simulated: replace it by bodies with joints, or remove it";
 const PLUGIN: &str = "plugins are programs outside the model: replace it by built-in elements, or remove it";
+const MOTOR: &str = "replace it by `position`, `velocity`, `motor` or `muscle`, or another `general` actuator";
 const COMPOSED: &str = "load the file with MuJoCo and save it (`mj_saveLastXML`): the saved file has it resolved";
 const FLUID: &str = "there is no fluid: set it to zero, or remove it";
 

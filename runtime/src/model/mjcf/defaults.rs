@@ -5,7 +5,7 @@
 
 use super::document::Element;
 use super::error::ModelError;
-use super::shortcut;
+use super::shortcut::{self, SHORTCUTS};
 use std::collections::BTreeMap;
 
 /// The class that everything inherits from.
@@ -40,8 +40,8 @@ fn kind_of(tag: &str) -> Option<&'static str> {
         "pair" => "pair",
         "equality" => "equality",
         "tendon" | "spatial" => "tendon",
-        "general" | "muscle" => "actuator",
-        _ => return None,
+        "general" => "actuator",
+        _ => return shortcut::find(tag).map(|_| "actuator"),
     })
 }
 
@@ -61,10 +61,14 @@ impl Defaults {
     /// Adds the elements of a `default` to the class `name`, then its nested classes.
     fn extend(&mut self, section: &Element, name: &str) -> Result<(), ModelError> {
         let mut class = self.classes.get(name).cloned().unwrap_or_default();
+        let before = class.clone();
         for child in section.children.iter().filter(|child| child.tag != "default") {
             let Some(kind) = kind_of(&child.tag) else { continue };
-            let inherited = class.attributes.entry(kind).or_default();
-            *inherited = inherit(child, inherited)?;
+            let attributes = class.inherit(Some(kind), child)?;
+            if kind == "actuator" {
+                class.remember_law(child, &attributes, &before);
+            }
+            class.attributes.insert(kind, attributes);
         }
         self.classes.insert(name.to_owned(), class.clone());
         for nested in section.children.iter().filter(|child| child.tag == "default") {
@@ -101,19 +105,38 @@ impl Defaults {
         let name = element.text("class").or(surrounding).unwrap_or(MAIN);
         let class = self.classes.get(name);
         let class = class.ok_or_else(|| element.invalid(format!("there is no default class `{name}`")))?;
-        let inherited = kind.and_then(|kind| class.attributes.get(kind));
-        let attributes = inherit(element, inherited.map_or(&[], Vec::as_slice))?;
+        let attributes = class.inherit(kind, element)?;
         Ok(Element { tag: element.tag.clone(), attributes, children: element.children.clone(), place: element.place.clone() })
     }
 }
 
-/// The element's own attributes over the inherited ones; shortcuts become what they stand for.
-fn inherit(element: &Element, inherited: &[(String, String)]) -> Result<Vec<(String, String)>, ModelError> {
-    if element.tag == "muscle" {
-        let raw = shortcut::muscle(element, inherited)?;
-        return Ok(merged(&raw, inherited));
+impl Class {
+    fn of(&self, kind: &str) -> &[(String, String)] {
+        self.attributes.get(kind).map_or(&[], Vec::as_slice)
     }
-    Ok(merged(&element.attributes, inherited))
+
+    /// The element's own attributes over the inherited ones; shortcuts become what they stand for.
+    fn inherit(&self, kind: Option<&'static str>, element: &Element) -> Result<Vec<(String, String)>, ModelError> {
+        let inherited = kind.map_or(&[][..], |kind| self.of(kind));
+        match shortcut::find(&element.tag).filter(|_| kind == Some("actuator")) {
+            Some(shortcut) => {
+                let raw = shortcut::expand(shortcut, element, self.of(shortcut.tag))?;
+                Ok(merged(&raw, inherited))
+            }
+            None => Ok(merged(&element.attributes, inherited)),
+        }
+    }
+
+    /// Keeps an actuator default's force law for the shortcuts that may inherit it; the others fall back to what the class
+    /// started with.
+    fn remember_law(&mut self, element: &Element, attributes: &[(String, String)], before: &Self) {
+        let gain = attributes.iter().find(|(name, _)| name == "gaintype").map_or("fixed", |(_, value)| value.trim());
+        for shortcut in &SHORTCUTS {
+            let applies = element.tag == shortcut.tag || element.tag == "general" && gain == shortcut.gain;
+            let law = if applies { shortcut::raw(attributes) } else { before.of(shortcut.tag).to_vec() };
+            self.attributes.insert(shortcut.tag, law);
+        }
+    }
 }
 
 /// `own` attributes, then those inherited ones that `own` does not replace.

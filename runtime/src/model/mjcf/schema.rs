@@ -13,6 +13,8 @@ struct Rule {
     element: &'static str,
     /// Attributes that the compiler reads.
     read: &'static str,
+    /// Attributes that it reads of this element besides those of its kind.
+    own: &'static str,
     /// Attributes without influence on the physics.
     skipped: &'static str,
     /// Attributes accepted only with one value (numbers: every one of them).
@@ -25,7 +27,12 @@ const fn rule(
     skipped: &'static str,
     neutral: &'static [(&'static str, &'static str)],
 ) -> Rule {
-    Rule { element, read, skipped, neutral }
+    Rule { element, read, own: "", skipped, neutral }
+}
+
+/// The rule of an actuator: what all of them have, and what this one has of its own.
+const fn actuator(element: &'static str, own: &'static str) -> Rule {
+    Rule { element, read: ACTUATOR, own, skipped: ACTUATOR_SKIPPED, neutral: ACTUATOR_NEUTRAL }
 }
 
 /// Elements skipped with everything in them.
@@ -54,16 +61,9 @@ const GEOM_SKIPPED: &str = "material rgba castshadow user fitscale";
 const GEOM_NEUTRAL: &[(&str, &str)] =
     &[("shellinertia", "false"), ("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")];
 const JOINT: &str = "name class type pos axis limited range ref springref stiffness damping armature frictionloss margin \
-    solreflimit solimplimit";
-const JOINT_NEUTRAL: &[(&str, &str)] = &[
-    ("solreffriction", "0.02 1"),
-    ("solimpfriction", "0.9 0.95 0.001 0.5 2"),
-    ("springdamper", "0"),
-    ("actuatorfrclimited", "false"),
-    ("actuatorfrcrange", "0"),
-    ("actuatorgravcomp", "false"),
-    ("springyield", "0"),
-];
+    solreflimit solimplimit springdamper actuatorfrclimited actuatorfrcrange actuatorgravcomp";
+const JOINT_NEUTRAL: &[(&str, &str)] =
+    &[("solreffriction", "0.02 1"), ("solimpfriction", "0.9 0.95 0.001 0.5 2"), ("springyield", "0")];
 const SITE: &str = "name class pos quat axisangle xyaxes zaxis euler fromto";
 const TENDON: &str = "name class limited range margin stiffness damping springlength solreflimit solimplimit";
 const TENDON_SKIPPED: &str = "group width material rgba user";
@@ -76,29 +76,19 @@ const TENDON_NEUTRAL: &[(&str, &str)] = &[
     ("actuatorfrclimited", "false"),
     ("actuatorfrcrange", "0"),
 ];
-const ACTUATOR_NEUTRAL: &[(&str, &str)] = &[
-    ("forcelimited", "false"),
-    ("forcerange", "0"),
-    ("actlimited", "false"),
-    ("actrange", "0"),
-    ("actdim", "1"),
-    ("actearly", "false"),
-    ("damping", "0"),
-    ("armature", "0"),
-    ("delay", "0"),
-    ("nsample", "0"),
-    ("inheritrange", "0"),
-];
-const MUSCLE: &str = "name class tendon ctrllimited ctrlrange lengthrange gear timeconst tausmooth range force scale lmin \
-    lmax vmax fpmax fvmax";
-const GENERAL: &str = "name class tendon ctrllimited ctrlrange lengthrange gear dyntype gaintype biastype dynprm gainprm \
-    biasprm";
+const ACTUATOR_NEUTRAL: &[(&str, &str)] = &[("delay", "0"), ("nsample", "0")];
+const ACTUATOR_SKIPPED: &str = "group user interp input";
+const ACTUATOR: &str = "name class joint jointinparent tendon site refsite ctrllimited ctrlrange forcelimited forcerange \
+    actlimited actrange lengthrange gear damping armature actearly actdim inheritrange";
+const MUSCLE: &str = "timeconst tausmooth range force scale lmin lmax vmax fpmax fvmax";
+const GENERAL: &str = "dyntype gaintype biastype dynprm gainprm biasprm";
+const POSITION: &str = "kp kv dampratio timeconst";
+const CYLINDER: &str = "timeconst area diameter bias";
 const PAIR: &str = "name class geom1 geom2 condim friction solref solreffriction solimp gap margin";
-const BODY: &str = "name childclass pos quat axisangle xyaxes zaxis euler mocap";
+const BODY: &str = "name childclass pos quat axisangle xyaxes zaxis euler mocap gravcomp";
 const FRAME: &str = "name childclass pos quat axisangle xyaxes zaxis euler";
 const FRAME_NEUTRAL: &[(&str, &str)] = &[("scale", "1"), ("massscale", "0"), ("scaling", "similar")];
 const OPTION_NEUTRAL: &[(&str, &str)] = &[
-    ("integrator", "Euler"),
     ("cone", "pyramidal"),
     ("solver", "Newton"),
     ("noslip_iterations", "0"),
@@ -107,19 +97,27 @@ const OPTION_NEUTRAL: &[(&str, &str)] = &[
     ("actuatorgroupdisable", ""),
 ];
 
+/// Attributes whose value is one of several words, and the words that the simulator knows.
+const CHOICES: [(&str, &str); 4] = [
+    ("integrator", "Euler implicitfast RK4"),
+    ("dyntype", "none integrator filter filterexact muscle"),
+    ("gaintype", "fixed affine muscle"),
+    ("biastype", "none affine muscle"),
+];
+
 #[rustfmt::skip]
-const RULES: [Rule; 39] = [
+const RULES: &[Rule] = &[
     rule("mujoco", "model", "", &[]),
     rule("mujoco/compiler", "angle autolimits eulerseq meshdir assetdir strippath inertiafromgeom inertiagrouprange boundmass boundinertia balanceinertia settotalmass alignfree",
         "texturedir usethread discardvisual saveinertial savecompiled savecanonical conflict passthrough fitaabb",
         &[("coordinate", "local"), ("fusestatic", "false")]),
-    rule("mujoco/option", "timestep gravity iterations ls_iterations tolerance ls_tolerance impratio",
+    rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio",
         "magnetic wind jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
          o_margin o_solref o_solimp o_friction", OPTION_NEUTRAL),
-    rule("option/flag", "", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
+    rule("option/flag", "eulerdamp", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
         ("constraint", "enable"), ("equality", "enable"), ("frictionloss", "enable"), ("limit", "enable"),
         ("contact", "enable"), ("spring", "enable"), ("damper", "enable"), ("gravity", "enable"), ("clampctrl", "enable"),
-        ("filterparent", "enable"), ("actuation", "enable"), ("refsafe", "enable"), ("eulerdamp", "enable"),
+        ("filterparent", "enable"), ("actuation", "enable"), ("refsafe", "enable"),
         ("override", "disable"), ("invdiscrete", "disable"), ("sleep", "disable"), ("diagexact", "disable"),
         ("ipc", "disable"), ("speculative", "disable")]),
     rule("mujoco/asset", "", "", &[]),
@@ -133,11 +131,17 @@ const RULES: [Rule; 39] = [
     rule("default/tendon", TENDON, TENDON_SKIPPED, TENDON_NEUTRAL),
     rule("default/pair", PAIR, "", &[("adhesion", "0")]),
     rule("default/equality", "solref solimp", "", &[("active", "true")]),
-    rule("default/general", GENERAL, "group user interp", ACTUATOR_NEUTRAL),
-    rule("default/muscle", MUSCLE, "group user interp", ACTUATOR_NEUTRAL),
+    actuator("default/general", GENERAL),
+    actuator("default/motor", ""),
+    actuator("default/position", POSITION),
+    actuator("default/velocity", "kv"),
+    actuator("default/intvelocity", "kp kv dampratio"),
+    actuator("default/damper", "kv"),
+    actuator("default/cylinder", CYLINDER),
+    actuator("default/muscle", MUSCLE),
     rule("mujoco/worldbody", "", "name", &[]),
     rule("body/body", BODY, "user fuse",
-        &[("gravcomp", "0"), ("sleep", "auto"), ("simple", "auto")]),
+        &[("sleep", "auto"), ("simple", "auto")]),
     rule("body/frame", FRAME, "", FRAME_NEUTRAL),
     rule("body/replicate", "count sep offset euler", "", &[]),
     rule("body/inertial", "pos quat axisangle xyaxes zaxis euler mass diaginertia fullinertia", "", &[]),
@@ -156,8 +160,14 @@ const RULES: [Rule; 39] = [
     rule("spatial/geom", "geom sidesite", "", &[]),
     rule("spatial/pulley", "divisor", "", &[]),
     rule("mujoco/actuator", "", "", &[]),
-    rule("actuator/general", GENERAL, "group user interp", ACTUATOR_NEUTRAL),
-    rule("actuator/muscle", MUSCLE, "group user interp", ACTUATOR_NEUTRAL),
+    actuator("actuator/general", GENERAL),
+    actuator("actuator/motor", ""),
+    actuator("actuator/position", POSITION),
+    actuator("actuator/velocity", "kv"),
+    actuator("actuator/intvelocity", "kp kv dampratio"),
+    actuator("actuator/damper", "kv"),
+    actuator("actuator/cylinder", CYLINDER),
+    actuator("actuator/muscle", MUSCLE),
 ];
 
 /// Refuses a model that uses anything physical that the simulator does not have, naming every instance.
@@ -181,7 +191,13 @@ fn visit(element: &Element, context: &str, refused: &mut Vec<Unsupported>) {
     };
     for (name, value) in &element.attributes {
         let listed = |names: &str| names.split_whitespace().any(|known| known == name);
-        if listed(rule.read) || listed(rule.skipped) {
+        if let Some((_, known)) = CHOICES.iter().find(|(attribute, _)| attribute == name)
+            && !known.split_whitespace().any(|word| word == value.trim())
+        {
+            refuse(format!("attribute `{name}` of `{}` with the value `{value}`", element.tag));
+            continue;
+        }
+        if listed(rule.read) || listed(rule.own) || listed(rule.skipped) {
             continue;
         }
         match rule.neutral.iter().find(|(neutral, _)| neutral == name) {

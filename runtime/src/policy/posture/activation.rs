@@ -5,7 +5,7 @@
 //! to a wanted activation is the root of A(u) = wanted.
 
 use crate::episode::excitation;
-use crate::physics::muscles::activation_rate;
+use crate::physics::actuation::activation_rate;
 use msk_compiler::body::ExcitationMap;
 
 /// How an excitation is held.

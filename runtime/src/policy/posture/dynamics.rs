@@ -1,7 +1,7 @@
 //! Inverse dynamics in independent coordinates.
 
 use super::{View, coordinates::Coordinates, sparse::Columns, support::Point, symmetric::Symmetric};
-use crate::model::Model;
+use crate::model::{Model, Muscle};
 use crate::physics::{center_of_mass_jacobian, inertia, moment_arms, point_jacobian};
 use nalgebra::Vector3;
 
@@ -47,8 +47,8 @@ impl Dynamics {
         self.project_inertia(view);
         self.fill_load(view);
         self.muscles.clear();
-        for muscle in 0..model.actuators.tendon.len() {
-            self.add_muscle(view, muscle);
+        for (index, muscle) in model.actuators.muscles() {
+            self.add_muscle(view, index, &muscle);
         }
         for (dof, &damping) in model.dofs.damping.iter().enumerate() {
             if let Some((column, slope)) = coordinates.entry(dof) {
@@ -94,19 +94,19 @@ impl Dynamics {
         coordinates.project(&self.full, &mut self.load);
     }
 
-    fn add_muscle(&mut self, view: &View<'_>, muscle: usize) {
+    fn add_muscle(&mut self, view: &View<'_>, index: usize, muscle: &Muscle) {
         let View { model, coordinates, state, workspace, hold, .. } = *view;
-        let (tendon, gear) = (model.actuators.tendon[muscle], model.actuators.gear[muscle]);
-        moment_arms(model, &workspace.kinematics, &workspace.tendons, tendon, &mut self.full);
+        let gear = muscle.gear;
+        moment_arms(model, &workspace.kinematics, &workspace.tendons, muscle.tendon, &mut self.full);
         coordinates.project(&self.full, &mut self.row);
-        let strength = gear * workspace.muscles.gain[muscle];
+        let strength = gear * workspace.actuation.gain[index];
         let entries = self.row.iter().copied().enumerate();
         self.muscles.push(entries.clone().map(|(row, arm)| (row, arm * strength)));
-        let passive = gear * workspace.muscles.bias[muscle];
+        let passive = gear * workspace.actuation.bias[index];
         for (load, arm) in self.load.iter_mut().zip(&self.row) {
             *load -= arm * passive;
         }
-        let damping = gear * gear * state.activation[muscle] * workspace.muscles.active_damping(muscle);
+        let damping = gear * gear * state.activation[muscle.activation] * workspace.actuation.active_damping(index);
         if damping > 0.0 {
             let present = entries.filter(|(_, arm)| *arm != 0.0);
             for (row, arm) in present.clone() {

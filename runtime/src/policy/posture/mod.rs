@@ -195,8 +195,9 @@ impl Controller {
 
         self.columns.clone_from(&self.dynamics.muscles);
         self.unknowns.clear();
-        for (&activation, constants) in state.activation.iter().zip(&model.actuators.time_constants) {
-            let [low, high] = self.excitation.map(|excitation| self.hold.activation(activation, excitation, constants));
+        for (_, muscle) in model.actuators.muscles() {
+            let (activation, constants) = (state.activation[muscle.activation], muscle.time_constants);
+            let [low, high] = self.excitation.map(|excitation| self.hold.activation(activation, excitation, &constants));
             self.unknowns.push(Unknown { low, high, cost: MUSCLE_COST });
         }
         for (point, motion) in bearing.iter().zip(&feet) {
@@ -207,9 +208,10 @@ impl Controller {
         }
         self.allocation.solve(&self.dynamics.inertia, &self.columns, &self.unknowns, &self.wanted);
 
-        let muscles = state.activation.iter().zip(&model.actuators.time_constants).zip(&self.allocation.x);
-        for (action, ((&activation, constants), &wanted)) in action.iter_mut().zip(muscles) {
-            let excitation = self.hold.excitation(activation, wanted, self.excitation, constants);
+        let muscles = model.actuators.muscles().zip(&self.allocation.x);
+        for (action, ((_, muscle), &wanted)) in action.iter_mut().zip(muscles) {
+            let activation = state.activation[muscle.activation];
+            let excitation = self.hold.excitation(activation, wanted, self.excitation, &muscle.time_constants);
             *action = activation::action(body.excitation, excitation);
         }
     }

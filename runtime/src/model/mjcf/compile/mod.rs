@@ -43,6 +43,8 @@ struct Compiler<'a> {
     meshes: BTreeMap<String, Rc<Mesh>>,
     /// Features found missing while reading; reported together.
     unsupported: Vec<Unsupported>,
+    /// Joints whose spring and damper follow from a time constant (s) and a damping ratio.
+    springs: Vec<(usize, [f64; 2])>,
     model: Model,
 }
 
@@ -60,6 +62,7 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
         names: Names::default(),
         meshes: BTreeMap::new(),
         unsupported: Vec::new(),
+        springs: Vec::new(),
         model: Model { name: root.text("model").unwrap_or("MuJoCo Model").to_owned(), ..Model::default() },
     };
     compiler.model.options = settings::options(root)?;
@@ -74,6 +77,7 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
     compiler.scale_masses();
     topology::complete(&mut compiler.model).map_err(|message| root.invalid(message))?;
     check_contacts(&compiler.model, root)?;
+    constants::settle_springs(&mut compiler.model, &compiler.springs);
     constants::derive(&mut compiler.model);
     Ok(compiler.model)
 }

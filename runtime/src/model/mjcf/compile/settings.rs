@@ -2,7 +2,7 @@
 
 use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
-use crate::model::{Options, Quaternion, Softness, rotation};
+use crate::model::{Integrator, Options, Quaternion, Softness, rotation};
 use nalgebra::Vector3;
 
 /// When a body's inertia comes from its geoms.
@@ -151,6 +151,15 @@ pub(super) fn options(root: &Element) -> Result<Options, ModelError> {
         options.timestep = element.number_or("timestep", options.timestep)?;
         if options.timestep <= 0.0 {
             return Err(element.invalid("`timestep` must be positive"));
+        }
+        const INTEGRATORS: [(&str, Integrator); 3] =
+            [("Euler", Integrator::Euler), ("implicitfast", Integrator::Implicit), ("RK4", Integrator::RungeKutta)];
+        if let Some(index) = element.keyword("integrator", &INTEGRATORS.map(|(word, _)| word))? {
+            options.integrator = INTEGRATORS[index].1;
+        }
+        for flag in element.children.iter().filter(|child| child.tag == "flag") {
+            options.euler_damping =
+                flag.keyword("eulerdamp", &["disable", "enable"])?.map_or(options.euler_damping, |word| word == 1);
         }
         options.gravity = element.vector_or("gravity", options.gravity)?;
         options.iterations = count(element, "iterations", options.iterations)?;

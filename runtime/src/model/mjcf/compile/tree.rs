@@ -125,6 +125,7 @@ impl Compiler<'_> {
         let placed = around.frame.then(&self.frame(element)?);
         let name = self.names.register(Kind::Body, element, self.model.bodies.name.len())?;
         let body = self.add_body(name, around.body, &placed);
+        self.model.bodies.gravity_compensation[body] = element.number_or("gravcomp", 0.0)?;
         let surroundings = Surroundings { body, frame: Frame::IDENTITY, class };
         let mut parts = Parts::default();
         let first_site = self.model.sites.name.len();
@@ -164,6 +165,7 @@ impl Compiler<'_> {
         bodies.mass.push(0.0);
         bodies.inertia.push(Vector3::zeros());
         bodies.mocap.push(false);
+        bodies.gravity_compensation.push(0.0);
         bodies.joints.push(0..0);
         bodies.geoms.push(0..0);
         bodies.name.len() - 1
@@ -205,6 +207,7 @@ impl Compiler<'_> {
             _ => self.settings.limited(element, "limited", "range")?,
         };
         let coordinates = self.coordinates(element, kind)?;
+        let actuator_force_range = self.settings.limited(element, "actuatorfrclimited", "actuatorfrcrange")?.filter(|_| directed);
         let joints = &mut self.model.joints;
         joints.name.push(name);
         joints.kind.push(kind);
@@ -216,7 +219,13 @@ impl Compiler<'_> {
         joints.limit_softness.push(softness(element, "solreflimit", "solimplimit")?);
         joints.stiffness.push(linear(element, "stiffness")?);
         joints.spring_reference.push(coordinates.spring);
+        joints.actuator_force_range.push(actuator_force_range);
+        joints.actuator_compensates.push(element.flag("actuatorgravcomp")?.unwrap_or(false));
         let reference = coordinates.reference;
+        let spring = element.numbers_over("springdamper", [0.0; 2])?;
+        if spring.iter().all(|figure| *figure > 0.0) {
+            self.springs.push((index, spring));
+        }
         joints.position_address.push(self.model.reference_position.len());
         joints.dof_address.push(self.model.dofs.body.len());
         self.add_coordinates(kind, around.body, reference);

@@ -19,7 +19,13 @@ pub(super) fn write(model: &Model) -> String {
     let mut printer = Printer { text: String::new(), depth: 0 };
     printer.open(&Row::new("mujoco").text("model", &model.name));
     printer.empty(&Row::new("compiler").word("angle", "radian"));
-    printer.empty(&rows::options(&model.options));
+    if model.options.euler_damping {
+        printer.empty(&rows::options(&model.options));
+    } else {
+        printer.open(&rows::options(&model.options));
+        printer.empty(&Row::new("flag").word("eulerdamp", "disable"));
+        printer.close("option");
+    }
     shared.print(&mut printer);
     printer.open(&Row::new("worldbody"));
     print_contents(model, 0, &shared, &mut printer);

@@ -2,7 +2,7 @@
 
 use super::super::compile::GEOM_KINDS;
 use super::{JointKind, Model, PathPoint};
-use crate::model::{GeomKind, Options, Quaternion, Softness, rotation};
+use crate::model::{Bias, Dynamics, Gain, GeomKind, Integrator, Options, Quaternion, Softness, Transmission, rotation};
 use nalgebra::Vector3;
 
 /// An element's tag and attributes, as text.
@@ -88,8 +88,11 @@ pub(super) fn standard(kind: &str, name: &str) -> &'static str {
         ("geom" | "pair", "condim") => "3",
         ("geom", "contype" | "conaffinity" | "solmix") | ("general", "gear") => "1",
         ("tendon", "springlength") => "-1 -1",
-        ("general", "dyntype" | "gaintype" | "biastype") => "muscle",
-        ("general", "ctrlrange") => "0 0",
+        ("general", "dyntype" | "biastype") => "none",
+        ("general", "gaintype") => "fixed",
+        ("general", "dynprm") => "1",
+        ("general", "actearly") => "false",
+        ("general", "ctrlrange" | "forcerange" | "actrange") => "0 0",
         (_, "solref" | "solreflimit") => "0.02 1",
         (_, "solimp" | "solimplimit") => "0.9 0.95 0.001 0.5 2",
         _ => "0",
@@ -129,6 +132,11 @@ pub(super) fn options(options: &Options) -> Row {
     if options.gravity != standard.gravity {
         row = row.numbers("gravity", options.gravity.iter().copied());
     }
+    match options.integrator {
+        Integrator::Euler => {}
+        Integrator::Implicit => row = row.word("integrator", "implicitfast"),
+        Integrator::RungeKutta => row = row.word("integrator", "RK4"),
+    }
     let numbers = [
         ("tolerance", options.tolerance, standard.tolerance),
         ("ls_tolerance", options.line_search_tolerance, standard.line_search_tolerance),
@@ -154,6 +162,7 @@ pub(super) fn body(model: &Model, body: usize) -> Row {
         .vector("pos", bodies.position[body])
         .orientation(bodies.orientation[body])
         .flag("mocap", bodies.mocap[body])
+        .unless_standard("body", "gravcomp", [bodies.gravity_compensation[body]])
 }
 
 pub(super) fn inertial(model: &Model, body: usize) -> Row {
@@ -196,7 +205,11 @@ pub(super) fn joint(model: &Model, joint: usize) -> Row {
         .unless_standard("joint", "frictionloss", [dofs.friction_loss[dof]])
         .unless_standard("joint", "stiffness", [joints.stiffness[joint]])
         .unless_standard("joint", "margin", [joints.margin[joint]])
-        .softness("joint", ["solreflimit", "solimplimit"], &joints.limit_softness[joint]);
+        .softness("joint", ["solreflimit", "solimplimit"], &joints.limit_softness[joint])
+        .range("actuatorfrcrange", joints.actuator_force_range[joint]);
+    if joints.actuator_compensates[joint] {
+        row = row.word("actuatorgravcomp", "true");
+    }
     let plain = row.attributes.iter().all(|(name, _)| matches!(*name, "name" | "type"));
     if kind == JointKind::Free && plain {
         row = Row::new("freejoint").text("name", &joints.name[joint]);
@@ -281,16 +294,54 @@ pub(super) fn path_point(model: &Model, point: &PathPoint) -> Row {
 
 pub(super) fn actuator(model: &Model, actuator: usize) -> Row {
     let actuators = &model.actuators;
-    Row::new("general")
-        .text("name", &actuators.name[actuator])
-        .text("tendon", &model.tendons.name[actuators.tendon[actuator]])
-        .word("dyntype", "muscle")
-        .word("gaintype", "muscle")
-        .word("biastype", "muscle")
+    let mut row = Row::new("general").text("name", &actuators.name[actuator]);
+    row = match actuators.transmission[actuator] {
+        Transmission::Joint(joint) => row.text("joint", &model.joints.name[joint]),
+        Transmission::JointInParent(joint) => row.text("jointinparent", &model.joints.name[joint]),
+        Transmission::Tendon(tendon) => row.text("tendon", &model.tendons.name[tendon]),
+        Transmission::Site { site, reference } => {
+            row.text("site", &model.sites.name[site]).text("refsite", reference.map_or("", |site| &model.sites.name[site]))
+        }
+    };
+    let (dynamics, constants) = match actuators.dynamics[actuator] {
+        Dynamics::None => ("none", Vec::new()),
+        Dynamics::Integrator => ("integrator", Vec::new()),
+        Dynamics::Filter(time) => ("filter", vec![time]),
+        Dynamics::ExactFilter(time) => ("filterexact", vec![time]),
+        Dynamics::Muscle(constants) => ("muscle", constants.to_vec()),
+    };
+    let (gain, gain_figures) = match actuators.gain[actuator] {
+        Gain::Fixed(gain) => ("fixed", vec![gain]),
+        Gain::Affine(figures) => ("affine", figures.to_vec()),
+        Gain::Muscle(figures) => ("muscle", figures.to_vec()),
+    };
+    let (bias, bias_figures) = match actuators.bias[actuator] {
+        Bias::None => ("none", Vec::new()),
+        Bias::Affine(figures) => ("affine", figures.to_vec()),
+        Bias::Muscle(figures) => ("muscle", figures.to_vec()),
+    };
+    let words = [("dyntype", dynamics), ("gaintype", gain), ("biastype", bias)];
+    for (name, word) in words.into_iter().filter(|(name, word)| standard("general", name) != *word) {
+        row = row.word(name, word);
+    }
+    if actuators.early[actuator] {
+        row = row.word("actearly", "true");
+    }
+    row = row
         .range("ctrlrange", actuators.control_range[actuator])
-        .numbers("lengthrange", actuators.length_range[actuator])
-        .unless_standard("general", "gear", [actuators.gear[actuator]])
-        .numbers("dynprm", actuators.time_constants[actuator])
-        .numbers("gainprm", actuators.gain[actuator])
-        .numbers("biasprm", actuators.bias[actuator])
+        .range("forcerange", actuators.force_range[actuator])
+        .range("actrange", actuators.activation_range[actuator]);
+    if actuators.length_range[actuator] != [0.0; 2] {
+        row = row.numbers("lengthrange", actuators.length_range[actuator]);
+    }
+    // A default gear reaches through where an element gives fewer numbers: all say all, or all say one.
+    let ratios = actuators.gear.iter().all(|[_, axes @ ..]| *axes == [0.0; 5]);
+    let gear = actuators.gear[actuator];
+    row = if ratios { row.unless_standard("general", "gear", [gear[0]]) } else { row.numbers("gear", gear) };
+    for (name, figures) in [("dynprm", constants), ("gainprm", gain_figures), ("biasprm", bias_figures)] {
+        if !figures.is_empty() {
+            row = row.numbers(name, figures);
+        }
+    }
+    row
 }

@@ -4,99 +4,7 @@
 //! optimal length, which follows from the operating range of the path (MuJoCo's manual, "Muscles"; the activation dynamics
 //! are those of Millard et al., J. Biomech. Eng. 135, 2013). Positive path force lengthens; muscles pull, so theirs is negative.
 
-use super::{
-    kinematics::Kinematics,
-    rotation::MINIMUM,
-    spatial::{Spatial, spatial_zero},
-    state::State,
-    tendons::TendonPaths,
-};
-use crate::{model::Model, scalar::Real};
-
-/// One entry per muscle.
-#[derive(Debug, Clone)]
-pub struct Muscles<T: Real> {
-    /// Length of the muscle-tendon path times gear, m (`actuator_length`).
-    pub length: Vec<T>,
-    /// Its rate, m/s (`actuator_velocity`).
-    pub velocity: Vec<T>,
-    /// Rate of activation, 1/s (`act_dot`).
-    pub activation_rate: Vec<T>,
-    /// Active force at full activation, N (the actuator's gain); negative pulls.
-    pub gain: Vec<T>,
-    /// Passive force, N (the actuator's bias); negative pulls.
-    pub bias: Vec<T>,
-    /// Force, N (`actuator_force`); negative pulls.
-    pub force: Vec<T>,
-    /// Constants of each muscle's active and passive force.
-    curves: Vec<[Curve; 2]>,
-}
-
-impl<T: Real> Muscles<T> {
-    /// Memory for `model`, and constants that follow from it.
-    pub fn new(model: &Model) -> Self {
-        let actuators = &model.actuators;
-        let zeros = vec![T::splat(0.0); actuators.tendon.len()];
-        let curves = |muscle: usize| {
-            [&actuators.gain[muscle], &actuators.bias[muscle]]
-                .map(|figures| Curve::new(figures, actuators.length_range[muscle], actuators.acceleration_scale[muscle]))
-        };
-        Self {
-            length: zeros.clone(),
-            velocity: zeros.clone(),
-            activation_rate: zeros.clone(),
-            gain: zeros.clone(),
-            bias: zeros.clone(),
-            force: zeros,
-            curves: (0..actuators.tendon.len()).map(curves).collect(),
-        }
-    }
-
-    /// How much the pull of `muscle` at full activation weakens per velocity of shortening, N s/m: the slope of its
-    /// force-velocity curve at the present length and velocity, never negative. On request only.
-    pub fn active_damping(&self, muscle: usize) -> T {
-        self.curves[muscle][0].damping(self.length[muscle], self.velocity[muscle])
-    }
-}
-
-/// Fills lengths, velocities, activation rates and forces from those of the tendons.
-pub fn update<T: Real>(model: &Model, state: &State<T>, tendons: &TendonPaths<T>, out: &mut Muscles<T>) {
-    let actuators = &model.actuators;
-    for muscle in 0..actuators.tendon.len() {
-        let (tendon, gear) = (actuators.tendon[muscle], T::splat(actuators.gear[muscle]));
-        let (length, velocity) = (tendons.length[tendon] * gear, tendons.velocity[tendon] * gear);
-        let activation = state.activation[muscle];
-        let mut excitation = state.control[muscle];
-        if let Some([low, high]) = actuators.control_range[muscle] {
-            excitation = excitation.max(T::splat(low)).min(T::splat(high));
-        }
-        let [active, passive] = &out.curves[muscle];
-        let gain = -active.gain(length, velocity);
-        let bias = -passive.passive(length);
-        out.length[muscle] = length;
-        out.velocity[muscle] = velocity;
-        out.activation_rate[muscle] = activation_rate(excitation, activation, &actuators.time_constants[muscle]);
-        out.gain[muscle] = gain;
-        out.bias[muscle] = bias;
-        out.force[muscle] = gain * activation + bias;
-    }
-}
-
-/// Generalised force of all muscles (`qfrc_actuator`): their pulls gathered per body and swept up the tree.
-pub fn generalised_force<T: Real>(
-    model: &Model,
-    kinematics: &Kinematics<T>,
-    tendons: &TendonPaths<T>,
-    muscles: &Muscles<T>,
-    body_force: &mut [Spatial<T>],
-    out: &mut [T],
-) {
-    body_force.fill(spatial_zero());
-    for (muscle, &force) in muscles.force.iter().enumerate() {
-        tendons.pull(model.actuators.tendon[muscle], force * T::splat(model.actuators.gear[muscle]), body_force);
-    }
-    super::forces::gather(model, kinematics, body_force, out);
-}
+use crate::{physics::rotation::MINIMUM, scalar::Real};
 
 /// Rate of activation (1/s) under `excitation`; `constants` are the activation and deactivation times (s) and the width of
 /// the smooth transition between them.
@@ -121,7 +29,7 @@ pub fn activation_rate<T: Real>(excitation: T, activation: T, constants: &[f64; 
 
 /// The constants of a force-length-velocity curve: peaks and scales ready for use.
 #[derive(Debug, Clone)]
-struct Curve {
+pub(super) struct Curve {
     /// F0, N.
     peak: f64,
     /// Scaled length = scale * path length + offset.
@@ -141,7 +49,7 @@ struct Curve {
 
 impl Curve {
     /// From MuJoCo's nine figures: range (2), force, scale, lmin, lmax, vmax, fpmax, fvmax.
-    fn new(figures: &[f64; 9], length_range: [f64; 2], acceleration_scale: f64) -> Self {
+    pub fn new(figures: &[f64; 9], length_range: [f64; 2], acceleration_scale: f64) -> Self {
         let [low, high, force, force_scale, shortest, longest, fastest, passive_peak, lengthening_peak] = *figures;
         let optimal = (length_range[1] - length_range[0]) / (high - low).max(MINIMUM);
         let scale = 1.0 / optimal.max(MINIMUM);
@@ -161,7 +69,7 @@ impl Curve {
 
     /// Active force at full activation, N.
     #[inline(always)]
-    fn gain<T: Real>(&self, length: T, velocity: T) -> T {
+    pub fn gain<T: Real>(&self, length: T, velocity: T) -> T {
         let length = length * T::splat(self.scale) + T::splat(self.offset);
         let velocity = velocity * T::splat(self.velocity_scale);
         T::splat(self.peak) * self.active_by_length(length) * self.active_by_velocity(velocity)
@@ -169,7 +77,7 @@ impl Curve {
 
     /// Slope of [`gain`](Self::gain) over velocity, N s/m.
     #[inline(always)]
-    fn damping<T: Real>(&self, length: T, velocity: T) -> T {
+    pub fn damping<T: Real>(&self, length: T, velocity: T) -> T {
         let (zero, one, two) = (T::splat(0.0), T::splat(1.0), T::splat(2.0));
         let length = length * T::splat(self.scale) + T::splat(self.offset);
         let velocity = velocity * T::splat(self.velocity_scale);
@@ -215,7 +123,7 @@ impl Curve {
 
     /// Passive force, N: zero up to the optimal length, then a parabola, then a straight line.
     #[inline(always)]
-    fn passive<T: Real>(&self, length: T) -> T {
+    pub fn passive<T: Real>(&self, length: T) -> T {
         let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
         let length = length * T::splat(self.scale) + T::splat(self.offset);
         let inverse = T::splat(1.0 / (self.descending - 1.0).max(MINIMUM));

@@ -1,4 +1,4 @@
-//! Spatial tendons and the muscles that pull them.
+//! Spatial tendons.
 
 use super::Softness;
 use core::ops::Range;
@@ -42,27 +42,4 @@ pub struct Tendons {
     pub spring_length: Vec<Option<[f64; 2]>>,
     /// Length at the reference configuration, m.
     pub reference_length: Vec<f64>,
-}
-
-/// Muscles (MuJoCo's muscle actuator), one entry each per array.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Actuators {
-    /// Names.
-    pub name: Vec<String>,
-    /// Tendon that it pulls.
-    pub tendon: Vec<usize>,
-    /// Gear ratio.
-    pub gear: Vec<f64>,
-    /// Control range, if limited.
-    pub control_range: Vec<Option<[f64; 2]>>,
-    /// Operating range of the tendon length, m.
-    pub length_range: Vec<[f64; 2]>,
-    /// Norm of the actuator's joint-space acceleration per unit force at the reference configuration.
-    pub acceleration_scale: Vec<f64>,
-    /// Activation dynamics: activation time, deactivation time (s), smoothing width.
-    pub time_constants: Vec<[f64; 3]>,
-    /// Active force: range0, range1, force, scale, lmin, lmax, vmax, fpmax, fvmax (MuJoCo `gainprm`).
-    pub gain: Vec<[f64; 9]>,
-    /// Passive force, the same layout (MuJoCo `biasprm`).
-    pub bias: Vec<[f64; 9]>,
 }

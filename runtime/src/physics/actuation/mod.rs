@@ -1,0 +1,354 @@
+//! Actuators: lengths, activations, forces.
+//!
+//! 1. `muscle`: activation dynamics and the force-length-velocity curves;
+//! 2. `law`: gains, biases and dynamics of motors and servos;
+//! 3. `transmission`: joints and sites as targets;
+//! 4. here: what is planned once per model, and one step of all actuators.
+//!
+//! Plain muscles (muscular in all three parts, on a tendon, nothing clamped but the control) have a loop of their own: a
+//! body has hundreds of them, and they need no Jacobian. All others go through the general law, in MuJoCo's order: control
+//! clamped, activation rate, gain and bias, force clamped, joint force with gravity compensation, joint force clamped.
+
+mod law;
+mod muscle;
+mod transmission;
+
+use super::{
+    kinematics::Kinematics,
+    spatial::{Spatial, spatial_zero},
+    state::State,
+    tendons::{self, TendonPaths},
+};
+use crate::{
+    model::{Model, Transmission},
+    scalar::Real,
+};
+use core::ops::Range;
+use law::Law;
+use muscle::Curve;
+pub use muscle::activation_rate;
+use std::sync::Arc;
+use transmission::Moments;
+
+/// One entry per actuator, in the model's order, but for the rates.
+#[derive(Debug, Clone)]
+pub struct Actuation<T: Real> {
+    /// Length times gear, m or rad (`actuator_length`).
+    pub length: Vec<T>,
+    /// Its rate, m/s or rad/s (`actuator_velocity`).
+    pub velocity: Vec<T>,
+    /// Rate of each activation, 1/s (`act_dot`).
+    pub activation_rate: Vec<T>,
+    /// What the drive is multiplied with: for a muscle the active force at full activation, N; negative pulls.
+    pub gain: Vec<T>,
+    /// What is added: for a muscle the passive force, N; negative pulls.
+    pub bias: Vec<T>,
+    /// Force, N or N m (`actuator_force`); negative pulls.
+    pub force: Vec<T>,
+    moments: Moments<T>,
+    plan: Arc<Plan>,
+}
+
+/// What follows from the model alone.
+#[derive(Debug)]
+struct Plan {
+    muscles: Vec<PlainMuscle>,
+    others: Vec<Other>,
+    /// Whether some other is on a tendon.
+    pulls: bool,
+    /// Dofs whose actuator force is clamped, or takes gravity compensation.
+    clamped: Vec<(usize, [f64; 2])>,
+    compensated: Vec<usize>,
+}
+
+#[derive(Debug)]
+struct PlainMuscle {
+    actuator: usize,
+    activation: usize,
+    tendon: usize,
+    gear: f64,
+    control_range: Option<[f64; 2]>,
+    time_constants: [f64; 3],
+    active: Curve,
+    passive: Curve,
+}
+
+#[derive(Debug)]
+struct Other {
+    actuator: usize,
+    activation: Option<usize>,
+    tendon: Option<usize>,
+    /// The only dof that it moves, if there is one.
+    dof: Option<usize>,
+    gear: f64,
+    control_range: Option<[f64; 2]>,
+    force_range: Option<[f64; 2]>,
+    early: bool,
+    law: Law,
+    /// Its entries among the moments.
+    moment: Range<usize>,
+}
+
+impl<T: Real> Actuation<T> {
+    /// Memory for `model`, and constants that follow from it.
+    pub fn new(model: &Model) -> Self {
+        let mut moments = Moments::new();
+        let plan = Plan::new(model, &mut moments);
+        let zeros = vec![T::splat(0.0); model.actuators.name.len()];
+        Self {
+            length: zeros.clone(),
+            velocity: zeros.clone(),
+            activation_rate: vec![T::splat(0.0); model.na],
+            gain: zeros.clone(),
+            bias: zeros.clone(),
+            force: zeros,
+            moments,
+            plan: Arc::new(plan),
+        }
+    }
+
+    /// How much the pull of the muscle `actuator` at full activation weakens per velocity of shortening, N s/m: the slope of
+    /// its force-velocity curve at the present length and velocity, never negative; zero for what is no muscle. On request.
+    pub fn active_damping(&self, actuator: usize) -> T {
+        let (length, velocity) = (self.length[actuator], self.velocity[actuator]);
+        match self.plan.muscles.binary_search_by_key(&actuator, |muscle| muscle.actuator) {
+            Ok(index) => self.plan.muscles[index].active.damping(length, velocity),
+            Err(_) => T::splat(0.0),
+        }
+    }
+}
+
+impl Plan {
+    fn new<T: Real>(model: &Model, moments: &mut Moments<T>) -> Self {
+        let actuators = &model.actuators;
+        let mut plan =
+            Self { muscles: Vec::new(), others: Vec::new(), pulls: false, clamped: Vec::new(), compensated: Vec::new() };
+        for actuator in 0..actuators.name.len() {
+            let (length_range, scale) = (actuators.length_range[actuator], actuators.acceleration_scale[actuator]);
+            let unclamped = actuators.force_range[actuator].is_none() && actuators.activation_range[actuator].is_none();
+            if let Some(muscle) = actuators.muscle(actuator).filter(|_| unclamped && !actuators.early[actuator]) {
+                plan.muscles.push(PlainMuscle {
+                    actuator,
+                    activation: muscle.activation,
+                    tendon: muscle.tendon,
+                    gear: muscle.gear,
+                    control_range: actuators.control_range[actuator],
+                    time_constants: muscle.time_constants,
+                    active: Curve::new(&muscle.active, length_range, scale),
+                    passive: Curve::new(&muscle.passive, length_range, scale),
+                });
+                continue;
+            }
+            let tendon = match actuators.transmission[actuator] {
+                Transmission::Tendon(tendon) => Some(tendon),
+                _ => None,
+            };
+            plan.pulls |= tendon.is_some();
+            let dof = match transmission::entries(model, actuators.transmission[actuator])[..] {
+                [(dof, _)] => Some(dof),
+                _ => None,
+            };
+            plan.others.push(Other {
+                actuator,
+                activation: actuators.activation[actuator],
+                tendon,
+                dof,
+                gear: actuators.gear[actuator][0],
+                control_range: actuators.control_range[actuator],
+                force_range: actuators.force_range[actuator],
+                early: actuators.early[actuator],
+                law: Law::new(model, actuator),
+                moment: moments.add(model, actuator),
+            });
+        }
+        for (joint, range) in model.joints.actuator_force_range.iter().enumerate() {
+            plan.clamped.extend(range.map(|range| (model.joints.dof_address[joint], range)));
+        }
+        plan.compensated = (0..model.nv).filter(|&dof| model.joints.actuator_compensates[model.dofs.joint[dof]]).collect();
+        plan
+    }
+}
+
+/// Fills lengths, velocities, activation rates and forces.
+pub fn update<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    kinematics: &Kinematics<T>,
+    tendons: &TendonPaths<T>,
+    out: &mut Actuation<T>,
+) {
+    let plan = Arc::clone(&out.plan);
+    for muscle in &plan.muscles {
+        let gear = T::splat(muscle.gear);
+        let (length, velocity) = (tendons.length[muscle.tendon] * gear, tendons.velocity[muscle.tendon] * gear);
+        let activation = state.activation[muscle.activation];
+        let excitation = clamped(state.control[muscle.actuator], muscle.control_range);
+        let gain = -muscle.active.gain(length, velocity);
+        let bias = -muscle.passive.passive(length);
+        out.length[muscle.actuator] = length;
+        out.velocity[muscle.actuator] = velocity;
+        out.activation_rate[muscle.activation] = activation_rate(excitation, activation, &muscle.time_constants);
+        out.gain[muscle.actuator] = gain;
+        out.bias[muscle.actuator] = bias;
+        out.force[muscle.actuator] = gain * activation + bias;
+    }
+    for other in &plan.others {
+        let [length, velocity] = match other.tendon {
+            Some(tendon) => [tendons.length[tendon], tendons.velocity[tendon]].map(|value| value * T::splat(other.gear)),
+            None => out.moments.update(model, state, kinematics, other.actuator, other.moment.clone()),
+        };
+        let [gain, bias, force] = other.forces(model, state, length, velocity, &mut out.activation_rate);
+        out.length[other.actuator] = length;
+        out.velocity[other.actuator] = velocity;
+        out.gain[other.actuator] = gain;
+        out.bias[other.actuator] = bias;
+        out.force[other.actuator] = clamped(force, other.force_range);
+    }
+}
+
+impl Other {
+    /// Gain, bias and the force before it is clamped; sets the rate of the activation, if there is one.
+    fn forces<T: Real>(&self, model: &Model, state: &State<T>, length: T, velocity: T, rates: &mut [T]) -> [T; 3] {
+        let drive = self.drive(model, state, length, rates);
+        self.law.force(drive, length, velocity)
+    }
+
+    fn drive<T: Real>(&self, model: &Model, state: &State<T>, length: T, rates: &mut [T]) -> T {
+        if let Some(slot) = self.activation {
+            let control = clamped(state.control[self.actuator], self.control_range);
+            rates[slot] = self.law.rate(control, state.activation[slot]);
+        }
+        self.present_drive(model, state, rates, length)
+    }
+
+    /// The control, or the activation, early or not, under rates that are known.
+    fn present_drive<T: Real>(&self, model: &Model, state: &State<T>, rates: &[T], length: T) -> T {
+        let Some(slot) = self.activation else { return clamped(state.control[self.actuator], self.control_range) };
+        let activation = state.activation[slot];
+        if self.early { self.law.next(activation, rates[slot], length, model.options.timestep) } else { activation }
+    }
+}
+
+/// Generalised force of all actuators (`qfrc_actuator`): pulls at bodies gathered and swept up the tree, pushes at joints.
+/// `compensation` is the generalised force that balances gravity, for the joints whose actuators provide it.
+pub fn generalised_force<T: Real>(
+    model: &Model,
+    kinematics: &Kinematics<T>,
+    tendons: &TendonPaths<T>,
+    actuation: &Actuation<T>,
+    compensation: &[T],
+    body_force: &mut [Spatial<T>],
+    out: &mut [T],
+) {
+    let plan = &actuation.plan;
+    if plan.muscles.is_empty() && !plan.pulls {
+        out.fill(T::splat(0.0));
+    } else {
+        body_force.fill(spatial_zero());
+        for muscle in &plan.muscles {
+            tendons.pull(muscle.tendon, actuation.force[muscle.actuator] * T::splat(muscle.gear), body_force);
+        }
+        for other in &plan.others {
+            if let Some(tendon) = other.tendon {
+                tendons.pull(tendon, actuation.force[other.actuator] * T::splat(other.gear), body_force);
+            }
+        }
+        super::forces::gather(model, kinematics, body_force, out);
+    }
+    for other in &plan.others {
+        for (dof, moment) in actuation.moments.entries(other.moment.clone()) {
+            out[dof] += moment * actuation.force[other.actuator];
+        }
+    }
+    for &dof in &plan.compensated {
+        out[dof] += compensation[dof];
+    }
+    for &(dof, range) in &plan.clamped {
+        out[dof] = clamped(out[dof], Some(range));
+    }
+}
+
+/// Advances all activations by `step` seconds at the given rates, clamped to their ranges.
+pub fn advance<T: Real>(actuation: &Actuation<T>, rates: &[T], step: f64, activations: &mut [T]) {
+    for muscle in &actuation.plan.muscles {
+        activations[muscle.activation] += T::splat(step) * rates[muscle.activation];
+    }
+    for other in &actuation.plan.others {
+        if let Some(slot) = other.activation {
+            activations[slot] = other.law.next(activations[slot], rates[slot], actuation.length[other.actuator], step);
+        }
+    }
+}
+
+/// Calls `add` with the moment and the slope of the force over velocity (N s/m) of every actuator that has one. An actuator
+/// whose force, or the force of whose joint, is clamped has none. `row` (`nv` entries) is scratch.
+pub(super) fn each_slope<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    kinematics: &Kinematics<T>,
+    tendons: &TendonPaths<T>,
+    actuation: &Actuation<T>,
+    joint_force: &[T],
+    row: &mut [T],
+    mut add: impl FnMut(&[T], T),
+) {
+    let zero = T::splat(0.0);
+    let plan = &actuation.plan;
+    let inside = |value: T, [low, high]: [f64; 2]| T::and(T::splat(low).less(value), value.less(T::splat(high)));
+    for muscle in &plan.muscles {
+        let (length, velocity) = (actuation.length[muscle.actuator], actuation.velocity[muscle.actuator]);
+        let slope = -state.activation[muscle.activation] * muscle.active.damping(length, velocity);
+        if slope != zero {
+            moment(model, state, kinematics, tendons, muscle.actuator, row);
+            add(row, slope);
+        }
+    }
+    for other in &plan.others {
+        let (length, velocity) = (actuation.length[other.actuator], actuation.velocity[other.actuator]);
+        let drive = other.present_drive(model, state, &actuation.activation_rate, length);
+        let mut slope = other.law.damping(drive, length, velocity);
+        if let Some(range) = other.force_range {
+            slope = T::select(inside(actuation.force[other.actuator], range), slope, zero);
+        }
+        for &(dof, range) in plan.clamped.iter().filter(|(dof, _)| other.dof == Some(*dof)) {
+            slope = T::select(inside(joint_force[dof], range), slope, zero);
+        }
+        if slope != zero {
+            moment(model, state, kinematics, tendons, other.actuator, row);
+            add(row, slope);
+        }
+    }
+}
+
+/// Writes into `row` (`nv` entries) how the length of `actuator` changes with every dof: its row of `actuator_moment`. On
+/// request only.
+pub fn moment<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    kinematics: &Kinematics<T>,
+    tendons: &TendonPaths<T>,
+    actuator: usize,
+    row: &mut [T],
+) {
+    if let Transmission::Tendon(tendon) = model.actuators.transmission[actuator] {
+        tendons::moment_arms(model, kinematics, tendons, tendon, row);
+        let gear = T::splat(model.actuators.gear[actuator][0]);
+        row.iter_mut().for_each(|arm| *arm *= gear);
+        return;
+    }
+    row.fill(T::splat(0.0));
+    let sides = transmission::entries(model, model.actuators.transmission[actuator]);
+    let mut values = vec![T::splat(0.0); sides.len()];
+    transmission::measure(model, state, kinematics, actuator, &sides, &mut values);
+    for (&(dof, _), value) in sides.iter().zip(values) {
+        row[dof] = value;
+    }
+}
+
+#[inline(always)]
+fn clamped<T: Real>(value: T, range: Option<[f64; 2]>) -> T {
+    match range {
+        Some([low, high]) => value.max(T::splat(low)).min(T::splat(high)),
+        None => value,
+    }
+}

@@ -1,0 +1,94 @@
+//! Time stepping (MuJoCo's manual, "Numerical integration").
+//!
+//! * Euler: semi-implicit, v += h a, then positions move with the new velocity; joint damping pulls at the end of the step,
+//!   (M + h B) a = force, with h the step and B the joints' damping.
+//! * [`implicit`]: the same with the dampers of tendons and the velocity slopes of actuators in B ("implicitfast").
+//! * [`runge_kutta`]: the classical fourth order, on the group of rotations for orientations.
+//!
+//! Activations advance at their rate from the step's start (Runge-Kutta: at the mean rate) and stay in their range.
+//! Nothing writes to the state before everything that can fail has succeeded.
+
+pub mod implicit;
+pub mod runge_kutta;
+
+use super::{Workspace, actuation, inertia, rotation, state::State};
+use crate::{
+    model::{JointKind, Model},
+    scalar::Real,
+};
+use nalgebra::Vector3;
+
+/// Advances `state` by one semi-implicit step from the forces in `workspace`.
+pub fn euler<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) {
+    damped_acceleration(model, workspace);
+    advance(model, state, workspace);
+}
+
+/// Advances `state` by one step at the activation rates and the damped acceleration in `workspace`.
+fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &Workspace<T>) {
+    let time = model.options.timestep;
+    let step = T::splat(time);
+    let actuation = &workspace.actuation;
+    actuation::advance(actuation, &actuation.activation_rate, time, &mut state.activation);
+    for (velocity, acceleration) in state.velocity.iter_mut().zip(&workspace.damped_acceleration) {
+        *velocity += step * *acceleration;
+    }
+    advance_positions(model, &mut state.position, &state.velocity, step);
+    state.time += time;
+    state.warm_start.copy_from_slice(&workspace.acceleration);
+}
+
+/// Solves (M + h B) a = smooth + constraint forces; without damping a is the acceleration itself.
+fn damped_acceleration<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
+    if !model.options.euler_damping || model.dofs.damping.iter().all(|damping| *damping == 0.0) {
+        workspace.damped_acceleration.copy_from_slice(&workspace.acceleration);
+        return;
+    }
+    // The factor of M is not needed any more in this step.
+    let factor = &mut workspace.inertia.factor;
+    factor.copy_from_slice(&workspace.inertia.matrix);
+    add_joint_damping(model, factor);
+    inertia::factor(model, factor);
+    total_force(workspace);
+    inertia::solve(model, &workspace.inertia.factor, &mut workspace.damped_acceleration);
+}
+
+/// h B of the joints.
+fn add_joint_damping<T: Real>(model: &Model, matrix: &mut [T]) {
+    for (row, damping) in model.dofs.row.iter().zip(&model.dofs.damping) {
+        matrix[row.end - 1] += T::splat(model.options.timestep * damping);
+    }
+}
+
+/// Puts smooth and constraint forces where the solution is wanted.
+fn total_force<T: Real>(workspace: &mut Workspace<T>) {
+    let forces = workspace.forces.smooth.iter().zip(&workspace.constraint_force);
+    for (total, (smooth, constraint)) in workspace.damped_acceleration.iter_mut().zip(forces) {
+        *total = *smooth + *constraint;
+    }
+}
+
+/// Moves positions by `step` seconds at the given velocities; orientations turn in their own axes.
+pub fn advance_positions<T: Real>(model: &Model, positions: &mut [T], velocities: &[T], step: T) {
+    let joints = &model.joints;
+    for joint in 0..joints.kind.len() {
+        let position = &mut positions[joints.position_address[joint]..];
+        let velocity = &velocities[joints.dof_address[joint]..];
+        match joints.kind[joint] {
+            JointKind::Hinge | JointKind::Slide => position[0] += step * velocity[0],
+            JointKind::Ball => turn(position, velocity, step),
+            JointKind::Free => {
+                for axis in 0..3 {
+                    position[axis] += step * velocity[axis];
+                }
+                turn(&mut position[3..], &velocity[3..], step);
+            }
+        }
+    }
+}
+
+fn turn<T: Real>(quaternion: &mut [T], velocity: &[T], step: T) {
+    let before = [quaternion[0], quaternion[1], quaternion[2], quaternion[3]];
+    let after = rotation::integrate(&before, &Vector3::new(velocity[0], velocity[1], velocity[2]), step);
+    quaternion[..4].copy_from_slice(&after);
+}
