@@ -362,9 +362,17 @@ fn compile_task(
     };
     let vocabulary = described.vocabulary.as_ref()?;
     let texts = SourceTexts(sources);
-    let (checked, found) = check::task::check(task, file, names, vocabulary, &texts);
+    let (surroundings, found) = check::scene::surroundings(task, file, names, vocabulary);
+    let broken = found.iter().any(|told| told.severity == Severity::Error);
     diagnostics.extend(found);
-    checked.map(|checked| finish(task, file, checked, described.description.clone(), &texts))
+    let vocabulary = vocabulary.with_scene(&surroundings.scene);
+    let (checked, mut found) = check::task::check(task, file, names, &vocabulary, &surroundings, &texts);
+    if broken {
+        // What formulas do not find may be what is broken in the scene: only the scene is at fault.
+        found.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
+    }
+    diagnostics.extend(found);
+    checked.filter(|_| !broken).map(|checked| finish(task, file, checked, described.description.clone(), &texts))
 }
 
 fn suites(files: &[SourceFile], tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Vec<Suite> {

@@ -221,7 +221,7 @@ impl<'a> Checker<'a> {
         let mut node = data.node;
         let is_place = matches!(data.kind.element(), Type::Place(_));
         if let (true, Frame::Landmark(index) | Frame::Heading(index)) = (is_place, target) {
-            let origin = self.graph.sensors(vec![Sensor::LandmarkPosition(index)]);
+            let origin = self.measured(vec![Sensor::LandmarkPosition(index)]);
             let repeated = self.graph.select((0..count).flat_map(|_| 0..3), origin);
             node = self.graph.binary(Binary::Subtract, node, repeated);
         }
@@ -254,7 +254,7 @@ impl<'a> Checker<'a> {
     fn express(&mut self, vectors: NodeId, count: usize, frame: Frame) -> NodeId {
         let axes = match frame {
             Frame::World => return vectors,
-            Frame::Landmark(index) => self.graph.sensors(vec![Sensor::LandmarkAxes(index)]),
+            Frame::Landmark(index) => self.measured(vec![Sensor::LandmarkAxes(index)]),
             Frame::Heading(index) => self.heading_axes(index),
         };
         // Component i of vector k is dot(vector k, axis i): three products each, nine per vector.
@@ -266,7 +266,7 @@ impl<'a> Checker<'a> {
 
     /// Axes of a landmark's yaw: forward and left level, up the world's.
     fn heading_axes(&mut self, index: usize) -> NodeId {
-        let axes = self.graph.sensors(vec![Sensor::LandmarkAxes(index)]);
+        let axes = self.measured(vec![Sensor::LandmarkAxes(index)]);
         let level = self.graph.select([0, 1], axes);
         let ahead = self.unit_vector(level, 2);
         let (x, y) = (self.graph.select([0], ahead), self.graph.select([1], ahead));
@@ -290,7 +290,7 @@ impl<'a> Checker<'a> {
                 _ => return Err(self.not_numbers(value, span)),
             }
         }
-        let node = self.graph.sensors(sensors);
+        let node = self.measured(sensors);
         let place = Type::Place(Frame::World);
         Ok(Data::new(node, if list { Type::List(Box::new(place), things.len()) } else { place }))
     }

@@ -1,8 +1,11 @@
 //! What the checker knows while it walks through one task.
 
+use super::scene::Surroundings;
+use super::scene::geometry::Known;
 use super::scope::{Names, Place};
 use super::value::Value;
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
+use crate::frame::Query;
 use crate::graph::{Graph, NodeId};
 use crate::syntax::tree::TaskStatement;
 use crate::vocabulary::Vocabulary;
@@ -88,6 +91,16 @@ pub(crate) struct Checker<'a> {
     pub ends: Ends,
     /// Lints that are allowed in place.
     pub allowed: BTreeSet<String>,
+    /// What surrounds the body; not yet while the scene itself is checked.
+    pub surroundings: Option<&'a Surroundings<'a>>,
+    /// Constants of objects by `NAME.SIGNAL`.
+    pub known: BTreeMap<String, Known>,
+    /// Whether a beginning is checked, which may write down again what the scene says.
+    pub beginning: bool,
+    /// Lengths in formulas that the scene says already, and where it does.
+    pub repeated: Vec<(FileId, Span, String)>,
+    /// Queries of the terrain, to which sensors refer.
+    pub queries: Vec<Query>,
     depth: usize,
     budget: usize,
     /// Whether it is told that nothing is left of the budget.
@@ -113,6 +126,11 @@ impl<'a> Checker<'a> {
             cells: Vec::new(),
             ends: Ends::Unknown,
             allowed: BTreeSet::new(),
+            surroundings: None,
+            known: BTreeMap::new(),
+            beginning: false,
+            repeated: Vec::new(),
+            queries: Vec::new(),
             depth: 0,
             budget: BUDGET,
             spent: false,

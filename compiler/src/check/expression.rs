@@ -91,7 +91,7 @@ impl<'a> Checker<'a> {
         match thing {
             Thing::Joint(_) => "q",
             Thing::Muscle(_) => "activation",
-            Thing::Landmark(_) | Thing::CentreOfMass | Thing::Ground => "position",
+            Thing::Landmark(_) | Thing::CentreOfMass | Thing::Ground | Thing::Robot => "position",
         }
     }
 
@@ -148,6 +148,7 @@ impl<'a> Checker<'a> {
         }
         match unit::evaluate(written) {
             Ok(one) => {
+                self.note_length(quantity.value * one.value, one.dimension, span);
                 let node = self.graph.constant(quantity.value * one.value);
                 Ok(Data::new(node, Type::Number(one.dimension)))
             }
@@ -364,7 +365,7 @@ impl<'a> Checker<'a> {
     }
 
     /// What a loop runs through: whole numbers, parts of the body, or elements of a list.
-    fn loop_values(&mut self, source: &'a Expr) -> Checked<Vec<Value>> {
+    pub(crate) fn loop_values(&mut self, source: &'a Expr) -> Checked<Vec<Value>> {
         if let ExprKind::Range { low, high } = &source.kind {
             let (low_value, high_value) = (self.whole(low), self.whole(high));
             let (low_value, high_value) = (low_value?, high_value?);

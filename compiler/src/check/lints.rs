@@ -11,10 +11,11 @@ use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
 use crate::syntax::tree::{Allow, BinaryOperator, Expr, ExprKind};
+use crate::task::RootPlacement;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every lint by the name under which it is allowed.
-const LINTS: [&str; 12] = [
+const LINTS: [&str; 14] = [
     "constant_term",
     "dead_at_reset",
     "dead_term",
@@ -24,6 +25,8 @@ const LINTS: [&str; 12] = [
     "hidden_sign",
     "holds_at_reset",
     "identical",
+    "idle_mass",
+    "repeats_scene",
     "twice_observed",
     "unobserved",
     "unused",
@@ -53,6 +56,7 @@ impl<'a> Checker<'a> {
 
 /// Names that a task declares and nothing reads.
 pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    checker.scene_lints(diagnostics);
     for (name, declared) in checker.names.of_task() {
         if !checker.used.contains(name) && !matches!(declared.definition, Definition::State(_)) {
             let span = declared.definition.span();
@@ -64,7 +68,12 @@ pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
 
 /// Lints on a task that compiles; the result is between which values each term stays.
 pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) -> Vec<Bounds> {
-    let ranges = Working { vocabulary: checker.vocabulary, horizon: task.timing.horizon, interval: task.timing.interval };
+    let ranges = Working {
+        vocabulary: checker.vocabulary,
+        horizon: task.timing.horizon,
+        interval: task.timing.interval,
+        queries: &task.queries,
+    };
     let bounds = interval::analyse(&task.graph, &ranges);
     for term in &task.terms {
         let found = interval::of_scalar(&bounds, term.node);
@@ -174,11 +183,11 @@ fn span_of_end(checker: &Checker<'_>, task: &CheckedTask<'_>, node: NodeId) -> c
 /// What holds in the very first snapshot, where the task begins in the standing pose: ends that hold there, and paid terms
 /// that pay less than a twentieth of what they can.
 fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
-    let standing = checker.vocabulary.joints.iter().map(|joint| joint.neutral);
-    if !task.init.coordinates.iter().copied().eq(standing)
-        || task.init.root.velocity != [0.0; 3]
-        || task.init.root.height.is_some()
-    {
+    let standing = checker.vocabulary.joints.iter().filter(|joint| !joint.of_scene).map(|joint| joint.neutral);
+    let own =
+        task.init.coordinates.iter().copied().take(checker.vocabulary.joints.iter().filter(|joint| !joint.of_scene).count());
+    let level = task.scene.ground.is_some();
+    if !own.eq(standing) || task.init.root != RootPlacement::default() || task.init.settle.is_some() || !level {
         return;
     }
     let reset = interval::analyse(&task.graph, &Standing { vocabulary: checker.vocabulary, reset: true });

@@ -71,9 +71,13 @@ impl<'a> Checker<'a> {
             _ => text + "*",
         });
         let known = self.body_names();
-        let fitting: Vec<String> = known.into_iter().filter(|name| fits(&pattern, name)).collect();
+        // Parts of objects have names with dots; a star does not reach into things.
+        let landmarks = &self.vocabulary.landmarks;
+        let of_scene = |name: &str| landmarks.iter().any(|landmark| landmark.of_scene && landmark.name == name);
+        let whole = |name: &String| fits(&pattern, name) && !(name.contains('.') && of_scene(name));
+        let fitting: Vec<String> = known.into_iter().filter(whole).collect();
         if fitting.is_empty() {
-            let message = format!("nothing on this body is called `{}`", name.text);
+            let message = format!("nothing on this body or in the scene is called `{}`", name.text);
             return Err(self.error(codes::names::NOTHING_FITS, name.span, message));
         }
         Ok(fitting)
@@ -87,6 +91,7 @@ impl<'a> Checker<'a> {
             return self.declared(text, declared, place, span);
         }
         if let Some(thing) = self.body_element(text) {
+            self.used.insert(text.to_owned());
             return Ok(thing);
         }
         for owner in [Owner::Time, Owner::WholeBody] {
@@ -122,7 +127,7 @@ impl<'a> Checker<'a> {
         names.extend(self.names.in_sight(self.place).map(str::to_owned));
         names.extend(self.locals.iter().map(|(name, _)| name.clone()));
         let words = signals::SIGNALS.iter().filter(|s| matches!(s.owner, Owner::Time | Owner::WholeBody)).map(|s| s.name);
-        names.extend(words.chain(SETS.iter().copied()).chain(["com", "ground"]).map(str::to_owned));
+        names.extend(words.chain(SETS.iter().copied()).chain(["com", "ground", "robot"]).map(str::to_owned));
         names
     }
 
@@ -159,13 +164,16 @@ impl<'a> Checker<'a> {
             });
             return Some(Value::Things { members: members.collect(), group: true });
         }
+        // Joints of objects belong to no set of the body's.
         let joints = |chosen: &dyn Fn(JointKind, bool) -> bool| {
-            let members = body.joints.iter().enumerate().filter(|(_, joint)| chosen(joint.kind, joint.independent));
+            let own = body.joints.iter().enumerate().filter(|(_, joint)| !joint.of_scene);
+            let members = own.filter(|(_, joint)| chosen(joint.kind, joint.independent));
             Some(Value::Things { members: members.map(|(index, _)| Thing::Joint(index)).collect(), group: true })
         };
         match text {
             "com" => Some(Value::Thing(Thing::CentreOfMass)),
             "ground" => Some(Value::Thing(Thing::Ground)),
+            "robot" => Some(Value::Thing(Thing::Robot)),
             "joints" => joints(&|_, _| true),
             "hinges" => joints(&|kind, _| kind == JointKind::Hinge),
             "slides" => joints(&|kind, _| kind == JointKind::Slide),

@@ -2,6 +2,7 @@
 
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
+use super::scene::object::dotted;
 use super::signals::{self, Owner, Read, Signal};
 use super::types::{Frame, Type};
 use super::value::{Data, Form, Thing, Value};
@@ -16,7 +17,17 @@ use crate::vocabulary::JointKind;
 impl<'a> Checker<'a> {
     /// `base.name`
     pub(crate) fn field(&mut self, base: &'a Expr, name: &'a Name, span: Span) -> Checked<Value> {
-        match self.value(base)? {
+        if let Some(object) = dotted(base)
+            && self.surroundings.is_none()
+            && let Some(constant) = self.known_constant(&format!("{object}.{}", name.text))
+        {
+            return Ok(Value::Data(constant));
+        }
+        let base = self.value(base)?;
+        if let Some(part) = self.part_of_object(&base, &name.text) {
+            return Ok(part);
+        }
+        match base {
             Value::Thing(thing) => self.property(&[thing], false, name, span).map(Value::Data),
             Value::Things { members, .. } => self.property(&members, true, name, span).map(Value::Data),
             Value::Data(data) => self.component(&data, name).map(Value::Data),
@@ -27,6 +38,9 @@ impl<'a> Checker<'a> {
     fn property(&mut self, things: &[Thing], list: bool, name: &Name, span: Span) -> Checked<Data> {
         let owner = self.common_owner(things, span)?;
         let Some(signal) = signals::find(owner, &name.text) else {
+            if let Some(size) = self.object_property(things, list, name, span)? {
+                return Ok(size);
+            }
             return Err(self.unknown_property(things[0], owner, name));
         };
         self.must_be_supported(signal, name.span)?;
@@ -44,12 +58,19 @@ impl<'a> Checker<'a> {
             Thing::Joint(_) => Some(Owner::Joint),
             Thing::Muscle(_) => Some(Owner::Muscle),
             Thing::CentreOfMass => Some(Owner::CentreOfMass),
-            Thing::Ground => None,
+            Thing::Ground | Thing::Robot => None,
         };
         let first = things.first().and_then(owner);
         match first.filter(|_| things.iter().all(|thing| owner(thing) == first)) {
             Some(owner) => Ok(owner),
             None if things.is_empty() => Err(self.error(codes::names::NOTHING_FITS, span, "this set is empty on this body")),
+            None if things.iter().any(|thing| matches!(thing, Thing::Robot | Thing::Ground)) => {
+                let message = "this has no properties; it is one side of a contact";
+                let diagnostic = self
+                    .diagnostic(codes::names::UNKNOWN_PROPERTY, span, message)
+                    .help("signals of the whole body are those of `com`; the ground is asked with `ground_height(...)`");
+                Err(self.report(diagnostic))
+            }
             None => {
                 let message = "only parts of one kind share properties";
                 Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message))
@@ -67,7 +88,9 @@ impl<'a> Checker<'a> {
     }
 
     fn unknown_property(&mut self, thing: Thing, owner: Owner, name: &Name) -> Reported {
-        let known: Vec<&str> = signals::of(owner).map(|signal| signal.name).collect();
+        let parts = self.parts_of(thing);
+        let mut known: Vec<&str> = signals::of(owner).map(|signal| signal.name).collect();
+        known.extend(parts.iter().map(String::as_str));
         let near = nearest(&name.text, known.iter().copied());
         let message = format!("{} has no `{}`", self.thing_name(thing), name.text);
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message);
@@ -87,11 +110,13 @@ impl<'a> Checker<'a> {
     pub(crate) fn thing_name(&self, thing: Thing) -> String {
         let body = self.vocabulary;
         match thing {
+            Thing::Landmark(index) if body.landmarks[index].of_scene => format!("the object `{}`", body.landmarks[index].name),
             Thing::Landmark(index) => format!("the landmark `{}`", body.landmarks[index].name),
             Thing::Joint(index) => format!("the joint `{}`", body.joints[index].name),
             Thing::Muscle(index) => format!("the muscle `{}`", body.muscles[index].name),
             Thing::CentreOfMass => "the centre of mass `com`".to_owned(),
             Thing::Ground => "the `ground`".to_owned(),
+            Thing::Robot => "the body as a whole, `robot`".to_owned(),
         }
     }
 
@@ -107,18 +132,18 @@ impl<'a> Checker<'a> {
         let position = blocks(Sensor::LandmarkPosition, Sensor::ComPosition);
         let velocity = blocks(Sensor::LandmarkVelocity, Sensor::ComVelocity);
         Ok(match read {
-            Read::Position => shaped(self.graph.sensors(position), Type::Place(Frame::World)),
-            Read::Velocity => shaped(self.graph.sensors(velocity), Type::world_vector(D::SPEED)),
+            Read::Position => shaped(self.measured(position), Type::Place(Frame::World)),
+            Read::Velocity => shaped(self.measured(velocity), Type::world_vector(D::SPEED)),
             Read::Acceleration => {
                 let sensors = blocks(Sensor::LandmarkAcceleration, Sensor::ComAcceleration);
-                shaped(self.graph.sensors(sensors), Type::world_vector(D::ACCELERATION))
+                shaped(self.measured(sensors), Type::world_vector(D::ACCELERATION))
             }
             Read::Speed => {
-                let velocity = self.graph.sensors(velocity);
+                let velocity = self.measured(velocity);
                 shaped(self.graph.reduce(Reduction::Norm, 3, velocity), Type::Number(D::SPEED))
             }
             Read::Height => {
-                let position = self.graph.sensors(position);
+                let position = self.measured(position);
                 let heights = self.graph.select((0..things.len()).map(|place| 3 * place + 2), position);
                 shaped(heights, Type::Number(D::LENGTH))
             }
@@ -129,7 +154,7 @@ impl<'a> Checker<'a> {
             }
             Read::AngularVelocity => {
                 let sensors = blocks(Sensor::LandmarkAngularVelocity, Sensor::Time);
-                shaped(self.graph.sensors(sensors), Type::world_vector(D::ANGULAR_VELOCITY))
+                shaped(self.measured(sensors), Type::world_vector(D::ANGULAR_VELOCITY))
             }
             Read::Mass => {
                 let mass = |thing: &Thing| match thing {
@@ -149,7 +174,7 @@ impl<'a> Checker<'a> {
             Thing::Landmark(index) => Some(Sensor::LandmarkAxes(*index)),
             _ => None,
         });
-        let axes = self.graph.sensors(axes.collect());
+        let axes = self.measured(axes.collect());
         let count = things.len();
         let axis = |graph: &mut crate::graph::Graph, first: usize| {
             graph.select((0..count).flat_map(|place| (0..3).map(move |lane| 9 * place + first + lane)), axes)
@@ -180,7 +205,7 @@ impl<'a> Checker<'a> {
         Data::new(node, if list { Type::List(Box::new(kind), count) } else { kind }).with_form(form)
     }
 
-    fn must_have_segments(&mut self, things: &[Thing], span: Span) -> Checked<()> {
+    pub(crate) fn must_have_segments(&mut self, things: &[Thing], span: Span) -> Checked<()> {
         for thing in things {
             if let Thing::Landmark(index) = thing
                 && !self.vocabulary.landmarks[*index].has_segment

@@ -2,10 +2,11 @@
 //!
 //! 1. `scope`: which names are in sight of a task;
 //! 2. `body`: a body file becomes a plain description, which the runtime binds to a model and answers with a vocabulary;
-//! 3. `task`: the statements of a task, each checked by a file of its own: `init`, `observe`, `reward`, `ends`;
-//! 4. `expression`: formulas become nodes of the graph, with dimension, frame and length checked at every operator;
+//! 3. `scene`: what surrounds the body, whose objects join the vocabulary;
+//! 4. `task`: the statements of a task, each checked by a file of its own: `init`, `observe`, `reward`, `ends`;
+//! 5. `expression`: formulas become nodes of the graph, with dimension, frame and length checked at every operator;
 //!    names are resolved by `lookup` and `member`, calls by `call` and `functions`;
-//! 5. `lints`: what is allowed but probably not meant, from the bounds of every term.
+//! 6. `lints`: what is allowed but probably not meant, from the bounds of every term.
 //!
 //! Every error is reported where it is, none stops the rest.
 
@@ -25,6 +26,7 @@ mod member;
 mod observe;
 mod ranges;
 mod reward;
+pub mod scene;
 pub(crate) mod scope;
 pub mod signals;
 pub(crate) mod suite;

@@ -1,6 +1,6 @@
 //! Between which bounds sensors stay: while an episode runs, and in the standing pose.
 
-use crate::frame::Sensor;
+use crate::frame::{Query, Sensor};
 use crate::graph::interval::{Bounds, Ranges};
 use crate::vocabulary::{Landmark, Vocabulary};
 
@@ -10,6 +10,7 @@ pub(crate) struct Working<'a> {
     pub horizon: u32,
     /// Length of a control step, s.
     pub interval: f64,
+    pub queries: &'a [Query],
 }
 
 impl Ranges for Working<'_> {
@@ -22,7 +23,11 @@ impl Ranges for Working<'_> {
             }
             Sensor::MuscleLength(_) => Bounds::POSITIVE,
             Sensor::MuscleForce(_) => Bounds::new(f64::NEG_INFINITY, 0.0),
-            Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::GroundContact(_) => Bounds::TRUTH,
+            Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::GroundContact(_) | Sensor::Touching(..) => {
+                Bounds::TRUTH
+            }
+            Sensor::ContactCount(..) | Sensor::Slip(..) => Bounds::POSITIVE,
+            Sensor::Query(index, _) => self.queries.get(index).map_or(Bounds::ANY, query_bounds),
             Sensor::Time => Bounds::new(0.0, f64::from(self.horizon) * self.interval),
             _ => Bounds::ANY,
         }
@@ -33,11 +38,38 @@ impl Ranges for Working<'_> {
     }
 }
 
+fn query_bounds(query: &Query) -> Bounds {
+    match query {
+        Query::GroundHeight(_) => Bounds::ANY,
+        Query::GroundNormal(_) => Bounds::new(-1.0, 1.0),
+        Query::Radar { .. } => Bounds::TRUTH,
+        Query::Ray { range, .. } => Bounds::new(0.0, *range),
+    }
+}
+
 /// The standing pose at rest, as far as the vocabulary settles it.
 pub(crate) struct Standing<'a> {
     pub vocabulary: &'a Vocabulary,
     /// Whether it is the beginning of an episode, when no muscle is active yet.
     pub reset: bool,
+}
+
+impl Standing<'_> {
+    /// Whether it is measured on an object that moves: the standing pose says nothing of it.
+    fn moves(&self, sensor: Sensor) -> bool {
+        let (landmarks, joints) = (&self.vocabulary.landmarks, &self.vocabulary.joints);
+        match sensor {
+            Sensor::LandmarkPosition(index)
+            | Sensor::LandmarkVelocity(index)
+            | Sensor::LandmarkAcceleration(index)
+            | Sensor::LandmarkAxes(index)
+            | Sensor::LandmarkAngularVelocity(index) => landmarks.get(index).is_some_and(|landmark| landmark.of_scene),
+            Sensor::JointPosition(index) | Sensor::JointVelocity(index) | Sensor::JointAcceleration(index) => {
+                joints.get(index).is_some_and(|joint| joint.of_scene)
+            }
+            _ => false,
+        }
+    }
 }
 
 impl Ranges for Standing<'_> {
@@ -47,6 +79,9 @@ impl Ranges for Standing<'_> {
             let lanes = vocabulary.landmarks.get(index).map_or(&[][..], read);
             lanes.get(lane).map_or(Bounds::ANY, |value| Bounds::point(*value))
         };
+        if self.moves(sensor) {
+            return Bounds::ANY;
+        }
         match sensor {
             Sensor::LandmarkPosition(index) => landmark(index, |landmark| &landmark.neutral_position),
             Sensor::LandmarkAxes(index) => landmark(index, |landmark| &landmark.neutral_axes),
@@ -67,7 +102,9 @@ impl Ranges for Standing<'_> {
             | Sensor::RootAngularVelocity
             | Sensor::Time => Bounds::point(0.0),
             Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) if self.reset => Bounds::point(0.0),
-            Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::GroundContact(_) => Bounds::TRUTH,
+            Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::GroundContact(_) | Sensor::Touching(..) => {
+                Bounds::TRUTH
+            }
             Sensor::MuscleLength(_) => Bounds::POSITIVE,
             Sensor::MuscleForce(_) => Bounds::new(f64::NEG_INFINITY, 0.0),
             Sensor::RootAxes | Sensor::Action(_) => Bounds::new(-1.0, 1.0),

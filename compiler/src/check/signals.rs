@@ -8,6 +8,8 @@ use serde::Serialize;
 pub enum Owner {
     /// `pelvis.height`
     Landmark,
+    /// `seat.top`: constants of objects, beside all that landmarks have
+    Object,
     /// `knee_angle_r.q`
     Joint,
     /// `soleus_r.force`
@@ -28,7 +30,8 @@ impl Owner {
     /// Heading in the printed table, with an example.
     pub fn heading(self) -> &'static str {
         match self {
-            Self::Landmark => "Landmark (`pelvis.height`)",
+            Self::Landmark => "Landmark or object (`pelvis.height`)",
+            Self::Object => "Object of the scene (`seat.top`), beside the signals of landmarks",
             Self::Joint => "Joint (`knee_angle_r.q`)",
             Self::Muscle => "Muscle (`soleus_r.force`)",
             Self::CentreOfMass => "Centre of mass of the body (`com.speed`)",
@@ -81,6 +84,14 @@ pub enum Read {
     Action,
     Touching,
     ContactForce,
+    ContactCount,
+    SurfaceDistance,
+    Slip,
+    Query,
+    Robot,
+    Extent,
+    Top,
+    Bottom,
     Time,
     Interval,
     Step,
@@ -114,7 +125,7 @@ const fn row(owner: Owner, name: &'static str, read: Read, kind: &'static str, d
     Signal { owner, name, read, kind, description, supported: !matches!(read, Read::NotYet) }
 }
 
-use Owner::{CentreOfMass, Contact, Ground, Joint, Landmark, Muscle, Time, WholeBody};
+use Owner::{CentreOfMass, Contact, Ground, Joint, Landmark, Muscle, Object, Time, WholeBody};
 
 /// Every signal of the language.
 #[rustfmt::skip]
@@ -134,6 +145,16 @@ pub const SIGNALS: &[Signal] = &[
     row(Landmark, "roll", Read::Roll, "number, rad", "right side down positive, after yaw and pitch"),
     row(Landmark, "yaw", Read::Yaw, "number, rad", "turn about the vertical, left positive"),
     row(Landmark, "mass", Read::Mass, "number, kg", "mass of the body part that carries it"),
+    row(Object, "size", Read::Extent, "vec3, m", "full extents of a box or ellipsoid, in its own axes"),
+    row(Object, "radius", Read::Extent, "number, m", "of a sphere, capsule or cylinder"),
+    row(Object, "length", Read::Extent, "number, m", "of a capsule, cylinder or terrain"),
+    row(Object, "width", Read::Extent, "number, m", "of terrain"),
+    row(Object, "rise", Read::Extent, "number, m", "height of one step of stairs"),
+    row(Object, "run", Read::Extent, "number, m", "depth of one step of stairs"),
+    row(Object, "count", Read::Extent, "int", "number of steps of stairs"),
+    row(Object, "angle", Read::Extent, "number, rad", "inclination of a slope"),
+    row(Object, "top", Read::Top, "number, m", "z of the highest point of what stands still"),
+    row(Object, "bottom", Read::Bottom, "number, m", "z of the lowest point of what stands still"),
     row(Joint, "q", Read::Coordinate, "number, rad or m", "coordinate: rad for hinges, m for slides"),
     row(Joint, "qd", Read::CoordinateVelocity, "number, rad/s or m/s", "its rate"),
     row(Joint, "qdd", Read::CoordinateAcceleration, "number, rad/s^2 or m/s^2", "its acceleration"),
@@ -168,17 +189,18 @@ pub const SIGNALS: &[Signal] = &[
     row(WholeBody, "body_weight", Read::NotYet, "number, N", "weight of the body"),
     row(WholeBody, "centre_of_pressure", Read::NotYet, "place, m", "where the ground's force acts"),
     row(WholeBody, "support_margin", Read::NotYet, "number, m", "from the centre of mass's projection to the edge of support"),
-    row(WholeBody, "robot", Read::NotYet, "group", "all shapes of the body"),
-    row(Contact, "touching(a, b)", Read::Touching, "condition", "whether two segments touch; this version: a landmark or group and the ground"),
-    row(Contact, "contact_force(a, b)", Read::ContactForce, "vec3, N", "force on a by b; this version: a landmark or group and the ground"),
-    row(Contact, "contact_count(a, b)", Read::NotYet, "int", "number of contact points"),
-    row(Contact, "surface_distance(a, b)", Read::NotYet, "number, m", "distance of the nearest surfaces"),
-    row(Contact, "slip(a, b)", Read::NotYet, "number, m/s", "speed of sliding"),
-    row(Ground, "ground_height(xy)", Read::NotYet, "number, m", "height of walkable ground"),
-    row(Ground, "ground_normal(xy)", Read::NotYet, "vec3", "its normal"),
-    row(Ground, "scan(heading, offsets)", Read::NotYet, "list, m", "heights of the ground ahead"),
-    row(Ground, "radar(from, group)", Read::NotYet, "list", "nearness of the nearest member per sector, left to right"),
-    row(Ground, "ray(from, direction)", Read::NotYet, "number, m", "distance to the first surface"),
+    row(WholeBody, "robot", Read::Robot, "group", "all shapes of the body, as one side of a contact"),
+    row(Contact, "touching(a, b)", Read::Touching, "condition", "whether two things touch: landmarks (their segments), objects with what they carry, groups, `robot`, `ground`"),
+    row(Contact, "contact_force(a, b)", Read::ContactForce, "vec3, N", "force on a by b, world axes"),
+    row(Contact, "contact_count(a, b)", Read::ContactCount, "int", "number of contact points"),
+    row(Contact, "surface_distance(a, b)", Read::SurfaceDistance, "number, m", "distance of the nearest surfaces, negative where they overlap"),
+    row(Contact, "slip(a, b)", Read::Slip, "number, m/s", "speed at which a slides on b, weighted by the pressure; 0 without contact"),
+    row(Ground, "ground_height(place)", Read::Query, "number, m", "height of walkable ground under a landmark or a constant place"),
+    row(Ground, "ground_height(landmark, [forward, left, up])", Read::Query, "number, m", "the same at a constant offset along its heading"),
+    row(Ground, "ground_normal(place)", Read::Query, "vec3", "upward unit normal of the ground there, world axes"),
+    row(Ground, "scan(heading(landmark), offsets)", Read::Query, "list, m", "heights of the ground at constant offsets [forward, left]"),
+    row(Ground, "radar(from, group, sectors, over, range)", Read::Query, "list", "nearness 0..1 of the nearest member per sector, left to right"),
+    row(Ground, "ray(from, direction, range)", Read::Query, "number, m", "distance to the first surface of the scene, at most the range"),
     row(Time, "t", Read::Time, "number, s", "time since reset"),
     row(Time, "dt", Read::Interval, "number, s", "length of a control step"),
     row(Time, "step", Read::Step, "int", "control steps since reset"),
@@ -203,7 +225,7 @@ pub fn find(owner: Owner, name: &str) -> Option<&'static Signal> {
 
 /// The table for people.
 pub fn table() -> String {
-    let owners = [Landmark, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time];
+    let owners = [Landmark, Object, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time];
     let mut text = String::new();
     for owner in owners {
         text += &format!("{}\n", owner.heading());
@@ -217,7 +239,7 @@ pub fn table() -> String {
 
 /// The table as it stands in the reference.
 pub fn markdown() -> String {
-    let owners = [Landmark, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time];
+    let owners = [Landmark, Object, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time];
     let mut text = String::new();
     for owner in owners {
         text += &format!("### {}\n\n| signal | type, unit | what it is |\n|---|---|---|\n", owner.heading());

@@ -5,13 +5,14 @@ use super::dimension::Dimension;
 use super::lints;
 use super::observe::{ObservedChannel, Texts};
 use super::reward::PaidTerm;
+use super::scene::Surroundings;
 use super::scope::{Names, Place};
 use super::value::Data;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
-use crate::scene::{SceneDescription, Surface};
+use crate::scene::SceneDescription;
 use crate::syntax::tree::{StateDeclaration, Task, TaskStatement};
 use crate::task::{Disturbance, Init};
 use crate::vocabulary::Vocabulary;
@@ -62,9 +63,12 @@ pub(crate) fn check<'a>(
     file: FileId,
     names: &'a Names<'a>,
     vocabulary: &'a Vocabulary,
+    surroundings: &'a Surroundings<'a>,
     texts: &dyn Texts,
 ) -> (Option<CheckedTask<'a>>, Vec<Diagnostic>) {
     let mut checker = Checker::new(vocabulary, names, Place::of_task(file), &task.statements);
+    checker.known = surroundings.known.clone();
+    checker.surroundings = Some(surroundings);
     let checked = checker.task(task, texts).ok();
     let broken = checker.diagnostics.iter().any(|diagnostic| diagnostic.severity == crate::diagnostics::Severity::Error);
     let mut diagnostics = std::mem::take(&mut checker.diagnostics);
@@ -89,7 +93,10 @@ impl<'a> Checker<'a> {
             _ => Ok(None),
         };
         self.states();
+        self.beginning = true;
         let init = parts.init.map(|block| self.init(&block.entries, block.keyword)).transpose();
+        let staged = self.staged();
+        self.beginning = false;
         let terminations = self.terminations();
         let mut terms = Vec::new();
         let reward = parts.reward.map(|reward| self.reward(reward, &mut terms)).transpose();
@@ -101,6 +108,7 @@ impl<'a> Checker<'a> {
         self.after = false;
         self.must_be_complete(task, &parts);
         let (control_frequency, _) = (frequency?, (horizon?, reward?, observe?));
+        let staged = staged?;
         let (Some(control_frequency), Some(init), Some(success)) = (control_frequency, init?, success?) else {
             return Err(Reported);
         };
@@ -110,17 +118,13 @@ impl<'a> Checker<'a> {
             control_frequency,
             timing: self.timing,
             symmetric: parts.symmetric,
-            // A task that says nothing of a scene stands on the level ground.
-            scene: SceneDescription {
-                ground: Some(Surface { walkable: true, ..Surface::default() }),
-                ..SceneDescription::default()
-            },
-            init,
-            beginning: Vec::new(),
-            disturbances: Vec::new(),
-            releases: Vec::new(),
-            markers: Vec::new(),
-            queries: Vec::new(),
+            scene: staged.scene,
+            init: init.init,
+            beginning: init.drawn,
+            disturbances: staged.disturbances,
+            releases: staged.releases,
+            markers: staged.markers,
+            queries: std::mem::take(&mut self.queries),
             channels,
             terms,
             terminations: terminations?,
@@ -149,7 +153,8 @@ impl<'a> Checker<'a> {
                 S::Body(body) if !body.edits.is_empty() => {
                     self.not_yet(body.span, "body ... with");
                 }
-                S::Body(_) | S::Terminate(_) | S::Let(_) | S::State(_) | S::Clock(_) => {}
+                S::Scene(block) => self.allow_in_scene(&block.entries),
+                S::Disturb(_) | S::Body(_) | S::Terminate(_) | S::Let(_) | S::State(_) | S::Clock(_) => {}
                 other => {
                     if let Some((span, word)) = unsupported(other) {
                         self.not_yet(span, word);
@@ -294,12 +299,10 @@ fn unsupported(statement: &TaskStatement) -> Option<(Span, &'static str)> {
     use TaskStatement as S;
     Some(match statement {
         S::Params(block) => (block.keyword, "params"),
-        S::Scene(block) => (block.keyword, "scene"),
         S::Metrics(block) => (block.keyword, "metrics"),
         S::Finish(ends) => (ends.span, "finish"),
         S::Random(random) => (random.span, "random"),
         S::Reference(reference) => (reference.span, "reference"),
-        S::Disturb(element) => (element.span, "disturb"),
         S::Phase(phase) => (phase.span, "phase"),
         S::Test(test) => (test.span, if test.cheat { "cheat" } else { "test" }),
         _ => return None,

@@ -65,6 +65,8 @@ pub enum Thing {
     CentreOfMass,
     /// The ground.
     Ground,
+    /// All shapes of the body itself.
+    Robot,
 }
 
 /// What an expression stands for.

@@ -81,6 +81,9 @@ impl Reading for Compiling {
             "reward" | "observe" | "init" => {
                 (format!("{}{kind} {{\n", task_without(|keyword| keyword == kind)), "}\n}\n".to_owned())
             }
+            "observed" => (task_without(|keyword| keyword == "observe"), "}\n".to_owned()),
+            "beginning" => (task_without(|keyword| keyword == "init"), "}\n".to_owned()),
+            "scene" => (format!("{}scene {{\n", task_without(|_| false)), "}\n}\n".to_owned()),
             "terminate" => (format!("{}terminate {{\n", task_without(|_| false)), "}\n}\n".to_owned()),
             "success" => (format!("{}success ", task_without(|keyword| keyword == "success")), "}\n".to_owned()),
             "body" => ("body example {\nmodel \"human.xml\"\nroot pelvis { forward x, up z }\n".to_owned(), "}\n".to_owned()),

@@ -4,6 +4,7 @@ mod contact;
 mod elementary;
 mod lists;
 mod temporal;
+mod terrain;
 mod vectors;
 
 use super::context::{Checked, Checker, Reported};
@@ -81,8 +82,16 @@ pub const FUNCTIONS: &[Function] = &[
     row("distance", "distance(a, b)", "between two places", vectors::distance),
     row("angle_between", "angle_between(a, b)", "angle between two vectors, 0 to half a turn", vectors::angle_between),
     row("neutral", "neutral(x)", "the value of x in the body's standing pose, folded while compiling", vectors::neutral),
-    row("touching", "touching(a, ground)", "condition: the segments touch; of a group, one of them", contact::touching),
-    row("contact_force", "contact_force(a, ground)", "force on a by b, world axes; of a group, their sum", contact::contact_force),
+    row("touching", "touching(a, b)", "condition: the two touch; a named group counts as one thing, a list gives one answer each", contact::touching),
+    row("contact_force", "contact_force(a, b)", "force on a by b, world axes", contact::contact_force),
+    row("contact_count", "contact_count(a, b)", "number of contact points between them", contact::contact_count),
+    row("surface_distance", "surface_distance(a, b)", "distance of their nearest surfaces, negative where they overlap", contact::surface_distance),
+    row("slip", "slip(a, b)", "speed at which a slides on b where they touch, weighted by the pressure; 0 without contact", contact::slip),
+    row("ground_height", "ground_height(place) or ground_height(landmark, [forward, left, up])", "height of walkable ground under a landmark, a constant place, or an offset along a heading", terrain::ground_height),
+    row("ground_normal", "ground_normal(place) or ground_normal(landmark, [forward, left, up])", "upward unit normal of the ground there, world axes", terrain::ground_normal),
+    row("scan", "scan(heading(landmark), offsets)", "heights of the ground at constant offsets [forward, left] along a heading", terrain::scan),
+    row("radar", "radar(from, group, sectors, over, range)", "per sector, left to right: 1 - distance / range of the nearest member, 0 where none is in range", terrain::radar),
+    row("ray", "ray(from, direction, range)", "distance to the first surface of the scene along a constant direction (forward, left, up) of a landmark, at most the range", terrain::ray),
 ];
 
 /// Operators that remember: each advances once per control step, wherever it stands.
@@ -110,7 +119,7 @@ pub const OPERATORS: &[Function] = &[
 ];
 
 /// Names of functions of the language that this version does not have yet.
-const LATER: &[&str] = &["turn", "scan", "radar", "ray"];
+const LATER: &[&str] = &["turn"];
 
 /// The function called `name`.
 pub fn find(name: &str) -> Option<&'static Function> {
@@ -214,6 +223,7 @@ impl<'a> Checker<'a> {
             .found(data.kind.element().described(self.vocabulary));
         let factor = found.and_then(|found| found.per(wanted));
         let diagnostic = match factor {
+            Some(_) if found.is_some_and(Dimension::is_none) => diagnostic.help(format!("give it the unit `{wanted}`")),
             Some(factor) => divide_by(diagnostic, expr, factor),
             None => diagnostic,
         };

@@ -82,4 +82,19 @@ codes! {
         example: "terminate { fallen when com.height < 1.2 m }",
         fix: "terminate { fallen when com.height < 0.8 m }",
     }
+    IDLE_MASS = "W0520" {
+        title: "the mass of a thing that stands still",
+        explanation: "Nothing moves it, so its mass has no effect: it was probably to move, or to weigh something elsewhere.",
+        example: "scene { ground\n box seat { size [0.4 m, 0.4 m, 0.4 m], at [-1 m, 0, 0.2 m], mass 10 kg } }",
+        fix: "scene { ground\n box seat { size [0.4 m, 0.4 m, 0.4 m], at [-1 m, 0, 0.2 m] } }",
+    }
+    REPEATS_SCENE = "W0521" {
+        title: "a number that repeats what the scene says",
+        explanation: "Sizes and places live in the scene once. A formula that writes one down again goes wrong, unseen, as soon as \
+            the scene is changed: formulas read them, as in `seat.top` and `flight.rise`.",
+        example: "scene { ground\n box seat { size [0.4 m, 0.4 m, 0.04 m], at [-1 m, 0, 0.45 m] } }\n\
+            reward { 1 low = exp(-abs(pelvis.height - 0.47 m) / 1 m) }",
+        fix: "scene { ground\n box seat { size [0.4 m, 0.4 m, 0.04 m], at [-1 m, 0, 0.45 m] } }\n\
+            reward { 1 low = exp(-abs(pelvis.height - seat.top) / 1 m) }",
+    }
 }

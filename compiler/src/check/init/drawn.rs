@@ -1,0 +1,91 @@
+//! Numbers of a beginning: known while compiling, or drawn for every episode by a `random` of the task.
+
+use super::Beginning;
+use crate::check::context::{Checked, Checker};
+use crate::check::dimension::Dimension;
+use crate::check::value::Value;
+use crate::diagnostics::{Span, codes};
+use crate::graph::NodeId;
+use crate::graph::operation::Operation;
+use crate::syntax::tree::Expr;
+use crate::task::Setting;
+
+impl Beginning {
+    /// What a later statement says instead.
+    pub(super) fn forget(&mut self, settings: &[Setting]) {
+        self.init.drawn.retain(|(setting, _)| !settings.contains(setting));
+    }
+}
+
+impl<'a> Checker<'a> {
+    /// A number of this dimension.
+    pub(super) fn begin_number(
+        &mut self,
+        expr: &'a Expr,
+        dimension: Dimension,
+        wanted_by: &str,
+        setting: Setting,
+        beginning: &mut Beginning,
+    ) -> Checked<()> {
+        let data = self.number_of(expr, dimension, wanted_by)?;
+        self.begin(data.node, &[setting], expr.span, wanted_by, beginning)
+    }
+
+    /// The components of a bracket.
+    pub(super) fn begin_bracket<const SIZE: usize>(
+        &mut self,
+        expr: &'a Expr,
+        dimension: Dimension,
+        wanted_by: &str,
+        settings: [Setting; SIZE],
+        beginning: &mut Beginning,
+    ) -> Checked<()> {
+        let data = match self.value(expr)? {
+            Value::Data(data) => data,
+            other => return Err(self.not_numbers(&other, expr.span)),
+        };
+        self.must_be_bracket(&data, SIZE, dimension, expr.span, wanted_by)?;
+        self.begin(data.node, &settings, expr.span, wanted_by, beginning)
+    }
+
+    /// Writes what is known; keeps what is drawn.
+    fn begin(
+        &mut self,
+        node: NodeId,
+        settings: &[Setting],
+        span: Span,
+        wanted_by: &str,
+        beginning: &mut Beginning,
+    ) -> Checked<()> {
+        for (lane, &setting) in settings.iter().enumerate() {
+            let part = self.graph.select([lane], node);
+            match self.graph.constant_value(part) {
+                Some(value) if value.is_finite() => beginning.init.set(setting, value),
+                Some(_) => {
+                    return Err(self.error(codes::types::WRONG_TYPE, span, format!("{wanted_by} takes finite numbers")));
+                }
+                None => {
+                    self.must_be_drawn(part, span, wanted_by)?;
+                    beginning.init.drawn.push((setting, beginning.drawn.len()));
+                    beginning.drawn.push(part);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The beginning comes before the first snapshot: only what is drawn without looking at the body is known by then.
+    fn must_be_drawn(&mut self, node: NodeId, span: Span, wanted_by: &str) -> Checked<()> {
+        let measured =
+            self.graph.reachable([node]).into_iter().any(|id| {
+                matches!(self.graph.node(id).operation, Operation::Sensors(_) | Operation::Step | Operation::Memory(_))
+            });
+        if !measured {
+            return Ok(());
+        }
+        let diagnostic = self
+            .diagnostic(codes::types::NOT_CONSTANT, span, format!("{wanted_by} is needed before the first snapshot"))
+            .help("it may read numbers, constants and what a `random` draws, but no signal of the body");
+        Err(self.report(diagnostic))
+    }
+}

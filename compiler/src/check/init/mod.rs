@@ -1,0 +1,128 @@
+//! How an episode begins: a pose with adjustments, the root, objects, noise, and physics before the first snapshot.
+
+mod drawn;
+mod noise;
+mod objects;
+mod pose;
+mod root;
+
+use super::context::{Checked, Checker, Reported};
+use super::dimension::Dimension;
+use crate::diagnostics::{Span, codes};
+use crate::graph::NodeId;
+use crate::scene::Motion;
+use crate::syntax::tree::{InitStatement, Settle};
+use crate::task::{self, Init, ObjectStart, Setting};
+
+/// A beginning, and the numbers in it that are drawn.
+#[derive(Debug, Default)]
+pub(crate) struct Beginning {
+    pub init: Init,
+    /// In the order of the places in [`Init::drawn`].
+    pub drawn: Vec<NodeId>,
+}
+
+impl<'a> Checker<'a> {
+    /// Checks the statements of `init`.
+    pub(crate) fn init(&mut self, statements: &'a [InitStatement], span: Span) -> Checked<Beginning> {
+        let mut beginning = Beginning { init: self.starting_objects(), drawn: Vec::new() };
+        let mut posed: Option<Span> = None;
+        let mut broken = self.drawn_places(&mut beginning).is_err();
+        // What is placed may differ from the pose: the pose comes first, wherever it stands.
+        let is_pose = |statement: &&InitStatement| matches!(statement, InitStatement::Pose(_));
+        let poses = statements.iter().filter(is_pose);
+        for statement in poses.chain(statements.iter().filter(|statement| !is_pose(statement))) {
+            let result = match statement {
+                InitStatement::Pose(pose) => match posed.replace(pose.span) {
+                    None => self.pose(pose, &mut beginning.init),
+                    Some(_) => Err(self.error(codes::tasks::REPEATED, pose.span, "a second pose would replace the first")),
+                },
+                InitStatement::Object(element) if element.object.text == "root" => self.root(element, &mut beginning),
+                InitStatement::Object(element) => self.placement(element, &mut beginning),
+                InitStatement::Noise(noise) => self.noise(noise, &mut beginning.init),
+                InitStatement::Settle(settle) => self.settle(settle, &mut beginning.init),
+                InitStatement::Allow(allow) => {
+                    self.allow(allow);
+                    Ok(())
+                }
+            };
+            broken |= result.is_err();
+        }
+        if posed.is_none() {
+            let diagnostic = self
+                .diagnostic(codes::tasks::MISSING, span, "`init` does not say in which pose the body begins")
+                .help("write `pose neutral`, or another pose of the body");
+            return Err(self.report(diagnostic));
+        }
+        let root = &beginning.init.root;
+        let placed = beginning.init.drawn.iter().any(|(setting, _)| *setting == Setting::RootHeight);
+        if root.height.is_none() && root.meets.is_empty() && !placed && !broken && !self.has_ground() {
+            let diagnostic = self
+                .diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground on which the body could begin")
+                .help("say `ground` in the scene, or where the root is: `root { height 1 m }`, `root { so palm_l at bar.grip }`");
+            return Err(self.report(diagnostic));
+        }
+        broken = broken || self.must_begin_within_ranges(&beginning.init, span).is_err();
+        if broken { Err(Reported) } else { Ok(beginning) }
+    }
+
+    /// Joints at zero and every free object where the scene has it.
+    fn starting_objects(&self) -> Init {
+        let scene = self.surroundings.map(|surroundings| &surroundings.scene);
+        let objects = scene.into_iter().flat_map(|scene| scene.objects.iter().enumerate());
+        let free = objects.filter(|(_, object)| object.motion == Motion::Free).map(|(index, object)| ObjectStart {
+            object: index,
+            position: object.position,
+            orientation: object.orientation,
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+        });
+        Init { coordinates: vec![0.0; self.vocabulary.joints.len()], objects: free.collect(), ..Init::default() }
+    }
+
+    /// Reports a statement of the language that this version does not support.
+    pub(crate) fn not_yet(&mut self, span: Span, statement: &str) -> Reported {
+        let message = format!("`{statement}` belongs to the language, but is not supported yet");
+        self.error(codes::tasks::NOT_YET, span, message)
+    }
+
+    /// `settle 50 ms with activation 0.2 at rest`: a whole number of physics steps.
+    fn settle(&mut self, settle: &'a Settle, init: &mut Init) -> Checked<()> {
+        if init.settle.is_some() {
+            return Err(self.error(codes::tasks::REPEATED, settle.span, "`settle` is said twice"));
+        }
+        let steps = self.physics_steps(&settle.duration)?;
+        let activation = match &settle.activation {
+            Some(expr) => {
+                let activation = self.fixed_number(expr, Dimension::NONE, "the activation")?;
+                if !(0.0..=1.0).contains(&activation) {
+                    return Err(self.error(codes::tasks::OUT_OF_RANGE, expr.span, "activations lie in 0 .. 1"));
+                }
+                activation
+            }
+            None => 0.0,
+        };
+        init.settle = Some(task::Settle { steps, activation, at_rest: settle.at_rest });
+        Ok(())
+    }
+
+    fn physics_steps(&mut self, expr: &'a crate::syntax::tree::Expr) -> Checked<u32> {
+        let data = self.data(expr)?;
+        let step = self.vocabulary.physics_step;
+        let steps = match (self.graph.constant_value(data.node), &data.kind) {
+            (Some(steps), super::types::Type::Steps) => steps,
+            (Some(seconds), super::types::Type::Number(Dimension::TIME)) => seconds / step,
+            _ => {
+                let diagnostic = self
+                    .diagnostic(codes::types::DURATION, expr.span, "`settle` takes a duration known while compiling")
+                    .expected("`50 ms`, or `50 steps` of the physics");
+                return Err(self.report(diagnostic));
+            }
+        };
+        if (steps - steps.round()).abs() < 1e-6 && (1.0..=1e6).contains(&steps.round()) {
+            return Ok(steps.round() as u32);
+        }
+        let message = format!("this is not a whole number of physics steps of {step} s, from 1 to a million");
+        Err(self.error(codes::types::DURATION, expr.span, message))
+    }
+}

@@ -1,0 +1,155 @@
+//! Noise on the coordinates and velocities of a beginning.
+
+use crate::check::context::{Checked, Checker};
+use crate::check::dimension::Dimension;
+use crate::check::value::{Thing, Value};
+use crate::diagnostics::codes;
+use crate::syntax::tree::{Expr, ExprKind, Noise};
+use crate::task::{Init, Spread};
+use crate::vocabulary::JointKind;
+
+/// On which joints, and whether on their velocities.
+struct Target {
+    joints: Vec<usize>,
+    velocities: bool,
+}
+
+impl<'a> Checker<'a> {
+    /// `noise joints normal(0, 0.005 rad)`, `noise arms uniform(-5 deg .. 5 deg)`, `noise legs normal(0, 0.1 rad/s)`
+    pub(super) fn noise(&mut self, noise: &'a Noise, init: &mut Init) -> Checked<()> {
+        let members = self.noisy_joints(&noise.target)?;
+        let (spread, dimension) = self.distribution(&noise.distribution)?;
+        let target = self.noise_target(noise, members, dimension)?;
+        let list = if target.velocities { &mut init.velocity_noise } else { &mut init.coordinate_noise };
+        list.resize(self.vocabulary.joints.len(), Spread::None);
+        for &joint in &target.joints {
+            if list[joint] != Spread::None {
+                let message = format!("the noise of the joint `{}` is said twice", self.vocabulary.joints[joint].name);
+                return Err(self.error(codes::tasks::REPEATED, noise.span, message));
+            }
+            list[joint] = spread;
+        }
+        Ok(())
+    }
+
+    fn noise_target(&mut self, noise: &'a Noise, members: Vec<usize>, dimension: Dimension) -> Checked<Target> {
+        let word = if let ExprKind::Name(name) = &noise.target.kind { name.text.as_str() } else { "" };
+        let (coordinates, rates) = ([Dimension::ANGLE, Dimension::LENGTH], [Dimension::ANGULAR_VELOCITY, Dimension::SPEED]);
+        let (turns, velocities) = match word {
+            "joints" => (Dimension::ANGLE, false),
+            "velocities" => (Dimension::ANGULAR_VELOCITY, true),
+            _ if coordinates.contains(&dimension) => (dimension, false),
+            _ if rates.contains(&dimension) => (dimension, true),
+            _ => {
+                let message = "noise goes on coordinates or velocities of joints";
+                let diagnostic = self
+                    .diagnostic(codes::types::DIMENSIONS_DIFFER, noise.distribution.span, message)
+                    .expected("rad or rad/s, of slides m or m/s")
+                    .found(dimension.described());
+                return Err(self.report(diagnostic));
+            }
+        };
+        if turns != dimension {
+            let message = format!("noise on `{word}` is {}", turns.described());
+            let diagnostic = self
+                .diagnostic(codes::types::DIMENSIONS_DIFFER, noise.distribution.span, message)
+                .expected(turns.described())
+                .found(dimension.described());
+            return Err(self.report(diagnostic));
+        }
+        let kind =
+            if [Dimension::ANGLE, Dimension::ANGULAR_VELOCITY].contains(&turns) { JointKind::Hinge } else { JointKind::Slide };
+        let free = |index: &usize| self.vocabulary.joints[*index].kind == kind && self.vocabulary.joints[*index].independent;
+        let joints: Vec<usize> = members.iter().copied().filter(free).collect();
+        if joints.is_empty() {
+            let diagnostic = self
+                .diagnostic(codes::tasks::SLAVED, noise.target.span, "none of these joints can have this noise")
+                .help("noise goes on independent joints of its unit: slaved ones follow, and the root keeps its place");
+            return Err(self.report(diagnostic));
+        }
+        Ok(Target { joints, velocities })
+    }
+
+    /// The joints that are named; `joints` and `velocities` stand for all of the body.
+    fn noisy_joints(&mut self, target: &'a Expr) -> Checked<Vec<usize>> {
+        if matches!(&target.kind, ExprKind::Name(name) if ["joints", "velocities"].contains(&name.text.as_str())) {
+            let of_body = self.vocabulary.joints.iter().enumerate().filter(|(_, joint)| !joint.of_scene);
+            return Ok(of_body.map(|(index, _)| index).collect());
+        }
+        let things = match self.value(target)? {
+            Value::Thing(thing) => vec![thing],
+            Value::Things { members, .. } => members,
+            Value::Data(_) => Vec::new(),
+        };
+        let joints: Option<Vec<usize>> =
+            things.iter().map(|thing| if let Thing::Joint(index) = thing { Some(*index) } else { None }).collect();
+        match joints {
+            Some(joints) if !joints.is_empty() => Ok(joints),
+            _ => {
+                let diagnostic = self
+                    .diagnostic(codes::tasks::UNKNOWN_SETTING, target.span, "noise cannot be put on this")
+                    .expected("`noise joints ...`, `noise velocities ...`, or `noise` on joints by name or group")
+                    .help("noise goes on independent joints: slaved ones follow, and the root keeps its place");
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// `normal(0, deviation)` or `uniform(low .. high)`, and its unit.
+    fn distribution(&mut self, distribution: &'a Expr) -> Checked<(Spread, Dimension)> {
+        if let ExprKind::Call { function, arguments } = &distribution.kind
+            && let ExprKind::Name(name) = &function.kind
+        {
+            let range =
+                |expr: &'a Expr| if let ExprKind::Range { low, high } = &expr.kind { Some((&**low, &**high)) } else { None };
+            match (name.text.as_str(), arguments.as_slice()) {
+                ("normal", [mean, deviation]) => return self.normal(&mean.value, &deviation.value),
+                ("uniform", [only]) => {
+                    if let Some((low, high)) = range(&only.value) {
+                        return self.uniform(low, high, distribution);
+                    }
+                }
+                ("uniform", [low, high]) => return self.uniform(&low.value, &high.value, distribution),
+                _ => {}
+            }
+        }
+        let message = "the noise of a beginning is `normal(0, deviation)` or `uniform(low .. high)`";
+        Err(self.error(codes::tasks::UNKNOWN_SETTING, distribution.span, message))
+    }
+
+    fn normal(&mut self, mean: &'a Expr, deviation: &'a Expr) -> Checked<(Spread, Dimension)> {
+        let dimension = self.dimension_of(deviation)?;
+        let mean_value = self.fixed_number(mean, dimension, "the mean");
+        let value = self.fixed_number(deviation, dimension, "the deviation");
+        let (mean_value, value) = (mean_value?, value?);
+        if mean_value != 0.0 {
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, mean.span, "noise has mean 0; put the offset into the pose"));
+        }
+        if value < 0.0 {
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, deviation.span, "a standard deviation is not negative"));
+        }
+        Ok((Spread::Normal(value), dimension))
+    }
+
+    fn uniform(&mut self, low: &'a Expr, high: &'a Expr, span: &'a Expr) -> Checked<(Spread, Dimension)> {
+        let dimension = self.dimension_of(high)?;
+        let low_value = self.fixed_number(low, dimension, "the lower end")?;
+        let high_value = self.fixed_number(high, dimension, "the upper end")?;
+        if low_value >= high_value {
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, span.span, "the lower end is not below the upper"));
+        }
+        Ok((Spread::Uniform(low_value, high_value), dimension))
+    }
+
+    fn dimension_of(&mut self, expr: &'a Expr) -> Checked<Dimension> {
+        let data = self.data(expr)?;
+        match data.kind.dimension() {
+            Some(dimension) => Ok(dimension),
+            None => {
+                let found = data.kind.described(self.vocabulary);
+                let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, "a number is wanted here").found(found);
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Where the objects of the scene start, and how fast.
+
+use super::Beginning;
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::dimension::Dimension;
+use crate::check::value::{Thing, Value};
+use crate::diagnostics::{codes, nearest};
+use crate::scene::Motion;
+use crate::syntax::tree::{Field, Placement};
+use crate::task::Setting;
+
+/// What a free object may be told.
+const FREE: [&str; 4] = ["at", "turned", "velocity", "spin"];
+
+impl<'a> Checker<'a> {
+    /// Free objects whose place in the scene is drawn.
+    pub(super) fn drawn_places(&mut self, beginning: &mut Beginning) -> Checked<()> {
+        let Some(surroundings) = self.surroundings else { return Ok(()) };
+        let mut broken = false;
+        for start in &surroundings.starts {
+            let Some(place) = beginning.init.objects.iter().position(|known| known.object == start.object) else { continue };
+            let settings = [0, 1, 2].map(|axis| Setting::ObjectPosition(place, axis));
+            let result = self.with_locals(&start.locals, |checker| {
+                checker.begin_bracket(start.place, Dimension::LENGTH, "`at`", settings, beginning)
+            });
+            broken |= result.is_err();
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    /// `cube { at [1 m, 0, 1 m], velocity [-4 m/s, 0, 1 m/s] }`, `door { swing 10 deg }`
+    pub(super) fn placement(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
+        let things = match self.object_named(element)? {
+            Value::Thing(thing) => vec![thing],
+            Value::Things { members, .. } => members,
+            Value::Data(_) => Vec::new(),
+        };
+        let mut broken = false;
+        for thing in things {
+            for field in &element.fields {
+                broken |= self.placement_field(thing, field, beginning).is_err();
+            }
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    fn object_named(&mut self, element: &'a Placement) -> Checked<Value> {
+        let objects: Vec<String> = self.objects().map(str::to_owned).collect();
+        let plain = !element.object.text.contains('{');
+        if plain && !objects.contains(&element.object.text) {
+            let message = format!("there is no object `{}` in the scene", element.object.text);
+            let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, element.object.span, message);
+            for name in nearest(&element.object.text, objects.iter().map(String::as_str)) {
+                diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), element.object.span, name);
+            }
+            return Err(self.report(diagnostic));
+        }
+        self.name(&element.object)
+    }
+
+    fn objects(&self) -> impl Iterator<Item = &'a str> {
+        self.vocabulary.landmarks.iter().filter(|landmark| landmark.of_scene).map(|landmark| landmark.name.as_str())
+    }
+
+    fn placement_field(&mut self, thing: Thing, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {
+        let name = match thing {
+            Thing::Landmark(index) if self.vocabulary.landmarks[index].of_scene => self.vocabulary.landmarks[index].name.clone(),
+            other => {
+                let message =
+                    format!("{} is no object of the scene; joints of the body are set in the pose", self.thing_name(other));
+                return Err(self.error(codes::types::WRONG_TYPE, field.span, message));
+            }
+        };
+        let word = field.name.text.as_str();
+        let joint = format!("{name}.{word}");
+        if let Some(index) = self.vocabulary.joints.iter().position(|known| known.name == joint) {
+            let expr = self.field_value(field)?;
+            beginning.init.coordinates[index] = self.coordinate(index, expr, field.name.span)?;
+            return Ok(());
+        }
+        let scene = self.surroundings.map(|surroundings| &surroundings.scene);
+        let free = |index: usize| {
+            let object = scene.and_then(|scene| scene.objects.get(index));
+            object.is_some_and(|object| object.name == name && object.motion == Motion::Free)
+        };
+        let Some(place) = beginning.init.objects.iter().position(|start| free(start.object)) else {
+            return Err(self.not_free(&name, field));
+        };
+        let expr = self.field_value(field)?;
+        let three = |setting: fn(usize, usize) -> Setting| [0, 1, 2].map(|axis| setting(place, axis));
+        match word {
+            "at" => {
+                beginning.forget(&three(Setting::ObjectPosition));
+                self.begin_bracket(expr, Dimension::LENGTH, "`at`", three(Setting::ObjectPosition), beginning)
+            }
+            "velocity" => self.begin_bracket(expr, Dimension::SPEED, "`velocity`", three(Setting::ObjectVelocity), beginning),
+            "spin" => self.begin_bracket(expr, Dimension::ANGULAR_VELOCITY, "`spin`", three(Setting::ObjectSpin), beginning),
+            "turned" => {
+                beginning.init.objects[place].orientation = self.turned(expr)?;
+                Ok(())
+            }
+            _ => {
+                let message = format!("`{name}` cannot be given `{word}`");
+                let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
+                let diagnostic =
+                    diagnostic.help(format!("a free object is given {}", FREE.map(|word| format!("`{word}`")).join(", ")));
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    fn not_free(&mut self, name: &str, field: &Field) -> Reported {
+        let prefix = format!("{name}.");
+        let joints: Vec<&str> = self
+            .vocabulary
+            .joints
+            .iter()
+            .filter_map(|joint| joint.name.strip_prefix(&prefix))
+            .filter(|word| !word.contains('.'))
+            .collect();
+        let help = if joints.is_empty() {
+            "it stands still; where it is, the scene says".to_owned()
+        } else {
+            format!("it has the joints {}: `{name} {{ {} ... }}`", joints.join(", "), joints[0])
+        };
+        let message = format!("`{name}` is not free, so it cannot be given `{}`", field.name.text);
+        let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message).help(help);
+        self.report(diagnostic)
+    }
+}

@@ -1,0 +1,106 @@
+//! The pose of a beginning: a pose of the body, adjusted by name.
+
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::dimension::Dimension;
+use crate::check::value::{Thing, Value};
+use crate::diagnostics::{Span, codes};
+use crate::syntax::tree::{Assignment, Expr, PoseUse};
+use crate::task::Init;
+use crate::vocabulary::JointKind;
+
+impl<'a> Checker<'a> {
+    pub(super) fn pose(&mut self, pose: &'a PoseUse, init: &mut Init) -> Checked<()> {
+        let Some(known) = self.vocabulary.poses.iter().find(|known| known.name == pose.name.text) else {
+            let names = self.vocabulary.poses.iter().map(|known| known.name.clone()).collect();
+            return Err(self.unknown_name(&pose.name.text, pose.name.span, names));
+        };
+        // Poses know the joints of the body; those of objects come behind and begin at zero.
+        for (coordinate, value) in init.coordinates.iter_mut().zip(&known.coordinates) {
+            *coordinate = *value;
+        }
+        let mut set = vec![false; init.coordinates.len()];
+        let mut broken = false;
+        for adjustment in &pose.adjustments {
+            broken |= self.adjust(adjustment, &mut init.coordinates, &mut set).is_err();
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    fn adjust(&mut self, adjustment: &'a Assignment, coordinates: &mut [f64], set: &mut [bool]) -> Checked<()> {
+        let things = match self.value(&adjustment.target)? {
+            Value::Thing(thing) => vec![thing],
+            Value::Things { members, .. } => members,
+            Value::Data(_) => Vec::new(),
+        };
+        if things.is_empty() {
+            return Err(self.error(codes::types::WRONG_TYPE, adjustment.target.span, "a pose sets joints"));
+        }
+        for thing in things {
+            let Thing::Joint(index) = thing else {
+                let message = format!("a pose sets joints; this is {}", self.thing_name(thing));
+                return Err(self.error(codes::types::WRONG_TYPE, adjustment.target.span, message));
+            };
+            if std::mem::replace(&mut set[index], true) {
+                let message = format!("the joint `{}` is set twice", self.vocabulary.joints[index].name);
+                return Err(self.error(codes::tasks::REPEATED, adjustment.target.span, message));
+            }
+            coordinates[index] = self.coordinate(index, &adjustment.value, adjustment.target.span)?;
+        }
+        Ok(())
+    }
+
+    /// A coordinate of a joint, which must be independent and within its range.
+    pub(super) fn coordinate(&mut self, index: usize, value: &'a Expr, named: Span) -> Checked<f64> {
+        let joint = &self.vocabulary.joints[index];
+        let (dimension, unit, factor) = match joint.kind {
+            JointKind::Hinge => (Dimension::ANGLE, "deg", 180.0 / std::f64::consts::PI),
+            JointKind::Slide => (Dimension::LENGTH, "m", 1.0),
+        };
+        let chosen = self.fixed_number(value, dimension, &format!("the joint `{}`", joint.name))?;
+        if !joint.independent {
+            let message = format!("the joint `{}` follows another by a coupling; its coordinate cannot be chosen", joint.name);
+            let diagnostic = self
+                .diagnostic(codes::tasks::SLAVED, named, message)
+                .help("set the joint that it follows; `msk vocabulary` lists the independent ones");
+            return Err(self.report(diagnostic));
+        }
+        if let Some([low, high]) = joint.range
+            && !(low..=high).contains(&chosen)
+        {
+            let tidy = |value: f64| (value * factor * 10.0).round() / 10.0;
+            let diagnostic = self
+                .diagnostic(codes::tasks::OUT_OF_RANGE, value.span, format!("`{}` cannot be placed there", joint.name))
+                .expected(format!("{} .. {} {unit}", tidy(low), tidy(high)))
+                .found(format!("{} {unit}", tidy(chosen)));
+            return Err(self.report(diagnostic));
+        }
+        Ok(chosen)
+    }
+
+    /// Joints of objects begin at zero unless they are told: then zero must be in their range.
+    pub(super) fn must_begin_within_ranges(&mut self, init: &Init, span: Span) -> Checked<()> {
+        let mut broken = false;
+        for (joint, coordinate) in self.vocabulary.joints.iter().zip(&init.coordinates).filter(|(joint, _)| joint.of_scene) {
+            let Some([low, high]) = joint.range else { continue };
+            if !(low..=high).contains(coordinate) {
+                let (unit, factor) = match joint.kind {
+                    JointKind::Hinge => ("deg", 180.0 / std::f64::consts::PI),
+                    JointKind::Slide => ("m", 1.0),
+                };
+                let tidy = |value: f64| (value * factor * 1000.0).round() / 1000.0;
+                let (object, word) = joint.name.rsplit_once('.').unwrap_or((&joint.name, "q"));
+                let diagnostic = self
+                    .diagnostic(
+                        codes::tasks::OUT_OF_RANGE,
+                        span,
+                        format!("`{}` begins at {} {unit}, outside its range", joint.name, tidy(*coordinate)),
+                    )
+                    .expected(format!("{} .. {} {unit}", tidy(low), tidy(high)))
+                    .help(format!("say in `init` where it begins: `{object} {{ {word} ... }}`"));
+                self.report(diagnostic);
+                broken = true;
+            }
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+}

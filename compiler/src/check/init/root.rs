@@ -1,0 +1,92 @@
+//! Where the root starts.
+
+use super::Beginning;
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::dimension::Dimension;
+use crate::check::value::{Thing, Value};
+use crate::diagnostics::codes;
+use crate::frame::Origin;
+use crate::syntax::tree::{Expr, ExprKind, Field, FieldValue, Placement};
+use crate::task::Setting;
+
+/// How the fields of the root are written.
+const HELP: &str = "it takes `height on ground` or `height 1 m`, `at [0 m, 0 m]`, `heading 0 deg`, `velocity [0.3 m/s, 0, 0]` and \
+    `so palm_l at bar.grip_l`";
+
+impl<'a> Checker<'a> {
+    pub(super) fn root(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
+        let mut broken = false;
+        let mut said: Vec<&str> = Vec::new();
+        for field in &element.fields {
+            let word = field.name.text.as_str();
+            if said.contains(&word) && word != "so" {
+                self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is said twice"));
+                broken = true;
+                continue;
+            }
+            said.push(word);
+            broken |= self.root_field(field, beginning).is_err();
+        }
+        if !broken && said.contains(&"so") && (said.contains(&"height") || said.contains(&"at")) {
+            let message = "`so ... at` already says where the root is; `height` and `at` would say it again";
+            return Err(self.error(codes::tasks::REPEATED, element.span, message));
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    fn root_field(&mut self, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {
+        match (field.name.text.as_str(), &field.value) {
+            ("height", FieldValue::On(Expr { kind: ExprKind::Name(name), .. })) if name.text == "ground" => {
+                beginning.init.root.height = None;
+                Ok(())
+            }
+            ("height", FieldValue::Value(value)) => {
+                self.begin_number(value, Dimension::LENGTH, "`height`", Setting::RootHeight, beginning)
+            }
+            ("at", FieldValue::Value(value)) => {
+                self.begin_bracket(value, Dimension::LENGTH, "`at`", [0, 1].map(Setting::RootPosition), beginning)
+            }
+            ("heading", FieldValue::Value(value)) => {
+                self.begin_number(value, Dimension::ANGLE, "`heading`", Setting::RootHeading, beginning)
+            }
+            ("velocity", FieldValue::Value(value)) => {
+                self.begin_bracket(value, Dimension::SPEED, "`velocity`", [0, 1, 2].map(Setting::RootVelocity), beginning)
+            }
+            ("so", FieldValue::Meets { place, target }) => self.meeting(place, target, beginning),
+            (name, _) => {
+                let message = format!("the root cannot be given `{name}` like this");
+                let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message).help(HELP);
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// `so palm_l at bar.grip_l`
+    fn meeting(&mut self, place: &'a Expr, target: &'a Expr, beginning: &mut Beginning) -> Checked<()> {
+        let (value, target_value) = (self.value(place)?, self.value(target)?);
+        let landmark = match value {
+            Value::Thing(Thing::Landmark(index)) if !self.vocabulary.landmarks[index].of_scene => index,
+            _ => {
+                let message = "the root is moved so that a landmark of the body is somewhere";
+                let diagnostic =
+                    self.diagnostic(codes::types::WRONG_TYPE, place.span, message).help("write `so palm_l at bar.grip_l`");
+                return Err(self.report(diagnostic));
+            }
+        };
+        let origin = match target_value {
+            Value::Thing(Thing::Landmark(index)) if self.stands_still(index) => {
+                Origin::World(self.vocabulary.landmarks[index].neutral_position)
+            }
+            Value::Thing(Thing::Landmark(index)) if self.vocabulary.landmarks[index].of_scene => {
+                Origin::Landmark(index, [0.0; 3])
+            }
+            Value::Thing(_) | Value::Things { .. } => {
+                let message = "the body is put to a place of the scene, not to a part of itself";
+                return Err(self.error(codes::types::WRONG_TYPE, target.span, message));
+            }
+            Value::Data(_) => Origin::World(self.fixed_bracket(target, Dimension::LENGTH, "`so ... at`")?),
+        };
+        beginning.init.root.meets.push((landmark, origin));
+        Ok(())
+    }
+}

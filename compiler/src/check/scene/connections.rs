@@ -1,0 +1,228 @@
+//! What is held to what, places that are shown, and forces that disturb: their formulas see the whole vocabulary.
+
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::dimension::Dimension;
+use crate::check::types::{Frame, Type};
+use crate::check::value::{Data, Thing, Value};
+use crate::diagnostics::codes;
+use crate::graph::NodeId;
+use crate::scene::{Connection, SceneDescription};
+use crate::syntax::tree::{self, Element, ElementName, Expr, SceneStatement, TaskStatement};
+use crate::task::Disturbance;
+
+/// Connections of a scene, and when those that let go do so.
+type Connections = (Vec<Connection>, Vec<(usize, NodeId)>);
+
+/// The whole scene of a task, and what its formulas say of it.
+#[derive(Debug, Default)]
+pub(crate) struct Staged {
+    pub scene: SceneDescription,
+    /// Connections that let go, with the conditions.
+    pub releases: Vec<(usize, NodeId)>,
+    pub markers: Vec<(String, NodeId)>,
+    pub disturbances: Vec<Disturbance>,
+}
+
+impl<'a> Checker<'a> {
+    /// Completes the scene by what sees the whole vocabulary.
+    pub(crate) fn staged(&mut self) -> Checked<Staged> {
+        let scene = self.surroundings.map(|surroundings| surroundings.scene.clone()).unwrap_or_default();
+        let statements = self.statements;
+        let mut disturbances = Vec::new();
+        let mut broken = false;
+        for statement in statements {
+            if let TaskStatement::Disturb(element) = statement {
+                match self.disturbance(element) {
+                    Ok(disturbance) => disturbances.push(disturbance),
+                    Err(Reported) => broken = true,
+                }
+            }
+        }
+        let (connections, markers) = (self.connections(), self.markers());
+        let ((connections, releases), markers) = (connections?, markers?);
+        if broken {
+            return Err(Reported);
+        }
+        Ok(Staged { scene: SceneDescription { connections, ..scene }, releases, markers, disturbances })
+    }
+
+    /// Lints that a scene allows.
+    pub(crate) fn allow_in_scene(&mut self, statements: &'a [SceneStatement]) {
+        for statement in statements {
+            match statement {
+                SceneStatement::Allow(allow) => self.allow(allow),
+                SceneStatement::Repeat(repeat) => self.allow_in_scene(&repeat.statements),
+                _ => {}
+            }
+        }
+    }
+
+    /// The welds and connections of the scene.
+    fn connections(&mut self) -> Checked<Connections> {
+        let Some(surroundings) = self.surroundings else { return Ok(Connections::default()) };
+        let (mut connections, mut releases) = Connections::default();
+        let mut broken = false;
+        for (connection, locals) in &surroundings.statements.connections {
+            match self.with_locals(locals, |checker| checker.connection(connection)) {
+                Ok((held, release)) => {
+                    releases.extend(release.map(|node| (connections.len(), node)));
+                    connections.push(held);
+                }
+                Err(Reported) => broken = true,
+            }
+        }
+        if broken { Err(Reported) } else { Ok((connections, releases)) }
+    }
+
+    fn connection(&mut self, connection: &'a tree::Connection) -> Checked<(Connection, Option<NodeId>)> {
+        let (from, to) = (self.end(&connection.from), self.end(&connection.to));
+        let release = connection.release.as_ref().map(|condition| self.single_condition(condition)).transpose();
+        let (from, to, release) = (from?, to?, release?);
+        if from == to {
+            return Err(self.error(codes::scene::MOTION, connection.span, "a thing cannot be held to itself"));
+        }
+        let still = |index: usize| self.stands_still(index);
+        if still(from) && still(to) {
+            let message = "both ends stand still: there is nothing to hold";
+            return Err(self.error(codes::scene::MOTION, connection.span, message));
+        }
+        let name = |index: usize| self.vocabulary.landmarks[index].name.clone();
+        let held = Connection { weld: connection.kind.text == "weld", from: name(from), to: name(to), here: connection.here };
+        Ok((held, release.map(|condition| condition.node)))
+    }
+
+    /// An end of a connection: a landmark of the body or an object.
+    fn end(&mut self, expr: &'a Expr) -> Checked<usize> {
+        match self.value(expr)? {
+            Value::Thing(Thing::Landmark(index)) => Ok(index),
+            other => {
+                let found = match &other {
+                    Value::Thing(thing) => self.thing_name(*thing),
+                    Value::Things { .. } => "a list of things".to_owned(),
+                    Value::Data(data) => data.kind.described(self.vocabulary),
+                };
+                let diagnostic = self
+                    .diagnostic(codes::types::WRONG_TYPE, expr.span, "a landmark or an object is held, by its name")
+                    .found(found)
+                    .help("name a place of an object with a point: `point grip { at [0, 0.15 m, 0] }`, then `bar.grip`");
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// The places that are shown.
+    fn markers(&mut self) -> Checked<Vec<(String, NodeId)>> {
+        let Some(surroundings) = self.surroundings else { return Ok(Vec::new()) };
+        let mut markers: Vec<(String, NodeId)> = Vec::new();
+        let mut broken = false;
+        for (marker, locals) in &surroundings.statements.markers {
+            let found = self.with_locals(locals, |checker| {
+                let names = checker.expand(&marker.name)?;
+                let place = checker.marked_place(&marker.at)?;
+                Ok((names.concat(), place))
+            });
+            match found {
+                Ok((name, node)) if markers.iter().all(|(known, _)| *known != name) => markers.push((name, node)),
+                Ok((name, _)) => {
+                    let message = format!("there are two markers called `{name}`");
+                    self.error(codes::tasks::LABEL_TWICE, marker.span, message);
+                    broken = true;
+                }
+                Err(Reported) => broken = true,
+            }
+        }
+        if broken { Err(Reported) } else { Ok(markers) }
+    }
+
+    fn marked_place(&mut self, expr: &'a Expr) -> Checked<NodeId> {
+        let value = self.value(expr)?;
+        let data = self.positions(&value, expr.span)?;
+        let length = |data: &Data| data.kind.dimension() == Some(Dimension::LENGTH) || data.is_zero();
+        let fits = match &data.kind {
+            Type::Place(Frame::World) => true,
+            Type::Vector { size: 3, frame: Frame::World, .. } => length(&data),
+            Type::List(_, 3) => data.is_bracket() && length(&data),
+            _ => false,
+        };
+        if fits {
+            return Ok(data.node);
+        }
+        let found = data.kind.described(self.vocabulary);
+        let diagnostic = self
+            .diagnostic(codes::types::WRONG_TYPE, expr.span, "a marker is shown at a place")
+            .expected("a place (world axes)")
+            .found(found);
+        Err(self.report(diagnostic))
+    }
+
+    /// `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`
+    fn disturbance(&mut self, element: &'a Element) -> Checked<Disturbance> {
+        let Some(ElementName::Name(name)) = &element.name else {
+            return Err(self.error(codes::tasks::MISSING, element.span, "`disturb` names what is pushed"));
+        };
+        let landmark = match self.name(name)? {
+            Value::Thing(Thing::Landmark(index)) if !self.stands_still(index) => index,
+            Value::Thing(Thing::Landmark(_)) => {
+                return Err(self.error(
+                    codes::scene::MOTION,
+                    name.span,
+                    format!("`{}` stands still: nothing pushes it", name.text),
+                ));
+            }
+            _ => {
+                let message = "a force acts on a landmark of the body or an object that moves";
+                return Err(self.error(codes::types::WRONG_TYPE, name.span, message));
+            }
+        };
+        let mut disturbance = Disturbance { landmark, force: [0.0; 3], torque: [0.0; 3], start: 0, steps: 0 };
+        let mut said: Vec<&str> = Vec::new();
+        for field in &element.fields {
+            let word = field.name.text.as_str();
+            if said.contains(&word) {
+                return Err(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is said twice")));
+            }
+            said.push(word);
+            match word {
+                "force" => {
+                    let expr = self.field_value(field)?;
+                    disturbance.force = self.fixed_bracket(expr, Dimension::FORCE, "`force`")?;
+                }
+                "torque" => {
+                    let expr = self.field_value(field)?;
+                    disturbance.torque = self.fixed_bracket(expr, Dimension::TORQUE, "`torque`")?;
+                }
+                "at" => {
+                    let expr = self.field_value(field)?;
+                    disturbance.start = self.steps(expr)? as u32;
+                }
+                "for" => {
+                    let expr = self.field_value(field)?;
+                    disturbance.steps = self.steps(expr)? as u32;
+                }
+                _ => {
+                    let message = format!("a disturbance has no `{word}`");
+                    let diagnostic = self
+                        .diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message)
+                        .help("write `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`; `torque [0, 0, 5 N*m]` as well");
+                    return Err(self.report(diagnostic));
+                }
+            }
+        }
+        let pushes = said.contains(&"force") || said.contains(&"torque");
+        if !pushes || !said.contains(&"at") || disturbance.steps == 0 {
+            let diagnostic = self
+                .diagnostic(
+                    codes::tasks::MISSING,
+                    element.span,
+                    "a disturbance says how strong it is, when it begins and how long it lasts",
+                )
+                .help("write `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`");
+            return Err(self.report(diagnostic));
+        }
+        if disturbance.start >= self.timing.horizon {
+            let message = "the episode is over before this begins";
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, element.span, message));
+        }
+        Ok(disturbance)
+    }
+}

@@ -1,0 +1,232 @@
+//! Fields of elements: which there are, each once, and their values, all known while compiling.
+
+use super::elements::{FIELDS, Kind};
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::dimension::Dimension;
+use crate::check::types::{Frame, Type};
+use crate::check::value::{Data, Value};
+use crate::diagnostics::{Span, codes, nearest};
+use crate::syntax::tree::{Element, Expr, ExprKind, Field, FieldValue};
+
+/// The fields of one element, each known to its kind and said once.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fields<'a> {
+    kind: &'static Kind,
+    fields: &'a [Field],
+    /// The word of the element.
+    pub span: Span,
+}
+
+impl<'a> Fields<'a> {
+    /// The field called `name`.
+    pub(super) fn get(&self, name: &str) -> Option<&'a Field> {
+        self.fields.iter().find(|field| field.name.text == name)
+    }
+
+    /// Its kind.
+    pub(super) fn kind(&self) -> &'static str {
+        self.kind.name
+    }
+}
+
+impl<'a> Checker<'a> {
+    /// Looks at the words of an element's fields.
+    pub(super) fn fields(&mut self, element: &'a Element, kind: &'static Kind) -> Checked<Fields<'a>> {
+        let mut broken = false;
+        for (index, field) in element.fields.iter().enumerate() {
+            let name = field.name.text.as_str();
+            if !kind.fields().any(|known| known == name) {
+                broken = true;
+                self.unknown_field(field, kind);
+            } else if element.fields[..index].iter().any(|earlier| earlier.name.text == name) {
+                broken = true;
+                self.error(codes::tasks::REPEATED, field.span, format!("`{name}` is said twice"));
+            }
+        }
+        let missing: Vec<&str> =
+            kind.required.iter().copied().filter(|name| !element.fields.iter().any(|field| field.name.text == *name)).collect();
+        if !missing.is_empty() && !broken {
+            let forms = FIELDS.iter().filter(|row| missing.contains(&row.name)).map(|row| format!("`{}`", row.form));
+            let message = format!("this `{}` does not say its {}", kind.name, missing.join(", "));
+            let diagnostic = self
+                .diagnostic(codes::tasks::MISSING, element.kind.span, message)
+                .help(format!("write {}", forms.collect::<Vec<_>>().join(", ")));
+            return Err(self.report(diagnostic));
+        }
+        if broken { Err(Reported) } else { Ok(Fields { kind, fields: &element.fields, span: element.kind.span }) }
+    }
+
+    fn unknown_field(&mut self, field: &Field, kind: &Kind) {
+        let name = field.name.text.as_str();
+        let known: Vec<&str> = kind.fields().collect();
+        let message = format!("`{}` has no field `{name}`", kind.name);
+        let mut diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
+        let near = nearest(name, known.iter().copied());
+        if near.is_empty() {
+            diagnostic = diagnostic.help(format!("it has {}", known.join(", ")));
+        }
+        for known in near {
+            diagnostic = diagnostic.suggest(format!("did you mean `{known}`?"), field.name.span, known);
+        }
+        self.report(diagnostic);
+    }
+
+    /// The value behind a field's word.
+    pub(crate) fn field_value(&mut self, field: &'a Field) -> Checked<&'a Expr> {
+        if let FieldValue::Value(value) = &field.value {
+            return Ok(value);
+        }
+        let name = field.name.text.as_str();
+        let form = FIELDS.iter().find(|row| row.name == name).map_or_else(|| format!("{name} VALUE"), |row| row.form.to_owned());
+        let diagnostic = self
+            .diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, format!("`{name}` is not written like this"))
+            .expected(format!("`{form}`"));
+        Err(self.report(diagnostic))
+    }
+
+    /// A flag: there, or `true`, or `false`; `otherwise` where nothing is said.
+    pub(super) fn flag(&mut self, fields: &Fields<'a>, name: &str, otherwise: bool) -> Checked<bool> {
+        match fields.get(name) {
+            None => Ok(otherwise),
+            Some(Field { value: FieldValue::Flag, .. }) => Ok(true),
+            Some(Field { value: FieldValue::Value(Expr { kind: ExprKind::Bool(truth), .. }), .. }) => Ok(*truth),
+            Some(field) => {
+                let message = format!("`{name}` is a flag");
+                let diagnostic = self
+                    .diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message)
+                    .expected(format!("`{name}` or `{name} false`"));
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// A number of this dimension that is known while compiling.
+    pub(crate) fn fixed_number(&mut self, expr: &'a Expr, dimension: Dimension, wanted_by: &str) -> Checked<f64> {
+        let data = self.data(expr)?;
+        let found = data.kind.dimension().filter(|_| matches!(data.kind, Type::Number(_) | Type::Int));
+        if found != Some(dimension) && !data.is_zero() {
+            let diagnostic = self
+                .diagnostic(codes::types::DIMENSIONS_DIFFER, expr.span, format!("{wanted_by} takes {}", dimension.described()))
+                .expected(dimension.described())
+                .found(data.kind.described(self.vocabulary));
+            let plain = found.is_some_and(Dimension::is_none);
+            return Err(self.report(if plain { diagnostic.help(format!("give it the unit `{dimension}`")) } else { diagnostic }));
+        }
+        match self.graph.constant_lanes(data.node).as_deref() {
+            Some([value]) if value.is_finite() => Ok(*value),
+            Some(_) => {
+                let message = format!("{wanted_by} takes one finite number");
+                Err(self.error(codes::types::WRONG_TYPE, expr.span, message))
+            }
+            None => Err(self.must_be_known(expr.span, wanted_by)),
+        }
+    }
+
+    /// The number of a field, which must be above 0.
+    pub(super) fn positive(&mut self, fields: &Fields<'a>, name: &str, dimension: Dimension) -> Checked<f64> {
+        let field = self.required(fields, name)?;
+        let expr = self.field_value(field)?;
+        let value = self.fixed_number(expr, dimension, &format!("`{name}`"))?;
+        self.must_be_positive(value, name, expr.span)?;
+        Ok(value)
+    }
+
+    pub(super) fn must_be_positive(&mut self, value: f64, name: &str, span: Span) -> Checked<()> {
+        if value > 0.0 {
+            return Ok(());
+        }
+        let message = if value == 0.0 { format!("`{name}` is 0") } else { format!("`{name}` is negative") };
+        let diagnostic = self
+            .diagnostic(codes::scene::SIZE, span, message)
+            .expected("more than 0")
+            .help("a thing without extent or mass can neither be touched nor moved");
+        Err(self.report(diagnostic))
+    }
+
+    /// The number of a field that may be left out and must not be negative.
+    pub(super) fn not_negative(&mut self, fields: &Fields<'a>, name: &str, dimension: Dimension) -> Checked<f64> {
+        let Some(field) = fields.get(name) else { return Ok(0.0) };
+        let expr = self.field_value(field)?;
+        let value = self.fixed_number(expr, dimension, &format!("`{name}`"))?;
+        if value < 0.0 {
+            return Err(self.error(codes::scene::SIZE, expr.span, format!("`{name}` is negative")));
+        }
+        Ok(value)
+    }
+
+    pub(super) fn required(&mut self, fields: &Fields<'a>, name: &str) -> Checked<&'a Field> {
+        match fields.get(name) {
+            Some(field) => Ok(field),
+            None => {
+                let message = format!("this `{}` does not say its {name}", fields.kind());
+                Err(self.error(codes::tasks::MISSING, fields.span, message))
+            }
+        }
+    }
+
+    /// A bracket of numbers of this dimension that are known while compiling; a vector or place in world axes as well.
+    pub(crate) fn fixed_bracket<const SIZE: usize>(
+        &mut self,
+        expr: &'a Expr,
+        dimension: Dimension,
+        wanted_by: &str,
+    ) -> Checked<[f64; SIZE]> {
+        let data = match self.value(expr)? {
+            Value::Data(data) => data,
+            other => return Err(self.not_numbers(&other, expr.span)),
+        };
+        self.must_be_bracket(&data, SIZE, dimension, expr.span, wanted_by)?;
+        let Some(lanes) = self.graph.constant_lanes(data.node) else { return Err(self.must_be_known(expr.span, wanted_by)) };
+        match <[f64; SIZE]>::try_from(lanes) {
+            Ok(values) if values.iter().all(|value| value.is_finite()) => Ok(values),
+            _ => Err(self.error(codes::types::WRONG_TYPE, expr.span, format!("{wanted_by} takes {SIZE} finite numbers"))),
+        }
+    }
+
+    /// Whether these are `size` components of one dimension, in world axes where they have a frame.
+    pub(crate) fn must_be_bracket(
+        &mut self,
+        data: &Data,
+        size: usize,
+        dimension: Dimension,
+        span: Span,
+        wanted_by: &str,
+    ) -> Checked<()> {
+        let fits = match &data.kind {
+            Type::List(element, length) => {
+                *length == size && (element.dimension() == Some(dimension) || data.is_zero()) && element_is_number(element)
+            }
+            Type::Vector { size: own, dimension: found, frame } => {
+                *own == size && (*found == dimension || data.is_zero()) && *frame == Frame::World
+            }
+            Type::Place(Frame::World) => size == 3 && dimension == Dimension::LENGTH,
+            _ => false,
+        };
+        if fits {
+            return Ok(());
+        }
+        let unit = if dimension.is_none() { "without unit".to_owned() } else { format!("in {dimension}") };
+        let code = match &data.kind {
+            Type::List(_, length) if *length == size => codes::types::DIMENSIONS_DIFFER,
+            _ => codes::types::WRONG_TYPE,
+        };
+        let found = data.kind.described(self.vocabulary);
+        let diagnostic = self
+            .diagnostic(code, span, format!("{wanted_by} takes a bracket of {size} numbers"))
+            .expected(format!("{size} numbers {unit}"))
+            .found(found);
+        Err(self.report(diagnostic))
+    }
+
+    /// Reports a value that depends on the episode.
+    pub(crate) fn must_be_known(&mut self, span: Span, wanted_by: &str) -> Reported {
+        let diagnostic = self
+            .diagnostic(codes::types::NOT_CONSTANT, span, format!("{wanted_by} must be known while compiling"))
+            .help("numbers, constants, parameters, and sizes and places of what stands still in the scene are");
+        self.report(diagnostic)
+    }
+}
+
+fn element_is_number(kind: &Type) -> bool {
+    matches!(kind, Type::Number(_) | Type::Int)
+}

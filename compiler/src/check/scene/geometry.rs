@@ -1,0 +1,180 @@
+//! Sizes and places of objects that formulas read: constants, so that a task never repeats what its scene says.
+
+use super::{Stage, shapes};
+use crate::check::context::{Checked, Checker};
+use crate::check::dimension::Dimension;
+use crate::check::signals::{self, Owner, Read};
+use crate::check::types::{Frame, Type};
+use crate::check::value::{Data, Thing};
+use crate::diagnostics::{Span, codes};
+use crate::frame::Sensor;
+use crate::graph::NodeId;
+use crate::scene::{Motion, Parent, Shape, Terrain};
+use crate::syntax::tree::Name;
+
+/// A constant of an object.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Known {
+    pub lanes: Vec<f64>,
+    pub kind: Type,
+}
+
+impl<'a> Checker<'a> {
+    /// Keeps what is constant of the object at `index`.
+    pub(super) fn keep_geometry(&mut self, stage: &Stage<'a>, index: usize) {
+        let (object, landmark, fixed) = (&stage.scene.objects[index], &stage.landmarks[index], stage.fixed[index]);
+        let aligned =
+            object.parent == Parent::World && object.motion == Motion::Fixed && object.orientation == super::rotation::NONE;
+        let frame = if aligned { Frame::World } else { Frame::Landmark(self.vocabulary.landmarks.len() + index) };
+        let name = object.name.clone();
+        let mut keep = |signal: &str, lanes: Vec<f64>, kind: Type| {
+            self.known.insert(format!("{name}.{signal}"), Known { lanes, kind });
+        };
+        let length = Type::Number(Dimension::LENGTH);
+        let mut keep_length = |signal: &str, value: f64| keep(signal, vec![value], length.clone());
+        match &object.shape {
+            Some(Shape::Sphere(radius)) => keep_length("radius", *radius),
+            Some(Shape::Capsule(radius, long) | Shape::Cylinder(radius, long)) => {
+                keep_length("radius", *radius);
+                keep_length("length", *long);
+            }
+            Some(Shape::Terrain(Terrain::Stairs { count, rise, run, width })) => {
+                keep_length("rise", *rise);
+                keep_length("run", *run);
+                keep_length("width", *width);
+                keep_length("length", f64::from(*count) * run);
+                keep("count", vec![f64::from(*count)], Type::Int);
+            }
+            Some(Shape::Terrain(Terrain::Slope { length, width, angle })) => {
+                keep_length("length", *length);
+                keep_length("width", *width);
+                keep("angle", vec![*angle], Type::Number(Dimension::ANGLE));
+            }
+            Some(Shape::Terrain(Terrain::Heights { size, .. })) => {
+                keep_length("length", size[0]);
+                keep_length("width", size[1]);
+            }
+            Some(shape @ (Shape::Box(_) | Shape::Ellipsoid(_))) => {
+                let size = match shape {
+                    Shape::Box(size) => *size,
+                    Shape::Ellipsoid(half) => half.map(|half| 2.0 * half),
+                    _ => [0.0; 3],
+                };
+                keep("size", size.to_vec(), Type::Vector { size: 3, dimension: Dimension::LENGTH, frame });
+            }
+            Some(Shape::Plane) | None => {}
+        }
+        if !fixed {
+            return;
+        }
+        self.known.insert(
+            format!("{name}.position"),
+            Known { lanes: landmark.neutral_position.to_vec(), kind: Type::Place(Frame::World) },
+        );
+        if let Some([below, above]) = object.shape.as_ref().and_then(|shape| shapes::reach(shape, &landmark.neutral_axes)) {
+            let height = landmark.neutral_position[2];
+            let kind = || Type::Number(Dimension::LENGTH);
+            self.known.insert(format!("{name}.top"), Known { lanes: vec![height + above], kind: kind() });
+            self.known.insert(format!("{name}.bottom"), Known { lanes: vec![height + below], kind: kind() });
+        }
+    }
+
+    /// A constant by its full name, such as `seat.top`.
+    pub(crate) fn known_constant(&mut self, name: &str) -> Option<Data> {
+        let known = self.known.get(name)?.clone();
+        let node = self.graph.constants(&known.lanes);
+        Some(Data::new(node, known.kind))
+    }
+
+    /// A size of an object, or of each of several.
+    pub(crate) fn object_property(&mut self, things: &[Thing], list: bool, name: &Name, span: Span) -> Checked<Option<Data>> {
+        let objects: Option<Vec<usize>> = things
+            .iter()
+            .map(|thing| match thing {
+                Thing::Landmark(index) if self.vocabulary.landmarks[*index].of_scene => Some(*index),
+                _ => None,
+            })
+            .collect();
+        let (Some(objects), Some(signal)) = (objects, signals::find(Owner::Object, &name.text)) else { return Ok(None) };
+        let mut parts = Vec::with_capacity(objects.len());
+        let mut kind = None;
+        for index in objects {
+            let object = self.vocabulary.landmarks[index].name.clone();
+            let Some(data) = self.known_constant(&format!("{object}.{}", name.text)) else {
+                return Err(self.no_such_size(&object, signal.read, name));
+            };
+            if *kind.get_or_insert(data.kind.clone()) != data.kind {
+                let message = "only things of one kind share sizes";
+                return Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message));
+            }
+            parts.push(data.node);
+        }
+        let Some(kind) = kind else { return Ok(None) };
+        let kind = if list { Type::List(Box::new(kind), parts.len()) } else { kind };
+        let node = self.graph.join(&parts);
+        Ok(Some(Data::new(node, kind)))
+    }
+
+    fn no_such_size(&mut self, object: &str, read: Read, name: &Name) -> crate::check::context::Reported {
+        let message = format!("`{object}` has no `{}`", name.text);
+        let prefix = format!("{object}.");
+        let known: Vec<&str> = self
+            .known
+            .keys()
+            .filter_map(|key| key.strip_prefix(&prefix))
+            .filter(|key| !key.contains('.') && *key != "position")
+            .collect();
+        let help = match read {
+            Read::Top | Read::Bottom => {
+                "only what stands still and has a shape has one; of what moves, read `position`".to_owned()
+            }
+            _ if known.is_empty() => "it has no shape of its own; read a part of it".to_owned(),
+            _ => format!("it has {}, and what every landmark has", known.join(", ")),
+        };
+        let diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message).help(help);
+        self.report(diagnostic)
+    }
+
+    /// Sensor blocks side by side; what is measured on things that stand still is a constant.
+    pub(crate) fn measured(&mut self, sensors: Vec<Sensor>) -> NodeId {
+        if !sensors.iter().any(|sensor| self.constant_sensor(*sensor).is_some()) {
+            return self.graph.sensors(sensors);
+        }
+        let mut nodes = Vec::with_capacity(sensors.len());
+        for sensor in sensors {
+            nodes.push(match self.constant_sensor(sensor) {
+                Some(lanes) => self.graph.constants(&lanes),
+                None => self.graph.sensors(vec![sensor]),
+            });
+        }
+        self.graph.join(&nodes)
+    }
+
+    /// What a sensor always says of a thing that stands still.
+    fn constant_sensor(&self, sensor: Sensor) -> Option<Vec<f64>> {
+        use Sensor::{LandmarkAcceleration, LandmarkAngularVelocity, LandmarkAxes, LandmarkPosition, LandmarkVelocity};
+        let (LandmarkPosition(index)
+        | LandmarkVelocity(index)
+        | LandmarkAcceleration(index)
+        | LandmarkAxes(index)
+        | LandmarkAngularVelocity(index)) = sensor
+        else {
+            return None;
+        };
+        let landmark = self.vocabulary.landmarks.get(index).filter(|_| self.stands_still(index))?;
+        Some(match sensor {
+            LandmarkPosition(_) => landmark.neutral_position.to_vec(),
+            LandmarkAxes(_) => landmark.neutral_axes.to_vec(),
+            _ => vec![0.0; 3],
+        })
+    }
+
+    /// Whether a landmark is an object that nothing can move.
+    pub(crate) fn stands_still(&self, landmark: usize) -> bool {
+        let first = self.vocabulary.landmarks.iter().position(|landmark| landmark.of_scene);
+        let surroundings = self.surroundings;
+        first.zip(surroundings).is_some_and(|(first, surroundings)| {
+            landmark.checked_sub(first).and_then(|object| surroundings.fixed.get(object)).copied().unwrap_or(false)
+        })
+    }
+}

@@ -1,0 +1,63 @@
+//! Height fields by formula: the formula is evaluated at every sample while compiling.
+
+use super::fields::Fields;
+use crate::check::context::{Checked, Checker};
+use crate::check::dimension::Dimension;
+use crate::check::types::Type;
+use crate::check::value::{Data, Value};
+use crate::diagnostics::codes;
+use crate::scene::Terrain;
+
+/// Samples of one height field.
+const MOST: f64 = 10_000.0;
+
+impl<'a> Checker<'a> {
+    /// `heights waves { size [10 m, 2 m], samples [101, 11], height 0.1 m * sin(x * 90 deg/m) }`
+    pub(super) fn heights(&mut self, fields: &Fields<'a>) -> Checked<Terrain> {
+        let field = self.required(fields, "size")?;
+        let expr = self.field_value(field)?;
+        let size: [f64; 2] = self.fixed_bracket(expr, Dimension::LENGTH, "`size` of `heights`")?;
+        for extent in size {
+            self.must_be_positive(extent, "size", expr.span)?;
+        }
+        let field = self.required(fields, "samples")?;
+        let expr = self.field_value(field)?;
+        let [along, across]: [f64; 2] = self.fixed_bracket(expr, Dimension::NONE, "`samples`")?;
+        let whole = |count: f64| count >= 2.0 && count.fract() == 0.0;
+        if !whole(along) || !whole(across) || along * across > MOST {
+            let message = format!("`samples` are two whole numbers, at least 2 each and at most {MOST} together");
+            return Err(self.error(codes::scene::SIZE, expr.span, message));
+        }
+        let samples = [along as usize, across as usize];
+        let heights = self.sampled_heights(fields, size, samples)?;
+        Ok(Terrain::Heights { size, samples, heights })
+    }
+
+    /// The formula at every sample, x fastest.
+    fn sampled_heights(&mut self, fields: &Fields<'a>, size: [f64; 2], samples: [usize; 2]) -> Checked<Vec<f64>> {
+        let field = self.required(fields, "height")?;
+        let formula = self.field_value(field)?;
+        let step = |extent: f64, count: usize, index: usize| extent * index as f64 / (count - 1) as f64;
+        let mut heights = Vec::with_capacity(samples[0] * samples[1]);
+        for row in 0..samples[1] {
+            for column in 0..samples[0] {
+                let x = step(size[0], samples[0], column);
+                let y = step(size[1], samples[1], row) - 0.5 * size[1];
+                heights
+                    .push(self.with_coordinates(x, y, |checker| checker.fixed_number(formula, Dimension::LENGTH, "`height`"))?);
+            }
+        }
+        Ok(heights)
+    }
+
+    fn with_coordinates<T>(&mut self, x: f64, y: f64, check: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.locals.len();
+        for (name, value) in [("x", x), ("y", y)] {
+            let node = self.graph.constant(value);
+            self.locals.push((name.to_owned(), Value::Data(Data::new(node, Type::Number(Dimension::LENGTH)))));
+        }
+        let result = check(self);
+        self.locals.truncate(before);
+        result
+    }
+}

@@ -1,0 +1,231 @@
+//! Scenes: from the statements of `scene { }` to a [`SceneDescription`].
+//!
+//! A scene is checked before the formulas of its task, on the vocabulary of the body alone; then the objects join the
+//! vocabulary, and formulas name them like landmarks.
+//!
+//! 1. `elements`: which elements and fields there are, one table;
+//! 2. `expand`: loops unrolled, removals carried out;
+//! 3. `fields`, `shapes`, `heights`, `joints`, `object`: one element with its parts;
+//! 4. `geometry`, `parts`: sizes and places that formulas read, so that a task never repeats them;
+//! 5. `groups`: named sets;
+//! 6. `repeats`: lints;
+//! 7. `connections`: welds, releases and markers, whose formulas see the whole vocabulary.
+
+pub(crate) mod connections;
+pub mod elements;
+pub(crate) mod expand;
+mod fields;
+pub(crate) mod geometry;
+mod groups;
+mod heights;
+mod joints;
+pub(crate) mod object;
+mod parts;
+mod repeats;
+mod rotation;
+mod shapes;
+
+use super::context::Checker;
+use super::scope::{Names, Place};
+use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use crate::scene::{Motion, Object, Parent, SceneDescription, Surface};
+use crate::syntax::tree::{Element, ElementName, Expr, SceneStatement, Task, TaskStatement};
+use crate::vocabulary::{Landmark, Vocabulary};
+use expand::{Expanded, Locals};
+use geometry::Known;
+use std::collections::BTreeMap;
+
+/// What surrounds the body of a task, as far as it is known before its formulas are checked.
+#[derive(Debug, Default)]
+pub(crate) struct Surroundings<'a> {
+    pub scene: SceneDescription,
+    /// Of each object, whether nothing can move it.
+    pub fixed: Vec<bool>,
+    /// Constants of objects by `NAME.SIGNAL`.
+    pub known: BTreeMap<String, Known>,
+    /// Free objects that start where it is drawn.
+    pub starts: Vec<Start<'a>>,
+    /// The unrolled statements.
+    pub statements: Expanded<'a>,
+}
+
+/// Where a free object starts, if that is drawn.
+#[derive(Debug, Clone)]
+pub(crate) struct Start<'a> {
+    /// Its place in the scene.
+    pub object: usize,
+    pub place: &'a Expr,
+    pub locals: Locals,
+}
+
+/// A scene in the making.
+pub(super) struct Stage<'a> {
+    pub scene: SceneDescription,
+    pub fixed: Vec<bool>,
+    pub spans: Vec<Span>,
+    pub starts: Vec<Start<'a>>,
+    /// Objects as landmarks in the making: their places and axes in the world, if they stand still.
+    pub landmarks: Vec<Landmark>,
+}
+
+impl<'a> Stage<'a> {
+    /// Adds an object.
+    pub(super) fn push(&mut self, body: &Vocabulary, object: Object, fixed: bool, span: Span) {
+        // Landmarks of the body and of the objects before it are enough to place one more.
+        let carriers = Vocabulary { landmarks: self.carriers(body, &object), ..Vocabulary::default() };
+        let parent = match &object.parent {
+            Parent::Object(_) => Parent::Landmark(CARRIER.to_owned()),
+            other => other.clone(),
+        };
+        let alone = SceneDescription { objects: vec![Object { parent, ..object.clone() }], ..SceneDescription::default() };
+        self.landmarks.extend(carriers.with_scene(&alone).landmarks.pop());
+        self.scene.objects.push(object);
+        self.fixed.push(fixed);
+        self.spans.push(span);
+    }
+
+    fn carriers(&self, body: &Vocabulary, object: &Object) -> Vec<Landmark> {
+        match &object.parent {
+            Parent::World => Vec::new(),
+            Parent::Object(index) => {
+                let carrier = self.landmarks.get(*index).cloned();
+                carrier.map(|landmark| Landmark { name: CARRIER.to_owned(), ..landmark }).into_iter().collect()
+            }
+            Parent::Landmark(name) => body.landmarks.iter().filter(|landmark| landmark.name == *name).cloned().collect(),
+        }
+    }
+}
+
+/// The words with which an element begins: its kind and its name.
+pub(super) fn head(element: &Element) -> Span {
+    match &element.name {
+        Some(ElementName::Name(name)) => element.kind.span.to(name.span),
+        Some(ElementName::Quoted(text)) => element.kind.span.to(text.span),
+        None => element.kind.span,
+    }
+}
+
+/// No name of a task: it holds a blank.
+const CARRIER: &str = "what carries it";
+
+/// Checks the scene of a task, on the vocabulary of its body.
+pub(crate) fn surroundings<'a>(
+    task: &'a Task,
+    file: FileId,
+    names: &'a Names<'a>,
+    vocabulary: &'a Vocabulary,
+) -> (Surroundings<'a>, Vec<Diagnostic>) {
+    let mut checker = Checker::new(vocabulary, names, Place::of_task(file), &task.statements);
+    let blocks = task.statements.iter().filter_map(|statement| match statement {
+        TaskStatement::Scene(block) => Some(block),
+        _ => None,
+    });
+    let mut blocks = blocks.peekable();
+    checker.allowed.extend(allowed(&task.statements));
+    if blocks.peek().is_none() {
+        let surroundings =
+            Surroundings { scene: SceneDescription { ground: Some(GROUND), ..Default::default() }, ..Default::default() };
+        return (surroundings, Vec::new());
+    }
+    let mut statements = Expanded::default();
+    for (index, block) in blocks.enumerate() {
+        if index > 0 {
+            checker.error(codes::tasks::REPEATED, block.keyword, "`scene` is said twice");
+        }
+        checker.expand_scene(&block.entries, &Locals::new(), &mut statements);
+    }
+    let (stage, known) = checker.stage(&statements);
+    let surroundings = Surroundings { scene: stage.scene, fixed: stage.fixed, known, starts: stage.starts, statements };
+    (surroundings, checker.diagnostics)
+}
+
+/// Lints that the task or its scene allows; whether there are such lints is looked at with the task.
+fn allowed(statements: &[TaskStatement]) -> Vec<String> {
+    let mut names = Vec::new();
+    for statement in statements {
+        match statement {
+            TaskStatement::Allow(allow) => names.push(allow.lint.text.clone()),
+            TaskStatement::Scene(block) => names.extend(block.entries.iter().filter_map(|entry| match entry {
+                SceneStatement::Allow(allow) => Some(allow.lint.text.clone()),
+                _ => None,
+            })),
+            _ => {}
+        }
+    }
+    names
+}
+
+/// The level ground of a task that says nothing of a scene.
+const GROUND: Surface = Surface { friction: [1.0, 0.005, 0.0001], solid: true, walkable: true };
+
+impl<'a> Checker<'a> {
+    /// The elements and groups of a scene.
+    fn stage(&mut self, statements: &Expanded<'a>) -> (Stage<'a>, BTreeMap<String, Known>) {
+        let (fixed, spans, starts, landmarks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut stage = Stage { scene: SceneDescription::default(), fixed, spans, starts, landmarks };
+        let mut broken: Vec<Span> = Vec::new();
+        for (element, name, locals) in &statements.elements {
+            // What is wrong is told, in one round of a loop; the other elements are looked at all the same.
+            if broken.contains(&element.span) {
+                continue;
+            }
+            let told = self.diagnostics.len();
+            let result = self.with_locals(locals, |checker| match name {
+                None => checker.ground(&mut stage, element),
+                Some(name) => checker.object(&mut stage, element, name, None, locals),
+            });
+            if result.is_err() || self.diagnostics.len() > told {
+                broken.push(element.span);
+            }
+        }
+        self.must_have_masses(&stage);
+        for group in &statements.groups {
+            let _ = self.scene_group(&mut stage, group);
+        }
+        (stage, std::mem::take(&mut self.known))
+    }
+
+    fn ground(&mut self, stage: &mut Stage<'a>, element: &'a crate::syntax::tree::Element) -> super::context::Checked<()> {
+        let Some(kind) = elements::find("ground") else { return Ok(()) };
+        let fields = self.fields(element, kind)?;
+        if let Some(part) = element.parts.first() {
+            let message = "the ground holds no parts; elements stand beside it";
+            return Err(self.error(codes::tasks::UNKNOWN_SETTING, part.span, message));
+        }
+        let surface = Surface { friction: self.friction(&fields)?, ..GROUND };
+        if stage.scene.ground.replace(surface).is_some() {
+            return Err(self.error(codes::tasks::REPEATED, element.span, "`ground` is said twice"));
+        }
+        Ok(())
+    }
+
+    /// What moves has a mass: its own, or that of what it carries without a joint.
+    fn must_have_masses(&mut self, stage: &Stage<'a>) {
+        let objects = &stage.scene.objects;
+        let mut total: Vec<f64> = objects.iter().map(|object| object.mass).collect();
+        for index in (0..objects.len()).rev() {
+            if let (Parent::Object(parent), Motion::Fixed) = (&objects[index].parent, &objects[index].motion) {
+                total[*parent] += total[index];
+            }
+        }
+        for (index, object) in objects.iter().enumerate() {
+            if object.motion != Motion::Fixed && total[index] <= 0.0 {
+                let diagnostic = self
+                    .diagnostic(
+                        codes::scene::MASS,
+                        stage.spans[index],
+                        format!("`{}` moves, but nothing of it has a mass", object.name),
+                    )
+                    .help("give a shape of it `mass 2 kg` or `density 500 kg/m^3`");
+                self.report(diagnostic);
+            }
+            if stage.fixed[index] && object.mass > 0.0 && !self.allowed.contains("idle_mass") {
+                let message = format!("`{}` stands still: its mass means nothing", object.name);
+                let diagnostic = self
+                    .diagnostic(codes::lints::IDLE_MASS, stage.spans[index], message)
+                    .help("leave it out, or let the thing move: `free`, or a joint");
+                self.diagnostics.push(diagnostic);
+            }
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! One element: from its fields and parts to objects of the scene.
+
+use super::elements::{self, KINDS};
+use super::fields::Fields;
+use super::{Stage, Start, head, rotation, shapes};
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::dimension::Dimension;
+use crate::check::scene::expand::Locals;
+use crate::check::signals::{self, Owner};
+use crate::diagnostics::{codes, nearest};
+use crate::scene::{Motion, Object, Parent, Shape, Surface};
+use crate::syntax::tree::{Element, Expr, ExprKind};
+
+impl<'a> Checker<'a> {
+    /// Reports a kind that there is not.
+    pub(super) fn unknown_element(&mut self, element: &'a Element) -> Reported {
+        let word = element.kind.text.as_str();
+        let names = || KINDS.iter().map(|kind| kind.name);
+        let message = format!("there is no element `{word}`");
+        let mut diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, element.kind.span, message);
+        let near = nearest(word, names());
+        if near.is_empty() {
+            diagnostic = diagnostic.help(format!("there is {}", names().collect::<Vec<_>>().join(", ")));
+        }
+        for name in near {
+            diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), element.kind.span, name);
+        }
+        self.report(diagnostic)
+    }
+
+    /// An element with its parts. `carrier` is the object around it, by its place in the scene.
+    pub(super) fn object(
+        &mut self,
+        stage: &mut Stage<'a>,
+        element: &'a Element,
+        name: &str,
+        carrier: Option<usize>,
+        locals: &Locals,
+    ) -> Checked<()> {
+        let Some(kind) = KINDS.iter().find(|kind| kind.name == element.kind.text) else {
+            if elements::is_joint(&element.kind.text) {
+                let message = format!("a `{}` stands inside what it lets move", element.kind.text);
+                let diagnostic = self
+                    .diagnostic(codes::tasks::UNKNOWN_SETTING, element.kind.span, message)
+                    .help("write `body door { hinge swing { ... }, box leaf { ... } }`");
+                return Err(self.report(diagnostic));
+            }
+            return Err(self.unknown_element(element));
+        };
+        if kind.name == "ground" {
+            let message = "the ground is level and lies at 0; it is no part of anything and has no name";
+            return Err(self.error(codes::tasks::UNKNOWN_SETTING, element.span, message));
+        }
+        self.must_be_new(stage, element, name)?;
+        let fields = self.fields(element, kind)?;
+        let placed = self.placed(&fields)?;
+        let parent = self.parent(stage, element, carrier)?;
+        let motion = self.motion(stage, element, &fields, name, &parent)?;
+        let surface = self.surface(&fields, placed.shape.as_ref())?;
+        let mass = self.mass(&fields, placed.shape.as_ref())?;
+        let fixed = motion == Motion::Fixed
+            && match parent {
+                Parent::World => true,
+                Parent::Object(index) => stage.fixed[index],
+                Parent::Landmark(_) => false,
+            };
+        self.must_stand_if_walked_on(&fields, placed.shape.as_ref(), &surface, fixed)?;
+        let index = stage.scene.objects.len();
+        if let Some(place) = placed.drawn {
+            stage.starts.push(Start { object: index, place, locals: locals.clone() });
+        }
+        let terrain = matches!(placed.shape, Some(Shape::Plane | Shape::Terrain(_)));
+        if terrain && !fixed {
+            let message = format!("{} cannot be carried by what moves", kind.name);
+            return Err(self.error(codes::scene::MOTION, element.kind.span, message));
+        }
+        stage.push(
+            self.vocabulary,
+            Object {
+                name: name.to_owned(),
+                description: element.docs.as_ref().map(|docs| docs.text.clone()).unwrap_or_default(),
+                parent,
+                position: placed.position,
+                orientation: placed.orientation,
+                motion,
+                shape: placed.shape,
+                mass,
+                surface,
+            },
+            fixed,
+            head(element),
+        );
+        self.keep_geometry(stage, index);
+        for part in element.parts.iter().filter(|part| !elements::is_joint(&part.kind.text)) {
+            self.part(stage, part, name, index, locals);
+        }
+        Ok(())
+    }
+
+    fn part(&mut self, stage: &mut Stage<'a>, part: &'a Element, owner: &str, carrier: usize, locals: &Locals) {
+        let Ok(Some(own)) = self.element_name(part) else { return };
+        let taken = [Owner::Landmark, Owner::Object].into_iter().any(|owner| signals::find(owner, &own).is_some());
+        if taken {
+            let message = format!("`{own}` is a signal of every object, so no part can be called so");
+            self.error(codes::names::DECLARED_TWICE, head(part), message);
+            return;
+        }
+        // What is wrong in a part is told; the others are looked at all the same.
+        let _ = self.object(stage, part, &format!("{owner}.{own}"), Some(carrier), locals);
+    }
+
+    fn must_be_new(&mut self, stage: &Stage<'a>, element: &'a Element, name: &str) -> Checked<()> {
+        let span = head(element);
+        if let Some(first) = stage.scene.objects.iter().position(|object| object.name == name) {
+            let message = format!("there are two things called `{name}`");
+            let diagnostic = self.diagnostic(codes::names::DECLARED_TWICE, span, message).here("again here");
+            let diagnostic = diagnostic.label(self.place.file, stage.spans[first], "first here");
+            return Err(self.report(diagnostic));
+        }
+        if !name.contains('.') && (self.means_something(name) || ["root", "world", "robot"].contains(&name)) {
+            let message = format!("`{name}` already means something: it is a part of the body, a signal or a function");
+            let diagnostic = self
+                .diagnostic(codes::names::DECLARED_TWICE, span, message)
+                .help("choose another name; `msk vocabulary` lists those taken");
+            return Err(self.report(diagnostic));
+        }
+        Ok(())
+    }
+
+    /// What carries the element: what is around it, what it stands `on`, or the world.
+    fn parent(&mut self, stage: &Stage<'a>, element: &'a Element, carrier: Option<usize>) -> Checked<Parent> {
+        match (carrier, &element.on) {
+            (None, None) => Ok(Parent::World),
+            (Some(index), None) => Ok(Parent::Object(index)),
+            (Some(_), Some(on)) => {
+                let message = "a part is carried by the element around it; it cannot be `on` another as well";
+                Err(self.error(codes::tasks::REPEATED, on.span, message))
+            }
+            (None, Some(on)) => self.carrier(stage, on),
+        }
+    }
+
+    fn carrier(&mut self, stage: &Stage<'a>, on: &'a Expr) -> Checked<Parent> {
+        let Some(name) = dotted(on) else {
+            return Err(self.error(
+                codes::types::WRONG_TYPE,
+                on.span,
+                "`on` names a landmark of the body or an object of the scene",
+            ));
+        };
+        if let Some(index) = stage.scene.objects.iter().position(|object| object.name == name) {
+            return Ok(Parent::Object(index));
+        }
+        if self.vocabulary.landmarks.iter().any(|landmark| landmark.name == name) {
+            return Ok(Parent::Landmark(name));
+        }
+        let landmarks = self.vocabulary.landmarks.iter().map(|landmark| landmark.name.clone());
+        let objects = stage.scene.objects.iter().map(|object| object.name.clone());
+        let known = landmarks.chain(objects).collect();
+        Err(self.unknown_name(&name, on.span, known))
+    }
+
+    fn motion(
+        &mut self,
+        stage: &Stage<'a>,
+        element: &'a Element,
+        fields: &Fields<'a>,
+        name: &str,
+        parent: &Parent,
+    ) -> Checked<Motion> {
+        let mut joints: Vec<crate::scene::ObjectJoint> = Vec::new();
+        for part in element.parts.iter().filter(|part| elements::is_joint(&part.kind.text)) {
+            let joint = self.object_joint(part, name)?;
+            let known = stage.scene.objects.iter().any(|object| object.name == joint.name);
+            if known || joints.iter().any(|other| other.name == joint.name) {
+                let message = format!("there are two things called `{}`", joint.name);
+                return Err(self.error(codes::names::DECLARED_TWICE, part.span, message));
+            }
+            joints.push(joint);
+        }
+        let free = self.flag(fields, "free", false)?;
+        match (free, joints.is_empty()) {
+            (false, true) => Ok(Motion::Fixed),
+            (false, false) => Ok(Motion::Joints(joints)),
+            (true, false) => Err(self.error(
+                codes::scene::MOTION,
+                element.kind.span,
+                format!("`{name}` is free and has joints: one of the two"),
+            )),
+            (true, true) if *parent != Parent::World => {
+                let message = format!("`{name}` is free, so nothing can carry it");
+                let diagnostic = self
+                    .diagnostic(codes::scene::MOTION, element.kind.span, message)
+                    .help("write it beside the others, or give it a joint instead");
+                Err(self.report(diagnostic))
+            }
+            (true, true) => Ok(Motion::Free),
+        }
+    }
+
+    fn surface(&mut self, fields: &Fields<'a>, shape: Option<&Shape>) -> Checked<Surface> {
+        let mut surface = Surface { friction: self.friction(fields)?, ..Surface::default() };
+        surface.solid = self.flag(fields, "solid", true)?;
+        surface.walkable = self.flag(fields, "walkable", matches!(shape, Some(Shape::Terrain(_))) && surface.solid)?;
+        if surface.walkable && !surface.solid {
+            let message = "what cannot be touched cannot be walked on";
+            return Err(self.error(codes::scene::MOTION, fields.span, message));
+        }
+        Ok(surface)
+    }
+
+    /// `friction 1.5`, or the sliding, torsional and rolling one.
+    pub(super) fn friction(&mut self, fields: &Fields<'a>) -> Checked<[f64; 3]> {
+        let mut friction = Surface::default().friction;
+        let Some(field) = fields.get("friction") else { return Ok(friction) };
+        let expr = self.field_value(field)?;
+        if let ExprKind::List(parts) = &expr.kind
+            && let [sliding, torsional, rolling] = parts.as_slice()
+        {
+            friction[0] = self.fixed_number(sliding, Dimension::NONE, "sliding `friction`")?;
+            friction[1] = self.fixed_number(torsional, Dimension::LENGTH, "torsional `friction`")?;
+            friction[2] = self.fixed_number(rolling, Dimension::LENGTH, "rolling `friction`")?;
+        } else {
+            friction[0] = self.fixed_number(expr, Dimension::NONE, "`friction`")?;
+        }
+        if friction.iter().any(|value| *value < 0.0) {
+            return Err(self.error(codes::scene::SIZE, expr.span, "`friction` is negative"));
+        }
+        Ok(friction)
+    }
+
+    fn mass(&mut self, fields: &Fields<'a>, shape: Option<&Shape>) -> Checked<f64> {
+        match (fields.get("mass"), fields.get("density")) {
+            (Some(_), Some(density)) => {
+                Err(self.error(codes::tasks::REPEATED, density.span, "`mass` already says how heavy it is"))
+            }
+            (Some(_), None) => self.positive(fields, "mass", Dimension::MASS),
+            (None, Some(_)) => {
+                let density = self.positive(fields, "density", Dimension::of(-3, 1, 0, 0))?;
+                Ok(density * shape.and_then(shapes::volume).unwrap_or(0.0))
+            }
+            (None, None) => Ok(0.0),
+        }
+    }
+
+    fn must_stand_if_walked_on(
+        &mut self,
+        fields: &Fields<'a>,
+        shape: Option<&Shape>,
+        surface: &Surface,
+        fixed: bool,
+    ) -> Checked<()> {
+        if !surface.walkable || fixed && shape.is_some() {
+            return Ok(());
+        }
+        let message = "only what stands still counts as ground";
+        let diagnostic = self
+            .diagnostic(codes::scene::MOTION, fields.span, message)
+            .help("a thing that moves can be touched all the same: `touching(sole_l, board)`");
+        Err(self.report(diagnostic))
+    }
+
+    /// `turned 30 deg` or `turned [roll, pitch, yaw]`
+    pub(crate) fn turned(&mut self, expr: &'a Expr) -> Checked<[f64; 4]> {
+        if let ExprKind::List(_) = expr.kind {
+            return Ok(rotation::turned(self.fixed_bracket(expr, Dimension::ANGLE, "`turned`")?));
+        }
+        let yaw = self.fixed_number(expr, Dimension::ANGLE, "`turned`")?;
+        Ok(rotation::turned([0.0, 0.0, yaw]))
+    }
+}
+
+/// `door`, `door.leaf`: a name with dots, without patterns.
+pub(crate) fn dotted(expr: &Expr) -> Option<String> {
+    match &expr.kind {
+        ExprKind::Name(name) => Some(name.text.clone()),
+        ExprKind::Field { base, name } => Some(format!("{}.{}", dotted(base)?, name.text)),
+        _ => None,
+    }
+}

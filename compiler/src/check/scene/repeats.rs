@@ -1,0 +1,77 @@
+//! Numbers in formulas that repeat what the scene says, and groups that nothing reads.
+
+use crate::check::context::Checker;
+use crate::check::dimension::Dimension;
+use crate::check::types::Type;
+use crate::diagnostics::{Diagnostic, Span, codes};
+
+impl Checker<'_> {
+    /// Looks at a length that a formula of the task writes down.
+    pub(crate) fn note_length(&mut self, value: f64, dimension: Dimension, span: Span) {
+        let formula = self.surroundings.is_some() && self.place.in_task && !self.beginning;
+        if !formula || dimension != Dimension::LENGTH || !telling(value) {
+            return;
+        }
+        let place = (self.place.file, span);
+        if self.repeated.iter().any(|(file, known, _)| (*file, *known) == place) {
+            return;
+        }
+        if let Some(name) = self.says(value) {
+            self.repeated.push((place.0, place.1, name));
+        }
+    }
+
+    /// Which size or place of the scene is this length.
+    fn says(&self, value: f64) -> Option<String> {
+        let same = |lane: f64| (lane.abs() - value.abs()).abs() <= 1e-9 * value.abs();
+        for (name, known) in &self.known {
+            let components: &[&str] = match &known.kind {
+                Type::Number(Dimension::LENGTH) => &[""],
+                Type::Place(_) => &[".x", ".y", ".z"],
+                Type::Vector { frame: crate::check::types::Frame::World, .. } => &[".x", ".y", ".z"],
+                Type::Vector { .. } => &[".forward", ".left", ".up"],
+                _ => &[],
+            };
+            if let Some((component, _)) = components.iter().zip(&known.lanes).find(|(_, lane)| same(**lane)) {
+                return Some(format!("{name}{component}"));
+            }
+        }
+        None
+    }
+
+    /// Warnings about the scene, once all formulas are checked.
+    pub(crate) fn scene_lints(&self, diagnostics: &mut Vec<Diagnostic>) {
+        if !self.allowed.contains("repeats_scene") {
+            diagnostics.extend(self.repeated.iter().map(|(file, span, name)| {
+                Diagnostic::new(codes::lints::REPEATS_SCENE, *file, *span, format!("the scene already says this: `{name}`")).help(
+                    format!(
+                        "read it, so that both change together: `{name}`; a chance likeness says `allow repeats_scene \"...\"`"
+                    ),
+                )
+            }));
+        }
+        let groups = self.surroundings.into_iter().flat_map(|surroundings| &surroundings.statements.groups);
+        for group in groups.filter(|group| !self.used.contains(&group.name.text) && !self.allowed.contains("unused")) {
+            let message = format!("nothing reads the group `{}`", group.name.text);
+            diagnostics.push(Diagnostic::new(codes::lints::UNUSED, self.task_place.file, group.name.span, message));
+        }
+    }
+}
+
+/// Whether a number is no round one, met by chance: two digits at least.
+fn telling(value: f64) -> bool {
+    let written = format!("{:.8e}", value.abs());
+    let digits = written.split('e').next().unwrap_or_default().trim_end_matches('0').trim_end_matches('.');
+    digits.contains('.')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::telling;
+
+    #[test]
+    fn round_numbers_are_met_by_chance() {
+        assert!(!telling(1.0) && !telling(0.5) && !telling(0.3) && !telling(20.0) && !telling(0.0));
+        assert!(telling(0.47) && telling(0.15) && telling(1.2) && !telling(0.1 + 0.2));
+    }
+}

@@ -1,0 +1,230 @@
+//! Shapes from the fields of an element: sizes, volumes, and how far a shape reaches up and down.
+
+use super::fields::Fields;
+use super::rotation;
+use crate::check::context::{Checked, Checker};
+use crate::check::dimension::Dimension;
+use crate::diagnostics::codes;
+use crate::scene::{Shape, Terrain};
+use crate::syntax::tree::{Expr, FieldValue};
+use std::f64::consts::PI;
+
+/// A shape and where its own frame stands in that of its parent.
+#[derive(Debug, Clone)]
+pub(super) struct Placed<'a> {
+    pub shape: Option<Shape>,
+    pub position: [f64; 3],
+    pub orientation: [f64; 4],
+    /// Where a free thing starts, if that is drawn anew in every episode.
+    pub drawn: Option<&'a Expr>,
+}
+
+impl<'a> Checker<'a> {
+    /// The shape of an element and its place.
+    pub(super) fn placed(&mut self, fields: &Fields<'a>) -> Checked<Placed<'a>> {
+        let length = Dimension::LENGTH;
+        let shape = match fields.kind() {
+            "box" => Some(Shape::Box(self.extents(fields)?)),
+            "ellipsoid" => Some(Shape::Ellipsoid(self.extents(fields)?.map(|extent| 0.5 * extent))),
+            "sphere" => Some(Shape::Sphere(self.positive(fields, "radius", length)?)),
+            "capsule" | "cylinder" => return self.long_shape(fields),
+            "plane" => Some(Shape::Plane),
+            "stairs" => Some(Shape::Terrain(self.stairs(fields)?)),
+            "slope" => Some(Shape::Terrain(self.slope(fields)?)),
+            "heights" => Some(Shape::Terrain(self.heights(fields)?)),
+            _ => None,
+        };
+        let (position, drawn) = self.place_of(fields)?;
+        Ok(Placed { shape, position, orientation: self.orientation_of(fields)?, drawn })
+    }
+
+    fn extents(&mut self, fields: &Fields<'a>) -> Checked<[f64; 3]> {
+        let field = self.required(fields, "size")?;
+        let expr = self.field_value(field)?;
+        let size: [f64; 3] = self.fixed_bracket(expr, Dimension::LENGTH, "`size`")?;
+        for extent in size {
+            self.must_be_positive(extent, "size", expr.span)?;
+        }
+        Ok(size)
+    }
+
+    /// `at [x, y, z]` in the frame of the parent; its origin where nothing is said.
+    fn place_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 3], Option<&'a Expr>)> {
+        let Some(field) = fields.get("at") else { return Ok(([0.0; 3], None)) };
+        let expr = self.field_value(field)?;
+        if fields.get("free").is_none() {
+            return Ok((self.fixed_bracket(expr, Dimension::LENGTH, "`at`")?, None));
+        }
+        // The place of a free thing may be drawn: that is looked at with the beginning, when what is drawn is known.
+        let told = self.diagnostics.len();
+        match self.fixed_bracket(expr, Dimension::LENGTH, "`at`") {
+            Ok(place) => Ok((place, None)),
+            Err(_) => {
+                self.diagnostics.truncate(told);
+                Ok(([0.0; 3], Some(expr)))
+            }
+        }
+    }
+
+    fn orientation_of(&mut self, fields: &Fields<'a>) -> Checked<[f64; 4]> {
+        match fields.get("turned") {
+            Some(field) => {
+                let expr = self.field_value(field)?;
+                self.turned(expr)
+            }
+            None => Ok(rotation::NONE),
+        }
+    }
+
+    /// A capsule or cylinder: by its length and direction, or by its ends.
+    fn long_shape(&mut self, fields: &Fields<'a>) -> Checked<Placed<'a>> {
+        let radius = self.positive(fields, "radius", Dimension::LENGTH)?;
+        let (length, (position, drawn), orientation) = match fields.get("from") {
+            Some(field) => {
+                for other in ["at", "along", "turned", "length"] {
+                    if let Some(other) = fields.get(other) {
+                        let message = format!("`from ... to` already says what `{}` says", other.name.text);
+                        return Err(self.error(codes::tasks::REPEATED, other.span, message));
+                    }
+                }
+                let FieldValue::FromTo { from, to } = &field.value else { return Err(self.unread_ends(field.span)) };
+                let start: [f64; 3] = self.fixed_bracket(from, Dimension::LENGTH, "`from`")?;
+                let end: [f64; 3] = self.fixed_bracket(to, Dimension::LENGTH, "`to`")?;
+                let along: [f64; 3] = core::array::from_fn(|k| end[k] - start[k]);
+                let Some(direction) = rotation::unit(along) else {
+                    return Err(self.error(codes::scene::SIZE, field.span, "both ends are the same place"));
+                };
+                let middle = core::array::from_fn(|k| 0.5 * (start[k] + end[k]));
+                (rotation::length(along), (middle, None), rotation::z_to(direction))
+            }
+            None => {
+                let length = self.positive(fields, "length", Dimension::LENGTH)?;
+                let orientation = match (fields.get("along"), fields.get("turned")) {
+                    (Some(along), None) => rotation::z_to(self.direction(along)?),
+                    (Some(_), Some(turned)) => {
+                        let message = "`along` already says how it lies";
+                        return Err(self.error(codes::tasks::REPEATED, turned.span, message));
+                    }
+                    _ => self.orientation_of(fields)?,
+                };
+                (length, self.place_of(fields)?, orientation)
+            }
+        };
+        let shape = if fields.kind() == "capsule" { Shape::Capsule(radius, length) } else { Shape::Cylinder(radius, length) };
+        Ok(Placed { shape: Some(shape), position, orientation, drawn })
+    }
+
+    fn unread_ends(&mut self, span: crate::diagnostics::Span) -> crate::check::context::Reported {
+        let diagnostic = self
+            .diagnostic(codes::tasks::UNKNOWN_SETTING, span, "`from` is not written like this")
+            .expected("`from [x, y, z] to [x, y, z]`");
+        self.report(diagnostic)
+    }
+
+    /// A direction, as a unit vector.
+    pub(super) fn direction(&mut self, field: &'a crate::syntax::tree::Field) -> Checked<[f64; 3]> {
+        let name = field.name.text.as_str();
+        let expr = self.field_value(field)?;
+        let vector = self.fixed_bracket(expr, Dimension::NONE, &format!("`{name}`"))?;
+        match rotation::unit(vector) {
+            Some(direction) => Ok(direction),
+            None => Err(self.error(codes::scene::SIZE, expr.span, format!("`{name}` has no direction"))),
+        }
+    }
+
+    fn stairs(&mut self, fields: &Fields<'a>) -> Checked<Terrain> {
+        let field = self.required(fields, "count")?;
+        let expr = self.field_value(field)?;
+        let count = self.whole(expr)?;
+        if !(1.0..=1000.0).contains(&count) {
+            return Err(self.error(codes::scene::SIZE, expr.span, "a flight has 1 to 1000 steps"));
+        }
+        let field = self.required(fields, "rise")?;
+        let expr = self.field_value(field)?;
+        let rise = self.fixed_number(expr, Dimension::LENGTH, "`rise`")?;
+        if rise == 0.0 {
+            return Err(self.error(codes::scene::SIZE, expr.span, "`rise` is 0: these are no stairs"));
+        }
+        let run = self.positive(fields, "run", Dimension::LENGTH)?;
+        let width = self.positive(fields, "width", Dimension::LENGTH)?;
+        Ok(Terrain::Stairs { count: count as u32, rise, run, width })
+    }
+
+    fn slope(&mut self, fields: &Fields<'a>) -> Checked<Terrain> {
+        let length = self.positive(fields, "length", Dimension::LENGTH)?;
+        let width = self.positive(fields, "width", Dimension::LENGTH)?;
+        let field = self.required(fields, "angle")?;
+        let expr = self.field_value(field)?;
+        let angle = self.fixed_number(expr, Dimension::ANGLE, "`angle`")?;
+        if angle.abs() > 80.0 * PI / 180.0 {
+            return Err(self.error(codes::scene::SIZE, expr.span, "a slope is at most 80 deg steep; a wall is a box"));
+        }
+        Ok(Terrain::Slope { length, width, angle })
+    }
+}
+
+/// Volume, m³; `None` of what has none.
+pub(super) fn volume(shape: &Shape) -> Option<f64> {
+    Some(match shape {
+        Shape::Box([x, y, z]) => x * y * z,
+        Shape::Sphere(radius) => 4.0 / 3.0 * PI * radius.powi(3),
+        Shape::Capsule(radius, length) => PI * radius * radius * (length + 4.0 / 3.0 * radius),
+        Shape::Cylinder(radius, length) => PI * radius * radius * length,
+        Shape::Ellipsoid([a, b, c]) => 4.0 / 3.0 * PI * a * b * c,
+        Shape::Plane | Shape::Terrain(_) => return None,
+    })
+}
+
+/// How far a shape reaches below and above its place, along the vertical of the world; `axes` are its own, one after the
+/// other. `None` where it has no end.
+pub(super) fn reach(shape: &Shape, axes: &[f64; 9]) -> Option<[f64; 2]> {
+    // Vertical parts of the shape's axes.
+    let up = [axes[2], axes[5], axes[8]];
+    let symmetric = |half: f64| Some([-half, half]);
+    match shape {
+        Shape::Box(size) => symmetric((0..3).map(|k| 0.5 * size[k] * up[k].abs()).sum()),
+        Shape::Sphere(radius) => symmetric(*radius),
+        Shape::Capsule(radius, length) => symmetric(radius + 0.5 * length * up[2].abs()),
+        Shape::Cylinder(radius, length) => {
+            symmetric(0.5 * length * up[2].abs() + radius * libm::sqrt((1.0 - up[2] * up[2]).max(0.0)))
+        }
+        Shape::Ellipsoid(half) => symmetric(libm::sqrt((0..3).map(|k| (half[k] * up[k]).powi(2)).sum())),
+        Shape::Plane => None,
+        Shape::Terrain(terrain) if up[2] > 1.0 - 1e-12 => Some(match terrain {
+            Terrain::Stairs { count, rise, .. } => ends(0.0, f64::from(*count) * rise),
+            Terrain::Slope { length, angle, .. } => ends(0.0, length * libm::tan(*angle)),
+            Terrain::Heights { heights, .. } => {
+                let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+                let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                [lowest, highest]
+            }
+        }),
+        Shape::Terrain(_) => None,
+    }
+}
+
+fn ends(a: f64, b: f64) -> [f64; 2] {
+    [a.min(b), a.max(b)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volumes_are_those_of_the_books() {
+        assert!((volume(&Shape::Capsule(1.0, 0.0)).unwrap() - volume(&Shape::Sphere(1.0)).unwrap()).abs() < 1e-12);
+        assert!((volume(&Shape::Ellipsoid([1.0; 3])).unwrap() - volume(&Shape::Sphere(1.0)).unwrap()).abs() < 1e-12);
+        assert_eq!(volume(&Shape::Box([1.0, 2.0, 3.0])), Some(6.0));
+        assert_eq!(volume(&Shape::Plane), None);
+    }
+
+    #[test]
+    fn a_lying_shape_reaches_as_far_as_it_is_thick() {
+        // z along world y.
+        let lying = [1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0];
+        assert_eq!(reach(&Shape::Cylinder(0.1, 2.0), &lying), Some([-0.1, 0.1]));
+        assert_eq!(reach(&Shape::Capsule(0.1, 2.0), &lying), Some([-0.1, 0.1]));
+        assert_eq!(reach(&Shape::Box([1.0, 2.0, 3.0]), &lying), Some([-1.0, 1.0]));
+    }
+}
