@@ -76,7 +76,9 @@ impl<'a> Checker<'a> {
             let of_body = self.vocabulary.joints.iter().enumerate().filter(|(_, joint)| !joint.of_scene);
             return Ok(of_body.map(|(index, _)| index).collect());
         }
-        let things = match self.value(target)? {
+        let root = matches!(&target.kind, ExprKind::Name(name) if name.text == "root");
+        let value = if root { Value::Things { members: Vec::new(), group: false } } else { self.value(target)? };
+        let things = match value {
             Value::Thing(thing) => vec![thing],
             Value::Things { members, .. } => members,
             Value::Data(_) => Vec::new(),
