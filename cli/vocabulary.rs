@@ -2,6 +2,7 @@
 
 use crate::error::{Context, Error};
 use crate::project;
+use msk::compiler::check::scene::elements;
 use msk::compiler::check::signals;
 use msk::compiler::compile;
 use msk::compiler::vocabulary::{GroupKind, Vocabulary};
@@ -11,7 +12,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// List what tasks may name: signals, and the landmarks, joints, muscles, groups and poses of a body
+/// List what tasks may name: signals, elements of scenes, and the landmarks, joints, muscles, groups and poses of a body
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of a body, or its file
@@ -30,11 +31,12 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let vocabulary = vocabulary(&args.body)?;
     let mut out = io::stdout().lock();
     if args.json {
-        let all = serde_json::json!({ "signals": signals::SIGNALS, "body": vocabulary });
+        let scene = serde_json::json!({ "elements": elements::KINDS, "joints": elements::JOINTS, "fields": elements::FIELDS });
+        let all = serde_json::json!({ "signals": signals::SIGNALS, "scene": scene, "body": vocabulary });
         serde_json::to_writer_pretty(&mut out, &all)?;
         writeln!(out)?;
     } else {
-        write!(out, "{}\n{}", signals::table(), elements(&vocabulary))?;
+        write!(out, "{}\n{}\n{}", signals::table(), elements::table(), parts(&vocabulary))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -55,7 +57,7 @@ fn vocabulary(name: &str) -> Result<Vocabulary, Error> {
 }
 
 /// The names on a body, kind by kind.
-fn elements(vocabulary: &Vocabulary) -> String {
+fn parts(vocabulary: &Vocabulary) -> String {
     let mut text = format!("Body `{}`, {:.2} kg\n", vocabulary.body, vocabulary.mass);
     text += "\nLandmarks\n";
     for landmark in &vocabulary.landmarks {

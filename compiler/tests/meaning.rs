@@ -26,7 +26,7 @@ const ELSEWHERE: [&str; 2] = ["E0208", "W0500"];
 #[test]
 fn examples_of_codes_cause_them_and_fixes_do_not() {
     let mut wrong = Vec::new();
-    let pages = [codes::names::ALL, codes::types::ALL, codes::tasks::ALL, codes::lints::ALL];
+    let pages = [codes::names::ALL, codes::types::ALL, codes::tasks::ALL, codes::scene::ALL, codes::lints::ALL];
     for code in pages.into_iter().flatten().filter(|code| !ELSEWHERE.contains(&code.id)) {
         let found = |statements: &str| -> Vec<&str> {
             Compiling.read(&complete(statements), &[]).diagnostics.iter().map(|told| told.code.id).collect()
@@ -40,6 +40,20 @@ fn examples_of_codes_cause_them_and_fixes_do_not() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn examples_of_the_chapter_on_scenes_compile() {
+    let page = include_str!("../../grammar/REFERENCE.md");
+    let chapter = page.split("\n## 7 ").nth(1).unwrap().split("\n## 8 ").next().unwrap();
+    let mut wrong = String::new();
+    for block in chapter.split("\n```msk task\n").skip(1) {
+        let snippet = block.split("\n```").next().unwrap();
+        for told in Compiling.read(&complete(snippet), &[]).diagnostics {
+            wrong += &format!("{}: {}\n{snippet}\n", told.code.id, told.message);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use msk_compiler::check::functions::{self, Function};
+use msk_compiler::check::scene::elements;
 use msk_compiler::check::signals;
 use msk_compiler::diagnostics::{Code, FileId, codes};
 use msk_compiler::syntax::{self, UNITS};
@@ -57,8 +58,9 @@ fn table(functions: &[Function]) -> String {
 #[test]
 fn generated_parts_are_those_of_the_compiler() {
     let list = |codes: &[&'static Code]| codes.iter().map(|code| section(code)).collect::<String>();
-    let meaning = [codes::names::ALL, codes::types::ALL, codes::tasks::ALL, codes::lints::ALL].concat();
+    let meaning = [codes::names::ALL, codes::types::ALL, codes::tasks::ALL, codes::scene::ALL, codes::lints::ALL].concat();
     let parts = [
+        ("elements", elements::markdown()),
         ("codes", list(codes::syntax::ALL)),
         ("signals", signals::markdown()),
         ("functions", table(functions::FUNCTIONS)),

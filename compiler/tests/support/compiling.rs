@@ -66,7 +66,13 @@ fn task_without(said: impl Fn(&str) -> bool) -> String {
 
 /// A whole task of a few statements: whatever they do not say is added.
 pub fn complete(statements: &str) -> String {
-    let said = |keyword: &str| statements.lines().any(|line| line.split_whitespace().next() == Some(keyword));
+    let mut depth = 0;
+    let mut outer = Vec::new();
+    for line in statements.lines() {
+        outer.extend(line.split_whitespace().next().filter(|_| depth == 0));
+        depth += line.matches('{').count() as i32 - line.matches('}').count() as i32;
+    }
+    let said = |keyword: &str| outer.contains(&keyword);
     format!("{}{statements}\n}}\n", task_without(said))
 }
 

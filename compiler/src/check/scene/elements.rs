@@ -54,7 +54,7 @@ pub const KINDS: &[Kind] = &[
     kind("capsule", "a cylinder with round ends; its length is that of the cylindrical part", &["radius"], LONG),
     kind("cylinder", "a cylinder, its axis along z before it is turned", &["radius"], LONG),
     kind("ellipsoid", "an ellipsoid: full extents, its centre at its place", &["size"], SOLID),
-    kind("body", "a frame without a shape that carries its parts", &[], &["at", "turned", "free", "mass"]),
+    kind("body", "a frame without a shape that carries its parts", &[], &["at", "turned", "free"]),
     kind("point", "a place on what carries it: where hands weld, where eyes look", &[], &["at", "turned"]),
     kind("stairs", "a flight of steps that goes up along x from its place; a negative rise goes down", &["count", "rise", "run", "width"], TERRAIN),
     kind("slope", "an inclined rectangle that rises along x from its place", &["length", "width", "angle"], TERRAIN),
