@@ -186,7 +186,7 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
     let standing = checker.vocabulary.joints.iter().filter(|joint| !joint.of_scene).map(|joint| joint.neutral);
     let own =
         task.init.coordinates.iter().copied().take(checker.vocabulary.joints.iter().filter(|joint| !joint.of_scene).count());
-    let level = task.scene.ground.is_some();
+    let level = task.scene.ground.is_some() && !task.scene.objects.iter().any(|object| object.surface.walkable);
     if !own.eq(standing) || task.init.root != RootPlacement::default() || task.init.settle.is_some() || !level {
         return;
     }

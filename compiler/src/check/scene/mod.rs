@@ -178,7 +178,10 @@ impl<'a> Checker<'a> {
                 broken.push(element.span);
             }
         }
-        self.must_have_masses(&stage);
+        // A part that could not be read may be the one that weighs.
+        if broken.is_empty() {
+            self.must_have_masses(&stage);
+        }
         for group in &statements.groups {
             let _ = self.scene_group(&mut stage, group);
         }
