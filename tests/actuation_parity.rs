@@ -121,9 +121,40 @@ fn compare(name: &str) {
     for (quantity, found) in COMPILED {
         assert_close(&format!("{name}: {quantity}"), &found(&model), &numbers(&golden["compiled"][quantity]), 1e-12);
     }
+    compare_keyframes(name, &model, &golden);
     let mut random = SplitMix(golden["seed"].as_u64().expect("a seed"));
     compare_states(name, &model, &golden, &mut random);
     compare_rollouts(name, &mut model, &golden, &mut random);
+}
+
+fn compare_keyframes(name: &str, model: &Model, golden: &Value) {
+    let expected = golden["keyframes"].as_array().expect("key frames");
+    assert_eq!(model.keyframes.len(), expected.len());
+    let mut workspace = Workspace::new(model);
+    for (frame, expected) in model.keyframes.iter().zip(expected) {
+        let mut state = frame.state(model);
+        assert_eq!((Some(frame.name.as_str()), Some(state.time)), (expected["name"].as_str(), expected["time"].as_f64()));
+        physics::forward(model, &state, &mut workspace).expect("a sound key frame");
+        let found = [
+            ("qpos", state.position.clone()),
+            ("qvel", state.velocity.clone()),
+            ("act", state.activation.clone()),
+            ("ctrl", state.control.clone()),
+            ("mocap_pos", state.placed_position.iter().flatten().copied().collect()),
+            ("mocap_quat", state.placed_orientation.concat()),
+            ("xpos", workspace.kinematics.body_position.iter().flatten().copied().collect()),
+            ("qacc", workspace.acceleration.clone()),
+        ];
+        for (quantity, found) in found {
+            let what = format!("{name}, key frame {}: {quantity}", frame.name);
+            assert_close(&what, &found, &numbers(&expected[quantity]), 1e-10);
+        }
+        for _ in 0..125 {
+            physics::step(model, &mut state, &mut workspace).expect("a sound step");
+        }
+        let found = [state.position.as_slice(), &state.velocity, &state.activation].concat();
+        assert_close(&format!("{name}, after key frame {}", frame.name), &found, &numbers(&expected["later"]), 1e-8);
+    }
 }
 
 macro_rules! parity {
@@ -135,11 +166,11 @@ macro_rules! parity {
     )*};
 }
 
-parity!(ball_free, gravity, motors, sites, spin, tendons);
+parity!(ball_free, gravity, keyframes, motors, sites, spin, tendons);
 
 #[test]
 fn every_model_survives_writing_and_reading() {
-    for name in ["ball_free", "gravity", "motors", "sites", "spin", "tendons"] {
+    for name in ["ball_free", "gravity", "keyframes", "motors", "sites", "spin", "tendons"] {
         let mut model = model(name);
         for (integrator, damping) in [(Integrator::Euler, false), (Integrator::Implicit, true), (Integrator::RungeKutta, true)] {
             model.options.integrator = integrator;

@@ -49,14 +49,21 @@ struct Start {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// The state as JSON: qpos, qvel, act, ctrl, qfrc_applied, xfrc_applied; what is absent is at rest
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "keyframe")]
     state: Option<PathBuf>,
+    /// The key frame of the model to start from
+    #[arg(long, value_name = "NAME")]
+    keyframe: Option<String>,
 }
 
 impl Start {
     fn load(&self) -> Result<(Model, State<f64>), Error> {
         let path = self.model.clone().unwrap_or_else(|| Path::new(bodies::ROOT).join("bodies/models/human416.xml"));
         let model = bodies::model(&path)?;
+        if let Some(name) = &self.keyframe {
+            let state = named_state(&model, name)?;
+            return Ok((model, state));
+        }
         let file = match &self.state {
             Some(path) => read_state(path)?,
             None => StateFile::default(),
@@ -64,6 +71,17 @@ impl Start {
         let state = file.state(&model)?;
         Ok((model, state))
     }
+}
+
+/// The state of a key frame.
+fn named_state(model: &Model, name: &str) -> Result<State<f64>, Error> {
+    let named = model.keyframes.iter().find(|frame| frame.name == name);
+    let frame = named.ok_or_else(|| {
+        let known: Vec<String> = model.keyframes.iter().map(|frame| format!("`{}`", frame.name)).collect();
+        let known = if known.is_empty() { "it has none".to_owned() } else { format!("it has {}", known.join(", ")) };
+        Error::new(format!("the model has no key frame `{name}`: {known}"))
+    })?;
+    Ok(frame.state(model))
 }
 
 /// Reads a state file of at most 64 MiB.

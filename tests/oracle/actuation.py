@@ -12,6 +12,7 @@ import numpy as np
 from smooth import HERE, SplitMix, draw, write
 
 STATES = ["actuator_length", "actuator_velocity", "actuator_force", "act_dot", "qfrc_actuator", "qfrc_passive", "qacc"]
+KEYS = ["qpos", "qvel", "act", "ctrl", "mocap_pos", "mocap_quat", "xpos", "qacc"]
 INTEGRATORS = {
     "euler": (mujoco.mjtIntegrator.mjINT_EULER, 0),
     "explicit": (mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtDisableBit.mjDSBL_EULERDAMP),
@@ -87,7 +88,17 @@ def golden(path, seed, states=25, rollouts=3):
             assert np.isfinite(data.qpos).all() and not data.warning.number.any(), (path, name)
             content["rollouts"][name].append({"first": first, "last": record(model, data)})
         model.opt.integrator, model.opt.disableflags = INTEGRATORS["euler"]
+    content["keyframes"] = [keyframe(model, data, key) for key in range(model.nkey)]
     write(f"actuation_{path.stem}", content)
+
+
+def keyframe(model, data, key):
+    """A key frame as it is stored, where it puts the bodies, and a quarter of a second from it."""
+    mujoco.mj_resetDataKeyframe(model, data, key)
+    mujoco.mj_forward(model, data)
+    stored = {name: np.array(getattr(data, name)).ravel().tolist() for name in KEYS}
+    mujoco.mj_step(model, data, 125)
+    return {"name": model.key(key).name, "time": model.key_time[key], **stored, "later": record(model, data)}
 
 
 if __name__ == "__main__":

@@ -30,6 +30,12 @@ pub struct StateFile {
     /// Force and torque on each body from outside, `nbody` times 6.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub xfrc_applied: Option<Vec<f64>>,
+    /// Positions of the bodies that are placed from outside, three numbers each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mocap_pos: Option<Vec<f64>>,
+    /// Their orientations, four numbers each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mocap_quat: Option<Vec<f64>>,
     /// Acceleration that the solver starts from, `nv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub qacc_warmstart: Option<Vec<f64>>,
@@ -59,12 +65,15 @@ pub enum StateError {
 impl StateFile {
     /// What has to be written of a state to draw it or to look into it; outside forces are left out.
     pub fn of(state: &State<f64>) -> Self {
+        let placed = !state.placed_position.is_empty();
         Self {
             time: Some(state.time),
             qpos: Some(state.position.clone()),
             qvel: Some(state.velocity.clone()),
             act: Some(state.activation.clone()),
             ctrl: Some(state.control.clone()),
+            mocap_pos: placed.then(|| state.placed_position.iter().flatten().copied().collect()),
+            mocap_quat: placed.then(|| state.placed_orientation.concat()),
             qacc_warmstart: Some(state.warm_start.clone()),
             ..Self::default()
         }
@@ -84,6 +93,12 @@ impl StateFile {
         take("ctrl", &self.ctrl, &mut state.control)?;
         take("qfrc_applied", &self.qfrc_applied, &mut state.applied_force)?;
         take("qacc_warmstart", &self.qacc_warmstart, &mut state.warm_start)?;
+        let mut places: Vec<f64> = state.placed_position.iter().flatten().copied().collect();
+        take("mocap_pos", &self.mocap_pos, &mut places)?;
+        state.placed_position = places.chunks_exact(3).map(Vector3::from_column_slice).collect();
+        let mut turns = state.placed_orientation.concat();
+        take("mocap_quat", &self.mocap_quat, &mut turns)?;
+        state.placed_orientation = turns.chunks_exact(4).map(|q| [q[0], q[1], q[2], q[3]]).collect();
         let mut wrenches = vec![0.0; 6 * state.body_force.len()];
         take("xfrc_applied", &self.xfrc_applied, &mut wrenches)?;
         for (wrench, slot) in wrenches.chunks_exact(6).zip(&mut state.body_force) {

@@ -12,6 +12,7 @@ use std::path::Path;
 pub fn import(path: &Path) -> Result<Model, ModelError> {
     let mut model = Model::from_file(path)?;
     drop_ornaments(&mut model);
+    model.keyframes.clear();
     name_collision_shapes(&mut model);
     Ok(model)
 }

@@ -15,6 +15,7 @@ mod geometry;
 mod height_field;
 pub mod import;
 mod inertia;
+mod keyframes;
 mod mesh;
 pub mod mjcf;
 mod options;
@@ -27,6 +28,7 @@ pub use bodies::{Bodies, Dofs, JointKind, Joints};
 pub use constraints::{ContactPairs, Couplings, Softness};
 pub use geometry::{GeomKind, Geoms, Sites};
 pub use height_field::HeightField;
+pub use keyframes::Keyframe;
 pub use mesh::{Face, Hull, Mesh};
 pub use mjcf::ModelError;
 pub use options::{Integrator, Options};
@@ -72,6 +74,8 @@ pub struct Model {
     pub nv: usize,
     /// Length of the activation vector.
     pub na: usize,
+    /// States with names.
+    pub keyframes: Vec<Keyframe>,
     /// Configuration at which joint angles and couplings are zero, length `nq`.
     pub reference_position: Vec<f64>,
 }

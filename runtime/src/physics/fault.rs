@@ -40,7 +40,7 @@ pub enum Fault {
         /// Its value.
         value: f64,
     },
-    /// An excitation or activation is not a finite number.
+    /// The excitation (control) or activation of a muscle or other actuator is not a finite number.
     #[error("at {time} s the {input} of muscle `{muscle}` is {value}")]
     Input {
         /// Simulated time, s.
@@ -51,6 +51,14 @@ pub enum Fault {
         muscle: String,
         /// Its value.
         value: f64,
+    },
+    /// The pose that a body is given from outside is not finite.
+    #[error("at {time} s the pose given to body `{body}` is not finite")]
+    Placed {
+        /// Simulated time, s.
+        time: f64,
+        /// The body.
+        body: String,
     },
     /// The mass matrix (with constraints) has no positive pivot at this joint.
     #[error("at {time} s the inertia at joint `{joint}` (body `{body}`) is not positive: the constraint solver cannot go on")]
@@ -89,6 +97,18 @@ impl Fault {
         let after = model.joints.position_address.partition_point(|&address| address <= coordinate);
         let (joint, body) = names(model, after.saturating_sub(1));
         Self::Diverged { time, quantity: Quantity::Position, joint, body, value }
+    }
+
+    /// The fault of an actuator's control or activation.
+    pub(super) fn of_input(model: &Model, time: f64, input: &'static str, actuator: usize, value: f64) -> Self {
+        Self::Input { time, input, muscle: model.actuators.name[actuator].clone(), value }
+    }
+
+    /// The fault of the body that is the `index`-th to be placed from outside.
+    pub(super) fn of_placed(model: &Model, time: f64, index: usize) -> Self {
+        let mut placed = (0..model.bodies.mocap.len()).filter(|&body| model.bodies.mocap[body]);
+        let body = placed.nth(index).map_or_else(String::new, |body| model.bodies.name[body].clone());
+        Self::Placed { time, body }
     }
 
     /// The fault of a pivot.

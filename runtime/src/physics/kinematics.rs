@@ -44,6 +44,8 @@ pub struct Kinematics<T: Real> {
 struct Local {
     inertial: Vec<Option<Matrix3<f64>>>,
     geom: Vec<Option<Matrix3<f64>>>,
+    /// Index among the bodies that are placed from outside.
+    placed: Vec<Option<usize>>,
 }
 
 impl Local {
@@ -52,6 +54,16 @@ impl Local {
         Self {
             inertial: model.bodies.inertial_orientation.iter().map(turned).collect(),
             geom: model.geoms.orientation.iter().map(turned).collect(),
+            placed: model
+                .bodies
+                .mocap
+                .iter()
+                .scan(0, |count, &placed| {
+                    let index = placed.then_some(*count);
+                    *count += usize::from(placed);
+                    Some(index)
+                })
+                .collect(),
         }
     }
 }
@@ -127,6 +139,9 @@ fn place_body<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>,
         orientation = normalize(&[q[3], q[4], q[5], q[6]]);
         out.joint_anchor[joints.start] = position;
         out.joint_axis[joints.start] = constant(&model.joints.axis[joints.start]);
+    } else if let Some(index) = out.local.placed[body] {
+        position = state.placed_position[index];
+        orientation = normalize(&state.placed_orientation[index]);
     } else {
         let parent = bodies.parent[body];
         position = out.point(parent, &constant(&bodies.position[body]));

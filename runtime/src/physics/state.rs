@@ -1,5 +1,6 @@
 //! What changes from step to step and must be kept to continue an episode bit for bit.
 
+use super::{rotation::constant_quaternion, spatial::constant};
 use crate::{model::Model, scalar::Real};
 use nalgebra::Vector3;
 
@@ -20,14 +21,33 @@ pub struct State<T: Real> {
     pub applied_force: Vec<T>,
     /// Force (N) and torque (N m) applied from outside at each body's centre of mass, world axes.
     pub body_force: Vec<[Vector3<T>; 2]>,
+    /// Positions of the bodies that are placed from outside (`mocap_pos`), m, world frame, in the order of the bodies.
+    pub placed_position: Vec<Vector3<T>>,
+    /// Their orientations w x y z (`mocap_quat`).
+    pub placed_orientation: Vec<[T; 4]>,
     /// Acceleration of the last step, from which the constraint solver starts, `nv` entries.
     pub warm_start: Vec<T>,
 }
 
 impl<T: Real> State<T> {
+    /// Takes over another state of the same model without asking for memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.time = other.time;
+        self.position.copy_from_slice(&other.position);
+        self.velocity.copy_from_slice(&other.velocity);
+        self.activation.copy_from_slice(&other.activation);
+        self.control.copy_from_slice(&other.control);
+        self.applied_force.copy_from_slice(&other.applied_force);
+        self.body_force.copy_from_slice(&other.body_force);
+        self.placed_position.copy_from_slice(&other.placed_position);
+        self.placed_orientation.copy_from_slice(&other.placed_orientation);
+        self.warm_start.copy_from_slice(&other.warm_start);
+    }
+
     /// The reference configuration at rest, with silent muscles and nothing applied.
     pub fn new(model: &Model) -> Self {
         let zero = T::splat(0.0);
+        let placed = (0..model.bodies.mocap.len()).filter(|&body| model.bodies.mocap[body]);
         Self {
             time: 0.0,
             position: model.reference_position.iter().map(|&value| T::splat(value)).collect(),
@@ -36,6 +56,8 @@ impl<T: Real> State<T> {
             control: vec![zero; model.actuators.name.len()],
             applied_force: vec![zero; model.nv],
             body_force: vec![[Vector3::from_element(zero); 2]; model.bodies.parent.len()],
+            placed_position: placed.clone().map(|body| constant(&model.bodies.position[body])).collect(),
+            placed_orientation: placed.map(|body| constant_quaternion(&model.bodies.orientation[body])).collect(),
             warm_start: vec![zero; model.nv],
         }
     }

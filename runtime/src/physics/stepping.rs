@@ -8,7 +8,7 @@ use super::{
     state::State,
 };
 use crate::{
-    model::{Integrator, Model},
+    model::{Integrator, JointKind, Model},
     scalar::Real,
 };
 
@@ -43,34 +43,76 @@ pub fn integrate<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut W
     match model.options.integrator {
         Integrator::Euler => integrator::euler(model, state, workspace),
         Integrator::Implicit => implicit::implicit(model, state, workspace),
-        Integrator::RungeKutta => runge_kutta::runge_kutta(model, state, workspace)?,
+        Integrator::RungeKutta => runge_kutta::runge_kutta(model, state, workspace),
     }
-    Ok(())
 }
 
 /// Refuses states and inputs that are not finite.
 pub(crate) fn check<T: Real>(model: &Model, state: &State<T>) -> Result<(), Fault> {
-    let unsound = |values: &[T]| {
-        let lanes = |(index, value): (usize, &T)| (0..T::LANES).map(move |lane| (index, value.lane(lane))).collect::<Vec<_>>();
-        // Only a faulty state pays for finding out where.
-        if values.iter().all(|value| (0..T::LANES).all(|lane| is_sound(value.lane(lane)))) {
-            return None;
-        }
-        values.iter().enumerate().flat_map(lanes).find(|(_, value)| !is_sound(*value))
-    };
-    let input = |input: &'static str, values: &[T]| {
-        let fault = unsound(values).map(|(muscle, value)| {
-            let muscle = model.actuators.name[muscle].clone();
-            Fault::Input { time: state.time, input, muscle, value }
-        });
-        fault.map_or(Ok(()), Err)
-    };
     if let Some((coordinate, value)) = unsound(&state.position) {
         return Err(Fault::of_coordinate(model, state.time, coordinate, value));
     }
     if let Some((dof, value)) = unsound(&state.velocity) {
         return Err(Fault::of_dof(model, state.time, Quantity::Velocity, dof, value));
     }
-    input("activation", &state.activation)?;
-    input("excitation", &state.control)
+    if let Some((slot, value)) = unsound(&state.activation) {
+        let owner = model.actuators.activation.iter().position(|activation| *activation == Some(slot));
+        return Err(Fault::of_input(model, state.time, "activation", owner.unwrap_or(0), value));
+    }
+    if let Some((actuator, value)) = unsound(&state.control) {
+        return Err(Fault::of_input(model, state.time, "excitation", actuator, value));
+    }
+    let placed = state.placed_position.iter().zip(&state.placed_orientation);
+    for (index, (position, orientation)) in placed.enumerate() {
+        if unsound(position.as_slice()).or(unsound(orientation)).is_some() {
+            return Err(Fault::of_placed(model, state.time, index));
+        }
+    }
+    Ok(())
+}
+
+/// The first value that is not finite or too large, and its index.
+fn unsound<T: Real>(values: &[T]) -> Option<(usize, f64)> {
+    let lanes = |(index, value): (usize, &T)| (0..T::LANES).map(move |lane| (index, value.lane(lane))).collect::<Vec<_>>();
+    // Only a faulty state pays for finding out where.
+    if values.iter().all(all_sound) {
+        return None;
+    }
+    values.iter().enumerate().flat_map(lanes).find(|(_, value)| !is_sound(*value))
+}
+
+/// Whether a value is sound in every lane.
+fn all_sound<T: Real>(value: &T) -> bool {
+    (0..T::LANES).all(|lane| is_sound(value.lane(lane)))
+}
+
+/// Refuses a step that would end in a state that is not sound, from the accelerations, the rates of positions and the rates of
+/// activations that it would take: found before anything is written.
+pub(super) fn check_end<T: Real>(model: &Model, state: &State<T>, accelerations: &[T], rates: Option<&[T]>) -> Result<(), Fault> {
+    let step = T::splat(model.options.timestep);
+    if let Some((dof, value)) = unsound(accelerations) {
+        return Err(Fault::of_dof(model, state.time, Quantity::Acceleration, dof, value));
+    }
+    let joints = &model.joints;
+    for (dof, (&velocity, &acceleration)) in state.velocity.iter().zip(accelerations).enumerate() {
+        let after = velocity + step * acceleration;
+        if let Some((_, value)) = unsound(&[after]) {
+            return Err(Fault::of_dof(model, state.time, Quantity::Velocity, dof, value));
+        }
+        let joint = model.dofs.joint[dof];
+        let axis = dof - joints.dof_address[joint];
+        let moves = match joints.kind[joint] {
+            JointKind::Hinge | JointKind::Slide => true,
+            JointKind::Free => axis < 3,
+            JointKind::Ball => false,
+        };
+        if moves {
+            let coordinate = joints.position_address[joint] + axis;
+            let rate = rates.map_or(after, |rates| rates[dof]);
+            if let Some((_, value)) = unsound(&[state.position[coordinate] + step * rate]) {
+                return Err(Fault::of_coordinate(model, state.time, coordinate, value));
+            }
+        }
+    }
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! Which elements and attributes the reader takes, skips or refuses.
 //!
-//! Everything physical is either read or refused; what is skipped (appearance, bookkeeping, sensors, stored states) is
+//! Everything physical is either read or refused; what is skipped (appearance, bookkeeping, sensors) is
 //! named here one by one. An attribute may also be *neutral*: read only in the sense that its one harmless value is
 //! accepted and every other value is refused.
 
@@ -36,12 +36,11 @@ const fn actuator(element: &'static str, own: &'static str) -> Rule {
 }
 
 /// Elements skipped with everything in them.
-const SKIPPED: [&str; 16] = [
+const SKIPPED: &[&str] = &[
     "mujoco/visual",
     "mujoco/statistic",
     "mujoco/custom",
     "mujoco/sensor",
-    "mujoco/keyframe",
     "mujoco/size",
     "compiler/lengthrange",
     "asset/texture",
@@ -168,6 +167,8 @@ const RULES: &[Rule] = &[
     actuator("actuator/damper", "kv"),
     actuator("actuator/cylinder", CYLINDER),
     actuator("actuator/muscle", MUSCLE),
+    rule("mujoco/keyframe", "", "", &[]),
+    rule("keyframe/key", "name time qpos qvel act ctrl mpos mquat", "", &[("plastic", "0")]),
 ];
 
 /// Refuses a model that uses anything physical that the simulator does not have, naming every instance.

@@ -9,7 +9,7 @@ use super::{add_joint_damping, advance, total_force};
 use crate::{
     model::{JointKind, Model},
     physics::{
-        Workspace, actuation, inertia,
+        Fault, Workspace, actuation, inertia,
         spatial::{cross, dot, rotate_back, scale},
         state::State,
         tendons::moment_arms,
@@ -43,13 +43,16 @@ impl<T: Real> Implicit<T> {
 }
 
 /// Advances `state` by one step from the forces in `workspace`.
-pub fn implicit<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) {
+///
+/// # Errors
+/// A step that would end beyond all measure; `state` is then what it was before.
+pub fn implicit<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     let mut scratch = core::mem::take(&mut workspace.implicit);
     if let Some(scratch) = &mut scratch {
         acceleration(model, state, workspace, scratch);
     }
     workspace.implicit = scratch;
-    advance(model, state, workspace);
+    advance(model, state, workspace)
 }
 
 fn acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>, scratch: &mut Implicit<T>) {

@@ -11,7 +11,7 @@
 pub mod implicit;
 pub mod runge_kutta;
 
-use super::{Workspace, actuation, inertia, rotation, state::State};
+use super::{Fault, Workspace, actuation, inertia, rotation, state::State, stepping};
 use crate::{
     model::{JointKind, Model},
     scalar::Real,
@@ -19,13 +19,17 @@ use crate::{
 use nalgebra::Vector3;
 
 /// Advances `state` by one semi-implicit step from the forces in `workspace`.
-pub fn euler<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) {
+///
+/// # Errors
+/// A step that would end beyond all measure; `state` is then what it was before.
+pub fn euler<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     damped_acceleration(model, workspace);
-    advance(model, state, workspace);
+    advance(model, state, workspace)
 }
 
 /// Advances `state` by one step at the activation rates and the damped acceleration in `workspace`.
-fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &Workspace<T>) {
+fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &Workspace<T>) -> Result<(), Fault> {
+    stepping::check_end(model, state, &workspace.damped_acceleration, None)?;
     let time = model.options.timestep;
     let step = T::splat(time);
     let actuation = &workspace.actuation;
@@ -36,6 +40,7 @@ fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &Workspace<T
     advance_positions(model, &mut state.position, &state.velocity, step);
     state.time += time;
     state.warm_start.copy_from_slice(&workspace.acceleration);
+    Ok(())
 }
 
 /// Solves (M + h B) a = smooth + constraint forces; without damping a is the acceleration itself.

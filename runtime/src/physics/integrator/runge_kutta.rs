@@ -103,7 +103,8 @@ impl<T: Real> RungeKutta<T> {
 /// As for [`forward`](stepping::forward), at any stage; `state` is then what it was before.
 pub fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     let Some(mut method) = workspace.runge_kutta.take() else { return Ok(()) };
-    let outcome = stages(model, state, workspace, &mut method);
+    let ends = |method: &RungeKutta<T>| stepping::check_end(model, state, &method.sums.velocity, Some(&method.sums.position));
+    let outcome = stages(model, state, workspace, &mut method).and_then(|()| ends(&method));
     if outcome.is_ok() {
         let time = model.options.timestep;
         let step = T::splat(time);
@@ -126,7 +127,7 @@ fn stages<T: Real>(
     workspace: &mut Workspace<T>,
     method: &mut RungeKutta<T>,
 ) -> Result<(), Fault> {
-    method.stage.clone_from(state);
+    method.stage.copy_from(state);
     method.take(workspace, T::splat(0.0));
     method.sums.set(&method.rates, WEIGHTS[0]);
     for (share, weight) in STAGES.into_iter().zip(&WEIGHTS[1..]) {

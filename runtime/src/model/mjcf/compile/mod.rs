@@ -6,12 +6,14 @@
 //! 4. [`inertias`]: explicit or inferred mass properties, bounded and balanced;
 //! 5. [`couplings`], [`tendons`], [`actuators`]: what refers to the tree by name;
 //! 6. the model's `topology`: roots and welds, degrees of freedom, the rows of the mass matrix, subtree masses;
-//! 7. the physics' own constants at the reference configuration (inverse weights, reference lengths).
+//! 7. [`keyframes`]: states of the whole model;
+//! 8. the physics' own constants at the reference configuration (inverse weights, reference lengths).
 
 mod actuators;
 mod align;
 mod couplings;
 mod inertias;
+mod keyframes;
 mod names;
 mod settings;
 mod shapes;
@@ -76,6 +78,7 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
     }
     compiler.scale_masses();
     topology::complete(&mut compiler.model).map_err(|message| root.invalid(message))?;
+    compiler.read_keyframes()?;
     check_contacts(&compiler.model, root)?;
     constants::settle_springs(&mut compiler.model, &compiler.springs);
     constants::derive(&mut compiler.model);

@@ -14,6 +14,7 @@ pub(super) enum Kind {
     Tendon,
     Actuator,
     Coupling,
+    Keyframe,
 }
 
 impl Kind {
@@ -26,6 +27,7 @@ impl Kind {
             Self::Tendon => "tendon",
             Self::Actuator => "actuator",
             Self::Coupling => "equality",
+            Self::Keyframe => "key",
         }
     }
 }

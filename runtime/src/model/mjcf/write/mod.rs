@@ -39,6 +39,7 @@ pub(super) fn write(model: &Model) -> String {
     print_tendons(model, &shared, &mut printer);
     let actuators = (0..model.actuators.name.len()).map(|actuator| rows::actuator(model, actuator));
     printer.section("actuator", actuators.map(|row| shared.lean(row, "general")));
+    printer.section("keyframe", model.keyframes.iter().map(|frame| rows::keyframe(model, frame)));
     printer.close("mujoco");
     printer.text
 }

@@ -2,7 +2,7 @@
 
 use super::super::compile::GEOM_KINDS;
 use super::{JointKind, Model, PathPoint};
-use crate::model::{Bias, Dynamics, Gain, GeomKind, Integrator, Options, Quaternion, Softness, Transmission, rotation};
+use crate::model::{Bias, Dynamics, Gain, GeomKind, Integrator, Keyframe, Options, Quaternion, Softness, Transmission, rotation};
 use nalgebra::Vector3;
 
 /// An element's tag and attributes, as text.
@@ -290,6 +290,27 @@ pub(super) fn path_point(model: &Model, point: &PathPoint) -> Row {
             .text("sidesite", side.map_or("", |site| &model.sites.name[site])),
         PathPoint::Pulley(divisor) => Row::new("pulley").numbers("divisor", [*divisor]),
     }
+}
+
+pub(super) fn keyframe(model: &Model, frame: &Keyframe) -> Row {
+    let standard = Keyframe::of_reference(model);
+    let mut row = Row::new("key").text("name", &frame.name).unless_standard("key", "time", [frame.time]);
+    let arrays = [
+        ("qpos", &frame.position, &standard.position),
+        ("qvel", &frame.velocity, &standard.velocity),
+        ("act", &frame.activation, &standard.activation),
+        ("ctrl", &frame.control, &standard.control),
+    ];
+    for (name, values, _) in arrays.into_iter().filter(|(_, values, standard)| values != standard) {
+        row = row.numbers(name, values.iter().copied());
+    }
+    if frame.placed_position != standard.placed_position {
+        row = row.numbers("mpos", frame.placed_position.iter().flatten().copied());
+    }
+    if frame.placed_orientation != standard.placed_orientation {
+        row = row.numbers("mquat", frame.placed_orientation.iter().flatten().copied());
+    }
+    row
 }
 
 pub(super) fn actuator(model: &Model, actuator: usize) -> Row {
