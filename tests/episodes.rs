@@ -277,3 +277,24 @@ fn zero_is_rest() {
     episode.step(&action).unwrap();
     assert_eq!(episode.state().control, [0.0; 416]);
 }
+
+#[test]
+fn new_weights_in_between_change_the_pay_and_not_the_motion() {
+    let [mut plain, mut changed] = [episode(&[]), episode(&[])];
+    plain.reset(KEY);
+    changed.reset(KEY);
+    advance(&mut plain, 4);
+    advance(&mut changed, 4);
+    changed.weights_mut()[0] = 7.5;
+    let middle = changed.snapshot();
+    advance(&mut plain, 5);
+    advance(&mut changed, 5);
+    assert_eq!(plain.state(), changed.state());
+    assert_ne!(plain.reward().total(), changed.reward().total());
+
+    let (end, total) = (changed.snapshot(), changed.reward().total());
+    changed.restore(&middle);
+    advance(&mut changed, 5);
+    assert_eq!(changed.snapshot(), end);
+    assert_eq!(changed.reward().total().to_bits(), total.to_bits());
+}

@@ -166,3 +166,25 @@ fn import_writes_a_file_that_imports_to_itself() {
     assert!(!body(&first).contains("<mesh") && !body(&first).contains("type=\"mesh\""), "meshes are gone");
     refused(&["import", "--model", text(&first), "--out", "no such folder/x.xml"], "cannot write");
 }
+
+#[test]
+fn a_key_frame_is_a_place_to_start_from() {
+    let model = repository("tests/oracle/models/actuation/keyframes.xml");
+    let output = msk(&["forward", "--model", text(&model), "--keyframe", "moved"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((report["time"].as_f64(), report["model"]["na"].as_u64()), (Some(1.5), Some(2)));
+    assert_eq!((numbers(&report["act"]), numbers(&report["ctrl"])), (vec![0.4, -2.0], vec![1.0, -3.0, 0.5]));
+    refused(&["forward", "--model", text(&model), "--keyframe", "x"], "no key frame `x`: it has `rest`, `moved`, `placed`");
+    refused(&["forward", "--model", text(&muscles()), "--keyframe", "x"], "no key frame `x`: it has none");
+
+    let folder = tempfile::tempdir().unwrap();
+    let (input, output) = (folder.path().join("u.npy"), folder.path().join("traj.npz"));
+    write_controls(&input, [2, 3], &[0.0; 6]);
+    let paths = ["--model", text(&model), "--ctrl", text(&input), "--out", text(&output), "--keyframe", "moved"];
+    assert!(msk(&[&["rollout"], &paths[..]].concat()).status.success());
+    let mut archive = NpzArchive::open(&output).unwrap();
+    let time = archive.by_name("time").unwrap().unwrap().into_vec::<f64>().unwrap();
+    assert_eq!(time, [1.502, 1.504]);
+    assert_eq!(archive.by_name("act").unwrap().unwrap().shape(), [2, 2]);
+}

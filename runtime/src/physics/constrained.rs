@@ -4,6 +4,7 @@ use super::{
     Workspace,
     constraint::Constraints,
     fault::{Fault, Quantity, is_sound},
+    rotation::MINIMUM,
     solver::{Newton, Problem},
     state::State,
 };
@@ -67,7 +68,12 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
         constraints.share_forces();
         // An acceleration that is not a number also spoils pivots: it names the origin better.
         let unsound = newton.acceleration.iter().chain(smooth).position(|value| !is_sound(*value)).map(|index| index % model.nv);
-        if let Some(dof) = unsound {
+        // A joint that moves nothing spoils all above it: it is eliminated first, so the last bad pivot is the origin.
+        let pivot = |row: &core::ops::Range<usize>| workspace.inertia.factor[row.end - 1].lane(lane);
+        let weightless = unsound.and_then(|_| model.dofs.row.iter().rposition(|row| pivot(row).is_nan() || pivot(row) < MINIMUM));
+        if let Some(dof) = weightless {
+            fault = fault.take().or(Some(Fault::of_pivot(model, state.time, dof)));
+        } else if let Some(dof) = unsound {
             let value = [newton.acceleration[dof], smooth[dof]].into_iter().find(|value| !is_sound(*value)).unwrap_or(f64::NAN);
             fault = fault.take().or(Some(Fault::of_dof(model, state.time, Quantity::Acceleration, dof, value)));
         } else if let Err(dof) = outcome {
