@@ -44,8 +44,8 @@ const QUANTITIES: [Quantity; 34] = [
     ("wrap", |m| m.tendons.path_points.iter().flat_map(|point| path_point(m, point)).collect()),
     ("actuator_index", |m| rows(m.actuators.name.len(), |actuator| actuator_index(m, actuator))),
     ("actuator_number", |m| rows(m.actuators.name.len(), |actuator| actuator_numbers(m, actuator))),
-    ("eq_index", |m| rows(m.couplings.name.len(), |c| vec![m.couplings.joint[c] as f64, index(m.couplings.leader[c])])),
-    ("eq_number", |m| rows(m.couplings.name.len(), |coupling| coupling_numbers(m, coupling))),
+    ("eq_index", |m| rows(m.couplings.joint.len(), |c| vec![m.couplings.joint[c] as f64, index(m.couplings.leader[c])])),
+    ("eq_number", |m| rows(m.couplings.joint.len(), |coupling| coupling_numbers(m, coupling))),
     ("pair_index", |m| rows(m.pairs.geoms.len(), |pair| pair_index(m, pair))),
     ("pair_number", |m| rows(m.pairs.geoms.len(), |pair| pair_numbers(m, pair))),
     ("exclude", |m| m.exclusions.iter().flat_map(|(first, second)| [*first as f64, *second as f64]).collect()),
@@ -153,6 +153,7 @@ fn path_point(model: &Model, point: &PathPoint) -> [f64; 3] {
     match point {
         PathPoint::Pulley(divisor) => [2.0, -1.0, *divisor],
         PathPoint::Site(site) => [3.0, *site as f64, 0.0],
+        PathPoint::Joint { joint, coefficient } => [1.0, *joint as f64, *coefficient],
         PathPoint::Wrap { geom, side } => {
             let kind = if model.geoms.kind[*geom] == GeomKind::Sphere { 4.0 } else { 5.0 };
             [kind, *geom as f64, index(*side)]
@@ -182,7 +183,7 @@ fn actuator_numbers(model: &Model, actuator: usize) -> Vec<f64> {
 
 fn coupling_numbers(model: &Model, coupling: usize) -> Vec<f64> {
     let couplings = &model.couplings;
-    couplings.polynomial[coupling].into_iter().chain(softness(&couplings.softness[coupling])).collect()
+    couplings.polynomial[coupling].into_iter().chain(softness(&model.equalities.softness[couplings.equality[coupling]])).collect()
 }
 
 fn pair_index(model: &Model, pair: usize) -> Vec<f64> {
@@ -231,7 +232,7 @@ fn compare_names(model: &Model, name: &str) {
         ("site", &model.sites.name),
         ("tendon", &model.tendons.name),
         ("actuator", &model.actuators.name),
-        ("equality", &model.couplings.name),
+        ("equality", &model.equalities.name),
     ];
     for (kind, names) in kinds {
         let expected: Vec<&str> = golden[kind].as_array().expect("names").iter().filter_map(Value::as_str).collect();

@@ -197,7 +197,7 @@ fn step(
     lap();
     inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
     lap();
-    tendons::update(&workspace.kinematics, &mut workspace.tendons);
+    tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
     lap();
     constrained::contacts(model, workspace);
     lap();

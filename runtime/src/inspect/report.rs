@@ -15,12 +15,6 @@ pub struct Extra {
     pub constraint_jacobian: bool,
 }
 
-/// MuJoCo's numbers for the types of constraint rows.
-const EQUALITY: u8 = 0;
-const LIMIT_JOINT: u8 = 3;
-const CONTACT_FRICTIONLESS: u8 = 5;
-const CONTACT_PYRAMIDAL: u8 = 6;
-
 /// All quantities of `workspace` after [`forward`](crate::physics::forward) on `state`, by MuJoCo's names.
 pub fn forward_report(model: &Model, state: &State<f64>, workspace: &Workspace<f64>, extra: Extra) -> Value {
     let mut report = Map::new();
@@ -32,6 +26,7 @@ pub fn forward_report(model: &Model, state: &State<f64>, workspace: &Workspace<f
     put("qvel", json!(state.velocity));
     put("act", json!(state.activation));
     put("ctrl", json!(state.control));
+    put("eq_active", json!(state.active.iter().map(|active| *active != 0.0).collect::<Vec<bool>>()));
     let kinematics = &workspace.kinematics;
     put("xpos", vectors(&kinematics.body_position));
     put("xquat", json!(kinematics.body_orientation.concat()));
@@ -98,6 +93,7 @@ fn names(model: &Model) -> Value {
         "geom": model.geoms.name,
         "tendon": model.tendons.name,
         "actuator": model.actuators.name,
+        "equality": model.equalities.name,
         "jnt_qposadr": model.joints.position_address,
         "jnt_dofadr": model.joints.dof_address,
     })
@@ -152,22 +148,14 @@ fn contacts(model: &Model, constraints: &Constraints) -> Value {
 }
 
 /// The constraint rows, one array per quantity.
-fn rows(constraints: &Constraints) -> [(&'static str, Value); 10] {
+fn rows(constraints: &Constraints) -> [(&'static str, Value); 11] {
     let rows = &constraints.rows;
-    let kind = |kind: &RowKind| match kind {
-        RowKind::Coupling(_) => EQUALITY,
-        RowKind::Limit(_) => LIMIT_JOINT,
-        RowKind::Contact(contact) => {
-            let candidate = constraints.contacts[*contact].candidate;
-            if constraints.plan.candidates[candidate].dimension == 1 { CONTACT_FRICTIONLESS } else { CONTACT_PYRAMIDAL }
-        }
-    };
-    let id = |kind: &RowKind| match kind {
-        RowKind::Coupling(index) | RowKind::Limit(index) | RowKind::Contact(index) => *index,
-    };
+    let friction = |kind: &RowKind| matches!(kind, RowKind::DofFriction(_) | RowKind::TendonFriction(_));
+    let loss = |row: usize| if friction(&rows.kind[row]) { rows.upper[row] } else { 0.0 };
     [
-        ("efc_type", json!(rows.kind.iter().map(kind).collect::<Vec<_>>())),
-        ("efc_id", json!(rows.kind.iter().map(id).collect::<Vec<_>>())),
+        ("efc_type", json!((0..rows.len()).map(|row| constraints.row_type(row)).collect::<Vec<_>>())),
+        ("efc_id", json!(rows.kind.iter().map(RowKind::element).collect::<Vec<_>>())),
+        ("efc_frictionloss", json!((0..rows.len()).map(loss).collect::<Vec<_>>())),
         ("efc_pos", json!(rows.position)),
         ("efc_margin", json!(rows.margin)),
         ("efc_vel", json!(rows.velocity)),

@@ -24,6 +24,9 @@ pub struct StateFile {
     /// Muscle excitations, `nu`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ctrl: Option<Vec<f64>>,
+    /// For each equality whether it holds, `neq`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eq_active: Option<Vec<bool>>,
     /// Generalised forces from outside, `nv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub qfrc_applied: Option<Vec<f64>>,
@@ -74,6 +77,7 @@ impl StateFile {
             ctrl: Some(state.control.clone()),
             mocap_pos: placed.then(|| state.placed_position.iter().flatten().copied().collect()),
             mocap_quat: placed.then(|| state.placed_orientation.concat()),
+            eq_active: Some(state.active.iter().map(|active| *active != 0.0).collect()),
             qacc_warmstart: Some(state.warm_start.clone()),
             ..Self::default()
         }
@@ -91,6 +95,8 @@ impl StateFile {
         take("qvel", &self.qvel, &mut state.velocity)?;
         take("act", &self.act, &mut state.activation)?;
         take("ctrl", &self.ctrl, &mut state.control)?;
+        let active = self.eq_active.as_ref().map(|active| active.iter().map(|&active| f64::from(u8::from(active))).collect());
+        take("eq_active", &active, &mut state.active)?;
         take("qfrc_applied", &self.qfrc_applied, &mut state.applied_force)?;
         take("qacc_warmstart", &self.qacc_warmstart, &mut state.warm_start)?;
         let mut places: Vec<f64> = state.placed_position.iter().flatten().copied().collect();

@@ -79,6 +79,8 @@ pub struct Joints {
     pub margin: Vec<f64>,
     /// Softness of the limit.
     pub limit_softness: Vec<Softness>,
+    /// Softness of the friction loss.
+    pub friction_softness: Vec<Softness>,
     /// Spring stiffness, N m/rad or N/m.
     pub stiffness: Vec<f64>,
     /// Spring reference coordinate.

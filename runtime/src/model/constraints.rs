@@ -1,4 +1,7 @@
-//! Soft constraints: their parameters, joint couplings and explicit contact pairs.
+//! Soft constraints: their parameters, what equalities hold together, and explicit contact pairs.
+
+use super::Quaternion;
+use nalgebra::Vector3;
 
 /// Parameters of a soft constraint: MuJoCo's `solref` and `solimp`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,19 +18,83 @@ impl Default for Softness {
     }
 }
 
-/// Polynomial couplings q1 - q1₀ = p(q2 - q2₀), one entry each per array.
+/// Equality constraints of all kinds in the order of the file, one entry each per array.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Couplings {
+pub struct Equalities {
     /// Names; empty where the file gives none.
     pub name: Vec<String>,
+    /// What is held together.
+    pub kind: Vec<Equality>,
+    /// Whether it holds when an episode begins; each state may change that.
+    pub active: Vec<bool>,
+    /// Softness.
+    pub softness: Vec<Softness>,
+}
+
+/// What an equality holds together.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Equality {
+    /// A joint by a polynomial of another one: an index into [`Couplings`].
+    Joint(usize),
+    /// The length of a tendon.
+    Tendon(TendonCoupling),
+    /// Two points: three rows.
+    Connect(Attachment),
+    /// Two frames: six rows.
+    Weld {
+        /// The frames.
+        attachment: Attachment,
+        /// Weight of a turn against a displacement, m.
+        torque_scale: f64,
+    },
+}
+
+/// Tendon lengths l1 - l1₀ = p(l2 - l2₀), with the lengths at the reference configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TendonCoupling {
+    /// The slaved tendon.
+    pub tendon: usize,
+    /// The tendon that leads; `None` fixes the slaved tendon at the constant coefficient.
+    pub leader: Option<usize>,
+    /// Coefficients of degree 0 to 4.
+    pub polynomial: [f64; 5],
+}
+
+/// A frame on each of two bodies; a connection makes their origins coincide, a weld their axes too.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attachment {
+    /// The two bodies.
+    pub bodies: [usize; 2],
+    /// Origin of the frame in each body's frame, m.
+    pub position: [Vector3<f64>; 2],
+    /// Axes of the frame in each body's frame.
+    pub orientation: [Quaternion; 2],
+    /// What of this the file gives, and what follows from the rest.
+    pub origin: AttachmentOrigin,
+}
+
+/// How an attachment is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AttachmentOrigin {
+    /// Two sites are the frames.
+    Sites([usize; 2]),
+    /// It holds at the reference configuration: one frame is given, the other derived.
+    Reference,
+    /// Both frames are given.
+    Given,
+}
+
+/// Polynomial couplings of joints q1 - q1₀ = p(q2 - q2₀), one entry each per array.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Couplings {
     /// The slaved joint.
     pub joint: Vec<usize>,
     /// The joint that leads; `None` fixes the slaved joint at the constant coefficient.
     pub leader: Vec<Option<usize>>,
     /// Coefficients of degree 0 to 4.
     pub polynomial: Vec<[f64; 5]>,
-    /// Softness.
-    pub softness: Vec<Softness>,
+    /// Its place among the [`Equalities`].
+    pub equality: Vec<usize>,
 }
 
 /// Explicit contact pairs, one entry each per array.

@@ -25,13 +25,13 @@ pub(crate) mod topology;
 
 pub use actuators::{Actuators, Bias, Dynamics, Gain, Muscle, Transmission};
 pub use bodies::{Bodies, Dofs, JointKind, Joints};
-pub use constraints::{ContactPairs, Couplings, Softness};
+pub use constraints::{Attachment, AttachmentOrigin, ContactPairs, Couplings, Equalities, Equality, Softness, TendonCoupling};
 pub use geometry::{GeomKind, Geoms, Sites};
 pub use height_field::HeightField;
 pub use keyframes::Keyframe;
 pub use mesh::{Face, Hull, Mesh};
 pub use mjcf::ModelError;
-pub use options::{Integrator, Options};
+pub use options::{Cone, Integrator, Options, Switches};
 pub use tendons::{PathPoint, Tendons};
 
 /// Quaternion in the order w, x, y, z.
@@ -58,11 +58,13 @@ pub struct Model {
     pub height_fields: Vec<HeightField>,
     /// Marked points.
     pub sites: Sites,
-    /// Spatial tendons.
+    /// Spatial and fixed tendons.
     pub tendons: Tendons,
     /// Muscles and other actuators.
     pub actuators: Actuators,
-    /// Polynomial joint couplings.
+    /// Equality constraints of all kinds.
+    pub equalities: Equalities,
+    /// Polynomial joint couplings, which are some of the equalities.
     pub couplings: Couplings,
     /// Explicit contact pairs.
     pub pairs: ContactPairs,

@@ -13,6 +13,36 @@ pub enum Integrator {
     RungeKutta,
 }
 
+/// Shape of the set of admissible contact forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cone {
+    /// Edges of a pyramid inside the cone.
+    Pyramidal,
+    /// The cone itself.
+    Elliptic,
+}
+
+/// Kinds of constraints that a model switches off (MuJoCo's `flag` element); all are on by default.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Switches {
+    /// Equalities.
+    pub equality: bool,
+    /// Friction loss of joints and tendons.
+    pub friction_loss: bool,
+    /// Limits of joints and tendons.
+    pub limit: bool,
+    /// Contacts.
+    pub contact: bool,
+    /// Time constants of constraints are raised to two steps.
+    pub safe_reference: bool,
+}
+
+impl Default for Switches {
+    fn default() -> Self {
+        Self { equality: true, friction_loss: true, limit: true, contact: true, safe_reference: true }
+    }
+}
+
 /// Simulation options, MuJoCo's `option` element.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
@@ -34,6 +64,10 @@ pub struct Options {
     pub line_search_tolerance: f64,
     /// Ratio of frictional to normal constraint impedance.
     pub impedance_ratio: f64,
+    /// Friction cone of contacts.
+    pub cone: Cone,
+    /// Kinds of constraints that are on.
+    pub switches: Switches,
 }
 
 impl Default for Options {
@@ -48,6 +82,8 @@ impl Default for Options {
             tolerance: 1e-8,
             line_search_tolerance: 0.01,
             impedance_ratio: 1.0,
+            cone: Cone::Pyramidal,
+            switches: Switches::default(),
         }
     }
 }

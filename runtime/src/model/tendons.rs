@@ -1,9 +1,9 @@
-//! Spatial tendons.
+//! Tendons.
 
 use super::Softness;
 use core::ops::Range;
 
-/// One entry of a spatial tendon's path.
+/// One entry of a tendon's path. A fixed tendon's path consists of joints, a spatial one's of everything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathPoint {
     /// The tendon passes through a site.
@@ -17,9 +17,16 @@ pub enum PathPoint {
     },
     /// Divides the force of what follows.
     Pulley(f64),
+    /// Adds a multiple of a hinge's or slide's coordinate to the length of a fixed tendon.
+    Joint {
+        /// The joint.
+        joint: usize,
+        /// The factor, m/rad or 1.
+        coefficient: f64,
+    },
 }
 
-/// Spatial tendons, one entry each per array.
+/// Spatial tendons, and fixed ones, whose length is a linear combination of joint coordinates; one entry each per array.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tendons {
     /// Names.
@@ -34,12 +41,20 @@ pub struct Tendons {
     pub margin: Vec<f64>,
     /// Softness of the limit.
     pub limit_softness: Vec<Softness>,
+    /// Dry friction, N.
+    pub friction_loss: Vec<f64>,
+    /// Softness of the dry friction.
+    pub friction_softness: Vec<Softness>,
     /// Stiffness, N/m.
     pub stiffness: Vec<f64>,
     /// Damping, N s/m.
     pub damping: Vec<f64>,
-    /// Lengths between which the spring is slack, m; `None` takes the reference length.
+    /// Lengths between which the spring is slack, m; `None` takes the resting length.
     pub spring_length: Vec<Option<[f64; 2]>>,
     /// Length at the reference configuration, m.
     pub reference_length: Vec<f64>,
+    /// Length where all joints stand at the rest of their springs, m.
+    pub resting_length: Vec<f64>,
+    /// Inverse weight at the reference configuration: J M^-1 J' of the tendon's row of the Jacobian.
+    pub inverse_weight: Vec<f64>,
 }

@@ -31,7 +31,10 @@ pub(crate) fn complete(model: &mut Model) -> Result<(), String> {
     check_size(model)?;
     model.bodies.inverse_weight = vec![[0.0; 2]; model.bodies.name.len()];
     model.dofs.inverse_weight = vec![0.0; model.nv];
-    model.tendons.reference_length = vec![0.0; model.tendons.name.len()];
+    let tendons = model.tendons.name.len();
+    model.tendons.reference_length = vec![0.0; tendons];
+    model.tendons.resting_length = vec![0.0; tendons];
+    model.tendons.inverse_weight = vec![0.0; tendons];
     model.actuators.acceleration_scale = vec![0.0; model.actuators.name.len()];
     Ok(())
 }
@@ -106,10 +109,13 @@ fn check_size(model: &Model) -> Result<(), String> {
     if pairs > MOST_PAIRS {
         return Err(format!("{pairs} pairs of shapes can collide; at most {MOST_PAIRS} are supported"));
     }
-    let solves = model.bodies.name.len() + model.nv + model.actuators.name.len();
+    let solves = model.bodies.name.len() + model.nv + model.tendons.name.len() + model.actuators.name.len();
     let entries = model.dofs.column.len() + model.nv;
     if solves.saturating_mul(entries) > MOST_WORK {
-        return Err(format!("the model is too large: {} degrees of freedom, {solves} bodies, degrees and muscles", model.nv));
+        let freedom = model.nv;
+        return Err(format!(
+            "the model is too large: {freedom} degrees of freedom, {solves} bodies, degrees, tendons and muscles"
+        ));
     }
     Ok(())
 }

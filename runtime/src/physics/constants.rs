@@ -1,24 +1,25 @@
 //! Constants of a model that follow from the physics at its reference configuration.
 //!
 //! 1. inverse weights: how much a unit force accelerates a body or dof, the scale of every constraint's regularisation;
-//! 2. tendon lengths, where springs without a stated length rest;
-//! 3. the joint-space acceleration that an actuator causes per unit force, from which MuJoCo sets peak forces not given,
+//! 2. tendon lengths, at the reference configuration and where joint springs rest, where springs without a length do too;
+//! 3. the frames that equalities hold together as they stand at the reference configuration;
+//! 4. the joint-space acceleration that an actuator causes per unit force, from which MuJoCo sets peak forces not given,
 //!    and the damping of servos that ask for a damping ratio.
 
 use super::{
     actuation,
     inertia::{self, Inertia},
     kinematics::{self, Kinematics},
-    rotation::MINIMUM,
+    rotation::{MINIMUM, conjugate, multiply},
     spatial::pair,
     state::State,
     tendons::{self, TendonPaths},
 };
-use crate::model::{Actuators, Bias, Gain, JointKind, Model};
+use crate::model::{Actuators, AttachmentOrigin, Bias, Equality, Gain, JointKind, Model};
 use nalgebra::Vector3;
 
-/// Fills [`Bodies::inverse_weight`](crate::model::Bodies), [`Dofs::inverse_weight`](crate::model::Dofs),
-/// [`Tendons::reference_length`](crate::model::Tendons) and
+/// Fills [`Bodies::inverse_weight`](crate::model::Bodies), [`Dofs::inverse_weight`](crate::model::Dofs), lengths and inverse
+/// weights of [`Tendons`](crate::model::Tendons), the derived frames of [`Equalities`](crate::model::Equalities) and
 /// [`Actuators::acceleration_scale`](crate::model::Actuators). Everything else in the model must be complete.
 pub fn derive(model: &mut Model) {
     let state = State::<f64>::new(model);
@@ -27,13 +28,19 @@ pub fn derive(model: &mut Model) {
     let mut tendons = TendonPaths::new(model);
     kinematics::update(model, &state, &mut kinematics);
     inertia::update(model, &kinematics, &mut inertia);
-    tendons::update(&kinematics, &mut tendons);
+    tendons::update(&state, &kinematics, &mut tendons);
 
     model.tendons.reference_length = tendons.length.clone();
+    derive_attachments(model, &kinematics);
     model.bodies.inverse_weight =
         (0..model.bodies.parent.len()).map(|body| body_weight(model, &kinematics, &inertia.factor, body)).collect();
     model.dofs.inverse_weight = dof_weights(model, &inertia.factor);
     let mut row = vec![0.0; model.nv];
+    let tendon_weight = |tendon: usize| {
+        tendons::moment_arms(model, &kinematics, &tendons, tendon, &mut row);
+        response(model, &inertia.factor, &mut row)
+    };
+    model.tendons.inverse_weight = (0..model.tendons.path.len()).map(tendon_weight).collect();
     for actuator in 0..model.actuators.name.len() {
         actuation::moment(model, &state, &kinematics, &tendons, actuator, &mut row);
         let moment = row.clone();
@@ -41,6 +48,47 @@ pub fn derive(model: &mut Model) {
         model.actuators.acceleration_scale[actuator] = row.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
         let response = moment.iter().zip(&row).map(|(arm, acceleration)| arm * acceleration).sum();
         settle_damping(&mut model.actuators, actuator, response);
+    }
+    model.tendons.resting_length = resting_lengths(model, state, &mut kinematics, tendons);
+}
+
+/// Tendon lengths with every hinge and slide where its spring rests, and free and ball joints at the reference.
+fn resting_lengths(
+    model: &Model,
+    mut state: State<f64>,
+    kinematics: &mut Kinematics<f64>,
+    mut tendons: TendonPaths<f64>,
+) -> Vec<f64> {
+    let joints = &model.joints;
+    for joint in 0..joints.kind.len() {
+        if matches!(joints.kind[joint], JointKind::Hinge | JointKind::Slide) {
+            state.position[joints.position_address[joint]] = joints.spring_reference[joint];
+        }
+    }
+    kinematics::update(model, &state, kinematics);
+    tendons::update(&state, kinematics, &mut tendons);
+    tendons.length
+}
+
+/// The frame that the file does not give of each attachment that holds at the reference configuration: a connection's point
+/// in its second body, a weld's frame in its first.
+fn derive_attachments(model: &mut Model, kinematics: &Kinematics<f64>) {
+    let local =
+        |body: usize, point: Vector3<f64>| kinematics.body_rotation[body].tr_mul(&(point - kinematics.body_position[body]));
+    for kind in &mut model.equalities.kind {
+        match kind {
+            Equality::Connect(attachment) if attachment.origin == AttachmentOrigin::Reference => {
+                let [first, second] = attachment.bodies;
+                attachment.position[1] = local(second, kinematics.point(first, &attachment.position[0]));
+            }
+            Equality::Weld { attachment, .. } if attachment.origin == AttachmentOrigin::Reference => {
+                let [first, second] = attachment.bodies;
+                attachment.position[0] = local(first, kinematics.point(second, &attachment.position[1]));
+                let [first, second] = [first, second].map(|body| kinematics.body_orientation[body]);
+                attachment.orientation[0] = multiply(&conjugate(&first), &second);
+            }
+            _ => {}
+        }
     }
 }
 

@@ -127,6 +127,9 @@ pub fn passive<T: Real>(
     for (total, part) in out.passive.iter_mut().zip(&out.swept) {
         *total += *part;
     }
+    for tendon in (0..tendon_count).filter(|tendon| tendons.is_fixed(*tendon)).filter(elastic) {
+        tendons.pull_joints(tendon, tendon_force(model, tendons, tendon), &mut out.passive);
+    }
 }
 
 /// Fills the forces that balance the weight of bodies and adds them where no actuator provides them.
@@ -177,7 +180,7 @@ fn joint_spring<T: Real>(model: &Model, state: &State<T>, joint: usize, passive:
 /// Force of a tendon's spring, slack between two lengths, and damper, N; positive lengthens.
 fn tendon_force<T: Real>(model: &Model, tendons: &TendonPaths<T>, tendon: usize) -> T {
     let (length, velocity) = (tendons.length[tendon], tendons.velocity[tendon]);
-    let rest = model.tendons.reference_length[tendon];
+    let rest = model.tendons.resting_length[tendon];
     let [low, high] = model.tendons.spring_length[tendon].unwrap_or([rest, rest]);
     let slack = (T::splat(low) - length).max(T::splat(0.0)) + (T::splat(high) - length).min(T::splat(0.0));
     T::splat(model.tendons.stiffness[tendon]) * slack - T::splat(model.tendons.damping[tendon]) * velocity

@@ -5,7 +5,7 @@
 //! 3. [`tendons`]: path lengths with wrapping, the segments that join two bodies;
 //! 4. [`velocities`]: bodies, dofs' time derivatives, tendon and muscle velocities, without any tendon Jacobian;
 //! 5. [`actuation`] and [`forces`]: muscles and other actuators, passive elements, bias;
-//! 6. [`collision`] and [`constraint`]: contacts; rows of couplings, limits and contacts, references, regularisation;
+//! 6. [`collision`] and [`constraint`]: contacts; rows of equalities, friction, limits and contacts, their softness;
 //! 7. [`solver`]: Newton on the primal problem;
 //! 8. [`integrator`]: Euler with implicit joint damping, implicit in velocity, Runge-Kutta.
 //!

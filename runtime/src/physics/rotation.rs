@@ -20,6 +20,12 @@ pub fn multiply<T: Real>(a: &[T; 4], b: &[T; 4]) -> [T; 4] {
     ]
 }
 
+/// The inverse of a unit quaternion.
+#[inline(always)]
+pub fn conjugate<T: Real>(q: &[T; 4]) -> [T; 4] {
+    [q[0], -q[1], -q[2], -q[3]]
+}
+
 /// The unit quaternion in the direction of `q`; the identity where `q` vanishes.
 #[inline(always)]
 pub fn normalize<T: Real>(q: &[T; 4]) -> [T; 4] {

@@ -14,14 +14,14 @@ pub fn smooth<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspac
 pub fn positions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
     kinematics::update(model, state, &mut workspace.kinematics);
     inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
-    tendons::update(&workspace.kinematics, &mut workspace.tendons);
+    tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
 }
 
 /// Stages that depend on positions and velocities: velocities of bodies and tendons, bias and passive forces.
 pub fn motions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
     let Workspace { kinematics, inertia, tendons, velocities, forces, .. } = workspace;
     velocities::update(model, state, kinematics, velocities);
-    tendons::update_velocities(velocities, tendons);
+    tendons::update_velocities(state, velocities, tendons);
     forces::bias(model, state, kinematics, inertia, velocities, forces);
     forces::passive(model, state, kinematics, tendons, forces);
 }

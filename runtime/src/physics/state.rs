@@ -25,6 +25,8 @@ pub struct State<T: Real> {
     pub placed_position: Vec<Vector3<T>>,
     /// Their orientations w x y z (`mocap_quat`).
     pub placed_orientation: Vec<[T; 4]>,
+    /// For each equality of the model whether it holds: 1 if it does, 0 if it is released.
+    pub active: Vec<T>,
     /// Acceleration of the last step, from which the constraint solver starts, `nv` entries.
     pub warm_start: Vec<T>,
 }
@@ -58,6 +60,7 @@ impl<T: Real> State<T> {
             body_force: vec![[Vector3::from_element(zero); 2]; model.bodies.parent.len()],
             placed_position: placed.clone().map(|body| constant(&model.bodies.position[body])).collect(),
             placed_orientation: placed.map(|body| constant_quaternion(&model.bodies.orientation[body])).collect(),
+            active: model.equalities.active.iter().map(|&active| T::splat(f64::from(u8::from(active)))).collect(),
             warm_start: vec![zero; model.nv],
         }
     }

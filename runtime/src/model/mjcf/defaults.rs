@@ -12,8 +12,20 @@ use std::collections::BTreeMap;
 const MAIN: &str = "main";
 
 /// Attributes of which the later one replaces only as many numbers as it has.
-const OVERLAID: [&str; 10] =
-    ["size", "friction", "solref", "solimp", "solreflimit", "solimplimit", "gainprm", "biasprm", "dynprm", "gear"];
+const OVERLAID: [&str; 12] = [
+    "size",
+    "friction",
+    "solref",
+    "solimp",
+    "solreflimit",
+    "solimplimit",
+    "solreffriction",
+    "solimpfriction",
+    "gainprm",
+    "biasprm",
+    "dynprm",
+    "gear",
+];
 
 /// Attributes that say the same thing in different ways: giving one takes back the others.
 const ALTERNATIVES: [&[&str]; 1] = [&["quat", "axisangle", "xyaxes", "zaxis", "euler"]];
@@ -39,7 +51,7 @@ fn kind_of(tag: &str) -> Option<&'static str> {
         "mesh" => "mesh",
         "pair" => "pair",
         "equality" => "equality",
-        "tendon" | "spatial" => "tendon",
+        "tendon" | "spatial" | "fixed" => "tendon",
         "general" => "actuator",
         _ => return shortcut::find(tag).map(|_| "actuator"),
     })

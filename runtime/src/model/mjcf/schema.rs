@@ -60,21 +60,14 @@ const GEOM_SKIPPED: &str = "material rgba castshadow user fitscale";
 const GEOM_NEUTRAL: &[(&str, &str)] =
     &[("shellinertia", "false"), ("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")];
 const JOINT: &str = "name class type pos axis limited range ref springref stiffness damping armature frictionloss margin \
-    solreflimit solimplimit springdamper actuatorfrclimited actuatorfrcrange actuatorgravcomp";
-const JOINT_NEUTRAL: &[(&str, &str)] =
-    &[("solreffriction", "0.02 1"), ("solimpfriction", "0.9 0.95 0.001 0.5 2"), ("springyield", "0")];
+    solreflimit solimplimit solreffriction solimpfriction springdamper actuatorfrclimited actuatorfrcrange actuatorgravcomp";
+const JOINT_NEUTRAL: &[(&str, &str)] = &[("springyield", "0")];
 const SITE: &str = "name class pos quat axisangle xyaxes zaxis euler fromto";
-const TENDON: &str = "name class limited range margin stiffness damping springlength solreflimit solimplimit";
+const TENDON: &str = "name class limited range margin stiffness damping springlength frictionloss solreflimit solimplimit \
+    solreffriction solimpfriction";
 const TENDON_SKIPPED: &str = "group width material rgba user";
-const TENDON_NEUTRAL: &[(&str, &str)] = &[
-    ("solreffriction", "0.02 1"),
-    ("solimpfriction", "0.9 0.95 0.001 0.5 2"),
-    ("frictionloss", "0"),
-    ("armature", "0"),
-    ("springyield", "0"),
-    ("actuatorfrclimited", "false"),
-    ("actuatorfrcrange", "0"),
-];
+const TENDON_NEUTRAL: &[(&str, &str)] =
+    &[("armature", "0"), ("springyield", "0"), ("actuatorfrclimited", "false"), ("actuatorfrcrange", "0")];
 const ACTUATOR_NEUTRAL: &[(&str, &str)] = &[("delay", "0"), ("nsample", "0")];
 const ACTUATOR_SKIPPED: &str = "group user interp input";
 const ACTUATOR: &str = "name class joint jointinparent tendon site refsite ctrllimited ctrlrange forcelimited forcerange \
@@ -87,14 +80,8 @@ const PAIR: &str = "name class geom1 geom2 condim friction solref solreffriction
 const BODY: &str = "name childclass pos quat axisangle xyaxes zaxis euler mocap gravcomp";
 const FRAME: &str = "name childclass pos quat axisangle xyaxes zaxis euler";
 const FRAME_NEUTRAL: &[(&str, &str)] = &[("scale", "1"), ("massscale", "0"), ("scaling", "similar")];
-const OPTION_NEUTRAL: &[(&str, &str)] = &[
-    ("cone", "pyramidal"),
-    ("solver", "Newton"),
-    ("noslip_iterations", "0"),
-    ("density", "0"),
-    ("viscosity", "0"),
-    ("actuatorgroupdisable", ""),
-];
+const OPTION_NEUTRAL: &[(&str, &str)] =
+    &[("noslip_iterations", "0"), ("density", "0"), ("viscosity", "0"), ("actuatorgroupdisable", "")];
 
 /// Attributes whose value is one of several words, and the words that the simulator knows.
 const CHOICES: [(&str, &str); 4] = [
@@ -110,13 +97,12 @@ const RULES: &[Rule] = &[
     rule("mujoco/compiler", "angle autolimits eulerseq meshdir assetdir strippath inertiafromgeom inertiagrouprange boundmass boundinertia balanceinertia settotalmass alignfree",
         "texturedir usethread discardvisual saveinertial savecompiled savecanonical conflict passthrough fitaabb",
         &[("coordinate", "local"), ("fusestatic", "false")]),
-    rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio",
+    rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio cone solver",
         "magnetic wind jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
          o_margin o_solref o_solimp o_friction", OPTION_NEUTRAL),
-    rule("option/flag", "eulerdamp", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
-        ("constraint", "enable"), ("equality", "enable"), ("frictionloss", "enable"), ("limit", "enable"),
-        ("contact", "enable"), ("spring", "enable"), ("damper", "enable"), ("gravity", "enable"), ("clampctrl", "enable"),
-        ("filterparent", "enable"), ("actuation", "enable"), ("refsafe", "enable"),
+    rule("option/flag", "constraint equality frictionloss limit contact refsafe eulerdamp", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
+        ("spring", "enable"), ("damper", "enable"), ("gravity", "enable"), ("clampctrl", "enable"),
+        ("filterparent", "enable"), ("actuation", "enable"),
         ("override", "disable"), ("invdiscrete", "disable"), ("sleep", "disable"), ("diagexact", "disable"),
         ("ipc", "disable"), ("speculative", "disable")]),
     rule("mujoco/asset", "", "", &[]),
@@ -129,7 +115,7 @@ const RULES: &[Rule] = &[
     rule("default/site", SITE, "type group material mesh size rgba user", &[]),
     rule("default/tendon", TENDON, TENDON_SKIPPED, TENDON_NEUTRAL),
     rule("default/pair", PAIR, "", &[("adhesion", "0")]),
-    rule("default/equality", "solref solimp", "", &[("active", "true")]),
+    rule("default/equality", "active solref solimp", "", &[]),
     actuator("default/general", GENERAL),
     actuator("default/motor", ""),
     actuator("default/position", POSITION),
@@ -152,12 +138,17 @@ const RULES: &[Rule] = &[
     rule("contact/pair", PAIR, "", &[("adhesion", "0")]),
     rule("contact/exclude", "name body1 body2", "", &[]),
     rule("mujoco/equality", "", "", &[]),
-    rule("equality/joint", "name class joint1 joint2 polycoef solref solimp", "", &[("active", "true")]),
+    rule("equality/joint", "name class active joint1 joint2 polycoef solref solimp", "", &[]),
+    rule("equality/tendon", "name class active tendon1 tendon2 polycoef solref solimp", "", &[]),
+    rule("equality/connect", "name class active body1 body2 anchor site1 site2 solref solimp", "", &[]),
+    rule("equality/weld", "name class active body1 body2 anchor relpose torquescale site1 site2 solref solimp", "", &[]),
     rule("mujoco/tendon", "", "", &[]),
     rule("tendon/spatial", TENDON, TENDON_SKIPPED, TENDON_NEUTRAL),
     rule("spatial/site", "site", "", &[]),
     rule("spatial/geom", "geom sidesite", "", &[]),
     rule("spatial/pulley", "divisor", "", &[]),
+    rule("tendon/fixed", TENDON, "group user", TENDON_NEUTRAL),
+    rule("fixed/joint", "joint coef", "", &[]),
     rule("mujoco/actuator", "", "", &[]),
     actuator("actuator/general", GENERAL),
     actuator("actuator/motor", ""),

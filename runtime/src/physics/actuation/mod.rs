@@ -254,6 +254,13 @@ pub fn generalised_force<T: Real>(
             }
         }
         super::forces::gather(model, kinematics, body_force, out);
+        if tendons.any_fixed() {
+            let muscles = plan.muscles.iter().map(|muscle| (muscle.actuator, muscle.tendon, muscle.gear));
+            let others = plan.others.iter().filter_map(|other| Some((other.actuator, other.tendon?, other.gear)));
+            for (actuator, tendon, gear) in muscles.chain(others) {
+                tendons.pull_joints(tendon, actuation.force[actuator] * T::splat(gear), out);
+            }
+        }
     }
     for other in &plan.others {
         for (dof, moment) in actuation.moments.entries(other.moment.clone()) {

@@ -26,6 +26,8 @@ pub struct Candidate {
     pub friction: [f64; 5],
     /// Softness of the contact.
     pub softness: Softness,
+    /// Softness reference of an elliptic cone's friction rows; both zero takes that of `softness`.
+    pub friction_reference: [f64; 2],
     /// Inverse weight of both bodies at the reference configuration: translation, rotation.
     pub inverse_weight: [f64; 2],
     /// Range of the dofs that move one body against the other, in the plan's columns.
@@ -70,6 +72,7 @@ impl Plan {
             dimension: mixed.dimension,
             friction: mixed.friction,
             softness: mixed.softness,
+            friction_reference: mixed.friction_reference,
             inverse_weight: [weight(0), weight(1)],
             bridges_chains: self.sides[columns.clone()].windows(2).any(|sides| sides[0] != sides[1]),
             columns,
@@ -158,6 +161,7 @@ struct Mixed {
     dimension: usize,
     friction: [f64; 5],
     softness: Softness,
+    friction_reference: [f64; 2],
 }
 
 fn declared(model: &Model, pair: usize) -> Mixed {
@@ -168,6 +172,7 @@ fn declared(model: &Model, pair: usize) -> Mixed {
         dimension: usize::from(pairs.dimension[pair]),
         friction: pairs.friction[pair].map(|coefficient| coefficient.max(SMALLEST_FRICTION)),
         softness: pairs.softness[pair],
+        friction_reference: pairs.friction_reference[pair],
     }
 }
 
@@ -202,6 +207,7 @@ fn mixed(model: &Model, [a, b]: [usize; 2]) -> Mixed {
                 average_softness(geoms.softness[a], geoms.softness[b], mix_weight(geoms.softness_mix[a], geoms.softness_mix[b]))
             }
         },
+        friction_reference: [0.0; 2],
     }
 }
 

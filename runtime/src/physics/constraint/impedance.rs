@@ -18,8 +18,9 @@ pub(super) struct SpringDamper {
     pub impedance: f64,
 }
 
-/// Evaluates `softness` at the violation `residual` (position minus margin), for steps of `timestep` seconds.
-pub(super) fn spring_damper(softness: &Softness, residual: f64, timestep: f64) -> SpringDamper {
+/// Evaluates `softness` at the violation `residual` (position minus margin); time constants are at least `shortest` seconds,
+/// two steps where the model asks for safety (MuJoCo's `refsafe`): a shorter one would be unstable.
+pub(super) fn spring_damper(softness: &Softness, residual: f64, shortest: f64) -> SpringDamper {
     let [low, high] = IMPEDANCE_RANGE;
     let [start, end, width, midpoint, power] = softness.impedance;
     let (start, end, midpoint) = (start.clamp(low, high), end.clamp(low, high), midpoint.clamp(low, high));
@@ -28,15 +29,20 @@ pub(super) fn spring_damper(softness: &Softness, residual: f64, timestep: f64) -
     } else {
         start + sigmoid(residual.abs() / width, midpoint, power.max(1.0)) * (end - start)
     };
-    let [first, second] = softness.reference;
+    let [first, second] = reference(softness);
     if first > 0.0 {
-        // Time constant and damping ratio; a time constant below two steps would be unstable (`refsafe`).
-        let time_constant = first.max(2.0 * timestep);
+        let time_constant = first.max(shortest);
         let stiffness = 1.0 / (end * end * time_constant * time_constant * second * second).max(TINY);
         SpringDamper { stiffness, damping: 2.0 / (end * time_constant).max(TINY), impedance }
     } else {
         SpringDamper { stiffness: -first / (end * end).max(TINY), damping: -second / end.max(TINY), impedance }
     }
+}
+
+/// Both numbers positive, or both not; anything else means nothing and counts as not given, as in MuJoCo.
+fn reference(softness: &Softness) -> [f64; 2] {
+    let [first, second] = softness.reference;
+    if (first > 0.0) == (second > 0.0) { softness.reference } else { Softness::default().reference }
 }
 
 /// The polynomial sigmoid from 0 at x = 0 to 1 at x = 1 with its inflection at `midpoint`.
@@ -62,7 +68,7 @@ mod tests {
     #[test]
     fn impedance_grows_from_its_start_to_its_end_across_the_width() {
         let softness = Softness::default();
-        let at = |residual: f64| spring_damper(&softness, residual, 0.001).impedance;
+        let at = |residual: f64| spring_damper(&softness, residual, 0.002).impedance;
         assert_eq!(at(0.0), 0.9);
         assert!((at(-0.0005) - 0.925).abs() < 1e-15);
         assert_eq!(at(-0.001), 0.95);
@@ -70,9 +76,9 @@ mod tests {
     }
 
     #[test]
-    fn a_time_constant_below_two_steps_is_raised_to_them() {
+    fn a_time_constant_below_the_shortest_is_raised_to_it() {
         let softness = Softness { reference: [0.001, 1.0], ..Softness::default() };
-        let stiff = spring_damper(&softness, 0.0, 0.01);
+        let stiff = spring_damper(&softness, 0.0, 0.02);
         assert!((stiff.damping - 2.0 / (0.95 * 0.02)).abs() < 1e-12);
     }
 

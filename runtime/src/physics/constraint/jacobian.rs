@@ -1,14 +1,25 @@
 //! The constraint Jacobian in blocks.
 //!
-//! A block is one constraint: a few base rows over the dofs that move it. Couplings and limits have one base row, which is
-//! their constraint row. A contact's base rows are the velocities along and about its frame's axes, and the edges of its
+//! A block is one constraint: a few base rows over the dofs that move it. Equalities, friction losses, limits and contacts with
+//! elliptic cones have their base rows for constraint rows. A contact's base rows are the velocities along and about its frame's axes, and the edges of its
 //! friction pyramid are combinations of them (J_normal ± μ J_tangent), so products need half the work of the full rows and
-//! the Hessian takes a small dense weight per contact, as an elliptic cone will.
+//! the Hessian takes a small dense weight per contact, as that of an elliptic cone does.
 
 use core::ops::Range;
 
 /// Largest number of base rows: force and torque in a contact frame.
 pub(crate) const MOST_BASE_ROWS: usize = 6;
+
+/// How constraint rows follow from base rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shape {
+    /// They are the base rows, each with its own law.
+    Plain,
+    /// They are the edges of a friction pyramid.
+    Pyramid,
+    /// They are the base rows, under the common law of this elliptic cone.
+    Cone(usize),
+}
 
 /// One constraint.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +32,9 @@ pub(crate) struct Block {
     values: usize,
     /// Number of base rows.
     pub dimension: usize,
-    /// Friction coefficient of each base row but the first.
+    /// What they make.
+    pub shape: Shape,
+    /// Friction coefficients of a pyramid: of each base row but the first.
     friction: [f64; 5],
 }
 
@@ -51,14 +64,23 @@ impl Jacobian {
         let (columns, values) = (self.columns.len(), self.values.len());
         self.columns.extend(entries.iter().map(|(dof, _)| *dof));
         self.values.extend(entries.iter().map(|(_, value)| *value));
-        self.push_block(columns, values, 1, [0.0; 5]);
+        self.push_block(columns, values, 1, Shape::Plain, [0.0; 5]);
     }
 
-    /// Appends a contact with `dimension` base rows over `columns`; `base` gives the entries of all of them in one column.
-    pub fn push_contact(
+    /// Appends a constraint with one row over `columns`, ascending.
+    pub fn push_over(&mut self, columns: &[usize], entry: impl Fn(usize) -> f64) {
+        let (start, values) = (self.columns.len(), self.values.len());
+        self.columns.extend_from_slice(columns);
+        self.values.extend(columns.iter().map(|&dof| entry(dof)));
+        self.push_block(start, values, 1, Shape::Plain, [0.0; 5]);
+    }
+
+    /// Appends a constraint with `dimension` base rows over `columns`; `base` gives the entries of all of them in one column.
+    pub fn push_rows(
         &mut self,
         columns: &[usize],
         dimension: usize,
+        shape: Shape,
         friction: [f64; 5],
         base: impl Fn(usize) -> [f64; MOST_BASE_ROWS],
     ) {
@@ -70,16 +92,17 @@ impl Jacobian {
                 self.values[values + row * columns.len() + index] = *value;
             }
         }
-        self.push_block(start, values, dimension, friction);
+        self.push_block(start, values, dimension, shape, friction);
     }
 
-    fn push_block(&mut self, columns: usize, values: usize, dimension: usize, friction: [f64; 5]) {
-        let rows = if dimension == 1 { 1 } else { 2 * (dimension - 1) };
+    fn push_block(&mut self, columns: usize, values: usize, dimension: usize, shape: Shape, friction: [f64; 5]) {
+        let rows = if shape == Shape::Pyramid { 2 * (dimension - 1) } else { dimension };
         self.blocks.push(Block {
             rows: self.rows..self.rows + rows,
             columns: columns..self.columns.len(),
             values,
             dimension,
+            shape,
             friction,
         });
         self.rows += rows;
@@ -102,12 +125,12 @@ impl Jacobian {
             let columns = self.columns_of(block);
             let along =
                 |row: usize| self.base_row(block, row).iter().zip(columns).map(|(value, &dof)| value * x[dof]).sum::<f64>();
-            let normal = along(0);
             let rows = &mut out[block.rows.clone()];
-            if block.dimension == 1 {
-                rows[0] = normal;
+            if block.shape != Shape::Pyramid {
+                rows.iter_mut().enumerate().for_each(|(row, value)| *value = along(row));
                 continue;
             }
+            let normal = along(0);
             for (index, edges) in rows.chunks_exact_mut(2).enumerate() {
                 let tangent = block.friction[index] * along(index + 1);
                 edges[0] = normal + tangent;
@@ -120,8 +143,8 @@ impl Jacobian {
     pub fn base_force(&self, block: &Block, forces: &[f64]) -> [f64; MOST_BASE_ROWS] {
         let rows = &forces[block.rows.clone()];
         let mut base = [0.0; MOST_BASE_ROWS];
-        if block.dimension == 1 {
-            base[0] = rows[0];
+        if block.shape != Shape::Pyramid {
+            base[..block.dimension].copy_from_slice(rows);
         } else {
             for (index, edges) in rows.chunks_exact(2).enumerate() {
                 base[0] += edges[0] + edges[1];
@@ -143,12 +166,13 @@ impl Jacobian {
         }
     }
 
-    /// Second derivative of the cost along a block's base rows: E diag(weights) E' for the pyramid's edges E.
+    /// Second derivative of the cost along a block's base rows, given that of each row: E diag(weights) E' for the pyramid's
+    /// edges E. Where an elliptic contact slides, its cone has the answer.
     pub fn base_weight(&self, block: &Block, weights: &[f64]) -> [[f64; MOST_BASE_ROWS]; MOST_BASE_ROWS] {
         let rows = &weights[block.rows.clone()];
         let mut base = [[0.0; MOST_BASE_ROWS]; MOST_BASE_ROWS];
-        if block.dimension == 1 {
-            base[0][0] = rows[0];
+        if block.shape != Shape::Pyramid {
+            rows.iter().enumerate().for_each(|(row, weight)| base[row][row] = *weight);
         } else {
             for (index, edges) in rows.chunks_exact(2).enumerate() {
                 let friction = block.friction[index];
@@ -164,11 +188,11 @@ impl Jacobian {
     /// Entries of one constraint row: (dof, value) over its block's columns.
     pub fn row_values(&self, block: &Block, row: usize) -> impl Iterator<Item = (usize, f64)> {
         let local = row - block.rows.start;
-        let (tangent, factor) = match block.dimension {
-            1 => (0, 0.0),
-            _ => (1 + local / 2, block.friction[local / 2] * if local.is_multiple_of(2) { 1.0 } else { -1.0 }),
+        let (first, tangent, factor) = match block.shape {
+            Shape::Pyramid => (0, 1 + local / 2, block.friction[local / 2] * if local.is_multiple_of(2) { 1.0 } else { -1.0 }),
+            Shape::Plain | Shape::Cone(_) => (local, local, 0.0),
         };
-        let pairs = self.base_row(block, 0).iter().zip(self.base_row(block, tangent));
+        let pairs = self.base_row(block, first).iter().zip(self.base_row(block, tangent));
         self.columns_of(block).iter().copied().zip(pairs.map(move |(normal, tangent)| normal + factor * tangent))
     }
 

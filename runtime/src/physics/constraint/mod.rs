@@ -1,29 +1,54 @@
-//! Constraint rows: what is coupled, limited or touching, how far it is violated, and how hard it pulls back.
+//! Constraint rows: what is held together, rubs, is limited or touches, how far it is violated, and how hard it pulls back.
 //!
-//! 1. joint couplings, joint limits and contacts become blocks of the Jacobian and rows, in MuJoCo's order;
-//! 2. each row gets its impedance, stiffness and damping (`solref`, `solimp`), its regularisation R from the inverse weights
-//!    at the reference configuration, and the acceleration that it asks for:  a_ref = -b J v - k d (position - margin);
-//! 3. every row's force is a clipped spring on its acceleration error, force = clip(-(J a - a_ref) / R, lower, upper): no
-//!    bounds for equalities, non-negative for limits and the edges of a contact's pyramid. One law for all rows leaves
-//!    room for friction loss and needs no branches in the solver.
+//! The model is that of E. Todorov, "Convex and analytically-invertible dynamics with contacts and constraints: theory and
+//! implementation in MuJoCo" (ICRA 2014), as MuJoCo's manual has it in its chapter Computation, "Constraint model" and
+//! "Constraint solver, Parameters":
+//!
+//! 1. equalities, friction losses of joints and tendons, limits of joints and tendons, and contacts become blocks of the
+//!    Jacobian J and rows, in this order, which is MuJoCo's;
+//! 2. each row gets its impedance d, stiffness k and damping b (`solref`, `solimp`), its regularisation
+//!    R = (1 - d) / d Â from the inverse weights Â at the reference configuration, and the acceleration that it asks for,
+//!    a_ref = -b J v - k d (position - margin), without stiffness for friction, which has no position;
+//! 3. a row's force is a clipped spring on its acceleration error, force = clip(-(J a - a_ref) / R, lower, upper): no bounds
+//!    for equalities, plus and minus the loss for friction loss, non-negative for limits, frictionless contacts and the edges
+//!    of a pyramid. The rows of an elliptic contact share one law instead, that of their [`cone`].
+//!
+//! What depends on the model alone (which dofs an equality or tendon couples) is decided once, in `plan`.
 //!
 //! The set of rows differs between episodes, so this stage and the solver work on one episode in `f64`: an episode in a
 //! SIMD lane is read through [`Real::lane`]. What is common to all lanes is computed in the stages before and after.
 
+pub(crate) mod cone;
+mod contacts;
+mod equalities;
 mod impedance;
 pub(crate) mod jacobian;
+mod limits;
+mod plan;
 mod rows;
 
 pub use rows::{RowKind, Rows};
 
-use super::{Workspace, collision, state::State};
+use super::{Workspace, collision, state::State, tendons::each_moment_arm};
 use crate::{
-    model::{JointKind, Model},
+    model::{Model, Softness},
     scalar::Real,
 };
-use jacobian::Jacobian;
-use nalgebra::Vector3;
-use rows::Place;
+use cone::Cone;
+use impedance::{SpringDamper, spring_damper};
+use jacobian::{Jacobian, Shape};
+use plan::RowPlan;
+
+/// What couples dofs that do not lie on one root path, so that the solver's pattern needs room for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Bridge {
+    /// An equality, by its index.
+    Equality(usize),
+    /// A tendon with a friction or limit row, by its index.
+    Tendon(usize),
+    /// A contact, by its candidate's index.
+    Contact(usize),
+}
 
 /// The constraints of one episode.
 #[derive(Debug, Clone, Default)]
@@ -36,16 +61,21 @@ pub struct Constraints {
     pub rows: Rows,
     /// Their Jacobian.
     pub(crate) jacobian: Jacobian,
-    /// Candidates in contact that couple two chains, ascending: what the solver's pattern depends on.
-    pub(crate) bridges: Vec<usize>,
+    /// Elliptic friction cones, in the order of their rows.
+    pub(crate) cones: Vec<Cone>,
+    /// What couples several chains, in the order of the rows: what the solver's pattern depends on.
+    pub(crate) bridges: Vec<Bridge>,
+    fixed: RowPlan,
     velocity: Vec<f64>,
     memory: collision::Memory,
+    /// A tendon's row of the Jacobian while it is gathered.
+    arms: Vec<f64>,
 }
 
 impl Constraints {
-    /// Memory for `model`, and the pairs of its geoms that can meet.
+    /// Memory for `model`, the pairs of its geoms that can meet, and the topology of its other constraints.
     pub fn new(model: &Model) -> Self {
-        Self { plan: collision::Plan::new(model), ..Self::default() }
+        Self { plan: collision::Plan::new(model), fixed: RowPlan::new(model), arms: vec![0.0; model.nv], ..Self::default() }
     }
 
     /// Row `row` of the constraint Jacobian (`efc_J`), dense, `nv` entries. On request only.
@@ -55,6 +85,29 @@ impl Constraints {
             dense[dof] = value;
         }
         dense
+    }
+
+    /// MuJoCo's number for the type of a row (`efc_type`).
+    pub fn row_type(&self, row: usize) -> u8 {
+        match (self.rows.kind[row], self.jacobian.block_of(row).shape) {
+            (RowKind::Equality(_), _) => 0,
+            (RowKind::DofFriction(_), _) => 1,
+            (RowKind::TendonFriction(_), _) => 2,
+            (RowKind::JointLimit(_), _) => 3,
+            (RowKind::TendonLimit(_), _) => 4,
+            (RowKind::Contact(_), Shape::Plain) => 5,
+            (RowKind::Contact(_), Shape::Pyramid) => 6,
+            (RowKind::Contact(_), Shape::Cone(_)) => 7,
+        }
+    }
+
+    /// The dofs that a bridge couples, ascending.
+    pub(crate) fn columns_of(&self, bridge: Bridge) -> &[usize] {
+        match bridge {
+            Bridge::Equality(equality) => self.fixed.columns_of(&self.fixed.equalities[equality]),
+            Bridge::Tendon(tendon) => self.fixed.columns_of(&self.fixed.tendons[tendon]),
+            Bridge::Contact(candidate) => self.plan.columns_of(candidate),
+        }
     }
 
     /// Spreads the row forces over the contacts.
@@ -71,140 +124,59 @@ impl Constraints {
 
     /// Detects the contacts of the episode in `lane`. Needs the kinematics of `workspace`.
     pub fn detect<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
+        if !model.options.switches.contact {
+            self.contacts.clear();
+            return;
+        }
         let kinematics = &workspace.kinematics;
         let position = |geom: usize| kinematics.geom_position[geom].map(|value| value.lane(lane));
         let rotation = |geom: usize| kinematics.geom_rotation[geom].map(|value| value.lane(lane));
         self.plan.detect(model, position, rotation, &mut self.contacts, &mut self.memory);
     }
 
-    /// Builds all rows of the episode in `lane` from its contacts.
+    /// Builds all rows of the episode in `lane` from its positions and contacts. Needs kinematics and tendon lengths.
     pub fn build<T: Real>(&mut self, model: &Model, state: &State<T>, workspace: &Workspace<T>, lane: usize) {
         self.rows.clear();
         self.jacobian.clear();
+        self.cones.clear();
         self.bridges.clear();
-        let position = |address: usize| state.position[address].lane(lane);
-        self.add_couplings(model, position);
-        self.add_limits(model, position);
+        let switches = model.options.switches;
+        if switches.equality {
+            self.add_equalities(model, state, workspace, lane);
+        }
+        if switches.friction_loss {
+            self.add_friction_losses(model, workspace, lane);
+        }
+        if switches.limit {
+            self.add_joint_limits(model, |address| state.position[address].lane(lane));
+            self.add_tendon_limits(model, workspace, lane);
+        }
         self.add_contacts(model, workspace, lane);
         self.velocity.clear();
         self.velocity.extend(state.velocity.iter().map(|value| value.lane(lane)));
         self.rows.finish(&self.jacobian, &self.velocity);
     }
 
-    /// Polynomial couplings q1 - q1₀ = p(q2 - q2₀).
-    fn add_couplings(&mut self, model: &Model, position: impl Fn(usize) -> f64) {
-        let (joints, couplings) = (&model.joints, &model.couplings);
-        let displacement = |joint: usize| {
-            let address = joints.position_address[joint];
-            position(address) - model.reference_position[address]
-        };
-        for (index, &slave) in couplings.joint.iter().enumerate() {
-            let [a0, a1, a2, a3, a4] = couplings.polynomial[index];
-            let slave_dof = joints.dof_address[slave];
-            let mut approximate = model.dofs.inverse_weight[slave_dof];
-            let wanted = if let Some(leader) = couplings.leader[index] {
-                let x = displacement(leader);
-                let slope = a1 + x * (2.0 * a2 + x * (3.0 * a3 + x * 4.0 * a4));
-                let leader_dof = joints.dof_address[leader];
-                self.jacobian.push_row(&mut [(slave_dof, 1.0), (leader_dof, -slope)]);
-                approximate += model.dofs.inverse_weight[leader_dof];
-                a0 + x * (a1 + x * (a2 + x * (a3 + x * a4)))
-            } else {
-                self.jacobian.push_row(&mut [(slave_dof, 1.0)]);
-                a0
-            };
-            let place = Place {
-                position: displacement(slave) - wanted,
-                margin: 0.0,
-                softness: &couplings.softness[index],
-                timestep: model.options.timestep,
-            };
-            self.rows.push(RowKind::Coupling(index), place, approximate);
-        }
-    }
-
-    /// Joint limits, the lower one first; a ball joint is limited in its rotation angle.
-    fn add_limits(&mut self, model: &Model, position: impl Fn(usize) -> f64) {
-        let joints = &model.joints;
-        for joint in 0..joints.kind.len() {
-            let Some([low, high]) = joints.range[joint] else { continue };
-            let (address, dof) = (joints.position_address[joint], joints.dof_address[joint]);
-            match joints.kind[joint] {
-                JointKind::Hinge | JointKind::Slide => {
-                    let value = position(address);
-                    self.add_limit(model, joint, value - low, &mut [(dof, 1.0)]);
-                    self.add_limit(model, joint, high - value, &mut [(dof, -1.0)]);
-                }
-                JointKind::Ball => {
-                    let (angle, axis) = turn(core::array::from_fn(|k| position(address + k)));
-                    let mut entries = [(dof, -axis.x), (dof + 1, -axis.y), (dof + 2, -axis.z)];
-                    self.add_limit(model, joint, low.max(high) - angle, &mut entries);
-                }
-                JointKind::Free => {}
-            }
-        }
-    }
-
-    fn add_limit(&mut self, model: &Model, joint: usize, distance: f64, entries: &mut [(usize, f64)]) {
-        let margin = model.joints.margin[joint];
-        if distance < margin {
-            self.jacobian.push_row(entries);
-            let softness = &model.joints.limit_softness[joint];
-            let place = Place { position: distance, margin, softness, timestep: model.options.timestep };
-            self.rows.push(RowKind::Limit(joint), place, model.dofs.inverse_weight[model.joints.dof_address[joint]]);
-        }
-    }
-
-    /// Contacts within their margin: one row per edge of the friction pyramid, or one for the normal.
-    fn add_contacts<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
-        let kinematics = &workspace.kinematics;
-        for (index, contact) in self.contacts.iter().enumerate() {
-            let candidate = &self.plan.candidates[contact.candidate];
-            if contact.distance >= candidate.margin || candidate.columns.is_empty() {
-                continue;
-            }
-            let columns = &self.plan.columns[candidate.columns.clone()];
-            let sides = &self.plan.sides[candidate.columns.clone()];
-            if candidate.bridges_chains && self.bridges.last() != Some(&contact.candidate) {
-                self.bridges.push(contact.candidate);
-            }
-            self.jacobian.push_contact(columns, candidate.dimension, candidate.friction, |column| {
-                let dof = columns[column];
-                let reference = kinematics.reference(model, model.dofs.body[dof]).map(|value| value.lane(lane));
-                let [angular, linear] = kinematics.dof_axis[dof].map(|vector| vector.map(|value| value.lane(lane)));
-                let velocity = linear + angular.cross(&(contact.position - reference));
-                let (along, about) = (contact.frame * velocity * sides[column], contact.frame * angular * sides[column]);
-                [along.x, along.y, along.z, about.x, about.y, about.z]
+    /// Sets `arms` over `columns` to `first` times the Jacobian row of one tendon plus, if there is one, a multiple of another's.
+    fn gather_arms<T: Real>(
+        &mut self,
+        model: &Model,
+        workspace: &Workspace<T>,
+        lane: usize,
+        (tendon, factor): (usize, f64),
+        other: Option<(usize, f64)>,
+    ) {
+        self.arms.fill(0.0);
+        for (tendon, factor) in core::iter::once((tendon, factor)).chain(other) {
+            each_moment_arm(model, &workspace.kinematics, &workspace.tendons, tendon, |dof, part| {
+                self.arms[dof] += factor * part.lane(lane);
             });
-            let (softness, timestep) = (&candidate.softness, model.options.timestep);
-            let place = Place { position: contact.distance, margin: candidate.margin, softness, timestep };
-            add_contact_rows(model, candidate, RowKind::Contact(index), place, &mut self.rows);
         }
     }
 }
 
-/// Angle in [0, π] and unit axis of a rotation.
-fn turn([w, x, y, z]: [f64; 4]) -> (f64, Vector3<f64>) {
-    let vector = Vector3::new(x, y, z) * if w < 0.0 { -1.0 } else { 1.0 };
-    (2.0 * libm::atan2(vector.norm(), w.abs()), vector.try_normalize(1e-15).unwrap_or_else(Vector3::x))
-}
-
-fn add_contact_rows(model: &Model, candidate: &collision::Candidate, kind: RowKind, place: Place<'_>, rows: &mut Rows) {
-    let [translation, rotation] = candidate.inverse_weight;
-    if candidate.dimension == 1 {
-        rows.push(kind, place, translation);
-        return;
-    }
-    let first = rows.len();
-    for direction in 0..candidate.dimension - 1 {
-        let friction = candidate.friction[direction];
-        let moved = if direction < 2 { translation } else { rotation };
-        for _ in 0..2 {
-            rows.push(kind, place, translation + friction * friction * moved);
-        }
-    }
-    // All edges share one regularisation, that of the first scaled to keep the normal's stiffness (MuJoCo's pyramid).
-    let sliding = candidate.friction[0] * candidate.friction[0] / model.options.impedance_ratio;
-    let common = (2.0 * sliding * rows.regularization[first]).max(1e-15);
-    rows.regularization[first..].fill(common);
+/// The spring and damper of a constraint at its violation.
+fn spring(model: &Model, softness: &Softness, violation: f64) -> SpringDamper {
+    let shortest = if model.options.switches.safe_reference { 2.0 * model.options.timestep } else { 0.0 };
+    spring_damper(softness, violation, shortest)
 }

@@ -1,17 +1,36 @@
 //! The rows' numbers, in MuJoCo's order and units.
 
-use super::{impedance::spring_damper, jacobian::Jacobian};
-use crate::model::Softness;
+use super::{impedance::SpringDamper, jacobian::Jacobian};
 
 /// What a constraint row belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RowKind {
-    /// Joint coupling, by its index.
-    Coupling(usize),
+    /// One of an equality's rows, by the equality's index.
+    Equality(usize),
+    /// Friction loss of a dof, by its index.
+    DofFriction(usize),
+    /// Friction loss of a tendon, by its index.
+    TendonFriction(usize),
     /// Limit of a joint, by the joint's index.
-    Limit(usize),
-    /// Edge of a contact's friction pyramid (or its normal), by the contact's index.
+    JointLimit(usize),
+    /// Limit of a tendon, by its index.
+    TendonLimit(usize),
+    /// Normal, friction or edge of the friction pyramid of a contact, by the contact's index.
     Contact(usize),
+}
+
+impl RowKind {
+    /// The index of what the row belongs to (`efc_id`).
+    pub fn element(&self) -> usize {
+        match *self {
+            Self::Equality(index)
+            | Self::DofFriction(index)
+            | Self::TendonFriction(index)
+            | Self::JointLimit(index)
+            | Self::TendonLimit(index)
+            | Self::Contact(index) => index,
+        }
+    }
 }
 
 /// All rows, one entry each per array.
@@ -39,7 +58,7 @@ pub struct Rows {
     pub weight: Vec<f64>,
     /// Reference acceleration (`efc_aref`).
     pub reference: Vec<f64>,
-    /// Least force.
+    /// Least force. The rows of an elliptic cone have no forces of their own: both bounds are zero, and the cone's law holds.
     pub lower: Vec<f64>,
     /// Largest force.
     pub upper: Vec<f64>,
@@ -47,18 +66,23 @@ pub struct Rows {
     pub force: Vec<f64>,
 }
 
-/// Where a constraint stands and how soft it is.
-#[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
+/// Where a constraint stands, how soft it is, and what it may do.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
     /// Residual or distance.
     pub position: f64,
     /// Distance at which it becomes active.
     pub margin: f64,
-    /// Its softness.
-    pub softness: &'a Softness,
-    /// Physics step, s.
-    pub timestep: f64,
+    /// Stiffness, damping and impedance at its violation.
+    pub spring: SpringDamper,
+    /// Least and largest force.
+    pub bounds: [f64; 2],
 }
+
+/// Forces of a constraint that pulls both ways.
+pub(super) const BOTH_WAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+/// Forces of a constraint that only pushes.
+pub(super) const ONE_WAY: [f64; 2] = [0.0, f64::INFINITY];
 
 impl Rows {
     /// Number of rows.
@@ -93,17 +117,17 @@ impl Rows {
     }
 
     /// Appends a row; `approximate` is its entry in the diagonal of J M^-1 J'.
-    pub(super) fn push(&mut self, kind: RowKind, place: Place<'_>, approximate: f64) {
-        let spring = spring_damper(place.softness, place.position - place.margin, place.timestep);
+    pub(super) fn push(&mut self, kind: RowKind, place: Place, approximate: f64) {
+        let Place { position, margin, spring, bounds: [lower, upper] } = place;
         self.kind.push(kind);
-        self.position.push(place.position);
-        self.margin.push(place.margin);
+        self.position.push(position);
+        self.margin.push(margin);
         self.stiffness.push(spring.stiffness);
         self.damping.push(spring.damping);
         self.impedance.push(spring.impedance);
         self.regularization.push(((1.0 - spring.impedance) / spring.impedance * approximate).max(1e-15));
-        self.lower.push(if matches!(kind, RowKind::Coupling(_)) { f64::NEG_INFINITY } else { 0.0 });
-        self.upper.push(f64::INFINITY);
+        self.lower.push(lower);
+        self.upper.push(upper);
     }
 
     /// Completes the arrays that follow from R, the Jacobian and the velocities.

@@ -1,9 +1,13 @@
 //! The least cost along a search direction.
 //!
 //! The cost is convex and piecewise quadratic in the step length, so its slope is rising and piecewise linear. Newton's
-//! method on the slope lands exactly on the root once no row changes its piece; a bracket around the root guards it.
+//! method on the slope lands exactly on the root once no row changes its piece; a bracket around the root guards it. Sliding
+//! contacts with elliptic cones add pieces that are not quadratic; there Newton's method converges as usual, and the bracket
+//! is halved where it does not shrink by itself.
 
-/// The cost along the direction: a quadratic part and the rows' clipped springs.
+use crate::physics::constraint::cone::Cone;
+
+/// The cost along the direction: a quadratic part, the rows' clipped springs and the elliptic cones.
 pub(super) struct Line<'a> {
     /// Slope of the quadratic part at zero.
     pub slope: f64,
@@ -19,6 +23,8 @@ pub(super) struct Line<'a> {
     pub lower: &'a [f64],
     /// Largest force of the rows.
     pub upper: &'a [f64],
+    /// Elliptic friction cones.
+    pub cones: &'a [Cone],
 }
 
 impl Line<'_> {
@@ -30,6 +36,11 @@ impl Line<'_> {
             let free = -weight * (residual + step * rate);
             slope -= free.max(*lower).min(*upper) * rate;
             curvature += if free > *lower && free < *upper { weight * rate * rate } else { 0.0 };
+        }
+        for cone in self.cones {
+            let [rise, bend] = cone.along(self.residual, self.rate, self.weight, step);
+            slope += rise;
+            curvature += bend;
         }
         [slope, curvature]
     }
@@ -43,9 +54,13 @@ impl Line<'_> {
         }
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut step = 0.0;
+        // The bracket's width two evaluations ago, to see whether it shrinks.
+        let mut widths = [f64::INFINITY; 2];
         for _ in 0..iterations {
             let mut next = step - slope / curvature;
-            if next <= low || next >= high {
+            let slow = !self.cones.is_empty() && high.is_finite() && high - low > 0.5 * widths[0];
+            widths = [widths[1], high - low];
+            if slow || next.is_nan() || next <= low || next >= high {
                 next = 0.5 * (low + high.min(2.0 * low + 1.0));
             }
             if next == step {
@@ -81,13 +96,14 @@ mod tests {
             weight: &[4.0],
             lower: &[0.0],
             upper: &[f64::INFINITY],
+            cones: &[],
         };
         assert!((line.minimize(1e-14, 50) - 7.0 / 5.0).abs() < 1e-14);
     }
 
     #[test]
     fn does_not_move_uphill() {
-        let line = Line { slope: 1.0, curvature: 1.0, residual: &[], rate: &[], weight: &[], lower: &[], upper: &[] };
+        let line = Line { slope: 1.0, curvature: 1.0, residual: &[], rate: &[], weight: &[], lower: &[], upper: &[], cones: &[] };
         assert_eq!(line.minimize(1e-14, 50), 0.0);
     }
 }

@@ -6,22 +6,34 @@
 //! 1/2 (a - a_smooth)' M (a - a_smooth) + s(J a - a_ref)
 //! ```
 //!
+//! whose minimum is that of the convex problem of E. Todorov, "Convex and analytically-invertible dynamics with contacts and
+//! constraints" (ICRA 2014), whichever method finds it: a model that asks for one of MuJoCo's other solvers (`CG`, `PGS`) gets
+//! the same optimum from this one.
+//!
 //! 1. start from the last step's acceleration or the unconstrained one, whichever costs less;
 //! 2. factor the Hessian M + J'DJ of the rows that pull, on the tree's own sparsity (`path_matrix`);
 //! 3. step along Newton's direction to the exact minimum (`line_search`);
-//! 4. rows that began or ceased to pull change the factor by rank-one updates where that is cheaper than factoring again.
+//! 4. rows that began or ceased to pull change the factor by rank-one updates where that is cheaper than factoring again;
+//!    contacts that slide on elliptic cones change their weight at every step, and the matrix is then factored anew.
 //!
 //! It ends when the improvement, the gradient or the predicted improvement (Newton's decrement), divided by the trace of M,
 //! falls below the tolerance, when the line search finds nothing better, or at the iteration limit. The problem is strictly
 //! convex, so every iterate is usable.
+//!
+//! Where rounding spoils the Hessian (stiffnesses many orders apart), so that a pivot is not positive or its direction does not
+//! descend, a multiple of its diagonal is added to it and grows until it serves (K. Levenberg, "A method for the solution of
+//! certain non-linear problems in least squares", 1944; with a multiple as large as the number of dofs it is diagonally
+//! dominant). The multiple has an upper end, and every attempt counts as an iteration, so this ends, with the best
+//! acceleration found or, if the diagonal itself is not positive and finite, with an error.
 
 mod line_search;
 pub(crate) mod path_matrix;
 
 use super::{
     constraint::{
-        Constraints, Rows,
-        jacobian::{Block, Jacobian, MOST_BASE_ROWS},
+        Bridge, Constraints, Rows,
+        cone::{Cone, Zone},
+        jacobian::{Block, Jacobian, MOST_BASE_ROWS, Shape},
     },
     inertia,
 };
@@ -54,7 +66,7 @@ pub struct Newton {
     pub gradient_norm: f64,
     pattern: PathPattern,
     /// What the pattern was built for.
-    bridges: Option<Vec<usize>>,
+    bridges: Option<Vec<Bridge>>,
     factor: Vec<f64>,
     /// M a.
     momentum: Vec<f64>,
@@ -68,8 +80,15 @@ pub struct Newton {
     pulling: Vec<f64>,
     /// The same when the factor was last changed.
     factored: Vec<f64>,
+    /// Whether a contact slides on its elliptic cone now, and did when the factor was last changed.
+    sliding: [bool; 2],
+    /// Multiple of its own diagonal that is added to the Hessian.
+    damping: f64,
     vector: Vec<f64>,
 }
+
+/// Multiples of the Hessian's diagonal that are added where it fails: the first, the factor between two, and the last.
+const DAMPING: [f64; 3] = [1e-12, 1e3, 1e6];
 
 impl Newton {
     /// Memory for `model`.
@@ -100,30 +119,40 @@ impl Newton {
             return Ok(());
         }
         self.prepare(model, constraints);
-        let Constraints { jacobian, rows, .. } = constraints;
+        let Constraints { jacobian, rows, cones, .. } = constraints;
+        let parts = &mut Parts { jacobian, rows, cones };
         let scale = 1.0 / trace(model, problem.mass).max(1e-15);
-        let mut cost = self.start(model, problem, jacobian, rows);
-        self.push_back(problem, jacobian, rows);
-        self.factor_all(model, problem.mass, jacobian)?;
+        let mut cost = self.start(model, problem, parts);
+        self.push_back(problem, parts);
+        self.damping = 0.0;
+        self.factor_all(model, problem.mass, parts)?;
         let tolerance = model.options.tolerance;
         while self.iterations < model.options.iterations {
             self.search.copy_from_slice(&self.gradient);
             self.pattern.layout().solve(&self.factor, &mut self.search);
             // Newton's decrement predicts what the next step gains. Where that is nothing the step is still taken: its
             // direction is known, and if no row changes it ends at the exact optimum.
-            let last = 0.5 * scale * dot(&self.gradient, &self.search) < tolerance;
-            if !self.advance(model, problem.mass, jacobian, rows, scale) {
-                break;
+            let decrement = 0.5 * dot(&self.gradient, &self.search);
+            let last = scale * decrement < tolerance;
+            if !self.advance(model, problem.mass, parts, scale) {
+                // Nothing better along a direction that promised much: it was spoilt by rounding.
+                let spoilt = !last && !(decrement <= 1e-10 * cost.abs());
+                if !spoilt || !self.damp() {
+                    break;
+                }
+                self.iterations += 1;
+                self.factor_all(model, problem.mass, parts)?;
+                continue;
             }
             self.iterations += 1;
-            let improvement = cost - self.cost(problem, rows);
+            let improvement = cost - self.cost(problem, parts);
             cost -= improvement;
-            self.push_back(problem, jacobian, rows);
+            self.push_back(problem, parts);
             self.gradient_norm = scale * norm(&self.gradient);
             if last || scale * improvement < tolerance || self.gradient_norm < tolerance {
                 break;
             }
-            self.refresh_factor(model, problem.mass, jacobian)?;
+            self.refresh_factor(model, problem.mass, parts)?;
         }
         Ok(())
     }
@@ -144,7 +173,7 @@ impl Newton {
                 Some([a.min(b), a.max(b)])
             })
             .collect();
-        let bridges = constraints.bridges.iter().map(|&candidate| constraints.plan.columns_of(candidate));
+        let bridges = constraints.bridges.iter().map(|&bridge| constraints.columns_of(bridge));
         self.pattern.rebuild(&model.dofs.parent, coupled.iter().map(|pair| &pair[..]).chain(bridges));
         self.factor.clear();
         self.factor.resize(self.pattern.column.len(), 0.0);
@@ -152,14 +181,15 @@ impl Newton {
     }
 
     /// Chooses where to start and returns its cost.
-    fn start(&mut self, model: &Model, problem: &Problem<'_>, jacobian: &Jacobian, rows: &Rows) -> f64 {
+    fn start(&mut self, model: &Model, problem: &Problem<'_>, parts: &Parts<'_>) -> f64 {
+        let Parts { jacobian, rows, .. } = parts;
         self.acceleration.copy_from_slice(problem.warm_start);
         inertia::multiply(model, problem.mass, &self.acceleration, &mut self.momentum);
         residuals(jacobian, rows, &self.acceleration, &mut self.residual);
-        let warm_cost = self.cost(problem, rows);
+        let warm_cost = self.cost(problem, parts);
         // M a_smooth is the force itself, so this start costs no product with M and no inertial term.
         residuals(jacobian, rows, problem.smooth, &mut self.search_rate);
-        let smooth_cost = spring_cost(rows, &self.search_rate);
+        let smooth_cost = constraint_cost(parts, &self.search_rate);
         // Not `>`: a warm start that is not finite never wins.
         if warm_cost <= smooth_cost {
             return warm_cost;
@@ -171,19 +201,28 @@ impl Newton {
     }
 
     /// Cost of the current acceleration.
-    fn cost(&self, problem: &Problem<'_>, rows: &Rows) -> f64 {
+    fn cost(&self, problem: &Problem<'_>, parts: &Parts<'_>) -> f64 {
         let accelerations = self.acceleration.iter().zip(problem.smooth);
         let momenta = self.momentum.iter().zip(problem.force);
         let inertial: f64 = accelerations.zip(momenta).map(|((a, smooth), (m, force))| (a - smooth) * (m - force)).sum();
-        0.5 * inertial + spring_cost(rows, &self.residual)
+        0.5 * inertial + constraint_cost(parts, &self.residual)
     }
 
     /// Forces, pulling rows and gradient at the current acceleration.
-    fn push_back(&mut self, problem: &Problem<'_>, jacobian: &Jacobian, rows: &mut Rows) {
+    fn push_back(&mut self, problem: &Problem<'_>, parts: &mut Parts<'_>) {
+        let Parts { jacobian, rows, cones } = parts;
         for row in 0..rows.len() {
             let force = row_force(rows, row, self.residual[row]);
             rows.force[row] = force;
             self.pulling[row] = if force > rows.lower[row] && force < rows.upper[row] { rows.weight[row] } else { 0.0 };
+        }
+        self.sliding[0] = false;
+        for cone in cones.iter() {
+            let zone = cone.push(&self.residual, &rows.weight, &mut rows.force);
+            self.sliding[0] |= zone == Zone::Sliding;
+            if zone == Zone::Sticking {
+                self.pulling[cone.rows.clone()].copy_from_slice(&rows.weight[cone.rows.clone()]);
+            }
         }
         self.constraint_force.fill(0.0);
         jacobian.add_transposed(&rows.force, &mut self.constraint_force);
@@ -194,7 +233,8 @@ impl Newton {
     }
 
     /// Goes to the least cost against the search direction; whether that is anywhere else.
-    fn advance(&mut self, model: &Model, mass: &[f64], jacobian: &Jacobian, rows: &Rows, scale: f64) -> bool {
+    fn advance(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>, scale: f64) -> bool {
+        let Parts { jacobian, rows, cones } = parts;
         for value in &mut self.search {
             *value = -*value;
         }
@@ -209,6 +249,7 @@ impl Newton {
             weight: &rows.weight,
             lower: &rows.lower,
             upper: &rows.upper,
+            cones,
         };
         let options = &model.options;
         let tolerance = options.tolerance * options.line_search_tolerance * norm(&self.search) / scale;
@@ -219,8 +260,27 @@ impl Newton {
         step > 0.0
     }
 
-    /// Factors M + J'DJ of the pulling rows.
-    fn factor_all(&mut self, model: &Model, mass: &[f64], jacobian: &Jacobian) -> Result<(), usize> {
+    /// Raises the multiple of its diagonal that is added to the Hessian; whether there is a higher one.
+    fn damp(&mut self) -> bool {
+        let [first, growth, last] = DAMPING;
+        self.damping = if self.damping == 0.0 { first } else { self.damping * growth };
+        self.damping <= last
+    }
+
+    /// Factors M + J'DJ of the pulling rows, with as much of its diagonal added as that takes.
+    fn factor_all(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) -> Result<(), usize> {
+        loop {
+            self.assemble(model, mass, parts);
+            match self.pattern.factor(&mut self.factor) {
+                Ok(()) => return Ok(()),
+                Err(dof) if !self.damp() => return Err(dof),
+                Err(_) => {}
+            }
+        }
+    }
+
+    /// Writes M + J'DJ of the pulling rows over the factor.
+    fn assemble(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) {
         let Self { pattern, factor, pulling, .. } = self;
         for dof in 0..model.nv {
             let entries = &mass[model.dofs.row[dof].clone()];
@@ -234,22 +294,38 @@ impl Newton {
                 }
             }
         }
-        for block in jacobian.blocks.iter().filter(|block| pulling[block.rows.clone()].iter().any(|weight| *weight != 0.0)) {
-            add_block(pattern, factor, jacobian, block, pulling);
+        let Parts { jacobian, rows, cones } = parts;
+        for block in &jacobian.blocks {
+            if pulling[block.rows.clone()].iter().any(|weight| *weight != 0.0) {
+                add_block(pattern, factor, jacobian, block, &jacobian.base_weight(block, pulling));
+            } else if let Shape::Cone(cone) = block.shape
+                && cones[cone].zone(&self.residual) == Zone::Sliding
+            {
+                add_block(pattern, factor, jacobian, block, &cones[cone].curvature(&self.residual, &rows.weight));
+            }
+        }
+        if self.damping > 0.0 {
+            for row in &pattern.row {
+                factor[row.end - 1] *= 1.0 + self.damping;
+            }
         }
         self.factored.clone_from(&self.pulling);
-        self.pattern.factor(&mut self.factor)
+        self.sliding[1] = self.sliding[0];
     }
 
     /// Brings the factor up to date with the rows that began or ceased to pull.
-    fn refresh_factor(&mut self, model: &Model, mass: &[f64], jacobian: &Jacobian) -> Result<(), usize> {
+    fn refresh_factor(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) -> Result<(), usize> {
+        if self.sliding != [false; 2] || self.damping > 0.0 {
+            return self.factor_all(model, mass, parts);
+        }
+        let jacobian = &parts.jacobian;
         let changed = |row: &usize| self.factored[*row] != self.pulling[*row];
         let changes: Vec<usize> = (0..self.pulling.len()).filter(changed).collect();
         let last_dof = |row: usize| jacobian.columns_of(jacobian.block_of(row)).last().copied().unwrap_or(0);
         // An update passes over the path once with two operations per entry of a triangle, and with shorter vectors.
         let cost: usize = changes.iter().map(|&row| (self.pattern.depth(last_dof(row)) + 2).pow(2)).sum();
         if 2 * cost > self.pattern.factor_cost() {
-            return self.factor_all(model, mass, jacobian);
+            return self.factor_all(model, mass, parts);
         }
         for row in changes {
             let dof = last_dof(row);
@@ -261,7 +337,7 @@ impl Newton {
             let change = self.pulling[row] - self.factored[row];
             if self.pattern.update(&mut self.factor, dof, vector, change).is_err() {
                 // Cancellation in a down-date; a fresh factorisation is exact.
-                return self.factor_all(model, mass, jacobian);
+                return self.factor_all(model, mass, parts);
             }
         }
         self.factored.clone_from(&self.pulling);
@@ -269,9 +345,16 @@ impl Newton {
     }
 }
 
-/// Adds a block's J'DJ to the matrix: its columns lie on one path, so each row's entries are found by their depth.
-fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, block: &Block, weights: &[f64]) {
-    let base = jacobian.base_weight(block, weights);
+/// The constraints as the solver uses them.
+struct Parts<'a> {
+    jacobian: &'a Jacobian,
+    rows: &'a mut Rows,
+    cones: &'a [Cone],
+}
+
+/// Adds a block's J'WJ to the matrix, with the weight W of its base rows: its columns lie on one path, so each row's entries
+/// are found by their depth.
+fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, block: &Block, base: &BaseWeight) {
     let columns = jacobian.columns_of(block);
     let rows: [&[f64]; MOST_BASE_ROWS] =
         core::array::from_fn(|row| if row < block.dimension { jacobian.base_row(block, row) } else { &[] });
@@ -292,6 +375,15 @@ fn residuals(jacobian: &Jacobian, rows: &Rows, acceleration: &[f64], out: &mut [
     for (residual, reference) in out.iter_mut().zip(&rows.reference) {
         *residual -= reference;
     }
+}
+
+/// Second derivative of the cost over the base rows of a block.
+type BaseWeight = [[f64; MOST_BASE_ROWS]; MOST_BASE_ROWS];
+
+/// Cost of all constraints at their residuals.
+fn constraint_cost(parts: &Parts<'_>, residual: &[f64]) -> f64 {
+    let springs = spring_cost(parts.rows, residual);
+    parts.cones.iter().fold(springs, |sum, cone| sum + cone.cost(residual, &parts.rows.weight))
 }
 
 /// Cost of the rows' springs: quadratic while a force is free, linear beyond its bounds.

@@ -1,4 +1,4 @@
-//! Spatial tendons without Jacobians.
+//! Tendons without Jacobians.
 //!
 //! The length of a path is a sum of straight segments and arcs. Only segments that join two different bodies change with the
 //! configuration at first order: an arc lies on one body and its tangent points move along it at no cost. Such a segment is
@@ -18,6 +18,7 @@ use super::{
     kinematics::Kinematics,
     rotation::MINIMUM,
     spatial::{Spatial, add_scaled, constant, cross, norm, pair, scale, spatial_zero, zero},
+    state::State,
     velocities::Velocities,
 };
 use crate::{model::Model, scalar::Real};
@@ -56,6 +57,36 @@ impl<T: Real> TendonPaths<T> {
         }
     }
 
+    /// Whether a tendon is fixed: a linear combination of joint coordinates, which pulls joints and not bodies.
+    #[inline(always)]
+    pub(super) fn is_fixed(&self, tendon: usize) -> bool {
+        !self.plan.tendon_joints[tendon].is_empty()
+    }
+
+    /// Whether any tendon is fixed.
+    pub(super) fn any_fixed(&self) -> bool {
+        !self.plan.joint_terms.is_empty()
+    }
+
+    /// Adds the generalised force of a fixed tendon under `force`; nothing for a spatial one, which [`pull`](Self::pull)s.
+    pub(super) fn pull_joints(&self, tendon: usize, force: T, generalised: &mut [T]) {
+        for term in &self.plan.joint_terms[self.plan.tendon_joints[tendon].clone()] {
+            generalised[term.dof] += force * T::splat(term.coefficient);
+        }
+    }
+
+    /// The dofs that can change the length of `tendon`, ascending.
+    pub(super) fn columns(&self, model: &Model, tendon: usize) -> Vec<usize> {
+        let mut columns: Vec<usize> =
+            self.plan.joint_terms[self.plan.tendon_joints[tendon].clone()].iter().map(|term| term.dof).collect();
+        for line in &self.plan.lines[self.plan.tendon_lines[tendon].clone()] {
+            each_mover(model, line, |dof, _| columns.push(dof));
+        }
+        columns.sort_unstable();
+        columns.dedup();
+        columns
+    }
+
     /// Adds `force * weight` along every line of `tendon` to the forces on the bodies it pulls together: a positive force
     /// lengthens (MuJoCo's sign: a muscle's pull is negative).
     #[inline(always)]
@@ -70,7 +101,7 @@ impl<T: Real> TendonPaths<T> {
 }
 
 /// Fills lengths and lines of force.
-pub fn update<T: Real>(kinematics: &Kinematics<T>, out: &mut TendonPaths<T>) {
+pub fn update<T: Real>(state: &State<T>, kinematics: &Kinematics<T>, out: &mut TendonPaths<T>) {
     let plan = Arc::clone(&out.plan);
     for (position, point) in out.point.iter_mut().zip(&plan.points) {
         *position = kinematics.point(point.body, &constant(&point.local));
@@ -84,6 +115,7 @@ pub fn update<T: Real>(kinematics: &Kinematics<T>, out: &mut TendonPaths<T>) {
     for wrap in &plan.wraps {
         lay_wrap(kinematics, &plan, wrap, out);
     }
+    add_joint_terms(&plan, &mut out.length, |term| state.position[term.address]);
 }
 
 fn lay_segment<T: Real>(kinematics: &Kinematics<T>, plan: &Plan, segment: &Segment, out: &mut TendonPaths<T>) {
@@ -137,8 +169,20 @@ fn line_through<T: Real>(point: &Vector3<T>, direction: &Vector3<T>, reference: 
     [cross(&(point - reference), direction), *direction]
 }
 
-/// Fills the velocities of all tendons from those of the bodies.
-pub fn update_velocities<T: Real>(velocities: &Velocities<T>, out: &mut TendonPaths<T>) {
+/// Adds to `sums` the linear combinations of the fixed tendons.
+fn add_joint_terms<T: Real>(plan: &Plan, sums: &mut [T], value: impl Fn(&plan::JointTerm) -> T) {
+    if plan.joint_terms.is_empty() {
+        return;
+    }
+    for (sum, terms) in sums.iter_mut().zip(&plan.tendon_joints) {
+        for term in &plan.joint_terms[terms.clone()] {
+            *sum += value(term) * T::splat(term.coefficient);
+        }
+    }
+}
+
+/// Fills the velocities of all tendons from those of the bodies, and of the joints for fixed ones.
+pub fn update_velocities<T: Real>(state: &State<T>, velocities: &Velocities<T>, out: &mut TendonPaths<T>) {
     for (velocity, lines) in out.velocity.iter_mut().zip(&out.plan.tendon_lines) {
         let mut sum = T::splat(0.0);
         for (line, plan) in out.line[lines.clone()].iter().zip(&out.plan.lines[lines.clone()]) {
@@ -147,23 +191,43 @@ pub fn update_velocities<T: Real>(velocities: &Velocities<T>, out: &mut TendonPa
         }
         *velocity = sum;
     }
+    add_joint_terms(&out.plan, &mut out.velocity, |term| state.velocity[term.dof]);
 }
 
 /// Writes into `row` (`nv` entries) how the length of `tendon` changes with every dof, m or m/rad: its row of the tendon
 /// Jacobian, the negative of the muscle's moment arms. On request only; the step has no use for it.
-///
-/// A line moves only with the dofs that are on the way from one of its bodies to the root but not from both.
 pub fn moment_arms<T: Real>(model: &Model, kinematics: &Kinematics<T>, paths: &TendonPaths<T>, tendon: usize, row: &mut [T]) {
     row.fill(T::splat(0.0));
-    let lines = paths.plan.tendon_lines[tendon].clone();
-    for (line, plan) in paths.line[lines.clone()].iter().zip(&paths.plan.lines[lines]) {
-        let (mut to, mut from) = (last_dof(model, plan.to), last_dof(model, plan.from));
-        // Parents come before their children, so the later of the two is never an ancestor of the other.
-        while to != from {
-            let (end, sign) = if to > from { (&mut to, plan.weight) } else { (&mut from, -plan.weight) };
-            let Some(dof) = *end else { break };
-            row[dof] += pair(&kinematics.dof_axis[dof], line) * T::splat(sign);
-            *end = model.dofs.parent[dof];
-        }
+    each_moment_arm(model, kinematics, paths, tendon, |dof, part| row[dof] += part);
+}
+
+/// Visits the parts that make up a tendon's row of the Jacobian: a dof may come up several times.
+pub(super) fn each_moment_arm<T: Real>(
+    model: &Model,
+    kinematics: &Kinematics<T>,
+    paths: &TendonPaths<T>,
+    tendon: usize,
+    mut visit: impl FnMut(usize, T),
+) {
+    let plan = &paths.plan;
+    let lines = plan.tendon_lines[tendon].clone();
+    for (line, plan) in paths.line[lines.clone()].iter().zip(&plan.lines[lines]) {
+        each_mover(model, plan, |dof, weight| visit(dof, pair(&kinematics.dof_axis[dof], line) * T::splat(weight)));
+    }
+    for term in &plan.joint_terms[plan.tendon_joints[tendon].clone()] {
+        visit(term.dof, T::splat(term.coefficient));
+    }
+}
+
+/// Visits the dofs that a line moves with, those on the way from one of its bodies to the root but not from both, with the
+/// line's weight, negative on the side it comes from.
+fn each_mover(model: &Model, line: &plan::Line, mut visit: impl FnMut(usize, f64)) {
+    let (mut to, mut from) = (last_dof(model, line.to), last_dof(model, line.from));
+    // Parents come before their children, so the later of the two is never an ancestor of the other.
+    while to != from {
+        let (end, weight) = if to > from { (&mut to, line.weight) } else { (&mut from, -line.weight) };
+        let Some(dof) = *end else { break };
+        visit(dof, weight);
+        *end = model.dofs.parent[dof];
     }
 }

@@ -45,6 +45,8 @@ pub fn path<T: Real>(model: &Model, kinematics: &Kinematics<T>, tendon: usize) -
     for point in &model.tendons.path_points[model.tendons.path[tendon].clone()] {
         match *point {
             PathPoint::Pulley(divisor) => (weight, begins) = (1.0 / divisor, true),
+            // A fixed tendon has no path in space.
+            PathPoint::Joint { .. } => {}
             PathPoint::Wrap { geom, side } => around = Some((geom, side)),
             PathPoint::Site(site) => {
                 let position = kinematics.site_position(model, site);

@@ -59,6 +59,15 @@ pub(super) enum Side {
     Moving(usize),
 }
 
+/// A joint whose coordinate enters the length of a fixed tendon.
+#[derive(Debug, Clone)]
+pub(super) struct JointTerm {
+    /// Its coordinate in the position vector.
+    pub address: usize,
+    pub dof: usize,
+    pub coefficient: f64,
+}
+
 /// The bodies that a line of force pulls together.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
@@ -78,6 +87,9 @@ pub(super) struct Plan {
     pub lines: Vec<Line>,
     /// Lines of each tendon.
     pub tendon_lines: Vec<Range<usize>>,
+    pub joint_terms: Vec<JointTerm>,
+    /// Joint terms of each tendon; none for spatial ones.
+    pub tendon_joints: Vec<Range<usize>>,
     /// Part of each tendon's length that never changes, m.
     pub constant_length: Vec<f64>,
 }
@@ -92,6 +104,8 @@ impl Plan {
             planner.plan.constant_length.push(0.0);
             planner.tendon(tendon);
             planner.plan.tendon_lines.push(first..planner.plan.lines.len());
+            let first = planner.plan.tendon_joints.last().map_or(0, |terms: &Range<usize>| terms.end);
+            planner.plan.tendon_joints.push(first..planner.plan.joint_terms.len());
         }
         planner.plan
     }
@@ -116,6 +130,11 @@ impl Planner<'_> {
                     last_site = None;
                 }
                 PathPoint::Wrap { geom, side } => obstacle = Some((geom, side)),
+                PathPoint::Joint { joint, coefficient } => {
+                    let joints = &self.model.joints;
+                    let (address, dof) = (joints.position_address[joint], joints.dof_address[joint]);
+                    self.plan.joint_terms.push(JointTerm { address, dof, coefficient });
+                }
                 PathPoint::Site(site) => {
                     match (last_site, obstacle.take()) {
                         (Some(start), Some(around)) => self.wrap(tendon, weight, [start, site], around),

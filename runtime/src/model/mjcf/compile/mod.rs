@@ -4,14 +4,15 @@
 //! 2. meshes are listed, to be read only if a body's inertia depends on them;
 //! 3. [`tree`]: bodies in depth-first order with their frames, joints, shapes and sites; [`shapes`] reads one geom or site;
 //! 4. [`inertias`]: explicit or inferred mass properties, bounded and balanced;
-//! 5. [`couplings`], [`tendons`], [`actuators`]: what refers to the tree by name;
+//! 5. [`contacts`], [`tendons`], [`equalities`], [`actuators`]: what refers to the tree by name;
 //! 6. the model's `topology`: roots and welds, degrees of freedom, the rows of the mass matrix, subtree masses;
 //! 7. [`keyframes`]: states of the whole model;
 //! 8. the physics' own constants at the reference configuration (inverse weights, reference lengths).
 
 mod actuators;
 mod align;
-mod couplings;
+mod contacts;
+mod equalities;
 mod inertias;
 mod keyframes;
 mod names;
@@ -70,8 +71,8 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
     compiler.model.options = settings::options(root)?;
     compiler.read_tree()?;
     compiler.read_contacts()?;
-    compiler.read_couplings()?;
     compiler.read_tendons()?;
+    compiler.read_equalities()?;
     compiler.read_actuators()?;
     if !compiler.unsupported.is_empty() {
         return Err(ModelError::Unsupported(compiler.unsupported));

@@ -13,7 +13,7 @@ pub(super) enum Kind {
     Site,
     Tendon,
     Actuator,
-    Coupling,
+    Equality,
     Keyframe,
 }
 
@@ -26,7 +26,7 @@ impl Kind {
             Self::Site => "site",
             Self::Tendon => "tendon",
             Self::Actuator => "actuator",
-            Self::Coupling => "equality",
+            Self::Equality => "equality",
             Self::Keyframe => "key",
         }
     }

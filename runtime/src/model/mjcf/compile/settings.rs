@@ -2,7 +2,7 @@
 
 use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
-use crate::model::{Integrator, Options, Quaternion, Softness, rotation};
+use crate::model::{Cone, Integrator, Options, Quaternion, Softness, Switches, rotation};
 use nalgebra::Vector3;
 
 /// When a body's inertia comes from its geoms.
@@ -170,8 +170,34 @@ pub(super) fn options(root: &Element) -> Result<Options, ModelError> {
         if options.impedance_ratio <= 0.0 {
             return Err(element.invalid("`impratio` must be positive"));
         }
+        options.cone = match element.keyword("cone", &["pyramidal", "elliptic"])? {
+            Some(0) => Cone::Pyramidal,
+            Some(_) => Cone::Elliptic,
+            None => options.cone,
+        };
+        // All of MuJoCo's solvers approach the same optimum; Newton's method finds it whichever is asked for.
+        element.keyword("solver", &["PGS", "CG", "Newton"])?;
+        for flags in element.children.iter().filter(|child| child.tag == "flag") {
+            read_switches(flags, &mut options.switches)?;
+        }
     }
     Ok(options)
+}
+
+/// Kinds of constraints that a `flag` element switches; `constraint` is the main switch of all of them.
+fn read_switches(flags: &Element, switches: &mut Switches) -> Result<(), ModelError> {
+    let off = |name: &str| Ok::<_, ModelError>(flags.keyword(name, &["disable", "enable"])? == Some(0));
+    let all_off = off("constraint")?;
+    for (name, switch) in [
+        ("equality", &mut switches.equality),
+        ("frictionloss", &mut switches.friction_loss),
+        ("limit", &mut switches.limit),
+        ("contact", &mut switches.contact),
+    ] {
+        *switch &= !(off(name)? || all_off);
+    }
+    switches.safe_reference &= !off("refsafe")?;
+    Ok(())
 }
 
 fn count(element: &Element, attribute: &str, otherwise: usize) -> Result<usize, ModelError> {

@@ -1,11 +1,13 @@
-//! Spatial tendons and their paths.
+//! Spatial tendons and their paths, fixed tendons and their joints.
 
 use super::names::Kind;
+use super::settings::softness;
 use super::tree::linear;
 use super::{Compiler, section};
 use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
 use crate::model::{GeomKind, PathPoint};
+use std::collections::BTreeSet;
 
 impl Compiler<'_> {
     /// Reads the `tendon` sections.
@@ -13,8 +15,7 @@ impl Compiler<'_> {
         let document = self.document;
         for element in section(&document.root, "tendon") {
             let element = &self.defaults.resolve(element, None)?;
-            let path = element.children.iter().map(|entry| self.path_point(entry)).collect::<Result<Vec<_>, _>>()?;
-            check_path(element, &path)?;
+            let path = if element.tag == "fixed" { self.combination(element)? } else { self.path(element)? };
             let tendons = &mut self.model.tendons;
             let name = self.names.register(Kind::Tendon, element, tendons.name.len())?;
             tendons.name.push(name);
@@ -23,12 +24,42 @@ impl Compiler<'_> {
             tendons.path.push(start..tendons.path_points.len());
             tendons.range.push(self.settings.limited(element, "limited", "range")?);
             tendons.margin.push(element.number_or("margin", 0.0)?);
-            tendons.limit_softness.push(super::settings::softness(element, "solreflimit", "solimplimit")?);
+            tendons.limit_softness.push(softness(element, "solreflimit", "solimplimit")?);
+            tendons.friction_loss.push(element.size_or("frictionloss", 0.0)?);
+            tendons.friction_softness.push(softness(element, "solreffriction", "solimpfriction")?);
             tendons.stiffness.push(linear(element, "stiffness")?);
             tendons.damping.push(linear(element, "damping")?);
             tendons.spring_length.push(spring_length(element)?);
         }
         Ok(())
+    }
+
+    /// The path of a spatial tendon.
+    fn path(&self, element: &Element) -> Result<Vec<PathPoint>, ModelError> {
+        let path = element.children.iter().map(|entry| self.path_point(entry)).collect::<Result<Vec<_>, _>>()?;
+        check_path(element, &path)?;
+        Ok(path)
+    }
+
+    /// The joints of a fixed tendon, each with its coefficient.
+    fn combination(&self, element: &Element) -> Result<Vec<PathPoint>, ModelError> {
+        let mut seen = BTreeSet::new();
+        let mut entries = Vec::new();
+        for entry in &element.children {
+            entry.required("joint")?;
+            let Some(joint) = self.scalar_joint(entry, "joint")? else { continue };
+            let Some([coefficient]) = entry.numbers::<1>("coef")? else {
+                return Err(entry.invalid("a joint of a fixed tendon needs the attribute `coef`"));
+            };
+            if !seen.insert(joint) {
+                return Err(entry.invalid(format!("the joint `{}` is in this tendon twice", self.model.joints.name[joint])));
+            }
+            entries.push(PathPoint::Joint { joint, coefficient });
+        }
+        if entries.is_empty() {
+            return Err(element.invalid("a fixed tendon needs at least one joint"));
+        }
+        Ok(entries)
     }
 
     fn path_point(&self, entry: &Element) -> Result<PathPoint, ModelError> {
@@ -73,14 +104,15 @@ fn check_path(element: &Element, path: &[PathPoint]) -> Result<(), ModelError> {
     Ok(())
 }
 
-/// Lengths between which the spring is slack: one number is both, and -1 stands for the length at the reference.
+/// Lengths between which the spring is slack: one number is both, and -1 stands for the length at the rest of the joints'
+/// springs.
 fn spring_length(element: &Element) -> Result<Option<[f64; 2]>, ModelError> {
     let Some(list) = element.list("springlength", 2)? else { return Ok(None) };
     let lengths = [list[0], list[list.len() - 1]];
     if lengths[0] == -1.0 && lengths[1] == -1.0 {
         return Ok(None);
     }
-    if lengths[0] < 0.0 || lengths[0] > lengths[1] {
+    if lengths[0] > lengths[1] {
         return Err(element.invalid("`springlength` expects one length, or two in ascending order"));
     }
     Ok(Some(lengths))

@@ -217,6 +217,7 @@ impl Compiler<'_> {
         joints.range.push(range.map(|range| range.map(coordinates.scale)));
         joints.margin.push(element.number_or("margin", 0.0)?);
         joints.limit_softness.push(softness(element, "solreflimit", "solimplimit")?);
+        joints.friction_softness.push(softness(element, "solreffriction", "solimpfriction")?);
         joints.stiffness.push(linear(element, "stiffness")?);
         joints.spring_reference.push(coordinates.spring);
         joints.actuator_force_range.push(actuator_force_range);

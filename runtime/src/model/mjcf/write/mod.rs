@@ -19,12 +19,14 @@ pub(super) fn write(model: &Model) -> String {
     let mut printer = Printer { text: String::new(), depth: 0 };
     printer.open(&Row::new("mujoco").text("model", &model.name));
     printer.empty(&Row::new("compiler").word("angle", "radian"));
-    if model.options.euler_damping {
-        printer.empty(&rows::options(&model.options));
-    } else {
-        printer.open(&rows::options(&model.options));
-        printer.empty(&Row::new("flag").word("eulerdamp", "disable"));
-        printer.close("option");
+    let options = rows::options(&model.options);
+    match rows::flags(&model.options) {
+        Some(flags) => {
+            printer.open(&options);
+            printer.empty(&flags);
+            printer.close("option");
+        }
+        None => printer.empty(&options),
     }
     shared.print(&mut printer);
     printer.open(&Row::new("worldbody"));
@@ -34,8 +36,8 @@ pub(super) fn write(model: &Model) -> String {
     }
     printer.close("worldbody");
     print_contacts(model, &shared, &mut printer);
-    let couplings = (0..model.couplings.name.len()).map(|coupling| rows::coupling(model, coupling));
-    printer.section("equality", couplings.map(|row| shared.lean(row, "equality")));
+    let equalities = (0..model.equalities.name.len()).map(|equality| rows::equality(model, equality));
+    printer.section("equality", equalities.map(|row| shared.lean(row, "equality")));
     print_tendons(model, &shared, &mut printer);
     let actuators = (0..model.actuators.name.len()).map(|actuator| rows::actuator(model, actuator));
     printer.section("actuator", actuators.map(|row| shared.lean(row, "general")));
@@ -94,9 +96,9 @@ struct Shared {
 
 /// Attributes that may be shared, per element of the `default` section. Others (names, places, ranges) belong to each.
 const SHAREABLE: [(&str, &str); 6] = [
-    ("joint", "armature damping frictionloss stiffness margin solreflimit solimplimit"),
+    ("joint", "armature damping frictionloss stiffness margin solreflimit solimplimit solreffriction solimpfriction"),
     ("geom", "type contype conaffinity condim group priority friction solmix solref solimp margin gap"),
-    ("tendon", "stiffness damping margin solreflimit solimplimit springlength"),
+    ("tendon", "stiffness damping margin solreflimit solimplimit springlength frictionloss solreffriction solimpfriction"),
     ("general", "dyntype gaintype biastype dynprm ctrlrange gear"),
     ("equality", "solref solimp"),
     ("pair", "condim friction solref solreffriction solimp margin gap"),
@@ -110,7 +112,7 @@ impl Shared {
                 "geom" => (0..model.geoms.name.len()).map(|geom| rows::geom(model, geom)).collect(),
                 "tendon" => (0..model.tendons.name.len()).map(|tendon| rows::tendon(model, tendon)).collect(),
                 "general" => (0..model.actuators.name.len()).map(|actuator| rows::actuator(model, actuator)).collect(),
-                "equality" => (0..model.couplings.name.len()).map(|coupling| rows::coupling(model, coupling)).collect(),
+                "equality" => (0..model.equalities.name.len()).map(|equality| rows::equality(model, equality)).collect(),
                 _ => (0..model.pairs.geoms.len()).map(|pair| rows::pair(model, pair)).collect(),
             };
             let rows: Vec<Row> = rows.into_iter().filter(|row| row.tag != "freejoint").collect();
@@ -214,11 +216,12 @@ fn print_tendons(model: &Model, shared: &Shared, printer: &mut Printer) {
     }
     printer.open(&Row::new("tendon"));
     for tendon in 0..model.tendons.name.len() {
-        printer.open(&shared.lean(rows::tendon(model, tendon), "tendon"));
+        let row = shared.lean(rows::tendon(model, tendon), "tendon");
+        printer.open(&row);
         for point in &model.tendons.path_points[model.tendons.path[tendon].clone()] {
             printer.empty(&rows::path_point(model, point));
         }
-        printer.close("spatial");
+        printer.close(row.tag);
     }
     printer.close("tendon");
 }

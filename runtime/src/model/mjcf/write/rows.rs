@@ -2,7 +2,10 @@
 
 use super::super::compile::GEOM_KINDS;
 use super::{JointKind, Model, PathPoint};
-use crate::model::{Bias, Dynamics, Gain, GeomKind, Integrator, Keyframe, Options, Quaternion, Softness, Transmission, rotation};
+use crate::model::{
+    Attachment, AttachmentOrigin, Bias, Cone, Dynamics, Equality, Gain, GeomKind, Integrator, Keyframe, Options, Quaternion,
+    Softness, Transmission, rotation,
+};
 use nalgebra::Vector3;
 
 /// An element's tag and attributes, as text.
@@ -85,6 +88,7 @@ pub(super) fn standard(kind: &str, name: &str) -> &'static str {
         ("geom", "friction") => "1 0.005 0.0001",
         ("pair", "friction") => "1 1 0.005 0.0001 0.0001",
         ("pair", "solreffriction") => "0 0",
+        ("equality", "active") => "true",
         ("geom" | "pair", "condim") => "3",
         ("geom", "contype" | "conaffinity" | "solmix") | ("general", "gear") => "1",
         ("tendon", "springlength") => "-1 -1",
@@ -93,8 +97,8 @@ pub(super) fn standard(kind: &str, name: &str) -> &'static str {
         ("general", "dynprm") => "1",
         ("general", "actearly") => "false",
         ("general", "ctrlrange" | "forcerange" | "actrange") => "0 0",
-        (_, "solref" | "solreflimit") => "0.02 1",
-        (_, "solimp" | "solimplimit") => "0.9 0.95 0.001 0.5 2",
+        (_, "solref" | "solreflimit" | "solreffriction") => "0.02 1",
+        (_, "solimp" | "solimplimit" | "solimpfriction") => "0.9 0.95 0.001 0.5 2",
         _ => "0",
     }
 }
@@ -152,7 +156,25 @@ pub(super) fn options(options: &Options) -> Row {
     for (name, count, _) in counts.into_iter().filter(|(_, count, standard)| count != standard) {
         row = row.word(name, &count.to_string());
     }
+    if options.cone == Cone::Elliptic {
+        row = row.word("cone", "elliptic");
+    }
     row
+}
+
+/// What is switched off, if anything.
+pub(super) fn flags(options: &Options) -> Option<Row> {
+    let switches = &options.switches;
+    let named = [
+        ("equality", switches.equality),
+        ("frictionloss", switches.friction_loss),
+        ("limit", switches.limit),
+        ("contact", switches.contact),
+        ("refsafe", switches.safe_reference),
+        ("eulerdamp", options.euler_damping),
+    ];
+    let row = named.into_iter().filter(|(_, on)| !on).fold(Row::new("flag"), |row, (name, _)| row.word(name, "disable"));
+    (!row.attributes.is_empty()).then_some(row)
 }
 
 pub(super) fn body(model: &Model, body: usize) -> Row {
@@ -206,6 +228,7 @@ pub(super) fn joint(model: &Model, joint: usize) -> Row {
         .unless_standard("joint", "stiffness", [joints.stiffness[joint]])
         .unless_standard("joint", "margin", [joints.margin[joint]])
         .softness("joint", ["solreflimit", "solimplimit"], &joints.limit_softness[joint])
+        .softness("joint", ["solreffriction", "solimpfriction"], &joints.friction_softness[joint])
         .range("actuatorfrcrange", joints.actuator_force_range[joint]);
     if joints.actuator_compensates[joint] {
         row = row.word("actuatorgravcomp", "true");
@@ -259,20 +282,64 @@ pub(super) fn pair(model: &Model, pair: usize) -> Row {
         .unless_standard("pair", "gap", [pairs.gap[pair]])
 }
 
-pub(super) fn coupling(model: &Model, coupling: usize) -> Row {
-    let couplings = &model.couplings;
-    let leader = couplings.leader[coupling].map_or("", |joint| &model.joints.name[joint]);
-    Row::new("joint")
-        .text("name", &couplings.name[coupling])
-        .text("joint1", &model.joints.name[couplings.joint[coupling]])
-        .text("joint2", leader)
-        .numbers("polycoef", couplings.polynomial[coupling])
-        .softness("equality", ["solref", "solimp"], &couplings.softness[coupling])
+pub(super) fn equality(model: &Model, equality: usize) -> Row {
+    let equalities = &model.equalities;
+    let (joint, tendon) = (|joint: usize| &model.joints.name[joint], |tendon: usize| &model.tendons.name[tendon]);
+    let named = |tag| Row::new(tag).text("name", &equalities.name[equality]);
+    let mut row = match &equalities.kind[equality] {
+        Equality::Joint(coupling) => {
+            let couplings = &model.couplings;
+            named("joint")
+                .text("joint1", joint(couplings.joint[*coupling]))
+                .text("joint2", couplings.leader[*coupling].map_or("", |leader| joint(leader)))
+                .numbers("polycoef", couplings.polynomial[*coupling])
+        }
+        Equality::Tendon(coupling) => named("tendon")
+            .text("tendon1", tendon(coupling.tendon))
+            .text("tendon2", coupling.leader.map_or("", |leader| tendon(leader)))
+            .numbers("polycoef", coupling.polynomial),
+        Equality::Connect(attachment) => {
+            let row = attached(model, named("connect"), attachment);
+            if matches!(attachment.origin, AttachmentOrigin::Sites(_)) {
+                row
+            } else {
+                row.numbers("anchor", attachment.position[0].iter().copied())
+            }
+        }
+        Equality::Weld { attachment, torque_scale } => {
+            let mut row = attached(model, named("weld"), attachment);
+            if attachment.origin == AttachmentOrigin::Given {
+                let position = attachment.position[0].iter().copied();
+                row = row.numbers("relpose", position.chain(attachment.orientation[0]));
+            }
+            if !matches!(attachment.origin, AttachmentOrigin::Sites(_)) {
+                row = row.vector("anchor", attachment.position[1]);
+            }
+            if *torque_scale == 1.0 { row } else { row.numbers("torquescale", [*torque_scale]) }
+        }
+    };
+    if !equalities.active[equality] {
+        row = row.word("active", "false");
+    }
+    row.softness("equality", ["solref", "solimp"], &equalities.softness[equality])
+}
+
+/// The two sites or bodies of an attachment; a second body that is not given is the world.
+fn attached(model: &Model, row: Row, attachment: &Attachment) -> Row {
+    let [first, second] = attachment.bodies;
+    match attachment.origin {
+        AttachmentOrigin::Sites([first, second]) => {
+            row.text("site1", &model.sites.name[first]).text("site2", &model.sites.name[second])
+        }
+        _ if second == 0 => row.text("body1", &model.bodies.name[first]),
+        _ => row.text("body1", &model.bodies.name[first]).text("body2", &model.bodies.name[second]),
+    }
 }
 
 pub(super) fn tendon(model: &Model, tendon: usize) -> Row {
     let tendons = &model.tendons;
-    Row::new("spatial")
+    let fixed = matches!(tendons.path_points.get(tendons.path[tendon].start), Some(PathPoint::Joint { .. }));
+    Row::new(if fixed { "fixed" } else { "spatial" })
         .text("name", &tendons.name[tendon])
         .range("range", tendons.range[tendon])
         .unless_standard("tendon", "stiffness", [tendons.stiffness[tendon]])
@@ -280,6 +347,8 @@ pub(super) fn tendon(model: &Model, tendon: usize) -> Row {
         .range("springlength", tendons.spring_length[tendon])
         .unless_standard("tendon", "margin", [tendons.margin[tendon]])
         .softness("tendon", ["solreflimit", "solimplimit"], &tendons.limit_softness[tendon])
+        .unless_standard("tendon", "frictionloss", [tendons.friction_loss[tendon]])
+        .softness("tendon", ["solreffriction", "solimpfriction"], &tendons.friction_softness[tendon])
 }
 
 pub(super) fn path_point(model: &Model, point: &PathPoint) -> Row {
@@ -289,6 +358,9 @@ pub(super) fn path_point(model: &Model, point: &PathPoint) -> Row {
             .text("geom", &model.geoms.name[*geom])
             .text("sidesite", side.map_or("", |site| &model.sites.name[site])),
         PathPoint::Pulley(divisor) => Row::new("pulley").numbers("divisor", [*divisor]),
+        PathPoint::Joint { joint, coefficient } => {
+            Row::new("joint").text("joint", &model.joints.name[*joint]).numbers("coef", [*coefficient])
+        }
     }
 }
 

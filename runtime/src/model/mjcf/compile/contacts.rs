@@ -1,10 +1,9 @@
-//! Contact pairs, exclusions and joint couplings.
+//! Contact pairs and exclusions.
 
 use super::names::Kind;
 use super::settings::softness;
 use super::shapes::contact_dimension;
 use super::{Compiler, section};
-use crate::model::JointKind;
 use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
 
@@ -41,37 +40,5 @@ impl Compiler<'_> {
         pairs.margin.push(element.number_or("margin", 0.0)?);
         pairs.gap.push(element.number_or("gap", 0.0)?);
         Ok(())
-    }
-
-    /// Reads the joint couplings of the `equality` sections.
-    pub(super) fn read_couplings(&mut self) -> Result<(), ModelError> {
-        let document = self.document;
-        for element in section(&document.root, "equality") {
-            let element = &self.defaults.resolve_equality(element)?;
-            let joint = self.scalar_joint(element, "joint1")?;
-            let joint = joint.ok_or_else(|| element.invalid("a joint coupling needs the attribute `joint1`"))?;
-            let leader = self.scalar_joint(element, "joint2")?;
-            if leader == Some(joint) {
-                return Err(element.invalid("a joint cannot be coupled to itself"));
-            }
-            let couplings = &mut self.model.couplings;
-            let name = self.names.register(Kind::Coupling, element, couplings.name.len())?;
-            couplings.name.push(name);
-            couplings.joint.push(joint);
-            couplings.leader.push(leader);
-            couplings.polynomial.push(element.numbers_over("polycoef", [0.0, 1.0, 0.0, 0.0, 0.0])?);
-            couplings.softness.push(softness(element, "solref", "solimp")?);
-        }
-        Ok(())
-    }
-
-    /// A joint with a single coordinate.
-    fn scalar_joint(&self, element: &Element, attribute: &str) -> Result<Option<usize>, ModelError> {
-        let joint = self.names.optional(Kind::Joint, element, attribute)?;
-        let scalar = |joint: &usize| matches!(self.model.joints.kind[*joint], JointKind::Hinge | JointKind::Slide);
-        if joint.as_ref().is_some_and(|joint| !scalar(joint)) {
-            return Err(element.invalid(format!("`{attribute}` must be a hinge or slide joint")));
-        }
-        Ok(joint)
     }
 }

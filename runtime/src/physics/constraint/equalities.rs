@@ -1,0 +1,159 @@
+//! Equalities: polynomial couplings of joints and of tendons, connections of points, welds of frames.
+//!
+//! A coupling has the residual y - y₀ - p(x - x₀). A connection has p₁ - p₂, the difference of two points in the world. A weld
+//! adds the vector part of conj(Q₂) Q₁, where Q₁ and Q₂ are the world orientations of its two frames: the axis of the turn
+//! between them times the sine of half its angle. Its rate is that of ½ conj(Q₂) (ω₁ - ω₂) Q₁, with the difference of the
+//! bodies' angular velocities as a quaternion, which gives the rotational rows of the Jacobian. The residual's angular part is
+//! weighted with a length, `torquescale`. The impedance of all rows of a connection or weld depends on the norm of its whole
+//! residual. (MuJoCo's manual, chapter Computation, "Constraint model, Equality".)
+
+use super::{
+    Bridge, Constraints, RowKind,
+    jacobian::{MOST_BASE_ROWS, Shape},
+    rows::{BOTH_WAYS, Place},
+    spring,
+};
+use crate::{
+    model::{Attachment, Equality, Model, TendonCoupling},
+    physics::{
+        State, Workspace,
+        rotation::{conjugate, multiply},
+    },
+    scalar::Real,
+};
+use nalgebra::Vector3;
+
+/// Weight of a turn for a connection, which has none.
+const NO_TURN: Option<f64> = None;
+
+impl Constraints {
+    /// All equalities that hold in the state.
+    pub(super) fn add_equalities<T: Real>(&mut self, model: &Model, state: &State<T>, workspace: &Workspace<T>, lane: usize) {
+        for (equality, kind) in model.equalities.kind.iter().enumerate() {
+            if state.active[equality].lane(lane) == 0.0 {
+                continue;
+            }
+            match kind {
+                Equality::Joint(coupling) => {
+                    self.add_joint_coupling(model, *coupling, |address| state.position[address].lane(lane));
+                }
+                Equality::Tendon(coupling) => self.add_tendon_coupling(model, workspace, lane, equality, coupling),
+                Equality::Connect(attachment) => self.add_attachment(model, workspace, lane, equality, attachment, NO_TURN),
+                Equality::Weld { attachment, torque_scale } => {
+                    self.add_attachment(model, workspace, lane, equality, attachment, Some(*torque_scale));
+                }
+            }
+            let columns = &self.fixed.equalities[equality];
+            if columns.bridges {
+                self.bridges.push(Bridge::Equality(equality));
+            }
+        }
+    }
+
+    fn add_joint_coupling(&mut self, model: &Model, coupling: usize, position: impl Fn(usize) -> f64) {
+        let (joints, couplings) = (&model.joints, &model.couplings);
+        let displacement = |joint: usize| {
+            let address = joints.position_address[joint];
+            position(address) - model.reference_position[address]
+        };
+        let slave = couplings.joint[coupling];
+        let slave_dof = joints.dof_address[slave];
+        let mut approximate = model.dofs.inverse_weight[slave_dof];
+        let wanted = if let Some(leader) = couplings.leader[coupling] {
+            let [wanted, slope] = polynomial(&couplings.polynomial[coupling], displacement(leader));
+            let leader_dof = joints.dof_address[leader];
+            self.jacobian.push_row(&mut [(slave_dof, 1.0), (leader_dof, -slope)]);
+            approximate += model.dofs.inverse_weight[leader_dof];
+            wanted
+        } else {
+            self.jacobian.push_row(&mut [(slave_dof, 1.0)]);
+            couplings.polynomial[coupling][0]
+        };
+        let residual = displacement(slave) - wanted;
+        self.push_equality(model, couplings.equality[coupling], residual, residual, approximate);
+    }
+
+    fn add_tendon_coupling<T: Real>(
+        &mut self,
+        model: &Model,
+        workspace: &Workspace<T>,
+        lane: usize,
+        equality: usize,
+        coupling: &TendonCoupling,
+    ) {
+        let tendons = &model.tendons;
+        let displacement = |tendon: usize| workspace.tendons.length[tendon].lane(lane) - tendons.reference_length[tendon];
+        let mut approximate = tendons.inverse_weight[coupling.tendon];
+        let (mut wanted, mut other) = (coupling.polynomial[0], None);
+        if let Some(leader) = coupling.leader {
+            let [value, slope] = polynomial(&coupling.polynomial, displacement(leader));
+            (wanted, other) = (value, Some((leader, -slope)));
+            approximate += tendons.inverse_weight[leader];
+        }
+        self.gather_arms(model, workspace, lane, (coupling.tendon, 1.0), other);
+        let columns = self.fixed.columns_of(&self.fixed.equalities[equality]);
+        self.jacobian.push_over(columns, |dof| self.arms[dof]);
+        let residual = displacement(coupling.tendon) - wanted;
+        self.push_equality(model, equality, residual, residual, approximate);
+    }
+
+    /// Three rows for the origins of two frames; with a weight for turns, three more for their axes.
+    fn add_attachment<T: Real>(
+        &mut self,
+        model: &Model,
+        workspace: &Workspace<T>,
+        lane: usize,
+        equality: usize,
+        attachment: &Attachment,
+        torque_scale: Option<f64>,
+    ) {
+        let kinematics = &workspace.kinematics;
+        let bodies = attachment.bodies;
+        let points: [Vector3<f64>; 2] = core::array::from_fn(|side| {
+            let rotation = kinematics.body_rotation[bodies[side]].map(|value| value.lane(lane));
+            rotation * attachment.position[side] + kinematics.body_position[bodies[side]].map(|value| value.lane(lane))
+        });
+        let frames: [[f64; 4]; 2] = core::array::from_fn(|side| {
+            let orientation = kinematics.body_orientation[bodies[side]].map(|value| value.lane(lane));
+            multiply(&orientation, &attachment.orientation[side])
+        });
+        let back = conjugate(&frames[1]);
+        let scale = torque_scale.unwrap_or(0.0);
+        let [_, x, y, z] = multiply(&back, &frames[0]);
+        let gap = points[0] - points[1];
+        let residual = [gap.x, gap.y, gap.z, scale * x, scale * y, scale * z];
+        let dimension = if torque_scale.is_some() { 6 } else { 3 };
+
+        let range = self.fixed.equalities[equality].range.clone();
+        let (columns, moves) = (&self.fixed.columns[range.clone()], &self.fixed.moves[range]);
+        let base = |column: usize| -> [f64; MOST_BASE_ROWS] {
+            let dof = columns[column];
+            let reference = kinematics.reference(model, model.dofs.body[dof]).map(|value| value.lane(lane));
+            let [angular, linear] = kinematics.dof_axis[dof].map(|vector| vector.map(|value| value.lane(lane)));
+            let [first, second] = moves[column];
+            let at = |point: Vector3<f64>| linear + angular.cross(&(point - reference));
+            let apart = at(points[0]) * first - at(points[1]) * second;
+            let turn = angular * (0.5 * scale * (first - second));
+            let [_, x, y, z] = multiply(&multiply(&back, &[0.0, turn.x, turn.y, turn.z]), &frames[0]);
+            [apart.x, apart.y, apart.z, x, y, z]
+        };
+        self.jacobian.push_rows(columns, dimension, Shape::Plain, [0.0; 5], base);
+        let violation = residual[..dimension].iter().map(|part| part * part).sum::<f64>().sqrt();
+        for (row, part) in residual[..dimension].iter().enumerate() {
+            let approximate = bodies.iter().map(|&body| model.bodies.inverse_weight[body][row / 3]).sum();
+            self.push_equality(model, equality, *part, violation, approximate);
+        }
+    }
+
+    fn push_equality(&mut self, model: &Model, equality: usize, residual: f64, violation: f64, approximate: f64) {
+        let spring = spring(model, &model.equalities.softness[equality], violation);
+        let place = Place { position: residual, margin: 0.0, spring, bounds: BOTH_WAYS };
+        self.rows.push(RowKind::Equality(equality), place, approximate);
+    }
+}
+
+/// A polynomial of degree four and its slope.
+fn polynomial(&[a0, a1, a2, a3, a4]: &[f64; 5], x: f64) -> [f64; 2] {
+    let slope = a1 + x * (2.0 * a2 + x * (3.0 * a3 + x * 4.0 * a4));
+    [a0 + x * (a1 + x * (a2 + x * (a3 + x * a4))), slope]
+}
