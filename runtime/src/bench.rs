@@ -86,7 +86,7 @@ pub struct Report {
 
 /// Names of the stages, in the order of the step.
 const STAGES: [&str; 9] =
-    ["kinematics", "inertia", "tendons", "contacts", "rows", "velocities", "muscles", "solver", "integrator"];
+    ["kinematics", "inertia", "tendons", "contacts", "velocities", "rows", "muscles", "solver", "integrator"];
 
 /// What one thread counts.
 #[derive(Default)]
@@ -201,9 +201,9 @@ fn step(
     lap();
     constrained::contacts(model, workspace);
     lap();
-    constrained::rows(model, state, workspace);
-    lap();
     smooth::motions(model, state, workspace);
+    lap();
+    constrained::rows(model, state, workspace);
     lap();
     smooth::inputs(model, state, workspace);
     lap();

@@ -46,7 +46,7 @@ pub fn contacts<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
     each_lane(workspace, |workspace, episode, lane| episode.constraints.detect(model, workspace, lane));
 }
 
-/// Builds the constraint rows of all episodes. Needs contacts.
+/// Builds the constraint rows of all episodes. Needs contacts, velocities and the bias of forces.
 pub fn rows<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
     each_lane(workspace, |workspace, episode, lane| episode.constraints.build(model, state, workspace, lane));
 }

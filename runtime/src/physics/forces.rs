@@ -29,8 +29,9 @@ pub struct Forces<T: Real> {
     pub smooth: Vec<T>,
     /// M^-1 smooth (`qacc_smooth`), m/s² and rad/s².
     pub smooth_acceleration: Vec<T>,
-    /// Scratch: acceleration of every body without joint accelerations.
-    body_acceleration: Vec<Spatial<T>>,
+    /// Acceleration of every body without joint accelerations, that of gravity upwards included, about the centre of mass of
+    /// its tree.
+    pub(super) body_acceleration: Vec<Spatial<T>>,
     /// Scratch: forces on bodies.
     pub(super) body_force: Vec<Spatial<T>>,
     /// Scratch: a generalised force before it is added to another.

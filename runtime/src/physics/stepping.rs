@@ -20,8 +20,8 @@ pub fn forward<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspa
     check(model, state)?;
     positions(model, state, workspace);
     constrained::contacts(model, workspace);
-    constrained::rows(model, state, workspace);
     motions(model, state, workspace);
+    constrained::rows(model, state, workspace);
     inputs(model, state, workspace);
     constrained::solve(model, state, workspace)
 }

@@ -5,7 +5,13 @@
 //! between them times the sine of half its angle. Its rate is that of ½ conj(Q₂) (ω₁ - ω₂) Q₁, with the difference of the
 //! bodies' angular velocities as a quaternion, which gives the rotational rows of the Jacobian. The residual's angular part is
 //! weighted with a length, `torquescale`. The impedance of all rows of a connection or weld depends on the norm of its whole
-//! residual. (MuJoCo's manual, chapter Computation, "Constraint model, Equality".)
+//! residual. Without joint accelerations its residual still accelerates, because the Jacobian changes:
+//!
+//! ```text
+//! points: a₁ - a₂,    turns: ½ conj(Q₂) (α₁ - α₂ + ½ (ω₁ - ω₂) ω₁ - ½ ω₂ (ω₁ - ω₂)) Q₁
+//! ```
+//!
+//! with the bodies' accelerations a and α as they are then, and products of quaternions. (MuJoCo's manual, chapter Computation, "Constraint model, Equality".)
 
 use super::{
     Bridge, Constraints, RowKind,
@@ -145,10 +151,67 @@ impl Constraints {
         }
     }
 
+    /// Subtracts from the references of connections and welds the acceleration that their residual has anyway.
+    pub(super) fn subtract_curvature<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
+        // Equalities come first, and only blocks of several rows are attachments.
+        for block in &self.jacobian.blocks {
+            let RowKind::Equality(equality) = self.rows.kind[block.rows.start] else { break };
+            let (Equality::Connect(attachment) | Equality::Weld { attachment, .. }) = &model.equalities.kind[equality] else {
+                continue;
+            };
+            let [first, second] = [0, 1].map(|side| Motion::of(model, workspace, lane, attachment, side));
+            let points = first.acceleration - second.acceleration;
+            let reference = &mut self.rows.reference[block.rows.clone()];
+            (0..3).for_each(|axis| reference[axis] -= points[axis]);
+            if let Equality::Weld { torque_scale, .. } = &model.equalities.kind[equality] {
+                let pure = |vector: Vector3<f64>| [0.0, vector.x, vector.y, vector.z];
+                let [spin, other] = [pure(first.spin), pure(second.spin)];
+                let between = pure(first.spin - second.spin);
+                let (after, before) = (multiply(&between, &spin), multiply(&other, &between));
+                let turning = pure(first.turning - second.turning);
+                let sum = core::array::from_fn(|k| 0.5 * torque_scale * (turning[k] + 0.5 * (after[k] - before[k])));
+                let rate = multiply(&multiply(&conjugate(&second.frame), &sum), &first.frame);
+                (0..3).for_each(|axis| reference[3 + axis] -= rate[1 + axis]);
+            }
+        }
+    }
+
     fn push_equality(&mut self, model: &Model, equality: usize, residual: f64, violation: f64, approximate: f64) {
         let spring = spring(model, &model.equalities.softness[equality], violation);
         let place = Place { position: residual, margin: 0.0, spring, bounds: BOTH_WAYS };
         self.rows.push(RowKind::Equality(equality), place, approximate);
+    }
+}
+
+/// How one side of an attachment moves if no joint accelerates; gravity, which counts as an acceleration of everything, is in
+/// both sides.
+struct Motion {
+    /// Of the frame's origin, m/s².
+    acceleration: Vector3<f64>,
+    /// Angular velocity of the body, rad/s.
+    spin: Vector3<f64>,
+    /// Angular acceleration of the body, rad/s².
+    turning: Vector3<f64>,
+    /// Orientation of the frame.
+    frame: [f64; 4],
+}
+
+impl Motion {
+    fn of<T: Real>(model: &Model, workspace: &Workspace<T>, lane: usize, attachment: &Attachment, side: usize) -> Self {
+        let (kinematics, body) = (&workspace.kinematics, attachment.bodies[side]);
+        let of_lane = |vector: &Vector3<T>| vector.map(|value| value.lane(lane));
+        let rotation = kinematics.body_rotation[body].map(|value| value.lane(lane));
+        let point = rotation * attachment.position[side] + of_lane(&kinematics.body_position[body]);
+        let arm = point - of_lane(&kinematics.reference(model, body));
+        let [spin, velocity] = [0, 1].map(|part| of_lane(&workspace.velocities.body[body][part]));
+        let [turning, acceleration] = [0, 1].map(|part| of_lane(&workspace.forces.body_acceleration[body][part]));
+        let orientation = kinematics.body_orientation[body].map(|value| value.lane(lane));
+        Self {
+            acceleration: acceleration + turning.cross(&arm) + spin.cross(&(velocity + spin.cross(&arm))),
+            spin,
+            turning,
+            frame: multiply(&orientation, &attachment.orientation[side]),
+        }
     }
 }
 

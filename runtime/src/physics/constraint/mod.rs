@@ -8,7 +8,8 @@
 //!    Jacobian J and rows, in this order, which is MuJoCo's;
 //! 2. each row gets its impedance d, stiffness k and damping b (`solref`, `solimp`), its regularisation
 //!    R = (1 - d) / d Â from the inverse weights Â at the reference configuration, and the acceleration that it asks for,
-//!    a_ref = -b J v - k d (position - margin), without stiffness for friction, which has no position;
+//!    a_ref = -b J v - k d (position - margin), without stiffness for friction, which has no position; connections and welds
+//!    subtract the acceleration J' v that their points have without joint accelerations (J' the rate of J);
 //! 3. a row's force is a clipped spring on its acceleration error, force = clip(-(J a - a_ref) / R, lower, upper): no bounds
 //!    for equalities, plus and minus the loss for friction loss, non-negative for limits, frictionless contacts and the edges
 //!    of a pyramid. The rows of an elliptic contact share one law instead, that of their [`cone`].
@@ -134,7 +135,7 @@ impl Constraints {
         self.plan.detect(model, position, rotation, &mut self.contacts, &mut self.memory);
     }
 
-    /// Builds all rows of the episode in `lane` from its positions and contacts. Needs kinematics and tendon lengths.
+    /// Builds all rows of the episode in `lane` from its positions, velocities and contacts.
     pub fn build<T: Real>(&mut self, model: &Model, state: &State<T>, workspace: &Workspace<T>, lane: usize) {
         self.rows.clear();
         self.jacobian.clear();
@@ -155,6 +156,9 @@ impl Constraints {
         self.velocity.clear();
         self.velocity.extend(state.velocity.iter().map(|value| value.lane(lane)));
         self.rows.finish(&self.jacobian, &self.velocity);
+        if switches.equality {
+            self.subtract_curvature(model, workspace, lane);
+        }
     }
 
     /// Sets `arms` over `columns` to `first` times the Jacobian row of one tendon plus, if there is one, a multiple of another's.

@@ -136,7 +136,7 @@ impl Newton {
             let last = scale * decrement < tolerance;
             if !self.advance(model, problem.mass, parts, scale) {
                 // Nothing better along a direction that promised much: it was spoilt by rounding.
-                let spoilt = !last && !(decrement <= 1e-10 * cost.abs());
+                let spoilt = !last && decrement > 1e-10 * cost.abs();
                 if !spoilt || !self.damp() {
                     break;
                 }
