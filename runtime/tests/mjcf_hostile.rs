@@ -205,7 +205,7 @@ fn names_that_lead_nowhere_or_twice() {
 fn everything_unsupported_is_listed_with_its_line() {
     let text = "<mujoco>\n<option integrator=\"discrete\">\n<flag gravity=\"disable\"/></option>\n<worldbody>\n\
                 <body sleep=\"init\">\n<joint springyield=\"1\"/>\n<geom size=\"1\" fluidshape=\"ellipsoid\"/>\n\
-                <composite/>\n</body></worldbody>\n<deformable/>\n<equality>\n<weld body1=\"b\"/></equality>\n\
+                <composite/>\n</body></worldbody>\n<deformable/>\n<equality>\n<flex flex=\"b\"/></equality>\n\
                 <actuator>\n<dcmotor joint=\"j\"/></actuator></mujoco>";
     let Err(ModelError::Unsupported(list)) = Model::from_mjcf(text) else { panic!("not refused as unsupported") };
     let found: Vec<_> = list.iter().map(|item| (item.place.line, item.what.as_str())).collect();
@@ -217,7 +217,7 @@ fn everything_unsupported_is_listed_with_its_line() {
         (7, "attribute `fluidshape` of `geom` with the value `ellipsoid`"),
         (8, "element `composite` in `body`"),
         (10, "element `deformable` in `mujoco`"),
-        (12, "element `weld` in `equality`"),
+        (12, "element `flex` in `equality`"),
         (14, "element `dcmotor` in `actuator`"),
     ];
     assert_eq!(found, expected);
