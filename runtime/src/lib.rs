@@ -12,3 +12,4 @@ pub mod model;
 pub mod physics;
 pub mod policy;
 pub mod scalar;
+pub mod scene;

@@ -144,6 +144,7 @@ impl Binder<'_> {
     fn body(&mut self) -> Option<Body> {
         let root = self.root()?;
         self.members = subtree(self.model, root.body);
+        let root_body = root.body;
         let landmarks = self.landmarks();
         let joints = self.joints();
         let muscles = self.muscles();
@@ -162,6 +163,8 @@ impl Binder<'_> {
             excitation: self.description.excitation,
             root,
             members: self.members.clone(),
+            carried: Vec::new(),
+            mass: self.model.bodies.subtree_mass[root_body],
             landmarks,
             joints,
             muscles,
@@ -170,6 +173,7 @@ impl Binder<'_> {
             couplings,
             shapes,
             ground,
+            objects: Vec::new(),
         })
     }
 
@@ -372,13 +376,10 @@ impl Binder<'_> {
 }
 
 /// The bodies that hang on `root`, itself first: a contiguous range, since bodies are in depth-first order.
-fn subtree(model: &Model, root: usize) -> Range<usize> {
+pub(crate) fn subtree(model: &Model, root: usize) -> core::ops::Range<usize> {
     let parent = &model.bodies.parent;
-    let mut end = root + 1;
-    while end < parent.len() && parent[end] >= root {
-        end += 1;
-    }
-    root..end
+    let below = parent[root + 1..].iter().take_while(|&&parent| parent >= root).count();
+    root..root + 1 + below
 }
 
 /// Peak isometric force of a muscle, N: given, or its scale over its acceleration scale where the given one is negative.

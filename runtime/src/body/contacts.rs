@@ -21,7 +21,7 @@ impl Snapshot<'_> {
     pub fn external_contacts(&self) -> impl Iterator<Item = External> + '_ {
         // One episode has one lane.
         let constraints = self.workspace.episodes.first().map(|episode| &episode.constraints);
-        let owns = |geom: usize| self.body.members.contains(&self.model.geoms.body[geom]);
+        let owns = |geom: usize| self.body.owns(self.model.geoms.body[geom]);
         constraints.into_iter().flat_map(move |constraints| {
             constraints.contacts.iter().filter_map(move |contact| {
                 // Contacts in the gap beyond the margin are reported, but carry no force.

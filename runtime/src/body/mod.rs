@@ -15,9 +15,11 @@ pub mod sensors;
 pub mod shape;
 mod vocabulary;
 
+pub(crate) use bind::subtree;
 pub use bind::{BindError, Problem};
 
 use crate::model::{JointKind, Model};
+use crate::physics::kinematics::Kinematics;
 use core::ops::Range;
 use msk_compiler::body::{Axis, ExcitationMap};
 use nalgebra::{Matrix3, Vector3};
@@ -31,8 +33,12 @@ pub struct Body {
     pub excitation: ExcitationMap,
     /// The body of the model that everything hangs on.
     pub root: Root,
-    /// Bodies of the model that belong to this body: the root and all that hangs on it.
+    /// The root and all bodies of the model that hang on it.
     pub members: Range<usize>,
+    /// Those of them that a scene has put there: carried, but no part of the body.
+    pub carried: Vec<usize>,
+    /// The body's own mass, kg.
+    pub mass: f64,
     /// Landmarks, in the order of the body file.
     pub landmarks: Vec<Landmark>,
     /// Hinges and slides, in the order of the model.
@@ -47,8 +53,19 @@ pub struct Body {
     pub couplings: Vec<usize>,
     /// Shapes of the body that can touch the ground.
     pub shapes: Vec<usize>,
-    /// Fixed planes of the scene, which the body stands on; none means the level z = 0.
+    /// Shapes to stand and walk on; none means the level z = 0.
     pub ground: Vec<usize>,
+    /// Objects of the scene, in its order; their landmarks are the last of `landmarks`.
+    pub objects: Vec<Object>,
+}
+
+/// An object of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Object {
+    /// Its body.
+    pub body: usize,
+    /// First coordinate and first dof of its free joint.
+    pub free: Option<(usize, usize)>,
 }
 
 /// The body of the model that carries the whole body.
@@ -114,6 +131,27 @@ pub struct Muscle {
 }
 
 impl Body {
+    /// The body's own parts: members that are not carried.
+    pub fn own(&self) -> impl Iterator<Item = usize> + '_ {
+        self.members.clone().filter(|member| !self.carried.contains(member))
+    }
+
+    /// Whether a body of the model is a part of this body.
+    pub fn owns(&self, body: usize) -> bool {
+        self.members.contains(&body) && !self.carried.contains(&body)
+    }
+
+    /// The body's own centre of mass, without what it carries, m.
+    pub fn centre_of_mass(&self, model: &Model, kinematics: &Kinematics<f64>) -> Vector3<f64> {
+        let all = kinematics.subtree_com[self.root.body];
+        if self.carried.is_empty() {
+            return all;
+        }
+        let (total, mass) = (model.bodies.subtree_mass[self.root.body], &model.bodies.mass);
+        let load: Vector3<f64> = self.carried.iter().map(|&body| kinematics.inertial_position[body] * mass[body]).sum();
+        (all * total - load) / self.mass
+    }
+
     /// The pose of that name: coordinates in the order of `joints`, rad or m.
     pub fn pose(&self, name: &str) -> Option<&[f64]> {
         self.poses.iter().find(|pose| pose.name == name).map(|pose| pose.coordinates.as_slice())

@@ -1,8 +1,9 @@
 //! Where a body begins: joints in a pose, the root turned to its heading and lowered until something touches the ground.
 
-use super::{Body, shape};
+use super::Body;
 use crate::model::{Model, rotation};
 use crate::physics::{self, State, Workspace};
+use crate::scene::ground::Ground;
 use msk_compiler::task::RootPlacement;
 use nalgebra::{Matrix3, Vector3};
 
@@ -32,7 +33,8 @@ impl Body {
         state.velocity[dof + 3..dof + 6].fill(0.0);
         if placement.height.is_none() {
             physics::kinematics::update(model, state, &mut workspace.kinematics);
-            let clearance = shape::clearance(&model.geoms, &workspace.kinematics, &self.shapes, &self.ground);
+            let ground = Ground { model, kinematics: &workspace.kinematics, shapes: &self.ground };
+            let clearance = ground.clearance(&self.shapes);
             // A body without shapes stands on its root.
             state.position[position + 2] = if clearance.is_finite() { -clearance } else { 0.0 };
         }

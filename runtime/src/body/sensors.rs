@@ -110,7 +110,7 @@ impl Snapshot<'_> {
             Sensor::MuscleActivation(muscle) => Scalar(state.activation[muscle]),
             Sensor::MuscleExcitation(muscle) => Scalar(state.control[muscle]),
             Sensor::Action(muscle) => Scalar(control.action[muscle]),
-            Sensor::ComPosition => Vector(kinematics.subtree_com[body.root.body]),
+            Sensor::ComPosition => Vector(body.centre_of_mass(self.model, kinematics)),
             Sensor::ComVelocity => Vector(self.com_velocity()),
             Sensor::AngularMomentum => Vector(self.angular_momentum()),
             Sensor::RootPosition => Vector(kinematics.body_position[body.root.body]),
@@ -155,15 +155,14 @@ impl Snapshot<'_> {
     fn com_velocity(&self) -> Vector3<f64> {
         let mass = &self.model.bodies.mass;
         let positions = &self.workspace.kinematics.inertial_position;
-        let momentum: Vector3<f64> =
-            self.body.members.clone().map(|body| self.velocity_of(body, positions[body]) * mass[body]).sum();
-        momentum / self.model.bodies.subtree_mass[self.body.root.body]
+        let momentum: Vector3<f64> = self.body.own().map(|body| self.velocity_of(body, positions[body]) * mass[body]).sum();
+        momentum / self.body.mass
     }
 
     /// Angular momentum about the body's own centre of mass: Σ R I R'ω + m (x - c) × (v - v_c).
     fn angular_momentum(&self) -> Vector3<f64> {
         let (bodies, kinematics) = (&self.model.bodies, &self.workspace.kinematics);
-        let centre = kinematics.subtree_com[self.body.root.body];
+        let centre = self.body.centre_of_mass(self.model, kinematics);
         let drift = self.com_velocity();
         let part = |body: usize| {
             let axes = kinematics.inertial_rotation[body];
@@ -172,6 +171,6 @@ impl Snapshot<'_> {
             let orbit = (position - centre).cross(&(self.velocity_of(body, position) - drift));
             spin + orbit * bodies.mass[body]
         };
-        self.body.members.clone().map(part).sum()
+        self.body.own().map(part).sum()
     }
 }

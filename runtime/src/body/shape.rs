@@ -1,7 +1,6 @@
 //! How far a shape reaches in a direction: the support function of convex shapes.
 
-use crate::model::{GeomKind, Geoms};
-use crate::physics::kinematics::Kinematics;
+use crate::model::GeomKind;
 use nalgebra::Vector3;
 
 /// How far a shape of `kind` and `size` (m) reaches from its centre along `direction` (any length, in the shape's frame):
@@ -19,25 +18,6 @@ pub fn support(kind: GeomKind, size: Vector3<f64>, direction: Vector3<f64>) -> f
         GeomKind::Plane if d.x == 0.0 && d.y == 0.0 && d.z >= 0.0 => 0.0,
         GeomKind::Plane => f64::INFINITY,
     }
-}
-
-/// Height (m) of the lowest point of `shapes` above the planes `ground`, or above z = 0 where there are none; negative below.
-/// Infinite without shapes.
-///
-/// For a plane with unit normal n through p, a shape centred at c stands (c - p) · n - h(-n) above it, h its support function.
-pub fn clearance(geoms: &Geoms, kinematics: &Kinematics<f64>, shapes: &[usize], ground: &[usize]) -> f64 {
-    let above = |origin: Vector3<f64>, normal: Vector3<f64>| {
-        let heights = shapes.iter().map(|&geom| {
-            let down = kinematics.geom_rotation[geom].transpose() * -normal;
-            (kinematics.geom_position[geom] - origin).dot(&normal) - support(geoms.kind[geom], geoms.size[geom], down)
-        });
-        heights.fold(f64::INFINITY, f64::min)
-    };
-    if ground.is_empty() {
-        return above(Vector3::zeros(), Vector3::z());
-    }
-    let planes = ground.iter().map(|&plane| (kinematics.geom_position[plane], kinematics.geom_rotation[plane].column(2)));
-    planes.map(|(origin, normal)| above(origin, normal.into_owned())).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
 use super::*;
+use crate::scene::ground::Ground;
 use crate::model::Model;
 use crate::physics::{self, State, Workspace};
 use msk_compiler::body::{BodyDescription, LandmarkDescription};
@@ -189,7 +190,7 @@ fn placed(pose: &str, placement: &RootPlacement) -> (Model, Body, State<f64>, Wo
 fn a_body_stands_where_its_lowest_shape_touches_the_ground() {
     for pose in ["neutral", "kick"] {
         let (model, body, _, workspace) = placed(pose, &RootPlacement::default());
-        let lowest = shape::clearance(&model.geoms, &workspace.kinematics, &body.shapes, &body.ground);
+        let lowest = Ground { model: &model, kinematics: &workspace.kinematics, shapes: &body.ground }.clearance(&body.shapes);
         assert!(lowest.abs() < 1e-12, "{pose}: {lowest}");
     }
 }

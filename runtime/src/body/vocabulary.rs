@@ -41,8 +41,8 @@ impl Body {
         Vocabulary {
             body: self.name.clone(),
             physics_step: model.options.timestep,
-            mass: model.bodies.subtree_mass[self.root.body],
-            neutral_com: kinematics.subtree_com[self.root.body].into(),
+            mass: self.mass,
+            neutral_com: self.centre_of_mass(model, kinematics).into(),
             landmarks: self.landmarks.iter().map(landmark).collect(),
             joints: self.joints.iter().zip(neutral).map(joint).collect(),
             muscles: self.muscles.iter().map(muscle).collect(),

@@ -27,7 +27,7 @@ pub(super) struct Arrow {
 /// The resultants of all contacts of the body with anything else, each at its centre of pressure.
 pub(super) fn arrows(snapshot: &Snapshot<'_>, camera: &Camera) -> Vec<Arrow> {
     let gravity = snapshot.model.options.gravity.norm();
-    let weight = snapshot.model.bodies.subtree_mass[snapshot.body.root.body] * gravity;
+    let weight = snapshot.body.mass * gravity;
     let limbs = limbs(snapshot.model, snapshot.body.members.clone());
     // Force, and the sum of points weighted by the size of their forces.
     let mut pairs: BTreeMap<[usize; 2], (Vector3<f64>, Vector3<f64>, f64)> = BTreeMap::new();

@@ -102,7 +102,7 @@ impl Drawing {
         skeleton::add(snapshot, &camera, &mut panel);
         muscles::add(snapshot, &camera, &mut panel);
         let arrows = forces::arrows(snapshot, &camera);
-        let com = camera.project(snapshot.workspace.kinematics.subtree_com[snapshot.body.root.body]);
+        let com = camera.project(snapshot.body.centre_of_mass(snapshot.model, &snapshot.workspace.kinematics));
         let mut bounds = panel.bounds();
         bounds.include(com, 30.0);
         for arrow in &arrows {

@@ -24,6 +24,21 @@ pub enum GeomKind {
     Mesh,
 }
 
+impl GeomKind {
+    /// Radius of the smallest sphere about the centre that holds a shape of this kind; 0 for planes, which no sphere holds, and
+    /// for shapes that an asset bounds.
+    pub(crate) fn bounding_radius(self, size: Vector3<f64>) -> f64 {
+        match self {
+            Self::Plane | Self::HeightField | Self::Mesh => 0.0,
+            Self::Sphere => size.x,
+            Self::Capsule => size.x + size.y,
+            Self::Ellipsoid => size.max(),
+            Self::Cylinder => libm::hypot(size.x, size.y),
+            Self::Box => size.norm(),
+        }
+    }
+}
+
 /// Shapes, one entry each per array.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Geoms {

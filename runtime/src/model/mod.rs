@@ -14,7 +14,7 @@ mod constraints;
 mod geometry;
 mod height_field;
 pub mod import;
-mod inertia;
+pub(crate) mod inertia;
 mod keyframes;
 mod mesh;
 pub mod mjcf;

@@ -17,6 +17,7 @@ mod place;
 pub mod ray;
 mod shapes;
 
+pub(crate) use convex::solid::{Core, Solid};
 pub use convex::Scratch;
 pub use parameters::{Candidate, unsupported_pairs};
 pub use place::{Asset, Placed};

@@ -28,18 +28,6 @@ fn size_count(kind: GeomKind) -> usize {
     }
 }
 
-/// Radius of the smallest sphere about the centre that holds the shape; 0 for planes, which no sphere holds.
-fn bounding_radius(kind: GeomKind, size: Vector3<f64>) -> f64 {
-    match kind {
-        GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => 0.0,
-        GeomKind::Sphere => size.x,
-        GeomKind::Capsule => size.x + size.y,
-        GeomKind::Ellipsoid => size.max(),
-        GeomKind::Cylinder => libm::hypot(size.x, size.y),
-        GeomKind::Box => size.norm(),
-    }
-}
-
 impl Compiler<'_> {
     /// Reads a primitive geom with its class attributes already filled in. `frame` is the enclosing frame in the body.
     pub(super) fn read_geom(&mut self, element: &Element, body: usize, frame: &Frame) -> Result<(), ModelError> {
@@ -60,7 +48,7 @@ impl Compiler<'_> {
         geoms.friction.push(element.numbers_over("friction", [1.0, 0.005, 0.0001])?);
         geoms.margin.push(element.number_or("margin", 0.0)?);
         geoms.gap.push(element.number_or("gap", 0.0)?);
-        geoms.bounding_radius.push(bounding_radius(kind, size));
+        geoms.bounding_radius.push(kind.bounding_radius(size));
         geoms.name.push(name);
         geoms.kind.push(kind);
         geoms.body.push(body);

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// What a shape is once its roundness is taken off.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) enum Core<'a> {
+pub(crate) enum Core<'a> {
     /// A point.
     Point,
     /// Half length along z.
@@ -25,7 +25,7 @@ pub(in super::super) enum Core<'a> {
 
 /// A convex shape: everything within `radius` of its core.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Solid<'a> {
+pub(crate) struct Solid<'a> {
     /// Its core.
     pub core: Core<'a>,
     /// Origin of the core, m.

@@ -1,0 +1,188 @@
+//! From the description of a scene to bodies, joints and shapes.
+
+use super::builder::{BuildError, NewBody, NewGeom, NewJoint, SceneBuilder};
+use super::terrain;
+use crate::body::Body;
+use crate::model::{GeomKind, JointKind, Model, rotation};
+use msk_compiler::scene::{Motion, Object, ObjectJoint, ObjectJointKind, Parent, SceneDescription, Shape, Surface};
+use nalgebra::Vector3;
+
+/// What is wrong with a scene.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// Something that the scene refers to is not there.
+    #[error("{user} names `{name}`, which is neither a landmark of the body nor an object of the scene before it")]
+    Unknown {
+        /// What refers to it.
+        user: String,
+        /// The name.
+        name: String,
+    },
+    /// A number that makes no sense.
+    #[error("object `{object}`: {reason}")]
+    Object {
+        /// The object.
+        object: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// No model can hold the scene.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
+
+/// A scene put into a builder.
+#[derive(Debug)]
+pub(super) struct Placed<'a> {
+    pub builder: SceneBuilder<'a>,
+    /// A ground that the model does not have.
+    pub ground: Option<usize>,
+    /// Each object's body.
+    pub bodies: Vec<usize>,
+    /// Each object's own shapes.
+    pub geoms: Vec<Vec<usize>>,
+    /// Each object's joints, with the free one.
+    pub joints: Vec<Vec<usize>>,
+}
+
+/// Puts all objects into a builder for `model`, which `body` is bound to.
+pub(super) fn add<'a>(model: &'a Model, body: &Body, scene: &SceneDescription) -> Result<Placed<'a>, SceneError> {
+    let bits = Bits::of(model, body);
+    let builder = SceneBuilder::new(model);
+    let mut placed = Placed { builder, ground: None, bodies: Vec::new(), geoms: Vec::new(), joints: Vec::new() };
+    placed.ground = set_ground(model, body, scene, &mut placed.builder);
+    for object in &scene.objects {
+        let carrier = carrier(object, model, body, &placed.bodies)?;
+        let added = placed.builder.body(carrier);
+        placed.bodies.push(added);
+        let builder = &mut placed.builder;
+        let joint =
+            |joint: NewJoint| builder.joint(added, NewJoint { name: free_name(&joint.name, &model.joints.name), ..joint });
+        placed.joints.push(joints(object).into_iter().map(joint).collect());
+        let shape = |geom: NewGeom| {
+            let geom = NewGeom { name: free_name(&geom.name, &model.geoms.name), ..geom };
+            builder.geom(added, bits.apply(geom, &object.surface))
+        };
+        placed.geoms.push(shapes(object)?.into_iter().map(shape).collect());
+    }
+    Ok(placed)
+}
+
+/// The model's own ground goes where the scene has none, and becomes as rough as the scene says. A ground that is added.
+fn set_ground(model: &Model, body: &Body, scene: &SceneDescription, builder: &mut SceneBuilder<'_>) -> Option<usize> {
+    let Some(surface) = &scene.ground else {
+        body.ground.iter().for_each(|&plane| builder.make_intangible(plane));
+        return None;
+    };
+    if body.ground.is_empty() {
+        let plane = NewGeom { name: free_name("ground", &model.geoms.name), kind: GeomKind::Plane, ..NewGeom::default() };
+        return Some(builder.geom(0, Bits::of(model, body).apply(plane, surface)));
+    }
+    if surface.friction != Surface::default().friction {
+        body.ground.iter().for_each(|&plane| builder.set_friction(plane, surface.friction));
+    }
+    None
+}
+
+/// The first of `name`, `name'`, `name''`, ... that the model has not taken: tasks know other names than models.
+fn free_name(name: &str, taken: &[String]) -> String {
+    let mut name = name.to_owned();
+    while taken.contains(&name) {
+        name.push('\'');
+    }
+    name
+}
+
+/// Contact bits that meet every shape of the body that can touch anything, and those of other objects.
+struct Bits {
+    kind: u32,
+    affinity: u32,
+}
+
+impl Bits {
+    fn of(model: &Model, body: &Body) -> Self {
+        let join = |bits: &[u32]| body.shapes.iter().fold(1, |all, &geom| all | bits[geom]);
+        Self { kind: join(&model.geoms.contact_affinity), affinity: join(&model.geoms.contact_type) }
+    }
+
+    /// The shape with the surface of its object.
+    fn apply(&self, geom: NewGeom, surface: &Surface) -> NewGeom {
+        let [_, torsional, rolling] = surface.friction;
+        let [_, usual_torsional, usual_rolling] = Surface::default().friction;
+        // Who writes a friction against twisting or rolling wants it to act.
+        let contact_dimension = match (torsional != usual_torsional, rolling != usual_rolling) {
+            (_, true) => 6,
+            (true, false) => 4,
+            (false, false) => 3,
+        };
+        let (kind, affinity) = if surface.solid { (self.kind, self.affinity) } else { (0, 0) };
+        NewGeom { contact_type: kind, contact_affinity: affinity, contact_dimension, friction: surface.friction, ..geom }
+    }
+}
+
+/// The body of an object, where its parent carries it.
+fn carrier(object: &Object, model: &Model, body: &Body, bodies: &[usize]) -> Result<NewBody, SceneError> {
+    let name = free_name(&object.name, &model.bodies.name);
+    let wrong = |reason: &str| SceneError::Object { object: object.name.clone(), reason: reason.to_owned() };
+    let orientation = rotation::normalized(object.orientation).ok_or_else(|| wrong("its orientation is no rotation"))?;
+    let position = Vector3::from(object.position);
+    let unknown = |name: String| SceneError::Unknown { user: format!("object `{}`", object.name), name };
+    Ok(match &object.parent {
+        Parent::World => NewBody { name, parent: 0, position, orientation },
+        Parent::Object(parent) => {
+            let parent = *bodies.get(*parent).ok_or_else(|| unknown(format!("object {parent}")))?;
+            NewBody { name, parent, position, orientation }
+        }
+        Parent::Landmark(landmark) => {
+            let known = body.landmarks.iter().find(|known| known.name == *landmark).ok_or_else(|| unknown(landmark.clone()))?;
+            let axes = rotation::from_matrix(&known.axes);
+            let orientation = rotation::normalized(rotation::product(axes, orientation));
+            NewBody {
+                name,
+                parent: known.body,
+                position: known.point + known.axes * position,
+                orientation: orientation.unwrap_or(rotation::IDENTITY),
+            }
+        }
+    })
+}
+
+fn joints(object: &Object) -> Vec<NewJoint> {
+    match &object.motion {
+        Motion::Fixed => Vec::new(),
+        Motion::Free => vec![NewJoint { name: object.name.clone(), kind: JointKind::Free, ..NewJoint::default() }],
+        Motion::Joints(joints) => joints.iter().map(joint).collect(),
+    }
+}
+
+fn joint(joint: &ObjectJoint) -> NewJoint {
+    NewJoint {
+        name: joint.name.clone(),
+        kind: match joint.kind {
+            ObjectJointKind::Hinge => JointKind::Hinge,
+            ObjectJointKind::Slide => JointKind::Slide,
+            ObjectJointKind::Ball => JointKind::Ball,
+        },
+        axis: Vector3::from(joint.axis),
+        anchor: Vector3::from(joint.anchor),
+        range: joint.range,
+        damping: joint.damping,
+        stiffness: joint.stiffness,
+        friction_loss: joint.friction_loss,
+    }
+}
+
+/// The shapes of an object. One that is alone bears the object's name.
+fn shapes(object: &Object) -> Result<Vec<NewGeom>, SceneError> {
+    let Some(shape) = &object.shape else { return Ok(Vec::new()) };
+    let (kind, size) = match *shape {
+        Shape::Box(extents) => (GeomKind::Box, Vector3::from(extents) * 0.5),
+        Shape::Sphere(radius) => (GeomKind::Sphere, Vector3::new(radius, 0.0, 0.0)),
+        Shape::Capsule(radius, length) => (GeomKind::Capsule, Vector3::new(radius, 0.5 * length, 0.0)),
+        Shape::Cylinder(radius, length) => (GeomKind::Cylinder, Vector3::new(radius, 0.5 * length, 0.0)),
+        Shape::Ellipsoid(half_axes) => (GeomKind::Ellipsoid, Vector3::from(half_axes)),
+        Shape::Plane => (GeomKind::Plane, Vector3::zeros()),
+        Shape::Terrain(ref terrain) => return Ok(terrain::shapes(&object.name, terrain)),
+    };
+    Ok(vec![NewGeom { name: object.name.clone(), kind, size, mass: object.mass, ..NewGeom::default() }])
+}
