@@ -3,12 +3,12 @@
 
 use msk::compiler::compile;
 use msk::compiler::files::{LoadError, Loader};
-use msk::runtime::body::shape;
 use msk::runtime::episode::{Ending, Episode, EpisodeError, EpisodeKey, Fault};
 use msk::runtime::library::{BodyLibrary, BoundBody};
 use msk::runtime::model::JointKind;
 use msk::runtime::physics;
 use msk::runtime::policy;
+use msk::runtime::scene::ground::Ground;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -129,8 +129,8 @@ fn it_begins_on_the_ground_within_limits_with_couplings_solved() {
         let mut episode = episode(&[]);
         episode.reset(EpisodeKey { seed: 1, episode: index });
         let (context, state) = (episode.context(), episode.state());
-        let geoms = &context.model.geoms;
-        let clearance = shape::clearance(geoms, &context.workspace.kinematics, &context.body.shapes, &context.body.ground);
+        let ground = Ground { model: context.model, kinematics: &context.workspace.kinematics, shapes: &context.body.ground };
+        let clearance = ground.clearance(&context.body.shapes);
         assert!(clearance.abs() < 1e-12, "the lowest shape begins {clearance} m above the ground");
         for joint in &context.body.joints {
             let value = state.position[joint.position];

@@ -159,6 +159,12 @@ impl Vocabulary {
                 whole.joints.push(Joint { name, kind, range: joint.range, neutral: 0.0, independent: true, of_scene: true });
             }
         }
+        // An object is touched where anything that it carries is: parents stand before what they carry.
+        for (index, object) in scene.objects.iter().enumerate().rev() {
+            if let (Parent::Object(parent), true) = (&object.parent, whole.landmarks[first + index].has_segment) {
+                whole.landmarks[first + parent].has_segment = true;
+            }
+        }
         whole.groups.extend(scene.groups.iter().map(|(name, members)| Group {
             name: name.clone(),
             kind: GroupKind::Landmarks,

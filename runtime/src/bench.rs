@@ -4,9 +4,9 @@
 //! flatter the constraint solver, whose work is done when the set of contacts and limits changes.
 
 use crate::{
-    body::shape::clearance,
     model::{GeomKind, JointKind, Model},
     physics::{Fault, State, Workspace, constrained, inertia, kinematics, smooth, stepping, tendons},
+    scene::ground::Ground,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -223,7 +223,7 @@ fn initial_state(model: &Model, protocol: Protocol, workspace: &mut Workspace<f6
         let solid = |geom: &usize| geoms.contact_type[*geom] != 0 || geoms.contact_affinity[*geom] != 0;
         let (ground, shapes): (Vec<usize>, Vec<usize>) =
             (0..geoms.kind.len()).filter(solid).partition(|&geom| geoms.kind[geom] == GeomKind::Plane);
-        let height = clearance(geoms, &workspace.kinematics, &shapes, &ground);
+        let height = Ground { model, kinematics: &workspace.kinematics, shapes: &ground }.clearance(&shapes);
         let free = model.joints.kind.iter().position(|kind| *kind == JointKind::Free);
         if let Some(joint) = free.filter(|_| height.is_finite()) {
             state.position[model.joints.position_address[joint] + 2] -= height;

@@ -39,14 +39,4 @@ impl Snapshot<'_> {
             })
         })
     }
-
-    /// The contacts of a landmark's segment with the ground.
-    pub(super) fn ground_contacts(&self, segment: &[usize]) -> impl Iterator<Item = External> {
-        self.external_contacts().filter(|contact| segment.contains(&contact.shape) && self.body.ground.contains(&contact.other))
-    }
-
-    /// Force of the ground on a landmark's segment, world axes, N.
-    pub(super) fn ground_force(&self, segment: &[usize]) -> Vector3<f64> {
-        self.ground_contacts(segment).map(|contact| contact.force).sum()
-    }
 }

@@ -10,7 +10,9 @@
 mod bind;
 pub mod contacts;
 mod coupling;
+mod parts;
 mod placement;
+mod queries;
 pub mod sensors;
 pub mod shape;
 mod vocabulary;

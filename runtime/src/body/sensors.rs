@@ -3,10 +3,12 @@
 //! Everything is measured in one configuration: the workspace must hold the forward pass of the state. Velocities are those
 //! of the very point. A mean acceleration is the change of velocity over the control step; [`Memory`] keeps what it needs.
 
-use super::{Body, Landmark, shape};
+use super::{Body, Landmark};
 use crate::model::Model;
 use crate::physics::{State, Workspace};
+use crate::scene::ground::{ABYSS, Ground};
 use msk_compiler::frame::{FrameLayout, Sensor};
+use msk_compiler::scene::Part;
 use nalgebra::{Matrix3, Vector3};
 
 /// What the control loop knows and the physics does not.
@@ -52,6 +54,10 @@ pub fn fill(layout: &FrameLayout, snapshot: &Snapshot<'_>, control: &Control<'_>
         if control.elapsed > 0.0 { change / control.elapsed } else { Vector3::zeros() }
     };
     for &(sensor, offset) in layout.entries() {
+        if let Sensor::Query(query, size) = sensor {
+            snapshot.answer(&layout.queries()[query], &mut frame[offset..offset + size]);
+            continue;
+        }
         let value = match sensor {
             Sensor::LandmarkAcceleration(landmark) => Value::Vector(mean_acceleration(snapshot.landmark_velocity(landmark))),
             Sensor::ComAcceleration => Value::Vector(mean_acceleration(snapshot.com_velocity())),
@@ -66,8 +72,6 @@ enum Value {
     Scalar(f64),
     Vector(Vector3<f64>),
     Axes(Matrix3<f64>),
-    /// Not measured yet.
-    Nothing,
 }
 
 impl Value {
@@ -76,7 +80,6 @@ impl Value {
             Self::Scalar(value) => block.copy_from_slice(&[value]),
             Self::Vector(value) => block.copy_from_slice(value.as_slice()),
             Self::Axes(value) => block.copy_from_slice(value.as_slice()),
-            Self::Nothing => block.fill(f64::NAN),
         }
     }
 }
@@ -84,7 +87,7 @@ impl Value {
 impl Snapshot<'_> {
     /// Any sensor but the mean accelerations, which need a memory.
     fn measure(&self, sensor: Sensor, control: &Control<'_>) -> Value {
-        use Value::{Axes, Nothing, Scalar, Vector};
+        use Value::{Axes, Scalar, Vector};
         let (body, state, workspace) = (self.body, self.state, self.workspace);
         let (kinematics, muscles) = (&workspace.kinematics, &workspace.actuation);
         match sensor {
@@ -96,10 +99,7 @@ impl Snapshot<'_> {
                 Axes(kinematics.body_rotation[landmark.body] * landmark.axes)
             }
             Sensor::LandmarkAngularVelocity(landmark) => Vector(self.angular_velocity(body.landmarks[landmark].body)),
-            Sensor::LandmarkClearance(landmark) => {
-                let segment = &body.landmarks[landmark].segment;
-                Scalar(shape::clearance(&self.model.geoms, kinematics, segment, &body.ground))
-            }
+            Sensor::LandmarkClearance(landmark) => Scalar(self.clearance(landmark)),
             Sensor::JointPosition(joint) => Scalar(state.position[body.joints[joint].position]),
             Sensor::JointVelocity(joint) => Scalar(state.velocity[body.joints[joint].dof]),
             Sensor::JointAcceleration(joint) => Scalar(workspace.acceleration[body.joints[joint].dof]),
@@ -117,19 +117,31 @@ impl Snapshot<'_> {
             Sensor::RootAxes => Axes(kinematics.body_rotation[body.root.body] * body.root.axes),
             Sensor::RootVelocity => Vector(self.velocity_of(body.root.body, kinematics.body_position[body.root.body])),
             Sensor::RootAngularVelocity => Vector(self.angular_velocity(body.root.body)),
-            Sensor::GroundForce(landmark) => Vector(self.ground_force(&body.landmarks[landmark].segment)),
-            Sensor::GroundContact(landmark) => {
-                let touches = self.ground_contacts(&body.landmarks[landmark].segment).next().is_some();
-                Scalar(f64::from(u8::from(touches)))
-            }
-            // Asked for by tasks with scenes only, which the compiler still refuses.
-            Sensor::Touching(..) | Sensor::ContactForce(..) | Sensor::ContactCount(..) | Sensor::SurfaceDistance(..) => Nothing,
-            Sensor::Slip(..) | Sensor::Query(..) => Nothing,
+            Sensor::GroundForce(landmark) => Vector(self.contact_force(Part::Landmark(landmark), Part::Ground)),
+            Sensor::GroundContact(landmark) => Scalar(self.touching(Part::Landmark(landmark), Part::Ground)),
+            Sensor::Touching(first, second) => Scalar(self.touching(first, second)),
+            Sensor::ContactForce(first, second) => Vector(self.contact_force(first, second)),
+            Sensor::ContactCount(first, second) => Scalar(self.contact_count(first, second) as f64),
+            Sensor::SurfaceDistance(first, second) => Scalar(self.surface_distance(first, second)),
+            Sensor::Slip(first, second) => Scalar(self.slip(first, second)),
+            // Answered where the layout's queries are at hand.
+            Sensor::Query(..) => Scalar(0.0),
             Sensor::Time => Scalar(control.time),
         }
     }
 
-    fn landmark_position(&self, landmark: &Landmark) -> Vector3<f64> {
+    /// Height of a landmark's segment above the ground, m; over an abyss, above its bottom.
+    fn clearance(&self, landmark: usize) -> f64 {
+        let segment = &self.body.landmarks[landmark].segment;
+        let height = self.ground().clearance(segment);
+        if height.is_finite() || segment.is_empty() {
+            return height;
+        }
+        let level = Ground { shapes: &[], ..self.ground() };
+        level.clearance(segment) - ABYSS
+    }
+
+    pub(super) fn landmark_position(&self, landmark: &Landmark) -> Vector3<f64> {
         let kinematics = &self.workspace.kinematics;
         kinematics.body_position[landmark.body] + kinematics.body_rotation[landmark.body] * landmark.point
     }
@@ -141,7 +153,7 @@ impl Snapshot<'_> {
 
     /// Velocity of the material point of `body` that is at `point`: v = v_c + ω × (p - c), where the body's spatial velocity
     /// refers to c, the centre of mass of its kinematic tree.
-    fn velocity_of(&self, body: usize, point: Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn velocity_of(&self, body: usize, point: Vector3<f64>) -> Vector3<f64> {
         let [angular, linear] = self.workspace.velocities.body[body];
         let centre = self.workspace.kinematics.subtree_com[self.model.bodies.root[body]];
         linear + angular.cross(&(point - centre))

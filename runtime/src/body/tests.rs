@@ -1,7 +1,7 @@
 use super::*;
-use crate::scene::ground::Ground;
 use crate::model::Model;
 use crate::physics::{self, State, Workspace};
+use crate::scene::ground::Ground;
 use msk_compiler::body::{BodyDescription, LandmarkDescription};
 use msk_compiler::task::RootPlacement;
 use msk_compiler::vocabulary::GroupKind;

@@ -25,7 +25,7 @@ impl Body {
             has_segment: !landmark.segment.is_empty(),
             of_scene: landmark.of_scene,
         };
-        let joint = |(joint, &neutral): (&super::Joint, &f64)| Joint {
+        let joint = |(joint, neutral): (&super::Joint, f64)| Joint {
             name: joint.name.clone(),
             kind: if joint.kind == model::JointKind::Slide { JointKind::Slide } else { JointKind::Hinge },
             range: joint.range,
@@ -44,7 +44,8 @@ impl Body {
             mass: self.mass,
             neutral_com: self.centre_of_mass(model, kinematics).into(),
             landmarks: self.landmarks.iter().map(landmark).collect(),
-            joints: self.joints.iter().zip(neutral).map(joint).collect(),
+            // Poses say nothing of objects, whose joints stand at zero.
+            joints: self.joints.iter().zip(neutral.iter().copied().chain(core::iter::repeat(0.0))).map(joint).collect(),
             muscles: self.muscles.iter().map(muscle).collect(),
             groups: self.groups.clone(),
             poses: self.poses.clone(),

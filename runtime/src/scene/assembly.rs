@@ -6,7 +6,8 @@
 use super::builder::{BuildError, Built, NewBody, NewGeom, NewJoint, SceneBuilder};
 use crate::model::inertia::MassProperties;
 use crate::model::{
-    Bodies, ContactPairs, Couplings, Dofs, GeomKind, Geoms, HeightField, JointKind, Joints, Model, PathPoint, Sites, Softness, rotation, topology,
+    Bodies, ContactPairs, Couplings, Dofs, GeomKind, Geoms, HeightField, JointKind, Joints, Model, PathPoint, Sites, Softness,
+    rotation, topology,
 };
 use crate::physics::{collision, constants};
 use nalgebra::Vector3;

@@ -97,7 +97,7 @@ fn scene_joint(scene: &SceneDescription, placed: &Placed<'_>, object: usize, joi
     Some(moved(joint, index, &built.model))
 }
 
-/// The shapes of an object and of everything that it carries.
+/// The solid shapes of an object and of everything that it carries.
 fn carried_shapes(scene: &SceneDescription, placed: &Placed<'_>, object: usize) -> Vec<usize> {
     let mut within = vec![false; scene.objects.len()];
     within[object] = true;
@@ -107,7 +107,8 @@ fn carried_shapes(scene: &SceneDescription, placed: &Placed<'_>, object: usize) 
             within[index] |= within[parent];
         }
     }
-    (0..within.len()).filter(|&index| within[index]).flat_map(|index| placed.geoms[index].clone()).collect()
+    let solid = |&index: &usize| within[index] && scene.objects[index].surface.solid;
+    (0..within.len()).filter(solid).flat_map(|index| placed.geoms[index].clone()).collect()
 }
 
 /// Everything to stand on: the ground, and the solids that the scene calls walkable.

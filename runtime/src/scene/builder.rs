@@ -419,7 +419,11 @@ fn check_heights(name: &str, geom: &NewGeom) -> Result<(), BuildError> {
         Err(BuildError::Number { name: name.into(), what, value, expected })
     };
     let Some(field) = &geom.heights else {
-        return if geom.kind == GeomKind::HeightField { wrong("number of heights", 0.0, "a height field needs them") } else { Ok(()) };
+        return if geom.kind == GeomKind::HeightField {
+            wrong("number of heights", 0.0, "a height field needs them")
+        } else {
+            Ok(())
+        };
     };
     finite(name, "heights' samples", field.samples.iter())?;
     let count = field.samples.len();
@@ -429,7 +433,10 @@ fn check_heights(name: &str, geom: &NewGeom) -> Result<(), BuildError> {
     if let Some(&sample) = field.samples.iter().find(|sample| !(0.0..=1.0).contains(*sample)) {
         return wrong("heights' sample", sample, "samples lie between 0 and 1");
     }
-    match [field.radius[0], field.radius[1], field.elevation, field.base].into_iter().find(|extent| !(*extent > 0.0 && extent.is_finite())) {
+    match [field.radius[0], field.radius[1], field.elevation, field.base]
+        .into_iter()
+        .find(|extent| !(*extent > 0.0 && extent.is_finite()))
+    {
         Some(extent) => wrong("extent of the heights", extent, "it must be positive"),
         None => Ok(()),
     }

@@ -58,10 +58,7 @@ fn insideness([a, b, c]: &[Vector3<f64>; 3]) -> f64 {
 
 /// Three points of a convex set whose triangle the vertical through the origin pierces; `None` if it misses the set.
 /// `offset` is a first guess of where the set is (Gilbert, Johnson and Keerthi 1988, in the plane).
-fn around_vertical(
-    support: &impl Fn(&Vector3<f64>) -> Vector3<f64>,
-    offset: Vector2<f64>,
-) -> Option<[Vector3<f64>; 3]> {
+fn around_vertical(support: &impl Fn(&Vector3<f64>) -> Vector3<f64>, offset: Vector2<f64>) -> Option<[Vector3<f64>; 3]> {
     const MOST: usize = 64;
     let flat = |d: Vector2<f64>| Vector3::new(d.x, d.y, 0.0);
     // Left of the line from `from` to `to`, turned to the side where the origin is.

@@ -100,7 +100,10 @@ impl Ground<'_> {
             return f64::INFINITY;
         }
         let down = kinematics.geom_rotation[shape].transpose() * -normal;
-        let reach = support(geoms.kind[shape], geoms.size[shape], down);
+        let reach = match Placed::of(self.model, kinematics, 0, shape).asset {
+            Asset::Mesh(mesh) => mesh.hull.vertices[mesh.hull.farthest(down)].dot(&down),
+            _ => support(geoms.kind[shape], geoms.size[shape], down),
+        };
         ((kinematics.geom_position[shape] - origin).dot(&normal) - reach) / normal.z
     }
 
@@ -155,8 +158,7 @@ fn over_field(shape: &Solid<'_>, placed: &Placed<'_>, field: &HeightField, least
     for row in cells(1, field.rows) {
         for column in columns.clone() {
             let place = |row, column| placed.position + placed.rotation * field.point(row, column);
-            let [a, b, c, d] =
-                [place(row, column), place(row, column + 1), place(row + 1, column), place(row + 1, column + 1)];
+            let [a, b, c, d] = [place(row, column), place(row, column + 1), place(row + 1, column), place(row + 1, column + 1)];
             over([a, d, c]);
             over([a, b, d]);
         }

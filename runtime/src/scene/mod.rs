@@ -11,8 +11,10 @@ mod assembly;
 mod binding;
 mod builder;
 mod convex;
+mod footprint;
 pub mod ground;
 mod objects;
+pub mod radar;
 pub mod terrain;
 
 pub use builder::{BuildError, Built, NewBody, NewGeom, NewJoint, NewSite, SceneBuilder};

@@ -17,8 +17,8 @@ mod place;
 pub mod ray;
 mod shapes;
 
-pub(crate) use convex::solid::{Core, Solid};
 pub use convex::Scratch;
+pub(crate) use convex::solid::{Core, Solid};
 pub use parameters::{Candidate, unsupported_pairs};
 pub use place::{Asset, Placed};
 

@@ -1,3 +1,5 @@
+mod ground;
+
 use super::*;
 use crate::bodies;
 use crate::body::Body;
