@@ -86,7 +86,7 @@ impl Project {
                 let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
                 Error::new(format!("there is no task `{name}`")).hint(format!("there are: {}", known.join(", ")))
             })?;
-            let body = self.bodies.bind(&task.body).context(|| format!("task `{name}` has no body to run on"))?;
+            let body = self.bodies.stage(&task.body, &task.scene).context(|| format!("task `{name}` has no body to run on"))?;
             Ok(Trial { task: task.clone(), body })
         };
         members.into_iter().map(trial).collect()

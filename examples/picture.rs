@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let library = BodyLibrary::default();
     let compilation = compile(Path::new(file), &FileLoader, &library).map_err(|report| report.render(Style::Plain))?;
     let task = compilation.tasks.first().ok_or("the file holds no task")?;
-    let bound = library.bind(&task.body)?;
+    let bound = library.stage(&task.body, &task.scene)?;
 
     // One episode under computed muscle control, until the time has come or the episode has ended.
     let mut episode = Episode::new(bound.model.clone(), bound.body.clone(), task.clone())?;

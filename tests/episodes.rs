@@ -52,7 +52,7 @@ task balance {
     let bodies = BODIES.get_or_init(BodyLibrary::default);
     let compilation = compile(Path::new("task.msk"), &Text(text), bodies).unwrap_or_else(|report| panic!("{report}"));
     let task = compilation.tasks[0].clone();
-    let BoundBody { model, body, .. } = bodies.bind(&task.body).unwrap();
+    let BoundBody { model, body, .. } = bodies.stage(&task.body, &task.scene).unwrap();
     Episode::new(model, body, task).unwrap()
 }
 

@@ -3,8 +3,10 @@
 use crate::bodies;
 use crate::body::{BindError, Body};
 use crate::model::{Model, ModelError};
+use crate::scene::{self, SceneError};
 use msk_compiler::body::BodyDescription;
 use msk_compiler::files::{BodySource, LARGEST_FILE, LoadError, Loader};
+use msk_compiler::scene::SceneDescription;
 use msk_compiler::vocabulary::Vocabulary;
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -62,12 +64,21 @@ pub enum BodyError {
     /// The body file does not fit its model.
     #[error(transparent)]
     Bind(#[from] BindError),
+    /// The scene cannot be built around it.
+    #[error("the scene around body `{body}` cannot be built")]
+    Scene {
+        /// Name of the body.
+        body: String,
+        /// What is wrong with it.
+        source: SceneError,
+    },
 }
 
-/// The bodies of this machine: those on disk and those embedded in the program. Each is bound once.
+/// The bodies of this machine: those on disk and those embedded in the program. Each is bound once, and once in each scene.
 #[derive(Debug, Default)]
 pub struct BodyLibrary {
     bound: Mutex<Vec<(BodyDescription, BoundBody)>>,
+    staged: Mutex<Vec<(BodyDescription, SceneDescription, BoundBody)>>,
 }
 
 impl BodyLibrary {
@@ -86,6 +97,29 @@ impl BodyLibrary {
         let body = Body::bind(description, &model)?;
         let fresh = BoundBody { hash: hash(description, &model), model: Arc::new(model), body: Arc::new(body) };
         bound.push((description.clone(), fresh.clone()));
+        Ok(fresh)
+    }
+
+    /// The body that `description` describes in a scene, as a compiled task wants it.
+    ///
+    /// # Errors
+    /// Those of [`bind`](Self::bind), or a scene that no model can hold.
+    pub fn stage(&self, description: &BodyDescription, scene: &SceneDescription) -> Result<BoundBody, BodyError> {
+        let alone = self.bind(description)?;
+        let mut staged = self.staged.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = |known: &&(BodyDescription, SceneDescription, BoundBody)| known.0 == *description && known.1 == *scene;
+        if let Some((_, _, known)) = staged.iter().find(known) {
+            return Ok(known.clone());
+        }
+        let (model, body) = scene::stage(&alone.model, &alone.body, scene)
+            .map_err(|source| BodyError::Scene { body: description.name.clone(), source })?;
+        // Where the scene adds nothing, all that is known of the body alone holds.
+        let fresh = if model == *alone.model && body == *alone.body {
+            alone
+        } else {
+            BoundBody { hash: hash(description, &model), model: Arc::new(model), body: Arc::new(body) }
+        };
+        staged.push((description.clone(), scene.clone(), fresh.clone()));
         Ok(fresh)
     }
 }

@@ -2,16 +2,18 @@
 
 use super::Body;
 use crate::model::{Model, rotation};
-use crate::physics::{self, State, Workspace};
+use crate::physics::{self, State, Workspace, kinematics::Kinematics};
 use crate::scene::ground::Ground;
+use msk_compiler::frame::Origin;
 use msk_compiler::task::RootPlacement;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 impl Body {
     /// Sets positions and velocities of the body: `coordinates` (rad or m, in the order of `joints`) and the root's placement.
     /// All joint velocities become zero. A body fixed to the world ignores the placement.
     ///
-    /// Without a given height the lowest point of the body's shapes touches the ground.
+    /// Without a given height the lowest point of the body's shapes touches the ground. Where landmarks shall meet places, the
+    /// root is moved until the mean of what is missing vanishes; objects must stand in their places by then.
     pub fn place(
         &self,
         model: &Model,
@@ -31,12 +33,51 @@ impl Body {
         state.position[position + 3..position + 7].copy_from_slice(&orientation);
         state.velocity[dof..dof + 3].copy_from_slice(&placement.velocity);
         state.velocity[dof + 3..dof + 6].fill(0.0);
-        if placement.height.is_none() {
+        if !placement.meets.is_empty() {
+            physics::kinematics::update(model, state, &mut workspace.kinematics);
+            let missing = self.missing(&placement.meets, &workspace.kinematics);
+            for (coordinate, shift) in state.position[position..position + 3].iter_mut().zip(missing.iter()) {
+                *coordinate += shift;
+            }
+        } else if placement.height.is_none() {
             physics::kinematics::update(model, state, &mut workspace.kinematics);
             let ground = Ground { model, kinematics: &workspace.kinematics, shapes: &self.ground };
             let clearance = ground.clearance(&self.shapes);
             // A body without shapes stands on its root.
             state.position[position + 2] = if clearance.is_finite() { -clearance } else { 0.0 };
+        }
+    }
+
+    /// The mean way from landmarks to where they shall be.
+    fn missing(&self, meets: &[(usize, Origin)], kinematics: &Kinematics<f64>) -> Vector3<f64> {
+        let way = |(landmark, place): &(usize, Origin)| {
+            self.place_of(kinematics, place) - self.landmark_position(kinematics, *landmark)
+        };
+        meets.iter().map(way).sum::<Vector3<f64>>() / meets.len() as f64
+    }
+
+    /// Where a landmark is, m.
+    pub fn landmark_position(&self, kinematics: &Kinematics<f64>, landmark: usize) -> Vector3<f64> {
+        let landmark = &self.landmarks[landmark];
+        kinematics.body_position[landmark.body] + kinematics.body_rotation[landmark.body] * landmark.point
+    }
+
+    /// Where a landmark's forward axis points, seen from above: unit vector; world x where it is vertical.
+    pub fn heading(&self, kinematics: &Kinematics<f64>, landmark: usize) -> Vector2<f64> {
+        let landmark = &self.landmarks[landmark];
+        let forward = kinematics.body_rotation[landmark.body] * landmark.axes.column(0);
+        forward.xy().try_normalize(1e-12).unwrap_or_else(Vector2::x)
+    }
+
+    /// The place that an origin names, m.
+    pub fn place_of(&self, kinematics: &Kinematics<f64>, origin: &Origin) -> Vector3<f64> {
+        match origin {
+            Origin::World(place) => Vector3::from(*place),
+            Origin::Landmark(landmark, [forward, left, up]) => {
+                let ahead = self.heading(kinematics, *landmark);
+                let level = ahead * *forward + Vector2::new(-ahead.y, ahead.x) * *left;
+                self.landmark_position(kinematics, *landmark) + Vector3::new(level.x, level.y, *up)
+            }
         }
     }
 

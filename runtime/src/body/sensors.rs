@@ -3,7 +3,7 @@
 //! Everything is measured in one configuration: the workspace must hold the forward pass of the state. Velocities are those
 //! of the very point. A mean acceleration is the change of velocity over the control step; [`Memory`] keeps what it needs.
 
-use super::{Body, Landmark};
+use super::Body;
 use crate::model::Model;
 use crate::physics::{State, Workspace};
 use crate::scene::ground::{ABYSS, Ground};
@@ -91,7 +91,7 @@ impl Snapshot<'_> {
         let (body, state, workspace) = (self.body, self.state, self.workspace);
         let (kinematics, muscles) = (&workspace.kinematics, &workspace.actuation);
         match sensor {
-            Sensor::LandmarkPosition(landmark) => Vector(self.landmark_position(&body.landmarks[landmark])),
+            Sensor::LandmarkPosition(landmark) => Vector(body.landmark_position(kinematics, landmark)),
             Sensor::LandmarkVelocity(landmark) => Vector(self.landmark_velocity(landmark)),
             Sensor::LandmarkAcceleration(_) | Sensor::ComAcceleration => Vector(Vector3::zeros()),
             Sensor::LandmarkAxes(landmark) => {
@@ -141,14 +141,9 @@ impl Snapshot<'_> {
         level.clearance(segment) - ABYSS
     }
 
-    pub(super) fn landmark_position(&self, landmark: &Landmark) -> Vector3<f64> {
-        let kinematics = &self.workspace.kinematics;
-        kinematics.body_position[landmark.body] + kinematics.body_rotation[landmark.body] * landmark.point
-    }
-
     fn landmark_velocity(&self, landmark: usize) -> Vector3<f64> {
-        let landmark = &self.body.landmarks[landmark];
-        self.velocity_of(landmark.body, self.landmark_position(landmark))
+        let position = self.body.landmark_position(&self.workspace.kinematics, landmark);
+        self.velocity_of(self.body.landmarks[landmark].body, position)
     }
 
     /// Velocity of the material point of `body` that is at `point`: v = v_c + ω × (p - c), where the body's spatial velocity

@@ -2,12 +2,14 @@
 
 use super::streams::{EpisodeKey, Stream};
 use crate::body::Body;
-use crate::model::Model;
-use crate::physics::{State, Workspace};
-use msk_compiler::task::{Init, Spread};
+use crate::model::{Model, rotation};
+use crate::physics::{self, State, Workspace};
+use msk_compiler::task::{Init, ObjectStart, Settle, Spread};
+use nalgebra::Vector3;
 
 /// Puts `state` at the beginning of an episode: everything else in it is as after [`State::new`].
 ///
+/// 0. Free objects stand where the task puts them, others where the scene has them.
 /// 1. The task's coordinates, with normal noise on the independent hinges; a draw beyond a limit is folded back into the
 ///    range, since a pose that violates its limits would begin with a kick.
 /// 2. Slaved joints follow from their couplings.
@@ -16,6 +18,7 @@ use msk_compiler::task::{Init, Spread};
 ///
 /// The root itself gets no noise, so its quaternion stays a rotation.
 pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &mut State<f64>, workspace: &mut Workspace<f64>) {
+    init.objects.iter().for_each(|start| place_object(body, start, state));
     let mut noise = Stream::new(key, "init/noise/joints");
     for (index, (joint, &coordinate)) in body.joints.iter().zip(&init.coordinates).enumerate() {
         let deviation = draw(init.coordinate_noise.get(index), &mut noise);
@@ -30,6 +33,41 @@ pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &m
         state.velocity[joint.dof] = draw(Some(spread), &mut noise);
     }
     body.solve_coupled_velocities(model, &state.position, &mut state.velocity);
+}
+
+/// Puts a free object in its place. Velocities are given in world axes; the state has the spin in the object's own.
+fn place_object(body: &Body, start: &ObjectStart, state: &mut State<f64>) {
+    let Some((position, dof)) = body.objects.get(start.object).and_then(|object| object.free) else { return };
+    let orientation = rotation::normalized(start.orientation).unwrap_or(rotation::IDENTITY);
+    let spin = rotation::matrix(orientation).tr_mul(&Vector3::from(start.spin));
+    state.position[position..position + 3].copy_from_slice(&start.position);
+    state.position[position + 3..position + 7].copy_from_slice(&orientation);
+    state.velocity[dof..dof + 3].copy_from_slice(&start.velocity);
+    state.velocity[dof + 3..dof + 6].copy_from_slice(spin.as_slice());
+}
+
+/// Lets physics pass with all muscles held at one activation. The time is 0 afterwards, and excitations are those of rest.
+///
+/// # Errors
+/// Those of the physics.
+pub fn settle(
+    model: &Model,
+    settle: &Settle,
+    state: &mut State<f64>,
+    workspace: &mut Workspace<f64>,
+) -> Result<(), physics::Fault> {
+    state.activation.fill(settle.activation);
+    state.control.fill(settle.activation);
+    for _ in 0..settle.steps {
+        physics::step(model, state, workspace)?;
+        state.activation.fill(settle.activation);
+    }
+    state.control.fill(0.0);
+    if settle.at_rest {
+        state.velocity.fill(0.0);
+    }
+    state.time = 0.0;
+    Ok(())
 }
 
 /// A deviation; what does not scatter draws nothing.

@@ -13,6 +13,7 @@
 mod beginning;
 mod ending;
 mod excitation;
+mod pushes;
 mod streams;
 
 pub use ending::{Ending, EpisodeError, Fault};
@@ -23,7 +24,8 @@ use crate::body::{Body, sensors};
 use crate::model::Model;
 use crate::physics::{self, State, Workspace};
 use crate::policy::PolicyContext;
-use msk_compiler::task::{CompiledTask, StepReport, TaskState};
+use msk_compiler::task::{CompiledTask, Disturbance, StepReport, TaskState};
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// A task on a body: model, state, compiled task and seeds.
@@ -45,6 +47,8 @@ pub struct Snapshot {
     key: EpisodeKey,
     /// With the solver's warm start.
     state: State<f64>,
+    /// Pushes that were added to those of the task.
+    pushes: Vec<Disturbance>,
     /// With the states, clocks and operators of the task.
     task: TaskState,
     /// With the velocities of the previous step.
@@ -114,6 +118,7 @@ impl Episode {
             present: Snapshot {
                 key: EpisodeKey::default(),
                 state: State::new(&model),
+                pushes: Vec::new(),
                 task: TaskState::default(),
                 memory: sensors::Memory::default(),
                 action: vec![REST; body.muscles.len()],
@@ -136,14 +141,13 @@ impl Episode {
         let present = &mut self.present;
         present.key = key;
         present.state = State::new(&self.model);
+        present.pushes.clear();
         present.task = TaskState::default();
         present.memory = sensors::Memory::default();
         present.action.fill(REST);
         present.report = StepReport::default();
         present.ending = None;
-        let state = &mut present.state;
-        beginning::begin(&self.model, &self.body, &self.task.init, key, state, &mut self.workspace);
-        match physics::forward(&self.model, &self.present.state, &mut self.workspace) {
+        match self.begin(key) {
             Ok(()) => {
                 self.measure(0.0);
                 self.task.reset(&self.present.frame, &mut self.present.task);
@@ -151,6 +155,25 @@ impl Episode {
             }
             Err(fault) => self.present.ending = Some(Ending::Fault(fault.into())),
         }
+    }
+
+    /// Puts everything in its place, lets it settle if the task says so, and passes forward.
+    fn begin(&mut self, key: EpisodeKey) -> Result<(), physics::Fault> {
+        let (model, workspace) = (&*self.model, &mut self.workspace);
+        let Snapshot { state, task, .. } = &mut self.present;
+        let init = self.task.beginning(task);
+        beginning::begin(model, &self.body, &init, key, state, workspace);
+        if let Some(settle) = &init.settle {
+            beginning::settle(model, settle, state, workspace)?;
+        }
+        physics::forward(model, state, workspace)
+    }
+
+    /// Adds a push, as an evaluation does: it begins with the next control step and lasts `steps`. Force (N) and torque (N m)
+    /// act on a landmark (an index into the body's) in world axes. The next reset takes it away.
+    pub fn push(&mut self, landmark: usize, [force, torque]: [[f64; 3]; 2], steps: u32) {
+        let start = self.steps();
+        self.present.pushes.push(Disturbance { landmark, force, torque, start, steps });
     }
 
     /// Takes one control step with `action`, one entry in [-1, 1] per muscle; what lies outside is clipped.
@@ -192,14 +215,26 @@ impl Episode {
     /// It also held that of the old one, which saves a pass: a new excitation changes nothing in it but the rates of
     /// activation (a muscle's force follows its activation, unless it acts early).
     fn simulate(&mut self) -> Result<(), Fault> {
-        let (model, state, workspace) = (&*self.model, &mut self.present.state, &mut self.workspace);
-        if model.actuators.early.contains(&true) {
+        let (model, workspace) = (&*self.model, &mut self.workspace);
+        let Snapshot { state, pushes, task, .. } = &mut self.present;
+        let taken = task.step;
+        let acting = || self.task.disturbances.iter().chain(pushes.iter()).filter(|push| pushes::acts(push, taken));
+        let pushed = acting().next().is_some();
+        let forces_change = pushed || state.body_force.iter().flatten().any(|force| *force != Vector3::zeros());
+        if forces_change {
+            pushes::apply(acting(), model, &self.body, &workspace.kinematics, state);
+        }
+        if forces_change || model.actuators.early.contains(&true) {
             physics::forward(model, state, workspace)?;
         } else {
             physics::actuation::update(model, state, &workspace.kinematics, &workspace.tendons, &mut workspace.actuation);
         }
         for _ in 0..self.substeps {
             physics::integrate(model, state, workspace)?;
+            if pushed {
+                physics::kinematics::update(model, state, &mut workspace.kinematics);
+                pushes::apply(acting(), model, &self.body, &workspace.kinematics, state);
+            }
             physics::forward(model, state, workspace)?;
         }
         Ok(())

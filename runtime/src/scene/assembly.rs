@@ -3,7 +3,9 @@
 //! Every array of the result is gathered: an order lists, for each place, which element of the model or of the additions
 //! stands there. References are moved along, and what follows from the whole is derived anew.
 
-use super::builder::{BuildError, Built, NewBody, NewGeom, NewJoint, SceneBuilder};
+use super::builder::{Built, SceneBuilder};
+use super::check::BuildError;
+use super::elements::{NewBody, NewGeom, NewJoint};
 use crate::model::inertia::MassProperties;
 use crate::model::{
     Bodies, ContactPairs, Couplings, Dofs, GeomKind, Geoms, HeightField, JointKind, Joints, Model, PathPoint, Sites, Softness,
@@ -173,7 +175,7 @@ fn gather_bodies(builder: &SceneBuilder<'_>, order: &Order, places: &[usize], mo
         push_body(body, &builder.mass_properties(count + index), &mut added);
     }
     model.bodies = gather!(Bodies, builder.base.bodies, added, &order.bodies;
-        name parent position orientation inertial_position inertial_orientation mass inertia;
+        name parent position orientation inertial_position inertial_orientation mass inertia mocap;
         root = Vec::new(), weld = Vec::new(), subtree_mass = Vec::new(), joints = Vec::new(), dofs = Vec::new(),
         geoms = Vec::new(), inverse_weight = Vec::new());
     model.bodies.parent.iter_mut().for_each(|parent| *parent = places[*parent]);
@@ -188,6 +190,7 @@ fn push_body(body: &NewBody, mass: &MassProperties, into: &mut Bodies) {
     into.inertial_orientation.push(mass.axes);
     into.mass.push(mass.mass);
     into.inertia.push(mass.moments);
+    into.mocap.push(false);
 }
 
 fn gather_joints(builder: &SceneBuilder<'_>, order: &Order, places: &[usize], model: &mut Model) {

@@ -24,23 +24,36 @@ const EXACT: f64 = 1e-13;
 pub(super) fn gap(upper: &Solid<'_>, lower: &Solid<'_>) -> Option<f64> {
     let difference = |d: &Vector3<f64>| farthest(upper, d) - farthest(lower, &-d);
     let mut portal = around_vertical(&difference, (upper.position - lower.position).xy())?;
-    let mut level = f64::INFINITY;
+    let mut level = f64::NEG_INFINITY;
     for _ in 0..MOST_REFINEMENTS {
-        let [a, b, c] = portal;
-        let normal = (b - a).cross(&(c - a));
-        // The side that looks down.
-        let normal = if normal.z > 0.0 { -normal } else { normal };
-        let Some(normal) = normal.try_normalize(0.0).filter(|normal| normal.z < -1e-12) else { break };
+        let Some(normal) = underside(&portal) else { break };
         let lowest = difference(&normal);
         // All of the difference lies above this plane, and the portal above the gap.
-        level = normal.dot(&lowest) / normal.z;
-        if normal.dot(&a) / normal.z - level < EXACT {
+        level = level.max(normal.dot(&lowest) / normal.z);
+        if height(&portal) - level < EXACT {
             break;
         }
+        let [a, b, c] = portal;
         let parts = [[a, b, lowest], [b, c, lowest], [c, a, lowest]];
-        portal = parts.into_iter().max_by(|first, second| insideness(first).total_cmp(&insideness(second)))?;
+        // Where the vertical meets an edge, two of the parts are pierced: the lower one leads on.
+        let pierced = parts.iter().filter(|part| insideness(part) > -1e-10);
+        let lower = pierced.min_by(|first, second| height(first).total_cmp(&height(second)));
+        let surest = || parts.iter().max_by(|first, second| insideness(first).total_cmp(&insideness(second)));
+        portal = *lower.or_else(surest)?;
     }
     level.is_finite().then_some(level)
+}
+
+/// The unit normal of a triangle that looks down; `None` if the triangle is upright.
+fn underside([a, b, c]: &[Vector3<f64>; 3]) -> Option<Vector3<f64>> {
+    let normal = (b - a).cross(&(c - a));
+    let normal = if normal.z > 0.0 { -normal } else { normal };
+    normal.try_normalize(0.0).filter(|normal| normal.z < -1e-12)
+}
+
+/// Where the vertical through the origin meets the plane of a triangle.
+fn height(triangle: &[Vector3<f64>; 3]) -> f64 {
+    underside(triangle).map_or(f64::INFINITY, |normal| normal.dot(&triangle[0]) / normal.z)
 }
 
 fn cross(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {

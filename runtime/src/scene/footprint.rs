@@ -74,7 +74,7 @@ pub(super) fn ray(shape: &Solid<'_>, eye: Vector2<f64>, direction: Vector2<f64>)
         let normal = if normal.dot(&direction) > 0.0 { -normal } else { normal };
         let next = support(shape, eye, normal);
         let reach = (next - between).dot(&normal) / normal.norm();
-        if !(reach > EXACT) {
+        if reach.is_nan() || reach <= EXACT {
             break;
         }
         if aside(&next) >= 0.0 { high = next } else { low = next }

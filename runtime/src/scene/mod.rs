@@ -10,14 +10,18 @@
 mod assembly;
 mod binding;
 mod builder;
+mod check;
 mod convex;
+mod elements;
 mod footprint;
 pub mod ground;
 mod objects;
 pub mod radar;
 pub mod terrain;
 
-pub use builder::{BuildError, Built, NewBody, NewGeom, NewJoint, NewSite, SceneBuilder};
+pub use builder::{Built, SceneBuilder};
+pub use check::BuildError;
+pub use elements::{NewBody, NewGeom, NewJoint, NewSite};
 pub use objects::SceneError;
 
 use crate::body::Body;

@@ -1,6 +1,8 @@
 //! From the description of a scene to bodies, joints and shapes.
 
-use super::builder::{BuildError, NewBody, NewGeom, NewJoint, SceneBuilder};
+use super::builder::SceneBuilder;
+use super::check::BuildError;
+use super::elements::{NewBody, NewGeom, NewJoint};
 use super::terrain;
 use crate::body::Body;
 use crate::model::{GeomKind, JointKind, Model, rotation};

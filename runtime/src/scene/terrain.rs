@@ -2,7 +2,7 @@
 //!
 //! Terrain begins at the origin of its object and extends along x, centred in y.
 
-use super::builder::NewGeom;
+use super::elements::NewGeom;
 use crate::model::{GeomKind, HeightField, rotation};
 use msk_compiler::scene::Terrain;
 use nalgebra::Vector3;
