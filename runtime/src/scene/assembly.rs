@@ -8,8 +8,8 @@ use super::check::BuildError;
 use super::elements::{NewBody, NewGeom, NewJoint};
 use crate::model::inertia::MassProperties;
 use crate::model::{
-    Bodies, ContactPairs, Couplings, Dofs, GeomKind, Geoms, HeightField, JointKind, Joints, Model, PathPoint, Sites, Softness,
-    rotation, topology,
+    Actuators, Bias, Bodies, ContactPairs, Dofs, Gain, GeomKind, Geoms, HeightField, JointKind, Joints, Model, PathPoint, Sites,
+    Softness, Transmission, rotation, topology,
 };
 use crate::physics::{collision, constants};
 use nalgebra::Vector3;
@@ -109,28 +109,30 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
     let base = builder.base;
     let order = Order::of(builder);
     let [bodies, joints, geoms, sites] = [&order.bodies, &order.joints, &order.geoms, &order.sites].map(|order| places(order));
+    // Every part is named, so that a new one cannot be forgotten.
     let mut model = Model {
         name: base.name.clone(),
         options: base.options.clone(),
+        bodies: Bodies::default(),
+        joints: Joints::default(),
+        dofs: Dofs::default(),
+        geoms: Geoms::default(),
         meshes: base.meshes.clone(),
         height_fields: base.height_fields.clone(),
+        sites: Sites::default(),
         tendons: base.tendons.clone(),
         actuators: base.actuators.clone(),
-        couplings: Couplings {
-            joint: base.couplings.joint.iter().map(|&joint| joints[joint]).collect(),
-            leader: base.couplings.leader.iter().map(|leader| leader.map(|joint| joints[joint])).collect(),
-            ..base.couplings.clone()
-        },
+        couplings: base.couplings.clone(),
         pairs: pairs(builder, &geoms),
         exclusions: exclusions(base, &bodies),
-        ..Model::default()
+        nq: 0,
+        nv: 0,
+        na: base.na,
+        reference_position: Vec::new(),
     };
-    for point in &mut model.tendons.path_points {
-        match point {
-            PathPoint::Site(site) => *site = sites[*site],
-            PathPoint::Wrap { geom, side } => (*geom, *side) = (geoms[*geom], side.map(|site| sites[site])),
-            PathPoint::Pulley(_) => {}
-        }
+    move_references(&mut model, &joints, &geoms, &sites);
+    if carries_load(builder) {
+        keep_strength(base, &mut model.actuators);
     }
     gather_bodies(builder, &order, &bodies, &mut model);
     gather_joints(builder, &order, &bodies, &mut model);
@@ -145,6 +147,57 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
     check_contacts(&model)?;
     constants::derive(&mut model);
     Ok(Built { model, bodies, joints, geoms, sites })
+}
+
+/// Moves what refers to joints, shapes and sites along with them.
+fn move_references(model: &mut Model, joints: &[usize], geoms: &[usize], sites: &[usize]) {
+    for point in &mut model.tendons.path_points {
+        match point {
+            PathPoint::Site(site) => *site = sites[*site],
+            PathPoint::Wrap { geom, side } => (*geom, *side) = (geoms[*geom], side.map(|site| sites[site])),
+            PathPoint::Pulley(_) => {}
+        }
+    }
+    for transmission in &mut model.actuators.transmission {
+        match transmission {
+            Transmission::Joint(joint) | Transmission::JointInParent(joint) => *joint = joints[*joint],
+            Transmission::Tendon(_) => {}
+            Transmission::Site { site, reference } => {
+                (*site, *reference) = (sites[*site], reference.map(|site| sites[site]));
+            }
+        }
+    }
+    let couplings = &mut model.couplings;
+    couplings.joint.iter_mut().chain(couplings.leader.iter_mut().flatten()).for_each(|joint| *joint = joints[*joint]);
+}
+
+/// Whether anything heavy is added to a body of the model other than the world.
+fn carries_load(builder: &SceneBuilder<'_>) -> bool {
+    let count = builder.base.bodies.name.len();
+    let heavy = builder.geoms.iter().filter(|(_, geom)| geom.mass > 0.0);
+    heavy.into_iter().any(|&(mut body, _)| {
+        while body >= count {
+            body = builder.bodies[body - count].parent;
+        }
+        body != 0
+    })
+}
+
+/// Makes peak forces explicit that follow from how easily a muscle moves its body: a load makes nobody stronger or weaker.
+fn keep_strength(base: &Model, actuators: &mut Actuators) {
+    for (index, scale) in base.actuators.acceleration_scale.iter().enumerate() {
+        let own = |figures: &mut [f64; 9]| {
+            if figures[2] < 0.0 {
+                figures[2] = figures[3] / scale;
+            }
+        };
+        if let Gain::Muscle(figures) = &mut actuators.gain[index] {
+            own(figures);
+        }
+        if let Bias::Muscle(figures) = &mut actuators.bias[index] {
+            own(figures);
+        }
+    }
 }
 
 /// Explicit contact pairs but those with intangible shapes.
@@ -175,7 +228,8 @@ fn gather_bodies(builder: &SceneBuilder<'_>, order: &Order, places: &[usize], mo
         push_body(body, &builder.mass_properties(count + index), &mut added);
     }
     model.bodies = gather!(Bodies, builder.base.bodies, added, &order.bodies;
-        name parent position orientation inertial_position inertial_orientation mass inertia mocap;
+        name parent position orientation inertial_position inertial_orientation mass inertia mocap
+        gravity_compensation;
         root = Vec::new(), weld = Vec::new(), subtree_mass = Vec::new(), joints = Vec::new(), dofs = Vec::new(),
         geoms = Vec::new(), inverse_weight = Vec::new());
     model.bodies.parent.iter_mut().for_each(|parent| *parent = places[*parent]);
@@ -191,6 +245,7 @@ fn push_body(body: &NewBody, mass: &MassProperties, into: &mut Bodies) {
     into.mass.push(mass.mass);
     into.inertia.push(mass.moments);
     into.mocap.push(false);
+    into.gravity_compensation.push(0.0);
 }
 
 fn gather_joints(builder: &SceneBuilder<'_>, order: &Order, places: &[usize], model: &mut Model) {
@@ -200,7 +255,8 @@ fn gather_joints(builder: &SceneBuilder<'_>, order: &Order, places: &[usize], mo
         push_joint(*body, joint, &mut joints, &mut dofs);
     }
     model.joints = gather!(Joints, base.joints, joints, &order.joints;
-        name kind body anchor axis range margin limit_softness stiffness spring_reference;
+        name kind body anchor axis range margin limit_softness stiffness spring_reference actuator_force_range
+        actuator_compensates;
         position_address = Vec::new(), dof_address = Vec::new());
     model.joints.body.iter_mut().for_each(|body| *body = places[*body]);
     // Degrees of freedom follow their joints: those of an added joint are counted on from the model's.
@@ -263,6 +319,8 @@ fn push_joint(body: usize, joint: &NewJoint, into: &mut Joints, dofs: &mut Dofs)
     into.limit_softness.push(Softness::default());
     into.stiffness.push(joint.stiffness);
     into.spring_reference.push(0.0);
+    into.actuator_force_range.push(None);
+    into.actuator_compensates.push(false);
     for _ in 0..widths(joint.kind)[1] {
         dofs.armature.push(0.0);
         dofs.damping.push(joint.damping);
