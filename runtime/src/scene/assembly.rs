@@ -8,8 +8,8 @@ use super::check::BuildError;
 use super::elements::{NewBody, NewGeom, NewJoint};
 use crate::model::inertia::MassProperties;
 use crate::model::{
-    Actuators, Bias, Bodies, ContactPairs, Dofs, Gain, GeomKind, Geoms, HeightField, JointKind, Joints, Model, PathPoint, Sites,
-    Softness, Transmission, rotation, topology,
+    Actuators, AttachmentOrigin, Bias, Bodies, ContactPairs, Dofs, Equality, Gain, GeomKind, Geoms, HeightField, JointKind,
+    Joints, Model, PathPoint, Sites, Softness, Transmission, rotation, topology,
 };
 use crate::physics::{collision, constants};
 use nalgebra::Vector3;
@@ -122,15 +122,18 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
         sites: Sites::default(),
         tendons: base.tendons.clone(),
         actuators: base.actuators.clone(),
+        equalities: base.equalities.clone(),
         couplings: base.couplings.clone(),
         pairs: pairs(builder, &geoms),
         exclusions: exclusions(base, &bodies),
         nq: 0,
         nv: 0,
         na: base.na,
+        // States of the body alone say nothing of the scene.
+        keyframes: Vec::new(),
         reference_position: Vec::new(),
     };
-    move_references(&mut model, &joints, &geoms, &sites);
+    move_references(&mut model, [&bodies, &joints, &geoms, &sites]);
     if carries_load(builder) {
         keep_strength(base, &mut model.actuators);
     }
@@ -149,13 +152,26 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
     Ok(Built { model, bodies, joints, geoms, sites })
 }
 
-/// Moves what refers to joints, shapes and sites along with them.
-fn move_references(model: &mut Model, joints: &[usize], geoms: &[usize], sites: &[usize]) {
+/// Moves what refers to bodies, joints, shapes and sites along with them.
+fn move_references(model: &mut Model, [bodies, joints, geoms, sites]: [&Vec<usize>; 4]) {
     for point in &mut model.tendons.path_points {
         match point {
             PathPoint::Site(site) => *site = sites[*site],
             PathPoint::Wrap { geom, side } => (*geom, *side) = (geoms[*geom], side.map(|site| sites[site])),
+            PathPoint::Joint { joint, .. } => *joint = joints[*joint],
             PathPoint::Pulley(_) => {}
+        }
+    }
+    for kind in &mut model.equalities.kind {
+        match kind {
+            Equality::Connect(attachment) | Equality::Weld { attachment, .. } => {
+                attachment.bodies = attachment.bodies.map(|body| bodies[body]);
+                if let AttachmentOrigin::Sites(own) = &mut attachment.origin {
+                    *own = own.map(|site| sites[site]);
+                }
+            }
+            // Joints are those of the couplings, tendons keep their places.
+            Equality::Joint(_) | Equality::Tendon(_) => {}
         }
     }
     for transmission in &mut model.actuators.transmission {
@@ -255,7 +271,7 @@ fn gather_joints(builder: &SceneBuilder<'_>, order: &Order, places: &[usize], mo
         push_joint(*body, joint, &mut joints, &mut dofs);
     }
     model.joints = gather!(Joints, base.joints, joints, &order.joints;
-        name kind body anchor axis range margin limit_softness stiffness spring_reference actuator_force_range
+        name kind body anchor axis range margin limit_softness friction_softness stiffness spring_reference actuator_force_range
         actuator_compensates;
         position_address = Vec::new(), dof_address = Vec::new());
     model.joints.body.iter_mut().for_each(|body| *body = places[*body]);
@@ -317,6 +333,7 @@ fn push_joint(body: usize, joint: &NewJoint, into: &mut Joints, dofs: &mut Dofs)
     into.range.push(joint.range.filter(|_| !free));
     into.margin.push(0.0);
     into.limit_softness.push(Softness::default());
+    into.friction_softness.push(Softness::default());
     into.stiffness.push(joint.stiffness);
     into.spring_reference.push(0.0);
     into.actuator_force_range.push(None);
