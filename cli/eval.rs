@@ -1,5 +1,6 @@
 //! `msk eval FILE`: every task of a file under a policy, many episodes, a table.
 
+use crate::condition::Condition;
 use crate::error::{Error, INTERRUPTED};
 use crate::progress::Progress;
 use crate::project::Project;
@@ -28,6 +29,8 @@ pub struct Args {
     /// rest), random (every action uniform in -1..1)
     #[arg(long, default_value = "posture")]
     policy: String,
+    #[command(flatten)]
+    condition: Condition,
     /// Episodes per task [default: the suite's protocol, else 50]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     episodes: Option<u64>,
@@ -49,7 +52,9 @@ pub struct Args {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let project = Project::open(&args.file)?;
     let protocol = protocol(&args, &project);
-    let plan = Plan { trials: project.trials(args.task.as_deref())?, policy: args.policy.clone(), protocol };
+    let mut trials = project.trials(args.task.as_deref())?;
+    args.condition.apply(&mut trials)?;
+    let plan = Plan { trials, policy: args.policy.clone(), protocol };
     msk::runtime::policy::create(&plan.policy)?;
     let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
     let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);

@@ -4,6 +4,7 @@
 //! What goes wrong comes back as an [`Error`] and is printed in one place.
 
 mod check;
+mod condition;
 mod draw;
 mod error;
 mod eval;

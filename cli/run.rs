@@ -1,5 +1,6 @@
 //! `msk run TASK`: one episode, told term by term.
 
+use crate::condition::Condition;
 use crate::error::{Context, Error};
 use crate::project::Project;
 use msk::runtime::episode::EpisodeKey;
@@ -21,6 +22,8 @@ pub struct Args {
     /// rest), random (every action uniform in -1..1)
     #[arg(long, default_value = "posture")]
     policy: String,
+    #[command(flatten)]
+    condition: Condition,
     /// Seed of all chance
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -40,7 +43,8 @@ pub struct Args {
 /// # Errors
 /// Errors in the file, a policy that does not exist or cannot act, or a state file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let (_, trial) = Project::find(&args.task)?;
+    let (_, mut trial) = Project::find(&args.task)?;
+    args.condition.apply(std::slice::from_mut(&mut trial))?;
     let mut policy = policy::create(&args.policy)?;
     let mut episode = trial.episode()?;
     let key = EpisodeKey { seed: args.seed, episode: args.episode };

@@ -4,6 +4,7 @@ use crate::error::Error;
 use msk_runtime::{
     bench::{self, Protocol, Report, Settings},
     bodies,
+    model::ElasticTendons,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,9 @@ pub struct Args {
     /// Seed of the excitations
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Let all tendons stretch
+    #[arg(long)]
+    elastic: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -46,7 +50,10 @@ enum Activity {
 /// A model that cannot be read or uses unsupported features.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let path = args.model.unwrap_or_else(|| Path::new(bodies::ROOT).join("bodies/models/human416.xml"));
-    let model = bodies::model(&path)?;
+    let mut model = bodies::model(&path)?;
+    if args.elastic {
+        model = model.with_elastic_tendons(ElasticTendons::default())?;
+    }
     let protocol = match args.protocol {
         Activity::Falling => Protocol::Falling,
         Activity::Standing => Protocol::Standing,

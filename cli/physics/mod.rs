@@ -5,6 +5,7 @@
 mod bench;
 mod forward;
 mod import;
+mod muscle;
 mod rollout;
 
 use crate::error::{Context, Error};
@@ -27,6 +28,7 @@ enum Command {
     Forward(forward::Args),
     Rollout(rollout::Args),
     Import(import::Args),
+    Muscle(muscle::Args),
 }
 
 /// Runs the chosen subcommand.
@@ -39,6 +41,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Command::Forward(args) => forward::run(args),
         Command::Rollout(args) => rollout::run(args),
         Command::Import(args) => import::run(args),
+        Command::Muscle(args) => muscle::run(args),
     }
 }
 

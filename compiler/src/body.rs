@@ -19,6 +19,9 @@ pub struct BodyDescription {
     pub root_up: Axis,
     /// How actions become excitations.
     pub excitation: ExcitationMap,
+    /// Whether tendons stretch.
+    #[serde(default, skip_serializing_if = "TendonKind::is_rigid")]
+    pub tendons: TendonKind,
     /// Landmarks.
     pub landmarks: Vec<LandmarkDescription>,
     /// Names in tasks for joints of the model: (alias, joint).
@@ -56,6 +59,23 @@ pub enum ExcitationMap {
     Linear,
     /// u = 1 / (1 + exp(-5 (a - 0.5))): the published code's.
     Sigmoid,
+}
+
+/// Whether the tendons of a body's muscles stretch.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TendonKind {
+    /// They do not: the fibre is the path less a constant, as in MuJoCo.
+    #[default]
+    Rigid,
+    /// They do: every muscle is a fibre in series with a spring, as in OpenSim.
+    Elastic,
+}
+
+impl TendonKind {
+    // Rigid bodies keep the hashes they had before there was a choice.
+    fn is_rigid(&self) -> bool {
+        *self == Self::Rigid
+    }
 }
 
 /// A landmark of a body file.

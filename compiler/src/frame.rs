@@ -38,6 +38,12 @@ pub enum Sensor {
     MuscleVelocity(usize),
     /// Actuator force as the physics has it, pulling negative: 1, N.
     MuscleForce(usize),
+    /// Length of a muscle's fibre: 1, m. The path less the tendon's length where tendons are rigid.
+    MuscleFibreLength(usize),
+    /// Rate at which a muscle's fibre lengthens: 1, m/s.
+    MuscleFibreVelocity(usize),
+    /// Length of a muscle's tendon: 1, m. Constant where tendons are rigid; the force in it is [`Sensor::MuscleForce`].
+    MuscleTendonLength(usize),
     /// Activation: 1, in 0..1.
     MuscleActivation(usize),
     /// Excitation: 1, in 0..1.
@@ -152,9 +158,26 @@ impl Sensor {
             | RootAngularVelocity
             | GroundForce(_)
             | ContactForce(..) => 3,
-            LandmarkClearance(_) | JointPosition(_) | JointVelocity(_) | JointAcceleration(_) | JointTorque(_)
-            | MuscleLength(_) | MuscleVelocity(_) | MuscleForce(_) | MuscleActivation(_) | MuscleExcitation(_) | Action(_)
-            | GroundContact(_) | Touching(..) | ContactCount(..) | SurfaceDistance(..) | Slip(..) | Time => 1,
+            LandmarkClearance(_)
+            | JointPosition(_)
+            | JointVelocity(_)
+            | JointAcceleration(_)
+            | JointTorque(_)
+            | MuscleLength(_)
+            | MuscleVelocity(_)
+            | MuscleForce(_)
+            | MuscleFibreLength(_)
+            | MuscleFibreVelocity(_)
+            | MuscleTendonLength(_)
+            | MuscleActivation(_)
+            | MuscleExcitation(_)
+            | Action(_)
+            | GroundContact(_)
+            | Touching(..)
+            | ContactCount(..)
+            | SurfaceDistance(..)
+            | Slip(..)
+            | Time => 1,
         }
     }
 }

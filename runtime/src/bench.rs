@@ -251,7 +251,9 @@ fn spread(histogram: &[usize]) -> Spread {
 }
 
 fn state_bytes(model: &Model) -> usize {
-    let numbers = model.nq + 3 * model.nv + model.na + model.actuators.name.len() + 6 * model.bodies.parent.len();
+    let fibres = if model.elastic_tendons.is_some() { model.actuators.name.len() } else { 0 };
+    let inputs = model.na + model.actuators.name.len() + 2 * fibres;
+    let numbers = model.nq + 3 * model.nv + inputs + 6 * model.bodies.parent.len();
     size_of::<State<f64>>() + numbers * size_of::<f64>()
 }
 

@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod bodies;
 pub mod body;
+pub mod condition;
 pub mod draw;
 pub mod episode;
 pub mod evaluate;

@@ -2,9 +2,10 @@
 
 use crate::bodies;
 use crate::body::{BindError, Body};
-use crate::model::{Model, ModelError};
+use crate::condition::MuscleCondition;
+use crate::model::{ElasticTendons, Model, ModelError};
 use crate::scene::{self, SceneError};
-use msk_compiler::body::BodyDescription;
+use msk_compiler::body::{BodyDescription, TendonKind};
 use msk_compiler::files::{BodySource, LARGEST_FILE, LoadError, Loader};
 use msk_compiler::scene::SceneDescription;
 use msk_compiler::vocabulary::Vocabulary;
@@ -46,8 +47,10 @@ pub struct BoundBody {
     pub model: Arc<Model>,
     /// The body.
     pub body: Arc<Body>,
-    /// Hash of the body file's meaning and of the model's text.
+    /// Hash of the body file's meaning, of the model's text and of the condition.
     pub hash: String,
+    /// Condition of its muscles, which the model already has but for fatigue.
+    pub condition: MuscleCondition,
 }
 
 /// Why a body cannot be had.
@@ -92,10 +95,18 @@ impl BodyLibrary {
         if let Some((_, known)) = bound.iter().find(|(known, _)| known == description) {
             return Ok(known.clone());
         }
-        let model = bodies::model(Path::new(&description.model))
+        let mut model = bodies::model(Path::new(&description.model))
             .map_err(|source| BodyError::Model { body: description.name.clone(), source })?;
+        if description.tendons == TendonKind::Elastic {
+            model.elastic_tendons = Some(ElasticTendons::default());
+        }
         let body = Body::bind(description, &model)?;
-        let fresh = BoundBody { hash: hash(description, &model), model: Arc::new(model), body: Arc::new(body) };
+        let fresh = BoundBody {
+            hash: hash(description, &model),
+            model: Arc::new(model),
+            body: Arc::new(body),
+            condition: MuscleCondition::default(),
+        };
         bound.push((description.clone(), fresh.clone()));
         Ok(fresh)
     }
@@ -117,7 +128,7 @@ impl BodyLibrary {
         let fresh = if model == *alone.model && body == *alone.body {
             alone
         } else {
-            BoundBody { hash: hash(description, &model), model: Arc::new(model), body: Arc::new(body) }
+            BoundBody { hash: hash(description, &model), model: Arc::new(model), body: Arc::new(body), ..alone }
         };
         staged.push((description.clone(), scene.clone(), fresh.clone()));
         Ok(fresh)

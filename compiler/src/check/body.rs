@@ -4,7 +4,7 @@
 
 use super::constant::{self, NotConstant};
 use super::dimension::Dimension;
-use crate::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription};
+use crate::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription, TendonKind};
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
 use crate::syntax::tree::{
     Body, BodyGroup, BodyStatement, Element, ElementName, Expr, ExprKind, Field, FieldValue, Ident, Name, NamePart, Text,
@@ -96,16 +96,10 @@ impl Reader<'_> {
         match (name.text.as_str(), value.text.as_str()) {
             ("excitation", "linear") => self.body.excitation = ExcitationMap::Linear,
             ("excitation", "sigmoid") => self.body.excitation = ExcitationMap::Sigmoid,
-            ("tendons", "rigid") => {}
-            ("tendons", "elastic") => {
-                self.error(
-                    codes::tasks::NOT_YET,
-                    value.span,
-                    "elastic tendons belong to the language, but are not supported yet",
-                );
-            }
+            ("tendons", "rigid") => self.body.tendons = TendonKind::Rigid,
+            ("tendons", "elastic") => self.body.tendons = TendonKind::Elastic,
             ("excitation" | "tendons", other) => {
-                let choices = if name.text == "excitation" { "`linear` or `sigmoid`" } else { "`rigid`" };
+                let choices = if name.text == "excitation" { "`linear` or `sigmoid`" } else { "`rigid` or `elastic`" };
                 let message = format!("`{}` cannot be `{other}`; it is {choices}", name.text);
                 self.error(codes::tasks::UNKNOWN_SETTING, value.span, message);
             }

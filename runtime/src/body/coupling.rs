@@ -6,7 +6,7 @@ use crate::model::Model;
 ///
 /// # Errors
 /// The names of the joints that lead each other in a circle.
-pub(super) fn order(model: &Model) -> Result<Vec<usize>, Vec<String>> {
+pub(crate) fn order(model: &Model) -> Result<Vec<usize>, Vec<String>> {
     let couplings = &model.couplings;
     let mut waiting: Vec<usize> = (0..couplings.joint.len()).collect();
     let mut sorted = Vec::with_capacity(waiting.len());
@@ -24,7 +24,7 @@ pub(super) fn order(model: &Model) -> Result<Vec<usize>, Vec<String>> {
 }
 
 /// Sets the coordinates of all slaved joints in `position` (length `nq`) from their leaders, couplings in the given `order`.
-pub(super) fn solve(model: &Model, order: &[usize], position: &mut [f64]) {
+pub(crate) fn solve(model: &Model, order: &[usize], position: &mut [f64]) {
     let (couplings, address) = (&model.couplings, &model.joints.position_address);
     for &coupling in order {
         let displacement = couplings.leader[coupling].map_or(0.0, |leader| {
@@ -38,7 +38,7 @@ pub(super) fn solve(model: &Model, order: &[usize], position: &mut [f64]) {
 }
 
 /// Sets the velocities of all slaved joints in `velocity` (length `nv`) from their leaders: q̇₁ = p'(q₂ - q₂₀) q̇₂.
-pub(super) fn solve_velocities(model: &Model, order: &[usize], position: &[f64], velocity: &mut [f64]) {
+pub(crate) fn solve_velocities(model: &Model, order: &[usize], position: &[f64], velocity: &mut [f64]) {
     let (couplings, joints) = (&model.couplings, &model.joints);
     for &coupling in order {
         let rate = couplings.leader[coupling].map_or(0.0, |leader| {

@@ -9,7 +9,7 @@
 
 mod bind;
 pub mod contacts;
-mod coupling;
+pub(crate) mod coupling;
 mod parts;
 mod placement;
 mod queries;

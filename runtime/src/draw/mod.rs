@@ -5,9 +5,12 @@
 //! 3. `panel`: one view, painted from far to near;
 //! 4. `forces`: arrows of contact forces on top, the centre of mass, and the legend.
 //!
+//! Apart from these, [`chart`] draws curves over a common axis.
+//!
 //! The same state gives the same bytes. Units in the file are millimetres.
 
 mod camera;
+pub mod chart;
 mod forces;
 mod muscles;
 mod outline;

@@ -21,6 +21,7 @@ pub use excitation::{REST, excitation};
 pub use streams::{EpisodeKey, Stream};
 
 use crate::body::{Body, sensors};
+use crate::condition::{Compartments, Fatigue};
 use crate::model::Model;
 use crate::physics::{self, State, Workspace};
 use crate::policy::PolicyContext;
@@ -36,6 +37,7 @@ pub struct Episode {
     task: Arc<CompiledTask>,
     weights: Vec<f64>,
     substeps: u32,
+    fatigue: Option<Fatigue>,
     present: Snapshot,
     /// Scratch: the forward pass of the present state.
     workspace: Workspace<f64>,
@@ -53,6 +55,8 @@ pub struct Snapshot {
     task: TaskState,
     /// With the velocities of the previous step.
     memory: sensors::Memory,
+    /// Of muscles that tire.
+    compartments: Option<Compartments>,
     action: Vec<f64>,
     frame: Vec<f64>,
     observation: Vec<f64>,
@@ -115,12 +119,14 @@ impl Episode {
         let mut episode = Self {
             substeps: substeps(&task, model.options.timestep)?,
             weights: task.weights(),
+            fatigue: None,
             present: Snapshot {
                 key: EpisodeKey::default(),
                 state: State::new(&model),
                 pushes: Vec::new(),
                 task: TaskState::default(),
                 memory: sensors::Memory::default(),
+                compartments: None,
                 action: vec![REST; body.muscles.len()],
                 frame: vec![0.0; task.frame.size()],
                 observation: vec![0.0; task.observation_size()],
@@ -136,6 +142,13 @@ impl Episode {
         Ok(episode)
     }
 
+    /// The same episode with muscles that tire, reset: fresh ones begin it.
+    pub fn with_fatigue(mut self, fatigue: Option<Fatigue>) -> Self {
+        self.fatigue = fatigue;
+        self.reset(self.present.key);
+        self
+    }
+
     /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
     pub fn reset(&mut self, key: EpisodeKey) {
         let present = &mut self.present;
@@ -144,6 +157,7 @@ impl Episode {
         present.pushes.clear();
         present.task = TaskState::default();
         present.memory = sensors::Memory::default();
+        present.compartments = self.fatigue.as_ref().map(|_| Compartments::new(self.body.muscles.len()));
         present.action.fill(REST);
         present.report = StepReport::default();
         present.ending = None;
@@ -251,6 +265,10 @@ impl Episode {
             *kept = value.clamp(-1.0, 1.0);
             *control = excitation(self.body.excitation, *kept);
         }
+        let elapsed = 1.0 / self.task.control_frequency;
+        if let (Some(rates), Some(compartments)) = (&self.fatigue, &mut present.compartments) {
+            compartments.advance(rates, &self.model, elapsed, &mut present.state.control);
+        }
         Ok(())
     }
 
@@ -310,6 +328,11 @@ impl Episode {
     /// Length of a control step, s.
     pub fn control_period(&self) -> f64 {
         1.0 / self.task.control_frequency
+    }
+
+    /// Active, resting and fatigued units of the muscles, if they tire.
+    pub fn compartments(&self) -> Option<&Compartments> {
+        self.present.compartments.as_ref()
     }
 
     /// The physical state.

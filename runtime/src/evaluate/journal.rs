@@ -182,6 +182,7 @@ mod tests {
             family: String::new(),
             hash: "a".into(),
             model_hash: "b".into(),
+            condition: Default::default(),
             horizon: 10,
             weights: vec![],
         };

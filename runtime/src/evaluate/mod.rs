@@ -149,7 +149,8 @@ pub fn play(
         tally.add(episode);
         stepped();
     }
-    Ok(Some(tally.record(episode, policy.name(), &trial.body.hash, start.elapsed().as_secs_f64())))
+    let record = tally.record(episode, policy.name(), &trial.body.hash, start.elapsed().as_secs_f64());
+    Ok(Some(EpisodeRecord { condition: trial.body.condition.clone(), ..record }))
 }
 
 /// An episode to be played: index of the trial and of the episode.
@@ -232,6 +233,10 @@ impl Trial {
     /// # Errors
     /// A task that does not fit the body.
     pub fn episode(&self) -> Result<Episode, EpisodeError> {
-        Episode::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())
+        let episode = Episode::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())?;
+        Ok(match &self.body.condition.fatigue {
+            Some(fatigue) => episode.with_fatigue(Some(fatigue.clone())),
+            None => episode,
+        })
     }
 }

@@ -1,5 +1,6 @@
 //! What is kept of an episode: one line of the journal.
 
+use crate::condition::MuscleCondition;
 use crate::episode::{Ending, Episode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -41,6 +42,9 @@ pub struct EpisodeRecord {
     pub task_hash: String,
     /// Hash of the body file's meaning and the model.
     pub model_hash: String,
+    /// Condition of its muscles.
+    #[serde(default, skip_serializing_if = "MuscleCondition::is_none")]
+    pub condition: MuscleCondition,
     /// Seconds that the episode took; the only entry that differs from run to run.
     pub wall_time: f64,
 }
@@ -96,6 +100,7 @@ impl Tally {
             values: by_term(self.values),
             task_hash: task.hash.clone(),
             model_hash: model_hash.into(),
+            condition: MuscleCondition::default(),
             wall_time,
         }
     }
@@ -165,6 +170,7 @@ mod tests {
             values: ByTerm(vec![("pose".into(), 1.0 / 30.0), ("balance".into(), 0.0)]),
             task_hash: "t".into(),
             model_hash: "m".into(),
+            condition: MuscleCondition::default(),
             wall_time: 0.25,
         }
     }

@@ -1,6 +1,7 @@
 //! What is run: enough to tell whether two runs are the same.
 
 use super::Plan;
+use crate::condition::MuscleCondition;
 use serde::{Deserialize, Serialize};
 
 /// How many episodes, and from which seed.
@@ -36,6 +37,9 @@ pub struct TaskSettings {
     pub hash: String,
     /// Hash of the body it runs on.
     pub model_hash: String,
+    /// Condition of its muscles.
+    #[serde(default, skip_serializing_if = "MuscleCondition::is_none")]
+    pub condition: MuscleCondition,
     /// Control steps per episode.
     pub horizon: u32,
     /// Weights of the terms, in order.
@@ -50,6 +54,7 @@ impl RunSettings {
             family: trial.task.family.clone(),
             hash: trial.task.hash.clone(),
             model_hash: trial.body.hash.clone(),
+            condition: trial.body.condition.clone(),
             horizon: trial.task.horizon,
             weights: trial.task.terms.iter().map(|term| (term.name.clone(), term.weight)).collect(),
         });
@@ -76,6 +81,9 @@ impl RunSettings {
             .or_else(|| differ("program version", &self.version, &other.version))
             .or_else(|| {
                 let changed = self.tasks.iter().zip(&other.tasks).find(|(here, there)| here != there)?;
+                if changed.0.condition != changed.1.condition {
+                    return Some(format!("the condition of the muscles in task `{}` is another", changed.0.name));
+                }
                 let what = if changed.0.model_hash == changed.1.model_hash { "task" } else { "body of task" };
                 Some(format!("the {what} `{}` has changed since", changed.0.name))
             })
@@ -85,6 +93,7 @@ impl RunSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::condition::Weakness;
 
     fn settings() -> RunSettings {
         let task = TaskSettings {
@@ -92,6 +101,7 @@ mod tests {
             family: "stabilization".into(),
             hash: "a".into(),
             model_hash: "b".into(),
+            condition: MuscleCondition::default(),
             horizon: 1000,
             weights: vec![("pose".into(), 10.0)],
         };
@@ -118,6 +128,10 @@ mod tests {
         assert_eq!(difference(&|s| s.version = "2".into()), "its program version is 1, not 2");
         assert_eq!(difference(&|s| s.tasks[0].hash = "c".into()), "the task `stand` has changed since");
         assert_eq!(difference(&|s| s.tasks[0].weights[0].1 = 9.0), "the task `stand` has changed since");
+        let weak = Weakness { muscles: None, factor: 0.5 };
+        let condition = MuscleCondition { weakness: vec![weak], fatigue: None };
+        let found = difference(&|s| s.tasks[0].condition = condition.clone());
+        assert_eq!(found, "the condition of the muscles in task `stand` is another");
         assert_eq!(difference(&|s| s.tasks[0].model_hash = "c".into()), "the body of task `stand` has changed since");
     }
 }

@@ -149,6 +149,7 @@ mod tests {
             values: by_term(pose / 10.0, -effort),
             task_hash: String::new(),
             model_hash: String::new(),
+            condition: Default::default(),
             wall_time: 0.0,
         }
     }

@@ -44,6 +44,12 @@ pub fn forward_report(model: &Model, state: &State<f64>, workspace: &Workspace<f
     put("actuator_velocity", json!(workspace.actuation.velocity));
     put("actuator_force", json!(workspace.actuation.force));
     put("act_dot", json!(workspace.actuation.activation_rate));
+    if let Some(fibres) = &workspace.actuation.fibres {
+        let tendons: Vec<f64> = (0..fibres.length.len()).map(|muscle| workspace.actuation.tendon_length(muscle)).collect();
+        put("fibre_length", json!(fibres.length));
+        put("fibre_velocity", json!(fibres.velocity));
+        put("tendon_length", json!(tendons));
+    }
     if extra.moment_arms {
         put("actuator_moment", json!(actuator_moment(model, state, workspace)));
     }

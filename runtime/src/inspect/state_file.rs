@@ -27,6 +27,12 @@ pub struct StateFile {
     /// For each equality whether it holds, `neq`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eq_active: Option<Vec<bool>>,
+    /// Fibre lengths of muscles with elastic tendons, one per muscle, m; absent, they begin in balance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibre_length: Option<Vec<f64>>,
+    /// Their rates, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibre_velocity: Option<Vec<f64>>,
     /// Generalised forces from outside, `nv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub qfrc_applied: Option<Vec<f64>>,
@@ -78,6 +84,8 @@ impl StateFile {
             mocap_pos: placed.then(|| state.placed_position.iter().flatten().copied().collect()),
             mocap_quat: placed.then(|| state.placed_orientation.concat()),
             eq_active: Some(state.active.iter().map(|active| *active != 0.0).collect()),
+            fibre_length: Some(state.fibre_length.clone()).filter(|fibres| !fibres.is_empty()),
+            fibre_velocity: Some(state.fibre_velocity.clone()).filter(|fibres| !fibres.is_empty()),
             qacc_warmstart: Some(state.warm_start.clone()),
             ..Self::default()
         }
@@ -97,6 +105,8 @@ impl StateFile {
         take("ctrl", &self.ctrl, &mut state.control)?;
         let active = self.eq_active.as_ref().map(|active| active.iter().map(|&active| f64::from(u8::from(active))).collect());
         take("eq_active", &active, &mut state.active)?;
+        take("fibre_length", &self.fibre_length, &mut state.fibre_length)?;
+        take("fibre_velocity", &self.fibre_velocity, &mut state.fibre_velocity)?;
         take("qfrc_applied", &self.qfrc_applied, &mut state.applied_force)?;
         take("qacc_warmstart", &self.qacc_warmstart, &mut state.warm_start)?;
         let mut places: Vec<f64> = state.placed_position.iter().flatten().copied().collect();

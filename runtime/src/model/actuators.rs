@@ -120,6 +120,14 @@ impl Actuators {
         }
     }
 
+    /// Scales the active force of a muscle; its passive force stays. Other actuators have no muscles to be weak.
+    pub fn scale_strength(&mut self, actuator: usize, factor: f64) {
+        if let Gain::Muscle([_, _, force, scale, ..]) = &mut self.gain[actuator] {
+            // A negative peak force stands for one that follows from the scale.
+            *(if *force < 0.0 { scale } else { force }) *= factor;
+        }
+    }
+
     /// All muscles with their indices among the actuators.
     pub fn muscles(&self) -> impl Iterator<Item = (usize, Muscle)> + '_ {
         (0..self.name.len()).filter_map(|actuator| Some((actuator, self.muscle(actuator)?)))

@@ -11,6 +11,7 @@
 mod actuators;
 mod bodies;
 mod constraints;
+mod elastic;
 mod geometry;
 mod height_field;
 pub mod import;
@@ -26,6 +27,7 @@ pub(crate) mod topology;
 pub use actuators::{Actuators, Bias, Dynamics, Gain, Muscle, Transmission};
 pub use bodies::{Bodies, Dofs, JointKind, Joints};
 pub use constraints::{Attachment, AttachmentOrigin, ContactPairs, Couplings, Equalities, Equality, Softness, TendonCoupling};
+pub use elastic::{ElasticError, ElasticTendons, FibreCurves};
 pub use geometry::{GeomKind, Geoms, Sites};
 pub use height_field::HeightField;
 pub use keyframes::Keyframe;
@@ -62,6 +64,8 @@ pub struct Model {
     pub tendons: Tendons,
     /// Muscles and other actuators.
     pub actuators: Actuators,
+    /// Elastic tendons of all muscles; `None` where tendons are rigid, as in MJCF.
+    pub elastic_tendons: Option<ElasticTendons>,
     /// Equality constraints of all kinds.
     pub equalities: Equalities,
     /// Polynomial joint couplings, which are some of the equalities.

@@ -4,7 +4,7 @@
 //! 2. [`inertia`]: composite rigid bodies, the mass matrix on the tree's own sparsity, its factor;
 //! 3. [`tendons`]: path lengths with wrapping, the segments that join two bodies;
 //! 4. [`velocities`]: bodies, dofs' time derivatives, tendon and muscle velocities, without any tendon Jacobian;
-//! 5. [`actuation`] and [`forces`]: muscles and other actuators, passive elements, bias;
+//! 5. [`actuation`] with [`elastic`] tendons and [`forces`]: muscles and other actuators, passive elements, bias;
 //! 6. [`collision`] and [`constraint`]: contacts; rows of equalities, friction, limits and contacts, their softness;
 //! 7. [`solver`]: Newton on the primal problem;
 //! 8. [`integrator`]: Euler with implicit joint damping, implicit in velocity, Runge-Kutta.
@@ -16,6 +16,7 @@ pub mod collision;
 pub mod constants;
 pub mod constrained;
 pub mod constraint;
+pub mod elastic;
 pub mod fault;
 pub mod forces;
 pub mod inertia;
@@ -38,5 +39,5 @@ pub use jacobian::{center_of_mass_jacobian, point_jacobian};
 pub use smooth::smooth;
 pub use state::State;
 pub use stepping::{forward, integrate, step};
-pub use tendons::moment_arms;
+pub use tendons::{moment_arm, moment_arms};
 pub use workspace::Workspace;

@@ -15,6 +15,12 @@ pub struct State<T: Real> {
     pub velocity: Vec<T>,
     /// Activations of muscles and other actuators that have one, `na` entries.
     pub activation: Vec<T>,
+    /// Fibre lengths, one per actuator where tendons are elastic, else none, m; zero for a fibre that is not laid yet.
+    pub fibre_length: Vec<T>,
+    /// Their rates, from which the next step starts its search, m/s.
+    pub fibre_velocity: Vec<T>,
+    /// Time between the positions that belong to these lengths and the present ones, s.
+    pub fibre_step: f64,
     /// Controls (of muscles: excitations), one per actuator.
     pub control: Vec<T>,
     /// Generalised forces applied from outside, `nv` entries: N and N m.
@@ -38,7 +44,11 @@ impl<T: Real> State<T> {
         self.position.copy_from_slice(&other.position);
         self.velocity.copy_from_slice(&other.velocity);
         self.activation.copy_from_slice(&other.activation);
+        self.fibre_length.copy_from_slice(&other.fibre_length);
+        self.fibre_velocity.copy_from_slice(&other.fibre_velocity);
+        self.fibre_step = other.fibre_step;
         self.control.copy_from_slice(&other.control);
+        self.active.copy_from_slice(&other.active);
         self.applied_force.copy_from_slice(&other.applied_force);
         self.body_force.copy_from_slice(&other.body_force);
         self.placed_position.copy_from_slice(&other.placed_position);
@@ -50,11 +60,15 @@ impl<T: Real> State<T> {
     pub fn new(model: &Model) -> Self {
         let zero = T::splat(0.0);
         let placed = (0..model.bodies.mocap.len()).filter(|&body| model.bodies.mocap[body]);
+        let fibres = if model.elastic_tendons.is_some() { model.actuators.name.len() } else { 0 };
         Self {
             time: 0.0,
             position: model.reference_position.iter().map(|&value| T::splat(value)).collect(),
             velocity: vec![zero; model.nv],
             activation: vec![zero; model.na],
+            fibre_length: vec![zero; fibres],
+            fibre_velocity: vec![zero; fibres],
+            fibre_step: model.options.timestep,
             control: vec![zero; model.actuators.name.len()],
             applied_force: vec![zero; model.nv],
             body_force: vec![[Vector3::from_element(zero); 2]; model.bodies.parent.len()],

@@ -62,6 +62,11 @@ pub(crate) fn check<T: Real>(model: &Model, state: &State<T>) -> Result<(), Faul
     if let Some((actuator, value)) = unsound(&state.control) {
         return Err(Fault::of_input(model, state.time, "excitation", actuator, value));
     }
+    for (input, fibres) in [("fibre length", &state.fibre_length), ("fibre velocity", &state.fibre_velocity)] {
+        if let Some((actuator, value)) = unsound(fibres) {
+            return Err(Fault::of_input(model, state.time, input, actuator, value));
+        }
+    }
     let placed = state.placed_position.iter().zip(&state.placed_orientation);
     for (index, (position, orientation)) in placed.enumerate() {
         if unsound(position.as_slice()).or(unsound(orientation)).is_some() {

@@ -122,6 +122,7 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
         sites: Sites::default(),
         tendons: base.tendons.clone(),
         actuators: base.actuators.clone(),
+        elastic_tendons: base.elastic_tendons.clone(),
         equalities: base.equalities.clone(),
         couplings: base.couplings.clone(),
         pairs: pairs(builder, &geoms),

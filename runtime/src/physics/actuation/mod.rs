@@ -14,6 +14,7 @@ mod muscle;
 mod transmission;
 
 use super::{
+    elastic::{Fibres, Paths},
     kinematics::Kinematics,
     spatial::{Spatial, spatial_zero},
     state::State,
@@ -25,7 +26,7 @@ use crate::{
 };
 use core::ops::Range;
 use law::Law;
-use muscle::Curve;
+pub(super) use muscle::Curve;
 pub use muscle::activation_rate;
 use std::sync::Arc;
 use transmission::Moments;
@@ -45,6 +46,8 @@ pub struct Actuation<T: Real> {
     pub bias: Vec<T>,
     /// Force, N or N m (`actuator_force`); negative pulls.
     pub force: Vec<T>,
+    /// Fibres of the muscles, where tendons are elastic.
+    pub fibres: Option<Fibres<T>>,
     moments: Moments<T>,
     plan: Arc<Plan>,
 }
@@ -102,6 +105,7 @@ impl<T: Real> Actuation<T> {
             gain: zeros.clone(),
             bias: zeros.clone(),
             force: zeros,
+            fibres: plan.fibres(model),
             moments,
             plan: Arc::new(plan),
         }
@@ -111,9 +115,53 @@ impl<T: Real> Actuation<T> {
     /// its force-velocity curve at the present length and velocity, never negative; zero for what is no muscle. On request.
     pub fn active_damping(&self, actuator: usize) -> T {
         let (length, velocity) = (self.length[actuator], self.velocity[actuator]);
-        match self.plan.muscles.binary_search_by_key(&actuator, |muscle| muscle.actuator) {
-            Ok(index) => self.plan.muscles[index].active.damping(length, velocity),
-            Err(_) => T::splat(0.0),
+        self.curve(actuator).map_or(T::splat(0.0), |active| active.damping(length, velocity))
+    }
+
+    fn curve(&self, actuator: usize) -> Option<&Curve> {
+        let index = self.plan.muscles.binary_search_by_key(&actuator, |muscle| muscle.actuator).ok()?;
+        Some(&self.plan.muscles[index].active)
+    }
+
+    /// Peak isometric force of the muscle `actuator`, N; zero for what is no muscle.
+    pub fn peak_force(&self, actuator: usize) -> f64 {
+        self.curve(actuator).map_or(0.0, Curve::peak)
+    }
+
+    /// Optimal fibre length and tendon slack length of the muscle `actuator`, m, as its operating range has them; zero for
+    /// what is no muscle.
+    pub fn lengths(&self, actuator: usize) -> (f64, f64) {
+        self.curve(actuator).map_or((0.0, 0.0), Curve::lengths)
+    }
+
+    /// Length of the fibre of a muscle, m: the state of an elastic muscle, the path less the tendon's length in a rigid one.
+    pub fn fibre_length(&self, actuator: usize) -> T {
+        match &self.fibres {
+            Some(fibres) => fibres.length[actuator],
+            None => self.length[actuator] - T::splat(self.lengths(actuator).1),
+        }
+    }
+
+    /// Rate at which the fibre of a muscle lengthens, m/s.
+    pub fn fibre_velocity(&self, actuator: usize) -> T {
+        self.fibres.as_ref().map_or(self.velocity[actuator], |fibres| fibres.velocity[actuator])
+    }
+
+    /// Length of the tendon of a muscle, m: the path less the fibre along it. It is constant in a rigid muscle, and negative
+    /// where the operating range of a path puts the tendon's length below zero.
+    pub fn tendon_length(&self, actuator: usize) -> T {
+        match &self.fibres {
+            Some(fibres) => self.length[actuator] - fibres.along_path[actuator],
+            None => T::splat(self.lengths(actuator).1),
+        }
+    }
+
+    /// Hands the fibres of the present positions to `state`, which is to move on from these by `step` seconds.
+    pub(super) fn keep_fibres(&self, state: &mut State<T>, step: f64) {
+        if let Some(fibres) = &self.fibres {
+            state.fibre_length.copy_from_slice(&fibres.length);
+            state.fibre_velocity.copy_from_slice(&fibres.velocity);
+            state.fibre_step = step;
         }
     }
 }
@@ -167,6 +215,16 @@ impl Plan {
         plan.compensated = (0..model.nv).filter(|&dof| model.joints.actuator_compensates[model.dofs.joint[dof]]).collect();
         plan
     }
+
+    /// The fibres of plain muscles; `None` where tendons are rigid.
+    fn fibres<T: Real>(&self, model: &Model) -> Option<Fibres<T>> {
+        let settings = model.elastic_tendons.as_ref()?;
+        let mut fibres = Fibres::new(model.actuators.name.len());
+        for muscle in &self.muscles {
+            fibres.add(model, settings, [muscle.actuator, muscle.activation], [&muscle.active, &muscle.passive]);
+        }
+        Some(fibres)
+    }
 }
 
 /// Fills lengths, velocities, activation rates and forces.
@@ -203,6 +261,10 @@ pub fn update<T: Real>(
         out.gain[other.actuator] = gain;
         out.bias[other.actuator] = bias;
         out.force[other.actuator] = clamped(force, other.force_range);
+    }
+    let Actuation { length, velocity, gain, bias, force, fibres, .. } = out;
+    if let Some(fibres) = fibres {
+        fibres.update(state, Paths { length, velocity, gain, bias, force });
     }
 }
 
@@ -302,7 +364,8 @@ pub(super) fn each_slope<T: Real>(
     let zero = T::splat(0.0);
     let plan = &actuation.plan;
     let inside = |value: T, [low, high]: [f64; 2]| T::and(T::splat(low).less(value), value.less(T::splat(high)));
-    for muscle in &plan.muscles {
+    // The pull of a fibre with an elastic tendon follows from positions alone.
+    for muscle in plan.muscles.iter().filter(|_| actuation.fibres.is_none()) {
         let (length, velocity) = (actuation.length[muscle.actuator], actuation.velocity[muscle.actuator]);
         let slope = -state.activation[muscle.activation] * muscle.active.damping(length, velocity);
         if slope != zero {

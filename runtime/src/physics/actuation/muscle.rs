@@ -29,7 +29,7 @@ pub fn activation_rate<T: Real>(excitation: T, activation: T, constants: &[f64; 
 
 /// The constants of a force-length-velocity curve: peaks and scales ready for use.
 #[derive(Debug, Clone)]
-pub(super) struct Curve {
+pub struct Curve {
     /// F0, N.
     peak: f64,
     /// Scaled length = scale * path length + offset.
@@ -67,6 +67,22 @@ impl Curve {
         }
     }
 
+    /// Optimal fibre length and tendon slack length, m.
+    pub fn lengths(&self) -> (f64, f64) {
+        let optimal = 1.0 / self.scale;
+        (optimal, -self.offset * optimal)
+    }
+
+    /// Peak isometric force, N.
+    pub fn peak(&self) -> f64 {
+        self.peak
+    }
+
+    /// Maximal shortening velocity, optimal lengths per second.
+    pub fn fastest(&self) -> f64 {
+        self.scale / self.velocity_scale
+    }
+
     /// Active force at full activation, N.
     #[inline(always)]
     pub fn gain<T: Real>(&self, length: T, velocity: T) -> T {
@@ -78,19 +94,24 @@ impl Curve {
     /// Slope of [`gain`](Self::gain) over velocity, N s/m.
     #[inline(always)]
     pub fn damping<T: Real>(&self, length: T, velocity: T) -> T {
-        let (zero, one, two) = (T::splat(0.0), T::splat(1.0), T::splat(2.0));
         let length = length * T::splat(self.scale) + T::splat(self.offset);
-        let velocity = velocity * T::splat(self.velocity_scale);
+        let slope = self.slope_by_velocity(velocity * T::splat(self.velocity_scale));
+        T::splat(self.peak * self.velocity_scale) * self.active_by_length(length) * slope
+    }
+
+    /// Slope of [`active_by_velocity`](Self::active_by_velocity).
+    #[inline(always)]
+    pub fn slope_by_velocity<T: Real>(&self, velocity: T) -> T {
+        let (zero, one, two) = (T::splat(0.0), T::splat(1.0), T::splat(2.0));
         let knee = self.lengthening_peak - 1.0;
         let lengthening = two * (T::splat(knee) - velocity).max(zero) * T::splat(1.0 / knee.max(MINIMUM));
         let shortening = two * (velocity + one).max(zero);
-        let slope = T::select(zero.less(velocity), lengthening, shortening);
-        T::splat(self.peak * self.velocity_scale) * self.active_by_length(length) * slope
+        T::select(zero.less(velocity), lengthening, shortening)
     }
 
     /// Four parabolas: zero outside [lmin, lmax], one at 1.
     #[inline(always)]
-    fn active_by_length<T: Real>(&self, length: T) -> T {
+    pub fn active_by_length<T: Real>(&self, length: T) -> T {
         let (one, half) = (T::splat(1.0), T::splat(0.5));
         let share = |from: f64, to: f64| (length - T::splat(from)) * T::splat(1.0 / (to - from).max(MINIMUM));
         let rising = share(self.shortest, self.ascending);
@@ -109,7 +130,7 @@ impl Curve {
 
     /// A parabola while shortening, another while lengthening, constant beyond.
     #[inline(always)]
-    fn active_by_velocity<T: Real>(&self, velocity: T) -> T {
+    pub fn active_by_velocity<T: Real>(&self, velocity: T) -> T {
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
         let peak = T::splat(self.lengthening_peak);
         let knee = self.lengthening_peak - 1.0;
@@ -124,13 +145,24 @@ impl Curve {
     /// Passive force, N: zero up to the optimal length, then a parabola, then a straight line.
     #[inline(always)]
     pub fn passive<T: Real>(&self, length: T) -> T {
-        let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
         let length = length * T::splat(self.scale) + T::splat(self.offset);
+        T::splat(self.peak * self.passive_peak) * self.stretch(length)
+    }
+
+    /// The same over scaled length, in units of F0.
+    #[inline(always)]
+    pub fn passive_by_length<T: Real>(&self, length: T) -> T {
+        T::splat(self.passive_peak) * self.stretch(length)
+    }
+
+    #[inline(always)]
+    fn stretch<T: Real>(&self, length: T) -> T {
+        let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
         let inverse = T::splat(1.0 / (self.descending - 1.0).max(MINIMUM));
         let curve = (length - one) * inverse;
         let line = (length - T::splat(self.descending)) * inverse;
         let value = T::select(T::splat(self.descending).less(length), half + line, half * curve * curve);
-        T::select(one.less(length), T::splat(self.peak * self.passive_peak) * value, zero)
+        T::select(one.less(length), value, zero)
     }
 }
 

@@ -34,6 +34,7 @@ fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &Workspace<T
     let step = T::splat(time);
     let actuation = &workspace.actuation;
     actuation::advance(actuation, &actuation.activation_rate, time, &mut state.activation);
+    actuation.keep_fibres(state, time);
     for (velocity, acceleration) in state.velocity.iter_mut().zip(&workspace.damped_acceleration) {
         *velocity += step * *acceleration;
     }

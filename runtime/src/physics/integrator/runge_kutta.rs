@@ -114,6 +114,9 @@ pub fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut
             *velocity += step * *rate;
         }
         advance_positions(model, &mut state.position, &sums.position, step);
+        state.fibre_length.copy_from_slice(&method.stage.fibre_length);
+        state.fibre_velocity.copy_from_slice(&method.stage.fibre_velocity);
+        state.fibre_step = time;
         state.time += time;
         state.warm_start.copy_from_slice(&workspace.acceleration);
     }
@@ -128,12 +131,15 @@ fn stages<T: Real>(
     method: &mut RungeKutta<T>,
 ) -> Result<(), Fault> {
     method.stage.copy_from(state);
+    // Fibres move implicitly, from where they are at the start to each stage and to the end: their error is of first order.
+    workspace.actuation.keep_fibres(&mut method.stage, 0.0);
     method.take(workspace, T::splat(0.0));
     method.sums.set(&method.rates, WEIGHTS[0]);
     for (share, weight) in STAGES.into_iter().zip(&WEIGHTS[1..]) {
         let time = T::splat(share * model.options.timestep);
         let RungeKutta { stage, rates, .. } = &mut *method;
         stage.time = state.time + share * model.options.timestep;
+        stage.fibre_step = share * model.options.timestep;
         stage.warm_start.copy_from_slice(&workspace.acceleration);
         stage.position.copy_from_slice(&state.position);
         advance_positions(model, &mut stage.position, &rates.position, time);

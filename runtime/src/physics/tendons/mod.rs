@@ -231,3 +231,15 @@ fn each_mover(model: &Model, line: &plan::Line, mut visit: impl FnMut(usize, f64
         *end = model.dofs.parent[dof];
     }
 }
+
+/// Moment arm of `tendon` about one dof, -dL/dq: m for a rotation, a pure number for a translation. Positive where the pull
+/// drives the dof towards larger coordinates. On request only.
+pub fn moment_arm<T: Real>(model: &Model, kinematics: &Kinematics<T>, paths: &TendonPaths<T>, tendon: usize, dof: usize) -> T {
+    let mut sum = T::splat(0.0);
+    each_moment_arm(model, kinematics, paths, tendon, |moved, part| {
+        if moved == dof {
+            sum -= part;
+        }
+    });
+    sum
+}

@@ -1,0 +1,203 @@
+//! One muscle: a fibre and a tendon in series, advanced over one step.
+
+use super::curves::{Sloped, Tendon, active, passive, velocity};
+use crate::physics::actuation::Curve;
+
+/// Shortest fibre, in optimal lengths. Where a path is still shorter, its tendon hangs slack.
+const SHORTEST: f64 = 0.05;
+/// Balance of fibre and tendon, in units of peak force, at which the search ends.
+const TOLERANCE: f64 = 1e-9;
+/// Steps of the search at most; bisection alone needs about 50.
+const STEPS: usize = 100;
+/// Smallest cosine of pennation that is computed with.
+const SMALLEST_COSINE: f64 = 0.1;
+
+/// Which curves a fibre has.
+#[derive(Debug, Clone)]
+pub(super) enum Curves {
+    Published,
+    /// With the factor and offset that turn a length scaled for the active curve into one scaled for the passive curve: the
+    /// two parts of a model's muscle may have different figures.
+    Model {
+        active: Curve,
+        passive: Curve,
+        scale: [f64; 2],
+    },
+}
+
+impl Curves {
+    /// Active and passive force over length.
+    fn over_length(&self, length: f64) -> [Sloped; 2] {
+        match self {
+            Self::Published => [active(length), passive(length)],
+            Self::Model { active, passive, scale: [factor, offset] } => {
+                // Parabolas, of which a central difference is the slope.
+                const STEP: f64 = 1e-4;
+                let sloped = |curve: &dyn Fn(f64) -> f64| {
+                    let slope = (curve(length + STEP) - curve(length - STEP)) / (2.0 * STEP);
+                    [curve(length), slope]
+                };
+                [
+                    sloped(&|length| active.active_by_length(length)),
+                    sloped(&|length| passive.passive_by_length(factor * length + offset)),
+                ]
+            }
+        }
+    }
+
+    fn over_velocity(&self, value: f64) -> Sloped {
+        match self {
+            Self::Published => velocity(value),
+            Self::Model { active, .. } => [active.active_by_velocity(value), active.slope_by_velocity(value)],
+        }
+    }
+}
+
+/// What does not change about one muscle. Lengths in m, forces in N.
+#[derive(Debug, Clone)]
+pub(super) struct Unit {
+    /// Index of the actuator, and of its activation.
+    pub place: [usize; 2],
+    /// Optimal fibre length.
+    pub optimal: f64,
+    /// Path length at which an undisturbed fibre of length zero would leave the tendon just slack.
+    pub slack: f64,
+    /// Length of tendon that stretches.
+    pub compliant: f64,
+    /// Peak isometric force of the intact muscle, by which its tendon and its passive force scale.
+    pub peak: f64,
+    /// Share of it that the fibre can still bring up.
+    pub strength: f64,
+    /// Maximal shortening velocity, optimal lengths per second.
+    pub fastest: f64,
+    /// Damping of the fibre, peak forces per maximal velocity.
+    pub damping: f64,
+    /// Thickness of the muscle, which stays constant: sine of the pennation angle at optimal length.
+    pub thickness: f64,
+    pub tendon: Tendon,
+    pub curves: Curves,
+}
+
+/// A fibre with its tendon at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Fibre {
+    /// m.
+    pub length: f64,
+    /// m/s.
+    pub velocity: f64,
+    /// Along the tendon, N; never negative.
+    pub force: f64,
+    /// Of that the active part at full activation, N.
+    pub gain: f64,
+}
+
+/// The length-dependent half of the balance, linear about one fibre length.
+struct Local {
+    length: f64,
+    active: Sloped,
+    passive: Sloped,
+    cosine: f64,
+}
+
+impl Unit {
+    /// The fibre `step` seconds after it was `before` (length in m, velocity in m/s), on a path of length `path`.
+    ///
+    /// Implicit in the fibre's velocity v: with l = before + step v, activation times active(l) velocity(v) + passive(l) +
+    /// damping v balances the tendon's force at path - l. The curves over length are taken linear about the length that the
+    /// last velocity leads to; over velocity and strain they are exact. Newton's method between brackets always ends: the
+    /// fibre's damping and the tendon leave no more than one balance.
+    pub fn advance(&self, path: f64, before: [f64; 2], activation: f64, step: f64) -> Fibre {
+        let speed = self.optimal * self.fastest;
+        let start = before[0] / self.optimal;
+        let reach = step * self.fastest;
+        let guess = before[1] / speed;
+        let local = self.local((start + reach * guess).max(SHORTEST));
+        let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
+        let mut value = guess;
+        for _ in 0..STEPS {
+            let [balance, slope] = self.balance(&local, path, start, reach, value, activation);
+            if balance.abs() <= TOLERANCE {
+                break;
+            }
+            bracket[usize::from(balance > 0.0)] = value;
+            let newton = value - balance / slope;
+            value = if bracket[0] < newton && newton < bracket[1] {
+                newton
+            } else if bracket[0].is_finite() && bracket[1].is_finite() {
+                0.5 * (bracket[0] + bracket[1])
+            } else {
+                // A slope that leads astray: stride towards the open side.
+                value - (1.0 + value.abs()) * balance.signum()
+            };
+            if bracket[1] - bracket[0] <= 1e-14 * (1.0 + value.abs()) {
+                break;
+            }
+        }
+        let length = (start + reach * value).max(SHORTEST);
+        let value = if reach > 0.0 { (length - start) / reach } else { value };
+        self.fibre(&local, path, length, value)
+    }
+
+    /// The fibre that is in balance with its tendon while the tendon keeps its length: it moves with its path, at most at its
+    /// maximal velocity. By bisection between the shortest fibre and the one that leaves the tendon slack.
+    pub fn equilibrium(&self, path: f64, path_velocity: f64, activation: f64) -> Fibre {
+        let value = (path_velocity / (self.optimal * self.fastest)).clamp(-1.0, 1.0);
+        let excess = |length: f64| self.balance(&self.local(length), path, length, 0.0, value, activation)[0];
+        let along = (path - self.slack) / self.optimal;
+        let longest = (along.max(0.0) * along.max(0.0) + self.thickness * self.thickness).sqrt();
+        let mut bracket = [SHORTEST, longest.max(SHORTEST)];
+        if excess(bracket[1]) <= 0.0 {
+            // Shortening faster than it can pull: the tendon is slack.
+            bracket[0] = bracket[1];
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (bracket[0] + bracket[1]);
+            bracket[usize::from(excess(middle) > 0.0)] = middle;
+        }
+        let length = 0.5 * (bracket[0] + bracket[1]);
+        self.fibre(&self.local(length), path, length, value)
+    }
+
+    /// Length along the path of a fibre of that length, both in m.
+    pub fn along_path(&self, length: f64) -> f64 {
+        let thickness = self.thickness * self.optimal;
+        (length * length - thickness * thickness).max(0.0).sqrt()
+    }
+
+    fn local(&self, length: f64) -> Local {
+        let [active, passive] = self.curves.over_length(length);
+        let sine = self.thickness / length;
+        let cosine = (1.0 - sine * sine).max(0.0).sqrt().max(SMALLEST_COSINE);
+        Local { length, active, passive, cosine }
+    }
+
+    /// Force of the fibre less that of the tendon, along the tendon and in peak forces, and its slope over velocity.
+    fn balance(&self, local: &Local, path: f64, start: f64, reach: f64, value: f64, activation: f64) -> Sloped {
+        let offset = start + reach * value - local.length;
+        let active = activation * self.strength * (local.active[0] + local.active[1] * offset).max(0.0);
+        let mut force = (local.passive[0] + local.passive[1] * offset).max(0.0) + self.damping * value;
+        let mut slope = local.passive[1] * reach + self.damping;
+        if active > 0.0 {
+            let [factor, steepness] = self.curves.over_velocity(value);
+            force += active * factor;
+            slope += active * steepness + activation * self.strength * local.active[1] * reach * factor;
+        }
+        let along = local.length * local.cosine + offset / local.cosine;
+        let [pull, stiffness] = self.tendon.force((path - self.slack - self.optimal * along) / self.compliant);
+        let gearing = self.optimal * reach / (local.cosine * self.compliant);
+        [force * local.cosine - pull, slope * local.cosine + stiffness * gearing]
+    }
+
+    fn fibre(&self, local: &Local, path: f64, length: f64, value: f64) -> Fibre {
+        let offset = length - local.length;
+        let along = local.length * local.cosine + offset / local.cosine;
+        let [pull, _] = self.tendon.force((path - self.slack - self.optimal * along) / self.compliant);
+        let active = (local.active[0] + local.active[1] * offset).max(0.0) * self.curves.over_velocity(value)[0];
+        Fibre {
+            length: length * self.optimal,
+            velocity: value * self.optimal * self.fastest,
+            force: pull * self.peak,
+            gain: active * local.cosine * self.strength * self.peak,
+        }
+    }
+}
