@@ -48,6 +48,21 @@ impl Builder<'_> {
         self.name(name)
     }
 
+    /// `door.leaf`: the name of a part, its dots among its literal parts.
+    pub(super) fn path_in(&mut self, pair: &Pair<'_>) -> Name {
+        let Some(path) = part(pair, Rule::path) else { return self.name_in(pair) };
+        let names: Vec<Name> = path.clone().into_inner().map(|name| self.name(Some(name))).collect();
+        let (text, span) = (path.as_str().trim_end().to_owned(), self.span(&path));
+        let mut parts = Vec::new();
+        for name in names {
+            if !parts.is_empty() {
+                parts.push(NamePart::Literal(".".to_owned()));
+            }
+            parts.extend(name.parts);
+        }
+        Name { text, parts, span }
+    }
+
     pub(super) fn name(&mut self, pair: Option<Pair<'_>>) -> Name {
         let Some(pair) = pair else {
             return Name { text: String::new(), parts: Vec::new(), span: Span::default() };

@@ -45,6 +45,9 @@ impl Builder<'_> {
     }
 
     fn element_name(&mut self, pair: &Pair<'_>) -> Option<ElementName> {
+        if part(pair, Rule::path).is_some() {
+            return Some(ElementName::Name(self.path_in(pair)));
+        }
         if let Some(name) = part(pair, Rule::name) {
             return Some(ElementName::Name(self.name(Some(name))));
         }
@@ -151,7 +154,7 @@ impl Builder<'_> {
     }
 
     pub(super) fn placement(&mut self, pair: &Pair<'_>) -> Placement {
-        let object = self.name_in(pair);
+        let object = self.path_in(pair);
         let (fields, elements) = self.fields(pair);
         for element in elements {
             self.report(crate::syntax::wording::element_in_placement(self.file, element.kind.span, &object.text));
