@@ -251,3 +251,42 @@ fn frames_given_and_derived_agree() {
     };
     assert!((place(0) - place(1)).norm() < 1e-15);
 }
+
+#[test]
+fn whichever_solver_is_asked_for_the_optimum_is_the_same() {
+    let with = |solver: &str| Model::from_mjcf(&PAIR.replace("<option ", &format!("<option solver=\"{solver}\" ")));
+    let newton = with("Newton").unwrap();
+    assert!(with("CG").unwrap() == newton && with("PGS").unwrap() == newton);
+    let error = with("SOR").unwrap_err().to_string();
+    assert!(error.contains("`solver` expects one of PGS, CG, Newton, found `SOR`"), "{error}");
+}
+
+#[test]
+fn what_cannot_be_held_together_is_refused_with_the_reason() {
+    let refused = |equality: &str, expected: &str| {
+        let start = PAIR.find("<weld").unwrap();
+        let text = format!("{}{equality}</equality></mujoco>", &PAIR[..start]);
+        let error = Model::from_mjcf(&text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{equality}: {error}");
+    };
+    refused(r#"<weld body2="b"/>"#, "`weld` needs `body1` (and perhaps `body2`), or both `site1` and `site2`");
+    refused(r#"<weld body1="x"/>"#, "names the body `x`, which does not exist");
+    refused(r#"<weld body1="a" body2="a"/>"#, "needs two different bodies");
+    refused(r#"<weld site1="a"/>"#, "needs the attribute `site2`");
+    refused(r#"<weld site1="a" site2="b" body1="a"/>"#, "`body1` has no place beside them");
+    refused(r#"<connect body1="a"/>"#, "needs the attribute `anchor`");
+    refused(r#"<tendon tendon1="t" tendon2="t"/>"#, "a tendon cannot be coupled to itself");
+    refused(r#"<tendon tendon2="t"/>"#, "needs the attribute `tendon1`");
+    refused(r#"<connect body1="a" anchor="0 0 0" active="maybe"/>"#, "`active` expects one of false, true");
+    let fixed = |entries: &str| {
+        let text = format!(
+            "<mujoco><worldbody><body><joint name=\"h\"/><geom size=\"1\"/></body><body><freejoint name=\"f\"/><geom \
+             size=\"1\"/></body></worldbody><tendon><fixed>{entries}</fixed></tendon></mujoco>"
+        );
+        Model::from_mjcf(&text).unwrap_err().to_string()
+    };
+    assert!(fixed("").contains("needs at least one joint"));
+    assert!(fixed(r#"<joint joint="h"/>"#).contains("needs the attribute `coef`"));
+    assert!(fixed(r#"<joint joint="f" coef="1"/>"#).contains("must be a hinge or slide joint"));
+    assert!(fixed(r#"<joint joint="h" coef="1"/><joint joint="h" coef="2"/>"#).contains("in this tendon twice"));
+}

@@ -6,7 +6,7 @@ mod support;
 
 use msk_runtime::{
     model::{JointKind, Model},
-    physics::{State, Workspace, forward},
+    physics::{State, Workspace, forward, step},
 };
 use serde_json::Value;
 use support::{SplitMix, golden, numbers, repository};
@@ -83,7 +83,24 @@ fn compare(name: &str) {
             *worst = worst.max(error);
         }
     }
-    println!("{name}: worst errors {worst:?}");
+    let end = rollout(&model, &mut random);
+    let expected = &golden["end"];
+    let places = check(&format!("{name}, rollout: qpos"), &end.position, &numbers(&expected["qpos"]), 1e-8);
+    let speeds = check(&format!("{name}, rollout: qvel"), &end.velocity, &numbers(&expected["qvel"]), 1e-8);
+    println!("{name}: worst errors {worst:?}; after the rollout {places:e} and {speeds:e}");
+}
+
+/// A tenth of a second from the next random state; half way all equalities change over.
+fn rollout(model: &Model, random: &mut SplitMix) -> State<f64> {
+    const STEPS: usize = 50;
+    let (mut state, mut workspace) = (draw(model, random, 0), Workspace::new(model));
+    for number in 0..STEPS {
+        if number == STEPS / 2 {
+            state.active.iter_mut().for_each(|active| *active = 1.0 - *active);
+        }
+        step(model, &mut state, &mut workspace).unwrap();
+    }
+    state
 }
 
 /// Compares two lists and returns the largest error relative to the largest entry.

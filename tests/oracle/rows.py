@@ -4,7 +4,9 @@
 
 writes tests/golden/rows_*.json.gz from tests/oracle/row_models/*.xml, which tests/row_parity.rs reads. States are not stored:
 both sides draw them from the same generator, around the reference configuration, and every third of them holds or releases
-equalities at random. Of the Jacobian the golden file holds each row's weighted sum; everything else is stored whole.
+equalities at random. Of the Jacobian the golden file holds each row's weighted sum; everything else is stored whole. A
+rollout of a tenth of a second goes on from the next state that the generator gives; half way all equalities change over
+between holding and being released.
 """
 
 import mujoco
@@ -15,6 +17,7 @@ from smooth import HERE, SplitMix, folded, write
 
 FREE, BALL = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL
 STATES = 15
+STEPS = 50
 
 
 def draw(model, data, random, number):
@@ -70,8 +73,15 @@ def rows(path, seed):
         mujoco.mj_resetData(model, data)
         draw(model, data, random, number)
         states.append(record(model, data))
+    mujoco.mj_resetData(model, data)
+    draw(model, data, random, 0)
+    for number in range(STEPS):
+        if number == STEPS // 2:
+            data.eq_active[:] = 1 - data.eq_active
+        mujoco.mj_step(model, data)
     constants = {name: np.array(getattr(model, name)).ravel().tolist() for name in ("tendon_invweight0", "tendon_length0")}
-    write(f"rows_{path.stem}", {"seed": seed, "constants": constants, "states": states})
+    end = {"qpos": data.qpos.tolist(), "qvel": data.qvel.tolist()}
+    write(f"rows_{path.stem}", {"seed": seed, "constants": constants, "states": states, "end": end})
     seen = sorted({int(kind) for state in states for kind in state["type"]})
     print(f"{path.stem}: {sum(len(state['type']) for state in states)} rows of types {seen}")
 
