@@ -1,10 +1,11 @@
 //! `msk check FILE...`: everything that is wrong, in one go.
 
 use crate::error::{Error, FAILURE};
-use crate::{project, texts};
+use crate::project::{self, Settings};
+use crate::texts;
 use clap::ValueEnum;
-use msk::compiler::compile;
 use msk::compiler::diagnostics::Report;
+use msk::compiler::{compile, compile_with};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -24,6 +25,8 @@ pub struct Args {
     /// First apply the fixes that are surely meant; what remains is printed
     #[arg(long)]
     fix: bool,
+    #[command(flatten)]
+    settings: Settings,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -46,7 +49,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         if args.fix {
             mend(file, &bodies)?;
         }
-        let (report, tasks) = match compile(file, &FileLoader, &bodies) {
+        let (report, tasks) = match compile_with(file, &FileLoader, &bodies, &args.settings.settings) {
             Ok(compilation) => (Report::new(compilation.sources, compilation.warnings), compilation.tasks.len()),
             Err(report) => (report, 0),
         };

@@ -3,7 +3,7 @@
 use crate::condition::Condition;
 use crate::error::{Error, INTERRUPTED};
 use crate::progress::Progress;
-use crate::project::Project;
+use crate::project::{Project, Settings};
 use msk::runtime::evaluate::{self, Journal, JournalError, Plan, Protocol, RunSettings, Summary, report};
 use std::fs;
 use std::io::{self, Write};
@@ -43,6 +43,8 @@ pub struct Args {
     /// Folder for the results [default: a new one under results/]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    settings: Settings,
 }
 
 /// Runs the evaluation.
@@ -50,7 +52,7 @@ pub struct Args {
 /// # Errors
 /// Errors in the file, a folder that cannot be used, or a policy that cannot act.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let project = Project::open(&args.file)?;
+    let project = Project::open(&args.file, &args.settings.settings)?;
     let protocol = protocol(&args, &project);
     let mut trials = project.trials(args.task.as_deref())?;
     args.condition.apply(&mut trials)?;

@@ -1,8 +1,9 @@
 //! Files of tasks, compiled: shared by all subcommands that take one.
 
 use crate::error::{Context, Error};
+use msk::compiler::compile::Setting;
 use msk::compiler::diagnostics::{Report, Style};
-use msk::compiler::{Compilation, compile};
+use msk::compiler::{Compilation, compile_with};
 use msk::runtime::evaluate::Trial;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use std::collections::BTreeSet;
@@ -21,14 +22,14 @@ pub struct Project {
 }
 
 impl Project {
-    /// Compiles `path`; warnings go to standard error.
+    /// Compiles `path` with parameters set; warnings go to standard error.
     ///
     /// # Errors
     /// What the compiler says, all of it.
-    pub fn open(path: &Path) -> Result<Self, Error> {
+    pub fn open(path: &Path, settings: &[Setting]) -> Result<Self, Error> {
         let bodies = BodyLibrary::default();
-        let compilation =
-            compile(path, &FileLoader, &bodies).map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
+        let compilation = compile_with(path, &FileLoader, &bodies, settings)
+            .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
         let warnings = Report::new(compilation.sources.clone(), compilation.warnings.clone());
         write!(io::stderr().lock(), "{}", warnings.render(style(&io::stderr())))?;
         Ok(Self { compilation, bodies })
@@ -38,9 +39,9 @@ impl Project {
     ///
     /// # Errors
     /// No such task or file, or errors in it.
-    pub fn find(name: &str) -> Result<(Self, Trial), Error> {
+    pub fn find(name: &str, settings: &[Setting]) -> Result<(Self, Trial), Error> {
         if name.ends_with(".msk") || name.contains(std::path::MAIN_SEPARATOR) {
-            let project = Self::open(Path::new(name))?;
+            let project = Self::open(Path::new(name), settings)?;
             let trials = project.trials(None)?;
             return match <[Trial; 1]>::try_from(trials) {
                 Ok([trial]) => Ok((project, trial)),
@@ -55,7 +56,7 @@ impl Project {
             let message = format!("there is no `{SUITE}` here in which to look for the task `{name}`");
             return Err(Error::new(message).hint("go to the folder that has it, or give the path of the task's file"));
         }
-        let project = Self::open(Path::new(SUITE))?;
+        let project = Self::open(Path::new(SUITE), settings)?;
         let trial = project.trials(Some(name))?.remove(0);
         Ok((project, trial))
     }
@@ -90,6 +91,24 @@ impl Project {
             Ok(Trial { task: task.clone(), body })
         };
         members.into_iter().map(trial).collect()
+    }
+}
+
+/// Parameters of tasks that are set on the command line.
+#[derive(clap::Args)]
+pub struct Settings {
+    /// Set a parameter of the tasks: `--set speed=1.5` (in the unit in which it is written), `--set speed="1.5 m/s"`,
+    /// `--set walk.speed=1.5` for one task only
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
+    pub settings: Vec<Setting>,
+}
+
+fn setting(text: &str) -> Result<Setting, String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok(Setting { name: name.trim().into(), value: value.trim().into() })
+        }
+        _ => Err("a parameter is set as NAME=VALUE".into()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::condition::Condition;
 use crate::error::{Context, Error};
-use crate::project::Project;
+use crate::project::{Project, Settings};
 use msk::runtime::episode::EpisodeKey;
 use msk::runtime::evaluate::{EpisodeRecord, Plan, Protocol, Summary, play, report};
 use msk::runtime::inspect::StateFile;
@@ -36,6 +36,8 @@ pub struct Args {
     /// Write the state at the end to this file, as `msk draw --state` reads it
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
+    #[command(flatten)]
+    settings: Settings,
 }
 
 /// Runs the episode.
@@ -43,7 +45,7 @@ pub struct Args {
 /// # Errors
 /// Errors in the file, a policy that does not exist or cannot act, or a state file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let (_, mut trial) = Project::find(&args.task)?;
+    let (_, mut trial) = Project::find(&args.task, &args.settings.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
     let mut policy = policy::create(&args.policy)?;
     let mut episode = trial.episode()?;
@@ -68,6 +70,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     writeln!(out, "{}", headline(&record, time))?;
     for task in &summary.tasks {
         writeln!(out, "\n{}", report::terms(&task.terms))?;
+        if !task.metrics.is_empty() {
+            writeln!(out, "{}", report::metrics(&task.metrics))?;
+        }
     }
     writeln!(out, "return {:.3}, {}", record.total, if record.success { "success" } else { "no success" })?;
     Ok(ExitCode::SUCCESS)
@@ -79,7 +84,8 @@ fn headline(record: &EpisodeRecord, time: f64) -> String {
     let end = match &record.fault {
         Some(fault) => format!("stopped by a fault: {fault}"),
         None if record.truncated => "reached the horizon".into(),
-        None => format!("ended by {}", record.terminated_by.join(" and ")),
+        None if record.terminated_by.is_empty() => format!("finished by {}", record.finished_by.join(" and ")),
+        None => format!("ended by {}", record.ended_by()),
     };
     format!("{task}, policy {policy}, seed {seed}, episode {episode}: {end} after {steps} steps ({time:.2} s)")
 }

@@ -298,3 +298,79 @@ fn new_weights_in_between_change_the_pay_and_not_the_motion() {
     assert_eq!(changed.snapshot(), end);
     assert_eq!(changed.reward().total().to_bits(), total.to_bits());
 }
+
+/// A draw, its redraw, an end that is no failure, a metric and another body, in one.
+const CHANCE: [(&str, &str); 3] = [
+    (
+        "    body    human\n",
+        "    body    human with muscles.peak_force *= 2, knee_angle_r.damping = 3 N*m*s/rad\n    random goal = uniform(0 m .. 1 m, 0 m .. 2 m) redraw when step == 3\n    random other = normal(0, 1)\n",
+    ),
+    ("observe { com", "observe { goal; other; com"),
+    (
+        "terminate {",
+        "metrics { goal; tall = highest(com.height) }\n    finish { done when step >= 9; also when step >= 9 }\n    terminate {",
+    ),
+];
+
+#[test]
+fn randoms_have_streams_of_their_own_and_continue_from_a_snapshot() {
+    let mut first = episode(&CHANCE);
+    first.reset(KEY);
+    let begun: Vec<f64> = first.observation()[..3].to_vec();
+    assert!((0.0..1.0).contains(&begun[0]) && (0.0..2.0).contains(&begun[1]));
+    advance(&mut first, 2);
+    assert_eq!(first.observation()[..3], begun);
+    let snapshot = first.snapshot();
+    advance(&mut first, 1);
+    assert_ne!(first.observation()[..2], begun[..2]);
+    assert_eq!(first.observation()[2], begun[2]);
+    let mut second = episode(&CHANCE);
+    second.restore(&snapshot);
+    advance(&mut second, 1);
+    assert_eq!(second.snapshot(), first.snapshot());
+    // Another random beside it shifts nothing; another episode is another draw.
+    let alone = ("    random other = normal(0, 1)\n", "");
+    let fewer = [CHANCE[0], CHANCE[1], CHANCE[2], alone, ("other; ", "")];
+    let mut third = episode(&fewer);
+    third.reset(KEY);
+    assert_eq!(third.observation()[..2], begun[..2]);
+    third.reset(EpisodeKey { episode: 3, ..KEY });
+    assert_ne!(third.observation()[..2], begun[..2]);
+}
+
+#[test]
+fn a_finish_is_no_failure_and_all_reasons_are_told() {
+    let mut episode = episode(&CHANCE);
+    episode.reset(KEY);
+    advance(&mut episode, 9);
+    assert_eq!(episode.ending(), Some(&Ending::Finished(vec![0, 1])));
+    let metrics = &episode.report().metrics;
+    assert_eq!((metrics.len(), metrics[..2] == episode.observation()[..2]), (3, true));
+    assert!(metrics[2] > 0.7);
+}
+
+#[test]
+fn a_task_changes_its_own_body_only() {
+    let (changed, plain) = (episode(&CHANCE), episode(&[]));
+    let of = |episode: &Episode| {
+        let context = episode.context();
+        let knee = context.body.joints.iter().find(|joint| joint.name == "knee_angle_r").unwrap();
+        (
+            context.body.muscles[0].peak_force,
+            context.model.actuators.muscle(0).unwrap().active[2],
+            context.model.dofs.damping[knee.dof],
+        )
+    };
+    let (before, after) = (of(&plain), of(&changed));
+    assert_eq!((after.0, after.2), (2.0 * before.0, 3.0));
+    assert_eq!(after.1, after.0);
+}
+
+#[test]
+fn a_draw_that_never_fits_is_a_fault_of_that_episode() {
+    let never = ("    control", "    random goal = uniform(0.5..1) where goal > 2\n    control");
+    let mut episode = episode(&[never, ("observe { com", "observe { goal; com")]);
+    episode.reset(KEY);
+    let Some(Ending::Fault(fault @ Fault::Draw(_))) = episode.ending() else { panic!("{:?}", episode.ending()) };
+    assert!(fault.to_string().starts_with("none of 64 draws of `goal` at step 0 fulfils `goal > 2`"), "{fault}");
+}

@@ -36,6 +36,34 @@ pub struct BodyDescription {
     pub families: Vec<(String, Vec<String>)>,
     /// Named poses: (name, [(joint, coordinate in rad or m)]); joints not named stay at zero, slaved joints are solved.
     pub poses: Vec<(String, Vec<(String, f64)>)>,
+    /// What a task changes on the body: `body human with core.peak_force *= 3`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<Change>,
+}
+
+/// A parameter of a body part that a task changes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Change {
+    /// Name of the muscle or joint, as tasks name it.
+    pub part: String,
+    /// What is changed on it.
+    pub property: Property,
+    /// The new value, N, N m s/rad (N s/m), N m/rad (N/m); or a factor.
+    pub value: f64,
+    /// Whether the value is a factor.
+    pub scales: bool,
+}
+
+/// Parameters of body parts that a task may change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Property {
+    /// Peak isometric force of a muscle.
+    PeakForce,
+    /// Damping of a joint.
+    Damping,
+    /// Stiffness of a joint.
+    Stiffness,
 }
 
 /// A signed axis of a frame.

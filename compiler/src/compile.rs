@@ -7,14 +7,16 @@
 //!
 //! All errors of all files come in one [`Report`].
 
+mod settings;
+mod units;
+
 use crate::body::BodyDescription;
-use crate::check::scope::{FileInSight, Names};
+use crate::check::scope::FileInSight;
 use crate::check::{self, Texts};
 use crate::diagnostics::{Diagnostic, FileId, Report, Severity, SourceMap, Span, codes};
 use crate::files::{BodySource, LoadError, Loader};
-use crate::lower::finish;
 use crate::syntax;
-use crate::syntax::tree::{self, Item};
+use crate::syntax::tree::{self, Item, TaskStatement};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
 use std::collections::{BTreeMap, BTreeSet};
@@ -61,11 +63,33 @@ impl Default for Protocol {
     }
 }
 
+/// A parameter that is set from outside.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Setting {
+    /// `speed`, or `walk.speed` for the parameter of one task.
+    pub name: String,
+    /// The value with its unit: `1.5 m/s`; a plain number has the unit in which the parameter is written.
+    pub value: String,
+}
+
 /// Compiles a file and all that it uses.
 ///
 /// # Errors
 /// A [`Report`] with every error and warning of every file.
 pub fn compile(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource) -> Result<Compilation, Report> {
+    compile_with(entry, loader, bodies, &[])
+}
+
+/// Compiles a file and all that it uses, with parameters set from outside.
+///
+/// # Errors
+/// A [`Report`] with every error and warning of every file and of the settings: one that no task has is an error.
+pub fn compile_with(
+    entry: &Path,
+    loader: &dyn Loader,
+    bodies: &dyn BodySource,
+    settings: &[Setting],
+) -> Result<Compilation, Report> {
     let mut reader = Reader { loader, sources: SourceMap::default(), files: Vec::new(), diagnostics: Vec::new() };
     if let Err(problem) = reader.read_all(entry) {
         let message = problem.to_string();
@@ -74,28 +98,17 @@ pub fn compile(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource) -> Re
         return Err(Report::new(reader.sources, vec![diagnostic]));
     }
     reader.read_bodies(entry, bodies);
-    let Reader { sources, files, mut diagnostics, .. } = reader;
+    let Reader { mut sources, files, mut diagnostics, .. } = reader;
+    let settings = settings::read(settings, &mut sources, &mut diagnostics);
     let described = describe_bodies(&files, bodies, &mut diagnostics);
-    let mut tasks = Vec::new();
     let all_tasks = task_names(&files, &mut diagnostics);
-    for (index, file) in files.iter().enumerate() {
-        let in_sight = in_sight(&files, index);
-        for item in &file.tree.items {
-            match item {
-                Item::Task(task) => {
-                    let names = Names::collect(&in_sight, Some((task, file.tree.file)), &mut diagnostics);
-                    let compiled = compile_task(task, file.tree.file, &names, &described, &sources, &mut diagnostics);
-                    tasks.extend(compiled.map(Arc::new));
-                }
-                Item::Sequence(sequence) => diagnostics.push(Diagnostic::new(
-                    codes::tasks::NOT_YET,
-                    file.tree.file,
-                    sequence.name.span,
-                    "`sequence` belongs to the language, but is not supported yet",
-                )),
-                _ => {}
-            }
-        }
+    let texts = SourceTexts(&sources);
+    let mut units = units::collect(&files, &texts, &mut diagnostics);
+    settings::apply(&settings, &mut units, &mut diagnostics);
+    let mut tasks = Vec::new();
+    for unit in &units {
+        let compiler = units::Compiler { described: &described, bodies, texts: &texts, in_sight: in_sight(&files, unit.home) };
+        tasks.extend(compiler.compile(unit, &mut diagnostics).map(Arc::new));
     }
     let suites = suites(&files, &all_tasks, &mut diagnostics);
     drop_consequences(&sources, &files, &mut diagnostics);
@@ -116,7 +129,7 @@ fn drop_consequences(sources: &SourceMap, files: &[SourceFile], diagnostics: &mu
         .map(|file| sources.text(file))
         .collect();
     let declared = |name: &str| {
-        let words = ["fn", "let", "const", "state", "clock", "random", "observation", "task"];
+        let words = ["fn", "let", "const", "state", "clock", "random", "reference", "observation", "task"];
         !name.is_empty() && words.iter().any(|word| unreadable.iter().any(|text| text.contains(&format!("{word} {name}"))))
     };
     diagnostics.retain(|told| told.code != codes::names::UNKNOWN_NAME || !declared(told.span().of(sources.text(told.file()))));
@@ -190,7 +203,12 @@ impl Reader<'_> {
         let mut declared = BTreeSet::new();
         for item in self.files.iter().flat_map(|file| &file.tree.items) {
             match item {
-                Item::Task(task) => wanted.extend(check::task::body_name(task).map(|name| name.text.clone())),
+                Item::Task(tree::Task { statements, .. }) | Item::Sequence(tree::Sequence { statements, .. }) => {
+                    wanted.extend(statements.iter().filter_map(|statement| match statement {
+                        TaskStatement::Body(body) => Some(body.name.text.clone()),
+                        _ => None,
+                    }));
+                }
                 Item::Body(body) => {
                     declared.insert(body.name.text.clone());
                 }
@@ -299,15 +317,19 @@ fn task_names<'a>(files: &'a [SourceFile], diagnostics: &mut Vec<Diagnostic>) ->
     let mut names: Vec<(&str, FileId, Span)> = Vec::new();
     for file in files {
         for item in &file.tree.items {
-            let Item::Task(task) = item else { continue };
-            if let Some((name, first_file, first)) = names.iter().find(|(name, ..)| *name == task.name.text) {
+            let task_name = match item {
+                Item::Task(task) => &task.name,
+                Item::Sequence(sequence) => &sequence.name,
+                _ => continue,
+            };
+            if let Some((name, first_file, first)) = names.iter().find(|(name, ..)| *name == task_name.text) {
                 let message = format!("there are two tasks called `{name}`");
-                let diagnostic = Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, task.name.span, message)
+                let diagnostic = Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, task_name.span, message)
                     .here("again here")
                     .label(*first_file, *first, "first here");
                 diagnostics.push(diagnostic);
             } else {
-                names.push((&task.name.text, file.tree.file, task.name.span));
+                names.push((&task_name.text, file.tree.file, task_name.span));
             }
         }
     }
@@ -338,41 +360,6 @@ impl Texts for SourceTexts<'_> {
     fn text(&self, file: FileId, span: Span) -> &str {
         span.of(self.0.text(file))
     }
-}
-
-fn compile_task(
-    task: &tree::Task,
-    file: FileId,
-    names: &Names<'_>,
-    bodies: &BTreeMap<String, Described>,
-    sources: &SourceMap,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Option<CompiledTask> {
-    let Some(name) = check::task::body_name(task) else {
-        let message = format!("the task `{}` does not say on which `body`", task.name.text);
-        let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, task.name.span, message);
-        diagnostics.push(diagnostic.help("without a body no name can be looked up, so nothing else was checked"));
-        return None;
-    };
-    let Some(described) = bodies.get(&name.text) else {
-        let message = format!("there is no body `{}`", name.text);
-        let help = format!("a body stands in `bodies/{}.msk` beside or above the task, or is built in: `human`", name.text);
-        diagnostics.push(Diagnostic::new(codes::names::BODY, file, name.span, message).help(help));
-        return None;
-    };
-    let vocabulary = described.vocabulary.as_ref()?;
-    let texts = SourceTexts(sources);
-    let (surroundings, found) = check::scene::surroundings(task, file, names, vocabulary);
-    let broken = found.iter().any(|told| told.severity == Severity::Error);
-    diagnostics.extend(found);
-    let vocabulary = vocabulary.with_scene(&surroundings.scene);
-    let (checked, mut found) = check::task::check(task, file, names, &vocabulary, &surroundings, &texts);
-    if broken {
-        // What formulas do not find may be what is broken in the scene: only the scene is at fault.
-        found.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
-    }
-    diagnostics.extend(found);
-    checked.filter(|_| !broken).map(|checked| finish(task, file, checked, described.description.clone(), &texts))
 }
 
 fn suites(files: &[SourceFile], tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Vec<Suite> {

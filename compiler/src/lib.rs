@@ -7,6 +7,7 @@ pub mod body;
 pub mod check;
 pub mod compile;
 pub mod diagnostics;
+mod evaluation;
 pub mod explain;
 pub mod files;
 pub mod format;
@@ -19,4 +20,5 @@ pub mod task;
 pub mod vocabulary;
 pub mod weights;
 
-pub use compile::{Compilation, Protocol, Suite, compile};
+pub use compile::{Compilation, Protocol, Suite, compile, compile_with};
+pub use evaluation::{Draws, Middle};

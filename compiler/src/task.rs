@@ -9,7 +9,7 @@ use crate::graph::Graph;
 use crate::graph::interval::Bounds;
 use crate::lower::{Outputs, Program};
 use crate::scene::SceneDescription;
-use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 pub use crate::beginning::{Disturbance, Init, ObjectStart, RootPlacement, Setting, Settle, Spread};
@@ -46,12 +46,67 @@ pub struct CompiledTask {
     pub terms: Vec<Term>,
     /// Reasons that end an episode as a failure, in order.
     pub terminations: Vec<String>,
+    /// Reasons that end an episode without being failures, in order.
+    pub finishes: Vec<String>,
+    /// What is logged and never paid: parts of [`StepReport::metrics`].
+    pub metrics: Vec<Channel>,
+    /// What chance decides: each has a stream of its own.
+    pub randoms: Vec<RandomValue>,
+    /// Numbers that were open when the task was compiled, with the values that it was compiled for.
+    pub parameters: Vec<Parameter>,
     /// Sensors to fill before every evaluation.
     pub frame: FrameLayout,
     /// Hash of the task's meaning: the same text layout or comments aside.
     pub hash: String,
-    pub(crate) program: Program,
-    pub(crate) meaning: Meaning,
+    /// One for a task, several for a sequence; never none.
+    pub(crate) phases: Vec<Phase>,
+}
+
+/// A task of a sequence; a task that is no sequence has one.
+pub(crate) struct Phase {
+    /// The task's name.
+    pub name: String,
+    /// Its length, control steps.
+    pub horizon: u32,
+    pub program: Program,
+    /// Which of the whole's terms are its own.
+    pub terms: Range<usize>,
+    pub terminations: Range<usize>,
+    pub finishes: Range<usize>,
+    pub metrics: Range<usize>,
+    /// For each channel of the whole: its place among the phase's own.
+    pub channels: Vec<Option<usize>>,
+    /// For each of its draws: which random of the whole.
+    pub streams: Vec<usize>,
+    pub meaning: Meaning,
+}
+
+/// A value that chance decides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RandomValue {
+    /// Its name, which its stream has too.
+    pub name: String,
+    /// What is drawn, as written.
+    pub source: String,
+    /// The condition that a draw must fulfil, as written; empty if there is none.
+    pub accept: String,
+    /// When it is drawn anew, as written; empty if never.
+    pub redraw: String,
+}
+
+/// A number that may be set from outside, where the task is compiled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// The value in force, in SI units.
+    pub value: f64,
+    /// The value in the source.
+    pub default: f64,
+    /// What it may be set to.
+    pub range: Option<[f64; 2]>,
+    /// Unit, as printed; empty for plain numbers.
+    pub unit: String,
 }
 
 /// What explanations and snapshots need beyond what runs.
@@ -62,6 +117,10 @@ pub(crate) struct Meaning {
     pub terms: Vec<TermMeaning>,
     /// Conditions of the terminations as written.
     pub terminations: Vec<String>,
+    /// Conditions of the reasons to finish as written.
+    pub finishes: Vec<String>,
+    /// When the next phase begins, as written.
+    pub until: String,
     pub success: String,
     /// Between which values each term stays.
     pub term_bounds: Vec<Bounds>,
@@ -114,6 +173,14 @@ pub struct StepReport {
     pub reward: f64,
     /// Which terminations hold, in the task's order.
     pub terminations: Vec<bool>,
+    /// Which reasons to finish hold, in the task's order.
+    pub finishes: Vec<bool>,
+    /// Whether the horizon is reached and nothing else ends the episode.
+    pub truncated: bool,
+    /// Whether the next phase of a sequence begins in this snapshot.
+    pub entered: bool,
+    /// Values of all metrics, laid out as [`CompiledTask::metrics`] says.
+    pub metrics: Vec<f64>,
     /// Whether the success expression holds at this step.
     pub success: bool,
     /// Which connections shall let go, in the order of [`CompiledTask::releases`].
@@ -125,7 +192,13 @@ pub struct StepReport {
 pub struct TaskState {
     /// Control steps since reset.
     pub step: u32,
-    /// Cells of operators and states.
+    /// Which phase of a sequence is present.
+    pub phase: u32,
+    /// At which step it began.
+    pub began: u32,
+    /// Whether the phases before it had succeeded when they ended.
+    pub successes: Vec<bool>,
+    /// Cells of operators, states and randoms.
     pub cells: Vec<f64>,
     /// Everything computed at this step, read by observations.
     pub values: Vec<f64>,
@@ -145,91 +218,29 @@ pub struct NonFiniteTerm {
     pub formula: String,
 }
 
-impl CompiledTask {
-    /// How this episode begins: what was drawn stands in `state`.
-    pub fn beginning(&self, state: &TaskState) -> Cow<'_, Init> {
-        if self.init.drawn.is_empty() {
-            return Cow::Borrowed(&self.init);
-        }
-        let mut init = self.init.clone();
-        for &(setting, index) in &self.init.drawn {
-            init.set(setting, self.drawn(index, state));
-        }
-        Cow::Owned(init)
-    }
+/// A random none of whose tries fulfilled its condition: an error of this episode.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("none of {tries} draws of `{random}` at step {step} fulfils `{wanted}`; the last was {last}")]
+pub struct NotDrawn {
+    /// Its name.
+    pub random: String,
+    /// How often it was tried.
+    pub tries: u32,
+    /// The last try, in SI units.
+    pub last: String,
+    /// Control step.
+    pub step: u32,
+    /// The condition as written.
+    pub wanted: String,
+}
 
-    /// A value that the beginning takes from what was drawn for this episode.
-    pub fn drawn(&self, index: usize, state: &TaskState) -> f64 {
-        let operand = self.program.beginning.get(index);
-        operand.and_then(|&operand| self.program.read(operand, &[], &state.values).first().copied()).unwrap_or(0.0)
-    }
-
-    /// Where a marker is, in the snapshot of `frame`.
-    pub fn marker(&self, index: usize, frame: &[f64], state: &TaskState) -> Option<[f64; 3]> {
-        let operand = *self.program.markers.get(index)?;
-        self.program.read(operand, frame, &state.values).try_into().ok()
-    }
-
-    /// Starts the task's state from the reset snapshot. `frame` has `self.frame.size()` values.
-    pub fn reset(&self, frame: &[f64], state: &mut TaskState) {
-        state.step = 0;
-        self.program.reset(frame, &mut state.cells, &mut state.values);
-    }
-
-    /// Advances every operator by one control step and evaluates terms, terminations and success. `weights` has one entry
-    /// per term.
-    ///
-    /// # Errors
-    /// A term that is not finite; the report is filled all the same.
-    pub fn step(
-        &self,
-        frame: &[f64],
-        weights: &[f64],
-        state: &mut TaskState,
-        report: &mut StepReport,
-    ) -> Result<(), NonFiniteTerm> {
-        state.step += 1;
-        self.program.step(state.step, frame, &mut state.cells, &mut state.values);
-        self.report(frame, weights, state, report);
-        match report.terms.iter().position(|value| !value.is_finite()) {
-            None => Ok(()),
-            Some(index) => Err(NonFiniteTerm {
-                term: self.terms[index].name.clone(),
-                value: report.terms[index],
-                step: state.step,
-                formula: self.terms[index].source.clone(),
-            }),
-        }
-    }
-
-    /// Terms, terminations and success at the present snapshot, which may be that of the reset; nothing advances.
-    pub fn report(&self, frame: &[f64], weights: &[f64], state: &TaskState, report: &mut StepReport) {
-        let lane = |operand| self.program.read(operand, frame, &state.values).first().copied().unwrap_or(0.0);
-        report.terms.clear();
-        report.terms.extend(self.program.terms.iter().map(|&operand| lane(operand)));
-        report.terminations.clear();
-        report.terminations.extend(self.program.terminations.iter().map(|&operand| lane(operand) != 0.0));
-        report.released.clear();
-        report.released.extend(self.program.releases.iter().map(|&operand| lane(operand) != 0.0));
-        report.success = self.program.success.is_some_and(|operand| lane(operand) != 0.0);
-        report.reward = report.terms.iter().zip(weights).map(|(value, weight)| value * weight).sum();
-    }
-
-    /// Writes the observation; `out` has `self.observation_size()` values, `frame` is that of the last `reset` or `step`.
-    pub fn observe(&self, frame: &[f64], state: &TaskState, out: &mut [f64]) {
-        for (channel, &operand) in self.channels.iter().zip(&self.program.channels) {
-            let values = self.program.read(operand, frame, &state.values);
-            out[channel.offset..channel.offset + channel.size].copy_from_slice(values);
-        }
-    }
-
-    /// Number of values of the observation.
-    pub fn observation_size(&self) -> usize {
-        self.channels.iter().map(|channel| channel.size).sum()
-    }
-
-    /// The weights as written in the source.
-    pub fn weights(&self) -> Vec<f64> {
-        self.terms.iter().map(|term| term.weight).collect()
-    }
+/// Why a task could not be evaluated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TaskFault {
+    /// A term was not finite.
+    #[error(transparent)]
+    Term(#[from] NonFiniteTerm),
+    /// A random could not be drawn.
+    #[error(transparent)]
+    Draw(#[from] NotDrawn),
 }

@@ -5,6 +5,7 @@
 #[allow(dead_code)] // The pages have their own tests.
 mod support;
 
+use msk_compiler::Middle;
 use msk_compiler::task::{CompiledTask, StepReport, TaskState};
 use proptest::prelude::*;
 use support::compiling::{compile_text, complete};
@@ -80,9 +81,9 @@ fn run(task: &CompiledTask) {
     let frame = vec![0.5; task.frame.size()];
     let (mut state, mut report) = (TaskState::default(), StepReport::default());
     let mut observation = vec![f64::NAN; task.observation_size()];
-    task.reset(&frame, &mut state);
+    task.reset(&frame, &mut Middle, &mut state).unwrap();
     for step in 1..=3 {
-        let told = task.step(&frame, &task.weights(), &mut state, &mut report);
+        let told = task.step(&frame, &task.weights(), &mut Middle, &mut state, &mut report);
         assert_eq!((state.step, report.terms.len()), (step, 1));
         assert_eq!(told.is_err(), !report.terms[0].is_finite());
         task.observe(&frame, &state, &mut observation);

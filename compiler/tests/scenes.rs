@@ -91,7 +91,7 @@ fn what_stands_still_is_read_without_a_sensor() {
     );
     assert_eq!(task.frame.size(), 0, "{:?}", task.frame);
     let mut state = msk_compiler::task::TaskState::default();
-    task.reset(&[], &mut state);
+    task.reset(&[], &mut msk_compiler::Middle, &mut state).unwrap();
     let mut seen = vec![0.0; task.observation_size()];
     task.observe(&[], &state, &mut seen);
     let wanted = [-1.0, 0.0, 0.45, 0.47, 0.0, 0.0, 0.0, 2_f64.sqrt(), 0.0, 0.0, 1.0, (1.0_f64 + 0.45 * 0.45).sqrt()];

@@ -1,7 +1,7 @@
 //! The bodies and texts of this machine, as the compiler asks for them.
 
 use crate::bodies;
-use crate::body::{BindError, Body};
+use crate::body::{BindError, Body, ChangeError};
 use crate::condition::MuscleCondition;
 use crate::model::{ElasticTendons, Model, ModelError};
 use crate::scene::{self, SceneError};
@@ -75,6 +75,9 @@ pub enum BodyError {
         /// What is wrong with it.
         source: SceneError,
     },
+    /// What a task changes on the body does not fit it.
+    #[error(transparent)]
+    Change(#[from] ChangeError),
 }
 
 /// The bodies of this machine: those on disk and those embedded in the program. Each is bound once, and once in each scene.
@@ -100,7 +103,8 @@ impl BodyLibrary {
         if description.tendons == TendonKind::Elastic {
             model.elastic_tendons = Some(ElasticTendons::default());
         }
-        let body = Body::bind(description, &model)?;
+        let mut body = Body::bind(description, &model)?;
+        body.change(&mut model, &description.changes)?;
         let fresh = BoundBody {
             hash: hash(description, &model),
             model: Arc::new(model),

@@ -1,5 +1,7 @@
 //! What the checker knows while it walks through one task.
 
+use super::inherit::Placed;
+use super::random::KnownRandom;
 use super::scene::Surroundings;
 use super::scene::geometry::Known;
 use super::scope::{Names, Place};
@@ -7,7 +9,6 @@ use super::value::Value;
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::{Graph, NodeId};
-use crate::syntax::tree::TaskStatement;
 use crate::vocabulary::Vocabulary;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -46,13 +47,23 @@ pub(crate) struct Timing {
     pub horizon: u32,
 }
 
+/// A reason for which an episode ends.
+#[derive(Debug, Clone)]
+pub(crate) struct End {
+    pub name: String,
+    pub node: NodeId,
+    /// Where its condition stands.
+    pub file: FileId,
+    pub span: Span,
+}
+
 /// The conditions that end an episode, once they are known.
 #[derive(Debug, Clone, Default)]
 pub(crate) enum Ends {
     #[default]
     Unknown,
     Busy,
-    Known(Vec<(String, NodeId)>),
+    Known(Vec<End>),
     Broken,
 }
 
@@ -74,7 +85,7 @@ pub(crate) struct Checker<'a> {
     /// Where the task itself stands.
     pub task_place: Place,
     /// The statements of the task.
-    pub statements: &'a [TaskStatement],
+    pub statements: &'a [Placed],
     /// Where names are looked up now.
     pub place: Place,
     /// Arguments of the function being inlined and loop variables, innermost last.
@@ -88,7 +99,16 @@ pub(crate) struct Checker<'a> {
     /// Names of the task that something reads.
     pub used: BTreeSet<String>,
     pub cells: Vec<Cell>,
+    /// Reasons of `terminate`.
     pub ends: Ends,
+    /// Reasons of `finish`.
+    pub finishes: Ends,
+    /// Randoms, in the order in which they are drawn.
+    pub randoms: Vec<KnownRandom>,
+    /// Names of the phases of the sequence before the present one.
+    pub phases: Vec<String>,
+    /// The present phase and whether it has succeeded, once that is known.
+    pub own_success: Option<(String, NodeId)>,
     /// Lints that are allowed in place.
     pub allowed: BTreeSet<String>,
     /// What surrounds the body; not yet while the scene itself is checked.
@@ -108,7 +128,7 @@ pub(crate) struct Checker<'a> {
 }
 
 impl<'a> Checker<'a> {
-    pub(crate) fn new(vocabulary: &'a Vocabulary, names: &'a Names<'a>, place: Place, statements: &'a [TaskStatement]) -> Self {
+    pub(crate) fn new(vocabulary: &'a Vocabulary, names: &'a Names<'a>, place: Place, statements: &'a [Placed]) -> Self {
         Self {
             vocabulary,
             names,
@@ -125,6 +145,10 @@ impl<'a> Checker<'a> {
             used: BTreeSet::new(),
             cells: Vec::new(),
             ends: Ends::Unknown,
+            finishes: Ends::Unknown,
+            randoms: Vec::new(),
+            phases: Vec::new(),
+            own_success: None,
             allowed: BTreeSet::new(),
             surroundings: None,
             known: BTreeMap::new(),
@@ -188,6 +212,11 @@ impl<'a> Checker<'a> {
             self.error(codes::tasks::TOO_LARGE, span, message);
         }
         Err(Reported)
+    }
+
+    /// Runs `check` where a statement of the task stands, which may be another file than the task's.
+    pub(crate) fn in_file<T>(&mut self, file: FileId, check: impl FnOnce(&mut Self) -> T) -> T {
+        self.elsewhere(Place { file, in_task: true }, check)
     }
 
     /// Runs `check` where `place` is, with no locals, and comes back.

@@ -1,69 +1,125 @@
 //! What ends an episode, and what of it formulas may read; declared states and clocks.
 
-use super::context::{Checked, Checker, Ends, Reported};
+use super::context::{Checked, Checker, End, Ends as Known, Reported};
 use super::dimension::Dimension;
+use super::inherit::Placed;
 use super::scope::Place;
 use super::signals::Read;
 use super::types::Type;
 use super::value::{Data, Form, Value};
-use crate::diagnostics::{Span, codes};
-use crate::frame::Sensor;
+use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
-use crate::syntax::tree::{Clock, Entry, Expr, Ident, Reason, TaskStatement};
+use crate::syntax::tree::{Clock, Ends, Entry, Expr, Ident, Reason, TaskStatement};
+
+/// Failures, or ends that are none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Terminate,
+    Finish,
+}
+
+impl Kind {
+    fn of(self, statement: &TaskStatement) -> Option<&Ends> {
+        match (self, statement) {
+            (Self::Terminate, TaskStatement::Terminate(ends)) | (Self::Finish, TaskStatement::Finish(ends)) => Some(ends),
+            _ => None,
+        }
+    }
+}
 
 impl<'a> Checker<'a> {
     /// The reasons of `terminate` with their conditions, checked at the first call.
-    pub(crate) fn terminations(&mut self) -> Checked<Vec<(String, NodeId)>> {
-        let statements = self.statements;
-        match &self.ends {
-            Ends::Known(reasons) => return Ok(reasons.clone()),
-            Ends::Broken => return Err(Reported),
-            Ends::Busy => {
-                let span = statements.iter().find_map(|s| if let TaskStatement::Terminate(e) = s { Some(e.span) } else { None });
-                let message = "a termination cannot depend on whether the episode terminates";
-                return Err(self.error(codes::names::CYCLE, span.unwrap_or_default(), message));
-            }
-            Ends::Unknown => self.ends = Ends::Busy,
+    pub(crate) fn terminations(&mut self) -> Checked<Vec<End>> {
+        self.ends_of(Kind::Terminate)
+    }
+
+    /// The reasons of `finish` with their conditions, checked at the first call.
+    pub(crate) fn finishes(&mut self) -> Checked<Vec<End>> {
+        self.ends_of(Kind::Finish)
+    }
+
+    fn known_ends(&mut self, kind: Kind) -> &mut Known {
+        match kind {
+            Kind::Terminate => &mut self.ends,
+            Kind::Finish => &mut self.finishes,
         }
-        // Terminations are the task's own, whoever asks for them from within a library or an observation.
+    }
+
+    fn ends_of(&mut self, kind: Kind) -> Checked<Vec<End>> {
+        let statements = self.statements;
+        match self.known_ends(kind) {
+            Known::Known(reasons) => return Ok(reasons.clone()),
+            Known::Broken => return Err(Reported),
+            Known::Busy => {
+                let found = statements.iter().find_map(|placed| Some((placed.file, kind.of(&placed.statement)?.span)));
+                let (file, span) = found.unwrap_or((self.task_place.file, Span::default()));
+                let message = match kind {
+                    Kind::Terminate => "a termination cannot depend on whether the episode terminates",
+                    Kind::Finish => "a reason to finish cannot depend on whether the episode finishes",
+                };
+                let diagnostic = Diagnostic::new(codes::names::CYCLE, file, span, message);
+                return Err(self.report(diagnostic));
+            }
+            Known::Unknown => *self.known_ends(kind) = Known::Busy,
+        }
+        // Ends are the task's own, whoever asks for them from within a library or an observation.
         let place = self.task_place;
         let after = std::mem::replace(&mut self.after, false);
         let path = std::mem::take(&mut self.path);
-        let reasons = self.elsewhere(place, |checker| checker.reasons(statements));
+        let reasons = self.elsewhere(place, |checker| checker.reasons(statements, kind));
         (self.after, self.path) = (after, path);
-        self.ends = match &reasons {
-            Ok(known) => Ends::Known(known.clone()),
-            Err(Reported) => Ends::Broken,
+        *self.known_ends(kind) = match &reasons {
+            Ok(known) => Known::Known(known.clone()),
+            Err(Reported) => Known::Broken,
         };
         reasons
     }
 
-    fn reasons(&mut self, statements: &'a [TaskStatement]) -> Checked<Vec<(String, NodeId)>> {
-        let mut reasons: Vec<(String, NodeId)> = Vec::new();
+    fn reasons(&mut self, statements: &'a [Placed], kind: Kind) -> Checked<Vec<End>> {
+        let mut reasons: Vec<End> = Vec::new();
         let mut broken = false;
-        for statement in statements {
-            let TaskStatement::Terminate(ends) = statement else { continue };
-            let grace = match ends.after.as_ref().map(|after| self.steps(after)).transpose() {
-                Ok(grace) => grace,
-                Err(Reported) => {
-                    broken = true;
-                    None
-                }
-            };
-            for entry in &ends.reasons {
-                let Some(reason) = self.plain_entry(entry, "termination") else { continue };
-                if reasons.iter().any(|(known, _)| *known == reason.name.text) {
-                    let message = format!("there are two terminations called `{}`", reason.name.text);
-                    self.error(codes::tasks::LABEL_TWICE, reason.name.span, message);
-                }
-                match self.reason(reason, grace) {
-                    Ok(node) => reasons.push((reason.name.text.clone(), node)),
-                    Err(Reported) => broken = true,
-                }
-            }
+        for placed in statements {
+            let Some(ends) = kind.of(&placed.statement) else { continue };
+            let found = self.in_file(placed.file, |checker| checker.reasons_of(ends, &mut reasons));
+            broken |= found.is_err();
         }
         if broken { Err(Reported) } else { Ok(reasons) }
+    }
+
+    fn reasons_of(&mut self, ends: &'a Ends, reasons: &mut Vec<End>) -> Checked<()> {
+        let grace = ends.after.as_ref().map(|after| self.steps(after)).transpose();
+        let mut broken = grace.is_err();
+        let grace = grace.ok().flatten();
+        for entry in &ends.reasons {
+            let Some(reason) = self.plain_entry(entry, "reason") else { continue };
+            if reasons.iter().any(|known| known.name == reason.name.text) {
+                let message = format!("there are two reasons called `{}`", reason.name.text);
+                self.error(codes::tasks::LABEL_TWICE, reason.name.span, message);
+            }
+            match self.reason(reason, grace) {
+                Ok(node) => {
+                    reasons.push(End { name: reason.name.text.clone(), node, file: self.place.file, span: reason.condition.span })
+                }
+                Err(Reported) => broken = true,
+            }
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    /// A reason is named in results and in `ended by`, so failures and finishes share one namespace.
+    pub(crate) fn must_not_share_reasons(&mut self, terminations: &[End], finishes: &[End]) {
+        for finish in finishes {
+            if let Some(first) = terminations.iter().find(|known| known.name == finish.name) {
+                let message = format!("`{}` is a reason to terminate and one to finish", finish.name);
+                let diagnostic = Diagnostic::new(codes::tasks::LABEL_TWICE, finish.file, finish.span, message).label(
+                    first.file,
+                    first.span,
+                    "the other",
+                );
+                self.report(diagnostic);
+            }
+        }
     }
 
     fn reason(&mut self, reason: &'a Reason, grace: Option<f64>) -> Checked<NodeId> {
@@ -85,46 +141,62 @@ impl<'a> Checker<'a> {
             }
             Entry::Remove(remove) => {
                 let message = format!("only a task that extends another can remove a {what}");
-                self.error(codes::tasks::NOT_YET, remove.span, message);
+                self.error(codes::composition::OVERRIDES_NOTHING, remove.span, message);
                 None
             }
         }
     }
 
-    fn any_termination(&mut self) -> Checked<NodeId> {
-        let reasons = self.terminations()?;
+    /// Whether one of the reasons holds.
+    pub(crate) fn any_end(&mut self, reasons: &[End]) -> NodeId {
         if reasons.is_empty() {
-            return Ok(self.graph.constant(0.0));
+            return self.graph.constant(0.0);
         }
-        let nodes: Vec<NodeId> = reasons.into_iter().map(|(_, node)| node).collect();
+        let nodes: Vec<NodeId> = reasons.iter().map(|reason| reason.node).collect();
         let joined = self.graph.join(&nodes);
-        Ok(self.graph.reduce(Reduction::Maximum, nodes.len(), joined))
+        self.graph.reduce(Reduction::Maximum, nodes.len(), joined)
     }
 
-    /// `terminated`, `truncated`, `ended`, `survived`.
+    /// `terminated`, `finished`, `truncated`, `ended`, `survived`.
     pub(crate) fn end_signal(&mut self, read: Read) -> Checked<Data> {
-        let terminated = self.any_termination()?;
+        if read == Read::Finished {
+            let finishes = self.finishes()?;
+            return Ok(Data::new(self.any_end(&finishes), Type::Bool));
+        }
+        let terminations = self.terminations()?;
+        let terminated = self.any_end(&terminations);
+        if read == Read::Terminated {
+            return Ok(Data::new(terminated, Type::Bool));
+        }
         let step = self.graph.add(Operation::Step, &[]);
         let horizon = self.graph.constant(f64::from(self.timing.horizon));
         let complete = self.graph.binary(Binary::LessEqual, horizon, step);
-        let node = match read {
-            Read::Terminated => terminated,
-            Read::Ended => self.graph.binary(Binary::Or, terminated, complete),
-            _ => {
-                let standing = self.graph.unary(Unary::Not, terminated);
-                self.graph.binary(Binary::And, complete, standing)
+        let mut others = terminated;
+        if read != Read::Survived {
+            let finishes = self.finishes()?;
+            if !finishes.is_empty() {
+                let finished = self.any_end(&finishes);
+                others = self.graph.binary(Binary::Or, terminated, finished);
             }
+        }
+        let node = if read == Read::Ended {
+            self.graph.binary(Binary::Or, others, complete)
+        } else {
+            let none = self.graph.unary(Unary::Not, others);
+            self.graph.binary(Binary::And, complete, none)
         };
         Ok(Data::new(node, Type::Bool))
     }
 
     /// `ended by fallen`
     pub(crate) fn ended_by(&mut self, reason: &Ident) -> Checked<Data> {
-        let reasons = self.terminations()?;
-        if let Some((_, node)) = reasons.iter().find(|(name, _)| *name == reason.text) {
-            return Ok(Data::new(*node, Type::Bool));
+        let (finishes, terminations) = (self.finishes(), self.terminations());
+        let reasons = [terminations?, finishes?].concat();
+        if let Some(known) = reasons.iter().find(|known| known.name == reason.text) {
+            return Ok(Data::new(known.node, Type::Bool));
         }
-        let names = reasons.into_iter().map(|(name, _)| name).collect();
+        let mut names: Vec<String> = reasons.into_iter().map(|reason| reason.name).collect();
+        names.dedup();
         Err(self.unknown_name(&reason.text, reason.span, names))
     }
 
@@ -181,11 +253,18 @@ impl<'a> Checker<'a> {
         Ok(Value::Data(Data::new(node, cell.kind)))
     }
 
+    /// Time since reset, or since the present phase of a sequence began.
+    pub(crate) fn time(&mut self) -> NodeId {
+        let step = self.graph.add(Operation::Step, &[]);
+        let interval = self.graph.constant(self.timing.interval);
+        self.graph.binary(Binary::Multiply, step, interval)
+    }
+
     /// `clock phase at 1.1 Hz`: 2 pi f t, an angle that wraps.
     pub(crate) fn clock(&mut self, clock: &'a Clock, place: Place) -> Checked<Data> {
         let frequency = self
             .elsewhere(place, |checker| checker.number_of(&clock.frequency, Dimension::FREQUENCY, "the frequency of a clock"))?;
-        let time = self.graph.sensors(vec![Sensor::Time]);
+        let time = self.time();
         let turns = self.graph.binary(Binary::Multiply, frequency.node, time);
         let turn = self.graph.constant(std::f64::consts::TAU);
         let angle = self.graph.binary(Binary::Multiply, turn, turns);

@@ -1,11 +1,11 @@
 //! Lints: what compiles, but is probably not what was meant. Each can be allowed in place by its name.
 
-use super::context::Checker;
+use super::context::{Checker, End};
 use super::ranges::{Standing, Working};
 use super::reward::PaidTerm;
 use super::scope::Definition;
 use super::task::CheckedTask;
-use crate::diagnostics::{Code, Diagnostic, codes, nearest};
+use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes, nearest};
 use crate::explain::short;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
@@ -58,7 +58,9 @@ impl<'a> Checker<'a> {
 pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
     checker.scene_lints(diagnostics);
     for (name, declared) in checker.names.of_task() {
-        if !checker.used.contains(name) && !matches!(declared.definition, Definition::State(_)) {
+        // States are looked at in the graph; a parameter that nothing reads is an error.
+        let elsewhere = matches!(declared.definition, Definition::State(_) | Definition::Parameter(_));
+        if !checker.used.contains(name) && !elsewhere {
             let span = declared.definition.span();
             let message = format!("nothing reads `{name}`");
             push(checker, "unused", Diagnostic::new(codes::lints::UNUSED, declared.file, span, message), diagnostics);
@@ -102,7 +104,8 @@ fn push_term(checker: &Checker<'_>, term: &PaidTerm<'_>, lint: &str, diagnostic:
 }
 
 fn at(checker: &Checker<'_>, code: &'static Code, term: &PaidTerm<'_>, message: String) -> Diagnostic {
-    Diagnostic::new(code, checker.task_place.file, term.formula.span, message)
+    let _ = checker;
+    Diagnostic::new(code, term.file, term.formula.span, message)
 }
 
 /// A term that is the same at every step pays nothing for anything.
@@ -142,42 +145,30 @@ fn factor_in_term(checker: &Checker<'_>, term: &PaidTerm<'_>, diagnostics: &mut 
         }
     }
     let message = format!("the term `{}` begins with a plain factor", term.name);
-    let diagnostic = Diagnostic::new(codes::lints::FACTOR_IN_TERM, checker.task_place.file, expr.span, message)
+    let diagnostic = Diagnostic::new(codes::lints::FACTOR_IN_TERM, term.file, expr.span, message)
         .help("it belongs in the weight, where people and tuners look for it");
     push_term(checker, term, "factor_in_term", diagnostic, diagnostics);
 }
 
-/// Terminations and success that can never hold or never fail.
+/// Every condition that ends an episode or tells its success: in words, its node, its place.
+fn conditions(task: &CheckedTask<'_>) -> Vec<(String, NodeId, FileId, Span)> {
+    let told = |what: &str, end: &End| (format!("the {what} `{}`", end.name), end.node, end.file, end.span);
+    let mut conditions: Vec<_> = task.terminations.iter().map(|end| told("termination", end)).collect();
+    conditions.extend(task.finishes.iter().map(|end| told("reason to finish", end)));
+    conditions.push(("success".to_owned(), task.success, task.success_at.0, task.success_at.1));
+    conditions
+}
+
+/// Ends and success that can never hold or never fail.
 fn decided_ends(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
-    let ends = task.terminations.iter().map(|(name, node)| (format!("the termination `{name}`"), *node));
-    let success = std::iter::once(("success".to_owned(), task.success));
-    for (what, node) in ends.chain(success) {
+    for (what, node, file, span) in conditions(task) {
         if let Some(value) = interval::of_scalar(bounds, node).single() {
             let verdict = if value == 0.0 { "can never hold" } else { "always holds" };
-            let span = span_of_end(checker, task, node);
-            let diagnostic = Diagnostic::new(codes::lints::DECIDED, checker.task_place.file, span, format!("{what} {verdict}"))
+            let diagnostic = Diagnostic::new(codes::lints::DECIDED, file, span, format!("{what} {verdict}"))
                 .help("the ranges of what it reads decide it; compare `msk explain`");
             push(checker, "decided", diagnostic, diagnostics);
         }
     }
-}
-
-fn span_of_end(checker: &Checker<'_>, task: &CheckedTask<'_>, node: NodeId) -> crate::diagnostics::Span {
-    use crate::syntax::tree::{Entry, TaskStatement};
-    let named = task.terminations.iter().find(|(_, own)| *own == node).map(|(name, _)| name);
-    let reasons = checker.statements.iter().filter_map(|statement| match statement {
-        TaskStatement::Terminate(ends) => Some(ends.reasons.iter()),
-        _ => None,
-    });
-    let reason = reasons.flatten().find_map(|entry| match entry {
-        Entry::Item(reason) if Some(&reason.name.text) == named => Some(reason.condition.span),
-        _ => None,
-    });
-    let success = checker.statements.iter().find_map(|statement| match statement {
-        TaskStatement::Success(expr) => Some(expr.span),
-        _ => None,
-    });
-    reason.or(success).unwrap_or_default()
 }
 
 /// What holds in the very first snapshot, where the task begins in the standing pose: ends that hold there, and paid terms
@@ -191,13 +182,11 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
         return;
     }
     let reset = interval::analyse(&task.graph, &Standing { vocabulary: checker.vocabulary, reset: true });
-    let ends = task.terminations.iter().map(|(name, node)| (format!("the termination `{name}`"), *node));
-    for (what, node) in ends.chain(std::iter::once(("success".to_owned(), task.success))) {
+    for (what, node, file, span) in conditions(task) {
         let decided = interval::of_scalar(bounds, node).single().is_some();
         if interval::of_scalar(&reset, node).single() == Some(1.0) && !decided {
-            let span = span_of_end(checker, task, node);
             let message = format!("{what} holds before anything has happened, in the pose in which the task begins");
-            let diagnostic = Diagnostic::new(codes::lints::HOLDS_AT_RESET, checker.task_place.file, span, message);
+            let diagnostic = Diagnostic::new(codes::lints::HOLDS_AT_RESET, file, span, message);
             push(checker, "holds_at_reset", diagnostic, diagnostics);
         }
     }
@@ -233,7 +222,7 @@ fn twice_observed(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &m
     for channel in &task.channels {
         if let Some(known) = first.insert(channel.node, &channel.name) {
             let message = format!("the channels `{known}` and `{}` carry the same numbers", channel.name);
-            let diagnostic = Diagnostic::new(codes::lints::TWICE_OBSERVED, checker.task_place.file, channel.span, message);
+            let diagnostic = Diagnostic::new(codes::lints::TWICE_OBSERVED, channel.file, channel.span, message);
             push(checker, "twice_observed", diagnostic, diagnostics);
         }
     }
@@ -243,20 +232,25 @@ fn twice_observed(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &m
 fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let terms = || task.terms.iter().map(|term| term.node);
     let channels = || task.channels.iter().map(|channel| channel.node);
-    let ends = task.terminations.iter().map(|(_, node)| *node).chain([task.success]);
-    let paid = states_behind(task, terms());
-    let seen = states_behind(task, channels());
-    let read = states_behind(task, terms().chain(channels()).chain(ends));
-    for (index, state) in task.states.iter().enumerate() {
-        let index = u32::try_from(index).unwrap_or(u32::MAX);
-        let declared = checker.names.of_task().find(|(name, _)| *name == state.name).map(|(_, declared)| declared);
-        let span = declared.map(|declared| declared.definition.span()).unwrap_or_default();
-        let file = checker.task_place.file;
-        if !read.contains(&index) {
-            let message = format!("nothing reads `{}`", state.name);
+    let ends = task.terminations.iter().chain(&task.finishes).map(|end| end.node).chain([task.success]);
+    let ends = ends.chain(task.metrics.iter().map(|metric| metric.node)).chain(task.phase.until);
+    let paid = hidden_behind(task, terms());
+    let seen = hidden_behind(task, channels());
+    let read = hidden_behind(task, terms().chain(channels()).chain(ends));
+    let place = |name: &str| {
+        let declared = checker.names.of_task().find(|(known, _)| *known == name).map(|(_, declared)| declared);
+        declared.map_or((checker.task_place.file, Span::default()), |declared| (declared.file, declared.definition.span()))
+    };
+    let states = task.states.iter().enumerate().map(|(index, state)| (Hidden::State(index), "state", state.name.as_str()));
+    let randoms = task.randoms.iter().enumerate();
+    let randoms = randoms.map(|(index, random)| (Hidden::Random(index), "random", random.name.as_str()));
+    for (hidden, kind, name) in states.chain(randoms) {
+        let (file, span) = place(name);
+        if !read.contains(&hidden) && kind == "state" {
+            let message = format!("nothing reads `{name}`");
             push(checker, "unused", Diagnostic::new(codes::lints::UNUSED, file, span, message), diagnostics);
-        } else if paid.contains(&index) && !seen.contains(&index) {
-            let message = format!("the reward depends on the state `{}`, which the policy cannot observe", state.name);
+        } else if paid.contains(&hidden) && !seen.contains(&hidden) {
+            let message = format!("the reward depends on the {kind} `{name}`, which the policy cannot observe");
             let diagnostic = Diagnostic::new(codes::lints::UNOBSERVED, file, span, message)
                 .help("add it to `observe`, or the same observation will be paid differently");
             push(checker, "unobserved", diagnostic, diagnostics);
@@ -264,23 +258,33 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
     }
 }
 
-/// The states that nodes read, directly or through the updates of other states.
-fn states_behind(task: &CheckedTask<'_>, roots: impl Iterator<Item = NodeId>) -> BTreeSet<u32> {
+/// What decides pay and is no signal of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Hidden {
+    State(usize),
+    Random(usize),
+}
+
+/// The states and randoms that nodes read, directly or through the updates of states.
+fn hidden_behind(task: &CheckedTask<'_>, roots: impl Iterator<Item = NodeId>) -> BTreeSet<Hidden> {
     let mut found = BTreeSet::new();
-    let mut pending = states_read(&task.graph, roots);
-    while let Some(index) = pending.pop() {
-        if found.insert(index) {
-            pending.extend(states_read(&task.graph, task.updates.get(index as usize).copied().into_iter()));
+    let mut pending = hidden_in(&task.graph, roots);
+    while let Some(hidden) = pending.pop() {
+        if found.insert(hidden)
+            && let Hidden::State(index) = hidden
+        {
+            pending.extend(hidden_in(&task.graph, task.updates.get(index).copied().into_iter()));
         }
     }
     found
 }
 
-fn states_read(graph: &Graph, roots: impl Iterator<Item = NodeId>) -> Vec<u32> {
+fn hidden_in(graph: &Graph, roots: impl Iterator<Item = NodeId>) -> Vec<Hidden> {
     let nodes = graph.reachable(roots);
-    let states = nodes.iter().filter_map(|id| match graph.node(*id).operation {
-        Operation::StateBefore(index) | Operation::StateAfter(index) => Some(index),
+    let hidden = nodes.iter().filter_map(|id| match graph.node(*id).operation {
+        Operation::StateBefore(index) | Operation::StateAfter(index) => Some(Hidden::State(index as usize)),
+        Operation::Drawn(index) | Operation::DrawnAfter(index) => Some(Hidden::Random(index as usize)),
         _ => None,
     });
-    states.collect()
+    hidden.collect()
 }

@@ -192,6 +192,12 @@ impl<'a> Checker<'a> {
             Definition::Const(binding) | Definition::Let(binding) => binding,
             Definition::State(_) => return self.state(text, span),
             Definition::Clock(clock) => return self.clock(clock, place).map(Value::Data),
+            Definition::Parameter(parameter) => return self.parameter_value(parameter, place.file),
+            Definition::Random(random) => return self.random(random, declared, span),
+            Definition::Reference(_) => {
+                let message = format!("`{text}` is a motion; read one of its signals: `{text}.q(knee_angle_r)`");
+                return Err(self.error(codes::types::WRONG_TYPE, span, message));
+            }
             Definition::Function(_) => {
                 let message = format!("`{text}` is a function; call it: `{text}(...)`");
                 return Err(self.error(codes::names::UNKNOWN_NAME, span, message));

@@ -11,12 +11,15 @@ use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
-use crate::syntax::tree::{Expr, Name};
+use crate::syntax::tree::{Expr, ExprKind, Name};
 use crate::vocabulary::JointKind;
 
 impl<'a> Checker<'a> {
     /// `base.name`
     pub(crate) fn field(&mut self, base: &'a Expr, name: &'a Name, span: Span) -> Checked<Value> {
+        if let Some(data) = self.of_episode(base, name) {
+            return Ok(Value::Data(data));
+        }
         if let Some(object) = dotted(base)
             && self.surroundings.is_none()
             && let Some(constant) = self.known_constant(&format!("{object}.{}", name.text))
@@ -31,6 +34,27 @@ impl<'a> Checker<'a> {
             Value::Thing(thing) => self.property(&[thing], false, name, span).map(Value::Data),
             Value::Things { members, .. } => self.property(&members, true, name, span).map(Value::Data),
             Value::Data(data) => self.component(&data, name).map(Value::Data),
+        }
+    }
+
+    /// `episode.t`, which does not restart with a phase of a sequence, and `walk.success` of a phase.
+    fn of_episode(&mut self, base: &Expr, name: &Name) -> Option<Data> {
+        let ExprKind::Name(word) = &base.kind else { return None };
+        let declared = self.names.find(self.place, &word.text).is_some();
+        match (word.text.as_str(), name.text.as_str()) {
+            ("episode", "t") if !declared => {
+                let node = self.graph.sensors(vec![Sensor::Time]);
+                Some(Data::new(node, Type::Number(Dimension::TIME)))
+            }
+            (phase, "success") => {
+                if let Some((_, node)) = self.own_success.as_ref().filter(|(own, _)| own == phase) {
+                    return Some(Data::new(*node, Type::Bool));
+                }
+                let index = self.phases.iter().position(|known| known == phase)?;
+                let index = u32::try_from(index).unwrap_or(u32::MAX);
+                Some(Data::new(self.graph.add(Operation::PhaseSuccess(index), &[]), Type::Bool))
+            }
+            _ => None,
         }
     }
 
@@ -378,7 +402,7 @@ impl<'a> Checker<'a> {
         let muscles: Vec<Thing> = (0..self.vocabulary.muscles.len()).map(Thing::Muscle).collect();
         let interval = self.timing.interval;
         Ok(match signal.read {
-            Read::Time => Data::new(self.graph.sensors(vec![Sensor::Time]), Type::Number(Dimension::TIME)),
+            Read::Time => Data::new(self.time(), Type::Number(Dimension::TIME)),
             Read::Interval => Data::new(self.graph.constant(interval), Type::Number(Dimension::TIME)),
             Read::Step => Data::new(self.graph.add(Operation::Step, &[]), Type::Int),
             Read::Horizon => Data::new(self.graph.constant(f64::from(self.timing.horizon)), Type::Int),
@@ -389,7 +413,7 @@ impl<'a> Checker<'a> {
                 Data::new(self.graph.sensors(vec![Sensor::AngularMomentum]), kind)
             }
             Read::Spine => self.spine(span)?,
-            Read::Terminated | Read::Truncated | Read::Ended | Read::Survived => self.end_signal(signal.read)?,
+            Read::Terminated | Read::Finished | Read::Truncated | Read::Ended | Read::Survived => self.end_signal(signal.read)?,
             read => self.muscle_property(&muscles, true, read)?,
         })
     }

@@ -5,10 +5,10 @@ use super::dimension::Dimension;
 use super::scope::{Definition, Place};
 use super::types::Type;
 use super::value::{Data, Value};
-use crate::diagnostics::{Span, codes};
+use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Operation;
-use crate::syntax::tree::{Channel, Entry, ExprKind};
+use crate::syntax::tree::{Channel, Entry, Expr, ExprKind};
 
 /// A channel that the graph computes.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,14 +16,30 @@ pub(crate) struct ObservedChannel {
     pub name: String,
     pub node: NodeId,
     pub unit: String,
-    /// In the file of the task, where the channel or its block stands.
+    /// The formula as written.
+    pub source: String,
+    /// Where the channel, or the block that it comes from, is named in the task.
+    pub file: FileId,
     pub span: Span,
 }
 
 /// The text that a label is made of.
 pub(crate) trait Texts {
     /// The text of a span of a file.
-    fn text(&self, file: crate::diagnostics::FileId, span: Span) -> &str;
+    fn text(&self, file: FileId, span: Span) -> &str;
+}
+
+/// The label before `=`, else the formula itself, blanks made even.
+pub(crate) fn label_of(channel: &Channel, file: FileId, texts: &dyn Texts) -> String {
+    match &channel.label {
+        Some(label) => label.text.clone(),
+        None => written(&channel.value, file, texts),
+    }
+}
+
+/// A formula as written, blanks made even.
+pub(crate) fn written(expr: &Expr, file: FileId, texts: &dyn Texts) -> String {
+    texts.text(file, expr.span).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 impl<'a> Checker<'a> {
@@ -32,7 +48,7 @@ impl<'a> Checker<'a> {
         &mut self,
         entries: &'a [Entry<Channel>],
         texts: &dyn Texts,
-        block: Option<Span>,
+        block: Option<(FileId, Span)>,
         found: &mut Vec<ObservedChannel>,
     ) -> Checked<()> {
         let mut broken = false;
@@ -47,23 +63,19 @@ impl<'a> Checker<'a> {
         &mut self,
         channel: &'a Channel,
         texts: &dyn Texts,
-        block: Option<Span>,
+        block: Option<(FileId, Span)>,
         found: &mut Vec<ObservedChannel>,
     ) -> Checked<()> {
         if let ExprKind::Name(name) = &channel.value.kind
             && let Some((declared, place)) = self.names.find(self.place, &name.text)
             && let Definition::Observation(observation) = declared.definition
         {
-            let span = block.unwrap_or(channel.span);
+            let span = block.unwrap_or((self.place.file, channel.span));
             return self.deeper(channel.span, |checker| {
                 checker.elsewhere(place, |checker| checker.channels(&observation.channels, texts, Some(span), found))
             });
         }
-        let file = self.place.file;
-        let name = match &channel.label {
-            Some(label) => label.text.clone(),
-            None => texts.text(file, channel.value.span).split_whitespace().collect::<Vec<_>>().join(" "),
-        };
+        let name = label_of(channel, self.place.file, texts);
         let data = match self.value(&channel.value)? {
             Value::Data(data) => data,
             other => return Err(self.not_numbers(&other, channel.value.span)),
@@ -77,7 +89,9 @@ impl<'a> Checker<'a> {
         }
         let node = self.observed(&data);
         self.spend(self.graph.width(node), channel.span)?;
-        found.push(ObservedChannel { name, node, unit: unit_of(&data.kind), span: block.unwrap_or(channel.span) });
+        let (file, span) = block.unwrap_or((self.place.file, channel.span));
+        let source = written(&channel.value, self.place.file, texts);
+        found.push(ObservedChannel { name, node, unit: unit_of(&data.kind), source, file, span });
         Ok(())
     }
 
@@ -116,7 +130,7 @@ fn unit_of(kind: &Type) -> String {
 
 /// Where a formula of the task itself stands.
 impl Place {
-    pub(crate) fn of_task(file: crate::diagnostics::FileId) -> Self {
+    pub(crate) fn of_task(file: FileId) -> Self {
         Self { file, in_task: true }
     }
 }

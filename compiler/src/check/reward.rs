@@ -5,9 +5,10 @@ use super::dimension::Dimension;
 use super::functions::divide_by;
 use super::types::Type;
 use super::value::Data;
-use crate::diagnostics::codes;
+use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
-use crate::syntax::tree::{Bounds, Entry, Expr, Reward, Term};
+use crate::graph::operation::Binary;
+use crate::syntax::tree::{Bounds, Entry, Expr, ExprKind, Reward, Term};
 
 /// A term that the graph computes.
 #[derive(Debug, Clone)]
@@ -17,6 +18,10 @@ pub(crate) struct PaidTerm<'a> {
     pub range: Option<[f64; 2]>,
     pub fixed: bool,
     pub formula: &'a Expr,
+    /// In which file.
+    pub file: FileId,
+    /// Whether it is multiplied by the control step.
+    pub per_second: bool,
     pub node: NodeId,
     /// Whether it counts 0 or 1.
     pub condition: bool,
@@ -27,9 +32,6 @@ pub(crate) struct PaidTerm<'a> {
 impl<'a> Checker<'a> {
     /// Checks the terms of a reward block.
     pub(crate) fn reward(&mut self, reward: &'a Reward, terms: &mut Vec<PaidTerm<'a>>) -> Checked<()> {
-        if reward.per_second {
-            return Err(self.not_yet(reward.span, "reward per second"));
-        }
         let mut broken = false;
         let mut allowed = Vec::new();
         for entry in &reward.terms {
@@ -43,7 +45,7 @@ impl<'a> Checker<'a> {
                 self.error(codes::tasks::LABEL_TWICE, term.name.span, message);
                 broken = true;
             }
-            match self.term(term) {
+            match self.term(term, reward.per_second) {
                 Ok(paid) => terms.push(PaidTerm { allowed: std::mem::take(&mut allowed), ..paid }),
                 Err(Reported) => broken = true,
             }
@@ -51,7 +53,7 @@ impl<'a> Checker<'a> {
         if broken { Err(Reported) } else { Ok(()) }
     }
 
-    fn term(&mut self, term: &'a Term) -> Checked<PaidTerm<'a>> {
+    fn term(&mut self, term: &'a Term, per_second: bool) -> Checked<PaidTerm<'a>> {
         let weight = self.weight(term);
         let Some(formula) = &term.formula else {
             let message = format!("the term `{}` has no formula", term.name.text);
@@ -61,17 +63,35 @@ impl<'a> Checker<'a> {
             return Err(self.report(diagnostic));
         };
         let data = self.data(formula).and_then(|data| self.must_be_payable(data, formula, &term.name.text));
-        let ((weight, range, fixed), data) = (weight?, data?);
+        let ((weight, range, fixed), mut data) = (weight?, data?);
+        if per_second {
+            self.must_be_a_rate(formula, &term.name.text)?;
+            let interval = self.graph.constant(self.timing.interval);
+            data = Data::new(self.graph.binary(Binary::Multiply, data.node, interval), Type::PLAIN);
+        }
         Ok(PaidTerm {
             name: term.name.text.clone(),
             weight,
             range,
             fixed,
             formula,
+            file: self.place.file,
+            per_second,
             node: data.node,
             condition: data.kind == Type::Bool,
             allowed: Vec::new(),
         })
+    }
+
+    /// What is paid once would be paid a fraction as a rate: `once` does not go with `reward per second`.
+    fn must_be_a_rate(&mut self, formula: &Expr, name: &str) -> Checked<()> {
+        let Some((word, span)) = single_event(formula) else { return Ok(()) };
+        let message = format!("the term `{name}` pays a single step, but `reward per second` pays over time");
+        let diagnostic = self
+            .diagnostic(codes::composition::ONCE_PER_SECOND, span, message)
+            .here(format!("`{word}` holds at one step"))
+            .help("move the term into `reward { }`, which pays per control step");
+        Err(self.report(diagnostic))
     }
 
     fn weight(&mut self, term: &Term) -> Checked<(f64, Option<[f64; 2]>, bool)> {
@@ -126,4 +146,29 @@ impl<'a> Checker<'a> {
         };
         Err(self.report(diagnostic))
     }
+}
+
+/// The first call in a formula of what holds at one step only.
+fn single_event(expr: &Expr) -> Option<(&str, Span)> {
+    const EVENTS: [&str; 3] = ["once", "rising", "falling"];
+    let mut parts: Vec<&Expr> = Vec::new();
+    match &expr.kind {
+        ExprKind::Call { function, arguments } => {
+            if let ExprKind::Name(name) = &function.kind
+                && EVENTS.contains(&name.text.as_str())
+            {
+                return Some((&name.text, expr.span));
+            }
+            parts.extend(arguments.iter().map(|argument| &argument.value));
+        }
+        ExprKind::Paren(inner) | ExprKind::Unary { operand: inner, .. } => parts.push(inner),
+        ExprKind::Binary { left, right, .. } => parts.extend([&**left, &**right]),
+        ExprKind::When { value, condition } => parts.extend([&**value, &**condition]),
+        ExprKind::If { branches, otherwise } => {
+            parts.extend(branches.iter().flat_map(|(condition, value)| [condition, value]));
+            parts.push(otherwise);
+        }
+        _ => {}
+    }
+    parts.into_iter().find_map(single_event)
 }

@@ -3,8 +3,11 @@
 //! A function or constant of a library sees its own file and what that file uses; a formula of a task sees, besides, what the
 //! task declares. Local names come first, then declarations, then the body and the signals.
 
+use super::inherit::WholeTask;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
-use crate::syntax::tree::{Binding, Clock, Function, Item, Observation, StateDeclaration, Task, TaskStatement};
+use crate::syntax::tree::{
+    Binding, Clock, Entry, Function, Item, Observation, Random, Reference, StateDeclaration, TaskParameter, TaskStatement,
+};
 use std::collections::{BTreeMap, HashMap};
 
 /// Where a formula stands.
@@ -25,6 +28,9 @@ pub(crate) enum Definition<'a> {
     Observation(&'a Observation),
     State(&'a StateDeclaration),
     Clock(&'a Clock),
+    Parameter(&'a TaskParameter),
+    Random(&'a Random),
+    Reference(&'a Reference),
 }
 
 impl Definition<'_> {
@@ -35,6 +41,9 @@ impl Definition<'_> {
             Self::Observation(observation) => observation.name.span,
             Self::State(state) => state.name.span,
             Self::Clock(clock) => clock.name.span,
+            Self::Parameter(parameter) => parameter.name.span,
+            Self::Random(random) => random.name.span,
+            Self::Reference(reference) => reference.name.span,
         }
     }
 }
@@ -60,12 +69,8 @@ pub(crate) struct FileInSight<'a> {
 }
 
 impl<'a> Names<'a> {
-    /// Collects the declarations of all files and of `task`, which stands in `file`; clashes are errors.
-    pub(crate) fn collect(
-        files: &[FileInSight<'a>],
-        task: Option<(&'a Task, FileId)>,
-        diagnostics: &mut Vec<Diagnostic>,
-    ) -> Self {
+    /// Collects the declarations of all files and of `task`; clashes are errors.
+    pub(crate) fn collect(files: &[FileInSight<'a>], task: Option<&'a WholeTask>, diagnostics: &mut Vec<Diagnostic>) -> Self {
         let mut names = Self::default();
         for file in files {
             let mut sight = BTreeMap::new();
@@ -76,11 +81,13 @@ impl<'a> Names<'a> {
             }
             names.files.insert(file.tree.file, sight);
         }
-        if let Some((task, file)) = task {
-            let outside = names.files.get(&file);
-            for (name, definition) in task.statements.iter().filter_map(in_task) {
-                let declared = Declared { definition, file };
-                match outside.and_then(|sight| sight.get(name)) {
+        for placed in task.into_iter().flat_map(|task| &task.statements) {
+            for (name, definition) in in_task(&placed.statement) {
+                let declared = Declared { definition, file: placed.file };
+                // What is inherited must clash neither where it was written nor where it now stands.
+                let homes = [Some(placed.file), task.map(|task| task.file)];
+                let outside = homes.into_iter().flatten().find_map(|file| names.files.get(&file)?.get(name));
+                match outside {
                     Some(first) => diagnostics.push(clash(name, *first, declared)),
                     None => declare(&mut names.task, name, declared, diagnostics),
                 }
@@ -141,11 +148,20 @@ fn top_level(item: &Item) -> Option<(&str, Definition<'_>)> {
     }
 }
 
-fn in_task(statement: &TaskStatement) -> Option<(&str, Definition<'_>)> {
+fn in_task(statement: &TaskStatement) -> Vec<(&str, Definition<'_>)> {
     match statement {
-        TaskStatement::Let(binding) => Some((&binding.name.text, Definition::Let(binding))),
-        TaskStatement::State(state) => Some((&state.name.text, Definition::State(state))),
-        TaskStatement::Clock(clock) => Some((&clock.name.text, Definition::Clock(clock))),
-        _ => None,
+        TaskStatement::Let(binding) => vec![(&binding.name.text, Definition::Let(binding))],
+        TaskStatement::State(state) => vec![(&state.name.text, Definition::State(state))],
+        TaskStatement::Clock(clock) => vec![(&clock.name.text, Definition::Clock(clock))],
+        TaskStatement::Random(random) => vec![(&random.name.text, Definition::Random(random))],
+        TaskStatement::Reference(reference) => vec![(&reference.name.text, Definition::Reference(reference))],
+        TaskStatement::Params(block) => {
+            let parameters = block.entries.iter().filter_map(|entry| match entry {
+                Entry::Item(parameter) => Some((parameter.name.text.as_str(), Definition::Parameter(parameter))),
+                _ => None,
+            });
+            parameters.collect()
+        }
+        _ => Vec::new(),
     }
 }

@@ -97,6 +97,7 @@ pub enum Read {
     Step,
     Horizon,
     Terminated,
+    Finished,
     Truncated,
     Ended,
     Survived,
@@ -209,7 +210,7 @@ pub const SIGNALS: &[Signal] = &[
     row(Time, "truncated", Read::Truncated, "condition", "the horizon is reached and nothing else ends the episode"),
     row(Time, "ended", Read::Ended, "condition", "the episode ends with this step, for whatever reason"),
     row(Time, "survived", Read::Survived, "condition", "the horizon is reached without a termination"),
-    row(Time, "finished", Read::NotYet, "condition", "a reason of `finish` holds now"),
+    row(Time, "finished", Read::Finished, "condition", "a reason of `finish` holds now"),
     row(Time, "pi", Read::Pi, "number", "half a turn's radians as a plain number, 3.14159..."),
 ];
 

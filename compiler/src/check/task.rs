@@ -1,9 +1,11 @@
 //! A task: its statements in any order, from tree to [`CheckedTask`].
 
-use super::context::{Cell, Checked, Checker, Reported, Timing};
+use super::context::{Cell, Checked, Checker, End, Reported, Timing};
 use super::dimension::Dimension;
+use super::inherit::{Placed, WholeTask};
 use super::lints;
 use super::observe::{ObservedChannel, Texts};
+use super::random::KnownRandom;
 use super::reward::PaidTerm;
 use super::scene::Surroundings;
 use super::scope::{Names, Place};
@@ -13,8 +15,8 @@ use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
 use crate::scene::SceneDescription;
-use crate::syntax::tree::{StateDeclaration, Task, TaskStatement};
-use crate::task::{Disturbance, Init};
+use crate::syntax::tree::{Block, BodyUse, Docs, Expr, InitStatement, StateDeclaration, TaskStatement};
+use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
 
 /// A task whose every formula is checked and in the graph.
@@ -35,8 +37,15 @@ pub(crate) struct CheckedTask<'a> {
     pub queries: Vec<Query>,
     pub channels: Vec<ObservedChannel>,
     pub terms: Vec<PaidTerm<'a>>,
-    pub terminations: Vec<(String, NodeId)>,
+    pub metrics: Vec<ObservedChannel>,
+    pub terminations: Vec<End>,
+    pub finishes: Vec<End>,
     pub success: NodeId,
+    /// Where the condition of success stands.
+    pub success_at: (FileId, Span),
+    pub randoms: Vec<KnownRandom>,
+    pub parameters: Vec<Parameter>,
+    pub phase: PhaseEnd,
     /// Between which values each term stays.
     pub term_bounds: Vec<Bounds>,
     /// New values of the declared states.
@@ -44,77 +53,121 @@ pub(crate) struct CheckedTask<'a> {
     pub states: Vec<Cell>,
 }
 
+/// How a phase of a sequence gives way to the next.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct PhaseEnd {
+    /// When the next phase begins.
+    pub until: Option<NodeId>,
+    /// Whether the phase itself has succeeded.
+    pub succeeded: Option<NodeId>,
+}
+
+/// What is asked of a task as a phase of a sequence.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct InSequence<'a> {
+    /// Names of all phases; empty for a task by itself.
+    pub phases: &'a [String],
+    /// Which of them this is.
+    pub index: usize,
+    /// When the next begins, with the file in which that stands.
+    pub until: Option<(&'a Expr, FileId)>,
+    /// What the sequence calls success, if it says so.
+    pub success: Option<(&'a Expr, FileId)>,
+}
+
+/// Something of a task with the file in which it stands.
+type Located<T> = Option<(T, FileId)>;
+
 /// The single statements of a task.
 #[derive(Default)]
 struct Parts<'a> {
-    family: Option<&'a str>,
-    control: Option<&'a crate::syntax::tree::Expr>,
-    horizon: Option<&'a crate::syntax::tree::Expr>,
+    family: Located<&'a str>,
+    control: Located<&'a Expr>,
+    horizon: Located<&'a Expr>,
     symmetric: bool,
-    init: Option<&'a crate::syntax::tree::Block<crate::syntax::tree::InitStatement>>,
-    observe: Option<&'a crate::syntax::tree::Block<crate::syntax::tree::Entry<crate::syntax::tree::Channel>>>,
-    reward: Option<&'a crate::syntax::tree::Reward>,
-    success: Option<&'a crate::syntax::tree::Expr>,
+    body: Located<&'a BodyUse>,
+    init: Located<&'a Block<InitStatement>>,
+    success: Located<&'a Expr>,
 }
 
 /// Checks a task against the vocabulary of its body. Errors and warnings come with it; the task only if there is no error.
 pub(crate) fn check<'a>(
-    task: &'a Task,
-    file: FileId,
+    task: &'a WholeTask,
     names: &'a Names<'a>,
     vocabulary: &'a Vocabulary,
     surroundings: &'a Surroundings<'a>,
     texts: &dyn Texts,
+    sequence: InSequence<'a>,
+    queries: Vec<Query>,
 ) -> (Option<CheckedTask<'a>>, Vec<Diagnostic>) {
-    let mut checker = Checker::new(vocabulary, names, Place::of_task(file), &task.statements);
+    let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     checker.known = surroundings.known.clone();
     checker.surroundings = Some(surroundings);
-    let checked = checker.task(task, texts).ok();
+    // Phases of a sequence share one frame, and so the numbers of the queries.
+    checker.queries = queries;
+    checker.phases = sequence.phases.iter().take(sequence.index).cloned().collect();
+    let checked = checker.task(task, texts, sequence).ok();
     let broken = checker.diagnostics.iter().any(|diagnostic| diagnostic.severity == crate::diagnostics::Severity::Error);
     let mut diagnostics = std::mem::take(&mut checker.diagnostics);
     let mut checked = checked.filter(|_| !broken);
     if let Some(checked) = &mut checked {
-        lints::unused(&checker, &mut diagnostics);
-        checked.term_bounds = lints::task(&checker, checked, &mut diagnostics);
+        // A task is looked at by itself; as a phase it would only be told of again.
+        let mut warnings = Vec::new();
+        lints::unused(&checker, &mut warnings);
+        checked.term_bounds = lints::task(&checker, checked, &mut warnings);
+        if sequence.phases.is_empty() {
+            diagnostics.append(&mut warnings);
+        }
     }
     (checked, diagnostics)
 }
 
 impl<'a> Checker<'a> {
-    fn task(&mut self, task: &'a Task, texts: &dyn Texts) -> Checked<CheckedTask<'a>> {
-        if let Some(parent) = &task.extends {
-            self.not_yet(parent.span, "extends");
-        }
-        let parts = self.parts(task);
+    fn task(&mut self, task: &'a WholeTask, texts: &dyn Texts, sequence: InSequence<'a>) -> Checked<CheckedTask<'a>> {
+        self.lists_once(task);
+        let parts = self.parts();
         self.must_not_hide_signals();
-        let frequency = parts.control.map(|control| self.control(control)).transpose();
+        let parameters = self.parameters();
+        let frequency = parts.control.map(|(control, file)| self.in_file(file, |checker| checker.control(control))).transpose();
         let horizon = match (&frequency, parts.horizon) {
-            (Ok(_), Some(horizon)) => self.horizon(horizon).map(Some),
+            (Ok(_), Some((horizon, file))) => self.in_file(file, |checker| checker.horizon(horizon)).map(Some),
             _ => Ok(None),
         };
         self.states();
+        self.randoms();
         self.beginning = true;
-        let init = parts.init.map(|block| self.init(&block.entries, block.keyword)).transpose();
+        let init = parts.init.map(|(block, file)| self.in_file(file, |c| c.init(&block.entries, block.keyword))).transpose();
         let staged = self.staged();
         self.beginning = false;
-        let terminations = self.terminations();
-        let mut terms = Vec::new();
-        let reward = parts.reward.map(|reward| self.reward(reward, &mut terms)).transpose();
-        let success = parts.success.map(|success| self.single_condition(success)).transpose();
-        let updates = self.updates();
-        let mut channels = Vec::new();
-        self.after = true;
-        let observe = parts.observe.map(|block| self.channels(&block.entries, texts, None, &mut channels)).transpose();
-        self.after = false;
+        let (terminations, finishes) = (self.terminations(), self.finishes());
+        if let (Ok(terminations), Ok(finishes)) = (&terminations, &finishes) {
+            self.must_not_share_reasons(terminations, finishes);
+        }
+        let terms = self.rewards();
+        let metrics = self.metrics(texts);
+        let own = parts.success.map(|(success, file)| self.in_file(file, |c| c.single_condition(success))).transpose();
+        let succeeded = own.as_ref().ok().and_then(Option::as_ref).map(|own| own.node);
+        if let (Some(name), Some(node)) = (sequence.phases.get(sequence.index), succeeded) {
+            self.own_success = Some((name.clone(), node));
+        }
+        let phase = self.phase_end(sequence, succeeded);
+        let success = match sequence.success.filter(|_| sequence.index + 1 == sequence.phases.len()) {
+            Some((success, file)) => self.in_file(file, |checker| checker.single_condition(success)).map(Some),
+            None => own,
+        };
+        let (updates, redraws) = (self.updates(), self.redraws());
+        let channels = self.observations(texts);
+        self.parameters_in_use();
         self.must_be_complete(task, &parts);
-        let (control_frequency, _) = (frequency?, (horizon?, reward?, observe?));
+        let (control_frequency, _) = (frequency?, (horizon?, redraws?));
         let staged = staged?;
         let (Some(control_frequency), Some(init), Some(success)) = (control_frequency, init?, success?) else {
             return Err(Reported);
         };
+        let success_at = sequence.success.or(parts.success).map(|(expr, file)| (file, expr.span));
         Ok(CheckedTask {
             graph: std::mem::take(&mut self.graph),
-            family: parts.family.unwrap_or_default().to_owned(),
+            family: parts.family.map(|(family, _)| family).unwrap_or_default().to_owned(),
             control_frequency,
             timing: self.timing,
             symmetric: parts.symmetric,
@@ -125,36 +178,110 @@ impl<'a> Checker<'a> {
             releases: staged.releases,
             markers: staged.markers,
             queries: std::mem::take(&mut self.queries),
-            channels,
-            terms,
+            channels: channels?,
+            terms: terms?,
+            metrics: metrics?,
             terminations: terminations?,
+            finishes: finishes?,
             success: success.node,
+            success_at: success_at.unwrap_or((self.task_place.file, task.task.name.span)),
+            randoms: std::mem::take(&mut self.randoms),
+            parameters: parameters?,
+            phase: phase?,
             term_bounds: Vec::new(),
             updates: updates?,
             states: std::mem::take(&mut self.cells),
         })
     }
 
-    /// Sorts the statements; what comes twice or is not supported yet is reported.
-    fn parts(&mut self, task: &'a Task) -> Parts<'a> {
+    /// When a phase gives way, and whether it has then succeeded.
+    fn phase_end(&mut self, sequence: InSequence<'a>, succeeded: Option<NodeId>) -> Checked<PhaseEnd> {
+        if sequence.phases.is_empty() {
+            return Ok(PhaseEnd::default());
+        }
+        let until = sequence.until.map(|(expr, file)| self.in_file(file, |checker| checker.single_condition(expr))).transpose();
+        Ok(PhaseEnd { until: until?.map(|condition| condition.node), succeeded })
+    }
+
+    /// All `observe` blocks, in order. States and randoms are read after their update there.
+    fn observations(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
+        let statements = self.statements;
+        let mut channels = Vec::new();
+        let mut broken = false;
+        self.after = true;
+        for placed in statements {
+            if let TaskStatement::Observe(block) = &placed.statement {
+                let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut channels));
+                broken |= found.is_err();
+            }
+        }
+        self.after = false;
+        if broken { Err(Reported) } else { Ok(channels) }
+    }
+
+    /// All `metrics` blocks, in order: logged, never paid.
+    fn metrics(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
+        let statements = self.statements;
+        let mut metrics = Vec::new();
+        let mut broken = false;
+        for placed in statements {
+            if let TaskStatement::Metrics(block) = &placed.statement {
+                let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut metrics));
+                broken |= found.is_err();
+            }
+        }
+        if broken { Err(Reported) } else { Ok(metrics) }
+    }
+
+    /// All `reward` blocks, in order.
+    fn rewards(&mut self) -> Checked<Vec<PaidTerm<'a>>> {
+        let statements = self.statements;
+        let mut terms = Vec::new();
+        let mut broken = false;
+        for placed in statements {
+            if let TaskStatement::Reward(reward) = &placed.statement {
+                broken |= self.in_file(placed.file, |checker| checker.reward(reward, &mut terms)).is_err();
+            }
+        }
+        if broken { Err(Reported) } else { Ok(terms) }
+    }
+
+    /// A list is said once in each task; what a task inherits comes row by row, from elsewhere.
+    fn lists_once(&mut self, task: &WholeTask) {
         use TaskStatement as S;
+        let mut said: Vec<&str> = Vec::new();
+        for statement in &task.task.statements {
+            let (word, span) = match statement {
+                S::Params(block) => ("params", block.keyword),
+                S::Observe(block) => ("observe", block.keyword),
+                S::Metrics(block) => ("metrics", block.keyword),
+                S::Reward(reward) if reward.per_second => ("reward per second", reward.span),
+                S::Reward(reward) => ("reward", reward.span),
+                _ => continue,
+            };
+            if said.contains(&word) {
+                self.said_twice(span, word);
+            }
+            said.push(word);
+        }
+    }
+
+    /// Sorts the statements; what comes twice or is not supported yet is reported.
+    fn parts(&mut self) -> Parts<'a> {
+        use TaskStatement as S;
+        let statements = self.statements;
         let mut parts = Parts::default();
-        for statement in &task.statements {
+        for Placed { statement, file } in statements {
             match statement {
-                S::Family(name) => self.only_one(&mut parts.family, &name.text, name.span, "family"),
-                S::Control(expr) => self.only_one(&mut parts.control, expr, expr.span, "control"),
-                S::Horizon(expr) => self.only_one(&mut parts.horizon, expr, expr.span, "horizon"),
+                S::Family(name) => self.only_one(&mut parts.family, (&name.text, *file), name.span, "family"),
+                S::Control(expr) => self.only_one(&mut parts.control, (expr, *file), expr.span, "control"),
+                S::Horizon(expr) => self.only_one(&mut parts.horizon, (expr, *file), expr.span, "horizon"),
                 S::Symmetric(_) => parts.symmetric = true,
-                S::Init(block) => self.only_one(&mut parts.init, block, block.keyword, "init"),
-                S::Observe(block) => self.only_one(&mut parts.observe, block, block.keyword, "observe"),
-                S::Reward(reward) => self.only_one(&mut parts.reward, reward, reward.span, "reward"),
-                S::Success(expr) => self.only_one(&mut parts.success, expr, expr.span, "success"),
+                S::Body(body) => self.only_one(&mut parts.body, (body, *file), body.span, "body"),
+                S::Init(block) => self.only_one(&mut parts.init, (block, *file), block.keyword, "init"),
+                S::Success(expr) => self.only_one(&mut parts.success, (expr, *file), expr.span, "success"),
                 S::Allow(allow) => self.allow(allow),
-                S::Body(body) if !body.edits.is_empty() => {
-                    self.not_yet(body.span, "body ... with");
-                }
-                S::Scene(block) => self.allow_in_scene(&block.entries),
-                S::Disturb(_) | S::Body(_) | S::Terminate(_) | S::Let(_) | S::State(_) | S::Clock(_) => {}
+                S::Scene(block) => self.in_file(*file, |checker| checker.allow_in_scene(&block.entries)),
                 other => {
                     if let Some((span, word)) = unsupported(other) {
                         self.not_yet(span, word);
@@ -167,26 +294,30 @@ impl<'a> Checker<'a> {
 
     fn only_one<T>(&mut self, slot: &mut Option<T>, value: T, span: Span, word: &str) {
         if slot.replace(value).is_some() {
-            let message = format!("`{word}` is said twice");
-            self.error(codes::tasks::REPEATED, span, message);
+            self.said_twice(span, word);
         }
     }
 
-    fn must_be_complete(&mut self, task: &Task, parts: &Parts<'a>) {
-        let has_body = task.statements.iter().any(|statement| matches!(statement, TaskStatement::Body(_)));
+    fn said_twice(&mut self, span: Span, word: &str) {
+        let message = format!("`{word}` is said twice");
+        self.error(codes::tasks::REPEATED, span, message);
+    }
+
+    fn must_be_complete(&mut self, task: &WholeTask, parts: &Parts<'a>) {
+        let says = |word: fn(&TaskStatement) -> bool| task.statements.iter().any(|placed| word(&placed.statement));
         let wanted = [
-            ("body", has_body),
+            ("body", parts.body.is_some()),
             ("control", parts.control.is_some()),
             ("horizon", parts.horizon.is_some()),
             ("init", parts.init.is_some()),
-            ("observe", parts.observe.is_some()),
-            ("reward", parts.reward.is_some()),
+            ("observe", says(|statement| matches!(statement, TaskStatement::Observe(_)))),
+            ("reward", says(|statement| matches!(statement, TaskStatement::Reward(_)))),
             ("success", parts.success.is_some()),
         ];
         let missing: Vec<String> = wanted.iter().filter(|(_, there)| !there).map(|(word, _)| format!("`{word}`")).collect();
         if !missing.is_empty() {
-            let message = format!("the task `{}` does not say {}", task.name.text, missing.join(", "));
-            let diagnostic = self.diagnostic(codes::tasks::MISSING, task.name.span, message).help(
+            let message = format!("the task `{}` does not say {}", task.task.name.text, missing.join(", "));
+            let diagnostic = self.diagnostic(codes::tasks::MISSING, task.task.name.span, message).help(
                 "nothing has a silent default: an episode must say how it begins, what is seen, what pays and what succeeds",
             );
             self.report(diagnostic);
@@ -240,17 +371,23 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    fn declared_states(&self) -> Vec<&'a StateDeclaration> {
-        let states = self.statements.iter();
-        states.filter_map(|statement| if let TaskStatement::State(state) = statement { Some(state) } else { None }).collect()
+    fn declared_states(&self) -> Vec<(&'a StateDeclaration, FileId)> {
+        let states = self.statements.iter().filter_map(|placed| match &placed.statement {
+            TaskStatement::State(state) => Some((state, placed.file)),
+            _ => None,
+        });
+        states.collect()
     }
 
     /// First values of the declared states, in the order of the text: one may read those above it.
     fn states(&mut self) {
-        for state in self.declared_states() {
-            let Ok(initial) = self.data(&state.initial) else { continue };
-            let checked = self.check_annotation(state.annotation.as_ref(), &super::value::Value::Data(initial.clone()));
-            if checked.is_ok() {
+        for (state, file) in self.declared_states() {
+            let initial: Checked<Data> = self.in_file(file, |checker| {
+                let initial = checker.data(&state.initial)?;
+                checker.check_annotation(state.annotation.as_ref(), &super::value::Value::Data(initial.clone()))?;
+                Ok(initial)
+            });
+            if let Ok(initial) = initial {
                 self.cells.push(Cell { name: state.name.text.clone(), kind: initial.kind, initial: initial.node });
             }
         }
@@ -259,11 +396,11 @@ impl<'a> Checker<'a> {
     /// New values of the declared states: the first `becomes` whose condition holds, else what it was.
     fn updates(&mut self) -> Checked<Vec<NodeId>> {
         let mut nodes = Vec::new();
-        for state in self.declared_states() {
+        for (state, file) in self.declared_states() {
             let Ok(super::value::Value::Data(present)) = self.state(&state.name.text, state.name.span) else { continue };
             let mut next = present.clone();
             for update in state.updates.iter().rev() {
-                next = self.update(update, &present, next)?;
+                next = self.in_file(file, |checker| checker.update(update, &present, next))?;
             }
             nodes.push(next.node);
         }
@@ -298,10 +435,6 @@ impl<'a> Checker<'a> {
 fn unsupported(statement: &TaskStatement) -> Option<(Span, &'static str)> {
     use TaskStatement as S;
     Some(match statement {
-        S::Params(block) => (block.keyword, "params"),
-        S::Metrics(block) => (block.keyword, "metrics"),
-        S::Finish(ends) => (ends.span, "finish"),
-        S::Random(random) => (random.span, "random"),
         S::Reference(reference) => (reference.span, "reference"),
         S::Phase(phase) => (phase.span, "phase"),
         S::Test(test) => (test.span, if test.cheat { "cheat" } else { "test" }),
@@ -310,16 +443,16 @@ fn unsupported(statement: &TaskStatement) -> Option<(Span, &'static str)> {
 }
 
 /// What a task file says about its body, before anything else is checked.
-pub(crate) fn body_name(task: &Task) -> Option<&crate::syntax::tree::Ident> {
-    task.statements.iter().find_map(|statement| match statement {
-        TaskStatement::Body(body) => Some(&body.name),
+pub(crate) fn body_of(statements: &[Placed]) -> Option<(&BodyUse, FileId)> {
+    statements.iter().find_map(|placed| match &placed.statement {
+        TaskStatement::Body(body) => Some((body, placed.file)),
         _ => None,
     })
 }
 
 /// The first sentence group of a documentation comment.
-pub(crate) fn summary(task: &Task) -> String {
-    let text = task.docs.as_ref().map_or("", |docs| docs.text.as_str());
+pub(crate) fn summary(docs: Option<&Docs>) -> String {
+    let text = docs.map_or("", |docs| docs.text.as_str());
     let paragraph: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     paragraph.join(" ")
 }

@@ -1,15 +1,12 @@
 //! The snapshot: canonical text of what a task means. Layout, comments and local names of the source do not show in it.
 
 use crate::graph::text::{Writer, values};
-use crate::task::{CompiledTask, Spread};
+use crate::task::{CompiledTask, Meaning, Phase, Spread};
 use std::fmt::Write;
 
 impl CompiledTask {
     /// Canonical, diffable text of the task's meaning: terms, weights, ranges, ends, channels, beginning and the graph.
     pub fn snapshot(&self) -> String {
-        let mut writer = Writer::default();
-        let graph = &self.meaning.graph;
-        let outputs = &self.meaning.outputs;
         let mut text = String::new();
         // Writing to a string cannot fail.
         let _ = writeln!(text, "task {} on {}", self.name, self.body.name);
@@ -17,8 +14,24 @@ impl CompiledTask {
         let _ = writeln!(text, "control {} Hz", self.control_frequency);
         let _ = writeln!(text, "horizon {} steps", self.horizon);
         let _ = writeln!(text, "symmetric {}", self.symmetric);
+        for parameter in &self.parameters {
+            let range = parameter.range.map_or(String::new(), |[low, high]| format!(" ({low}..{high})"));
+            let _ = writeln!(text, "parameter {} = {}{range} {}", parameter.name, parameter.value, parameter.unit);
+        }
         self.write_scene(&mut text);
         self.write_init(&mut text);
+        for phase in &self.phases {
+            if self.phases.len() > 1 {
+                let _ = writeln!(text, "phase {} of {} steps", phase.name, phase.horizon);
+            }
+            self.write_phase(phase, &mut text);
+        }
+        text
+    }
+
+    fn write_phase(&self, phase: &Phase, text: &mut String) {
+        let mut writer = Writer::default();
+        let Meaning { graph, outputs, .. } = &phase.meaning;
         for (&(setting, index), &node) in self.init.drawn.iter().zip(&outputs.beginning) {
             let _ = writeln!(text, "init {setting:?} is drawn {index} = %{}", writer.number(graph, node));
         }
@@ -28,7 +41,12 @@ impl CompiledTask {
         for (name, &node) in self.markers.iter().zip(&outputs.markers) {
             let _ = writeln!(text, "marker {name} at %{}", writer.number(graph, node));
         }
-        for (term, &node) in self.terms.iter().zip(&outputs.terms) {
+        for (&stream, draw) in phase.streams.iter().zip(&outputs.draws) {
+            let redraw = draw.redraw.map_or(String::new(), |node| format!(", again when %{}", writer.number(graph, node)));
+            let name = &self.randoms[stream].name;
+            let _ = writeln!(text, "random {name} = %{}{redraw}", writer.number(graph, draw.value));
+        }
+        for (term, &node) in self.terms[phase.terms.clone()].iter().zip(&outputs.terms) {
             let bounds = match (term.fixed, term.weight_range) {
                 (true, _) => " (fixed)".to_owned(),
                 (_, Some([low, high])) => format!(" ({low}..{high})"),
@@ -36,20 +54,29 @@ impl CompiledTask {
             };
             let _ = writeln!(text, "term {} = {}{bounds} * %{}", term.name, term.weight, writer.number(graph, node));
         }
-        for (name, &node) in self.terminations.iter().zip(&outputs.terminations) {
+        for (metric, &node) in self.metrics[phase.metrics.clone()].iter().zip(&outputs.metrics) {
+            let _ = writeln!(text, "metric {} ({}) = %{}", metric.name, metric.size, writer.number(graph, node));
+        }
+        for (name, &node) in self.terminations[phase.terminations.clone()].iter().zip(&outputs.terminations) {
             let _ = writeln!(text, "terminate {name} when %{}", writer.number(graph, node));
         }
-        if let Some(node) = outputs.success {
-            let _ = writeln!(text, "success %{}", writer.number(graph, node));
+        for (name, &node) in self.finishes[phase.finishes.clone()].iter().zip(&outputs.finishes) {
+            let _ = writeln!(text, "finish {name} when %{}", writer.number(graph, node));
         }
-        for (channel, &node) in self.channels.iter().zip(&outputs.channels) {
+        for (word, node) in [("until", outputs.until), ("succeeded", outputs.succeeded), ("success", outputs.success)] {
+            if let Some(node) = node {
+                let _ = writeln!(text, "{word} %{}", writer.number(graph, node));
+            }
+        }
+        for (channel, own) in self.channels.iter().zip(&phase.channels) {
+            let Some(&node) = own.and_then(|own| outputs.channels.get(own)) else { continue };
             let unit = if channel.unit.is_empty() { String::new() } else { format!(" in {}", channel.unit) };
             let _ = writeln!(text, "observe {} ({}){unit} = %{}", channel.name, channel.size, writer.number(graph, node));
         }
         for (index, &node) in outputs.updates.iter().enumerate() {
             let _ = writeln!(text, "state {index} becomes %{}", writer.number(graph, node));
         }
-        text + writer.lines()
+        text.push_str(writer.lines());
     }
 
     fn write_scene(&self, text: &mut String) {

@@ -1,9 +1,10 @@
 //! `msk explain` as text.
 
+use crate::evaluation::Middle;
 use crate::graph::NodeId;
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Memory, Operation};
-use crate::task::{CompiledTask, Spread, StepReport, TaskState, Term};
+use crate::task::{CompiledTask, Phase, Spread, StepReport, TaskState, Term};
 use std::fmt::Write;
 
 /// What an explanation may tell besides the source.
@@ -17,23 +18,63 @@ pub struct Options<'a> {
 pub fn text(task: &CompiledTask, options: &Options<'_>) -> String {
     let mut text = String::new();
     head(task, &mut text);
-    let at_reset = options.reset.filter(|frame| frame.len() == task.frame.size()).map(|frame| {
+    let at_reset = options.reset.filter(|frame| frame.len() == task.frame.size()).and_then(|frame| {
         let (mut state, mut report) = (TaskState::default(), StepReport::default());
-        task.reset(frame, &mut state);
+        // A random without a middle that fulfils its condition leaves nothing to show.
+        task.reset(frame, &mut Middle, &mut state).ok()?;
         task.report(frame, &task.weights(), &state, &mut report);
-        report
+        Some(report)
     });
-    let _ = writeln!(text, "\nReward, per control step: the sum of weight times term");
-    for (index, term) in task.terms.iter().enumerate() {
-        explain_term(task, index, term, at_reset.as_ref(), &mut text);
+    settings(task, &mut text);
+    for (index, phase) in task.phases.iter().enumerate() {
+        // Only the first phase has the reset as its first snapshot.
+        let at_reset = at_reset.as_ref().filter(|_| index == 0);
+        if task.phases.len() > 1 {
+            let until = if phase.meaning.until.is_empty() { String::new() } else { format!(", until {}", phase.meaning.until) };
+            let _ = writeln!(text, "\nPhase {} of {} steps{until}", phase.name, phase.horizon);
+        }
+        let _ = writeln!(text, "\nReward, per control step: the sum of weight times term");
+        for (own, index) in phase.terms.clone().enumerate() {
+            explain_term(task, phase, own, &task.terms[index], at_reset.map(|report| report.terms[index]), &mut text);
+        }
+        if let Some(report) = at_reset {
+            let _ = writeln!(text, "\n  at reset the sum is {}", short(report.reward));
+        }
+        ends(task, phase, at_reset, &mut text);
     }
-    if let Some(report) = &at_reset {
-        let _ = writeln!(text, "\n  at reset the sum is {}", short(report.reward));
-    }
-    ends(task, at_reset.as_ref(), &mut text);
     channels(task, &mut text);
+    metrics(task, &mut text);
     let _ = writeln!(text, "\nhash {}", task.hash);
     text
+}
+
+/// Parameters and randoms.
+fn settings(task: &CompiledTask, text: &mut String) {
+    if !task.parameters.is_empty() {
+        let _ = writeln!(text, "\nParameters");
+    }
+    for parameter in &task.parameters {
+        let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
+        let range = parameter.range.map_or(String::new(), |[low, high]| format!(", {} .. {}{unit}", short(low), short(high)));
+        let set =
+            if parameter.value == parameter.default { String::new() } else { format!(", usually {}", short(parameter.default)) };
+        let _ = writeln!(text, "  {} = {}{unit}{range}{set}", parameter.name, short(parameter.value));
+    }
+    if !task.randoms.is_empty() {
+        let _ = writeln!(text, "\nDrawn for each episode");
+    }
+    for random in &task.randoms {
+        let clause = |word: &str, clause: &str| if clause.is_empty() { String::new() } else { format!(" {word} {clause}") };
+        let (accept, redraw) = (clause("where", &random.accept), clause("redraw when", &random.redraw));
+        let _ = writeln!(text, "  {} = {}{accept}{redraw}", random.name, random.source);
+    }
+}
+
+fn metrics(task: &CompiledTask, text: &mut String) {
+    if !task.metrics.is_empty() {
+        let names: Vec<&str> = task.metrics.iter().map(|metric| metric.name.as_str()).collect();
+        let _ = writeln!(text, "\nLogs, never paid: {}", names.join(", "));
+    }
 }
 
 fn head(task: &CompiledTask, text: &mut String) {
@@ -68,8 +109,8 @@ fn head(task: &CompiledTask, text: &mut String) {
     );
 }
 
-fn explain_term(task: &CompiledTask, index: usize, term: &Term, at_reset: Option<&StepReport>, text: &mut String) {
-    let meaning = &task.meaning.terms[index];
+fn explain_term(task: &CompiledTask, phase: &Phase, own: usize, term: &Term, at_reset: Option<f64>, text: &mut String) {
+    let meaning = &phase.meaning.terms[own];
     let bounds = match (term.fixed, term.weight_range) {
         (true, _) => " (fixed)".to_owned(),
         (_, Some([low, high])) => format!(" ({low}..{high})"),
@@ -78,27 +119,22 @@ fn explain_term(task: &CompiledTask, index: usize, term: &Term, at_reset: Option
     let _ = writeln!(text, "\n  {:>7}{bounds} {}", short(term.weight), term.name);
     let _ = writeln!(text, "          = {}", meaning.mathematics);
     let kind = if meaning.condition { "a condition, counted 0 or 1" } else { "a plain number" };
-    let _ = writeln!(text, "          is {kind}, {}", range(task.meaning.term_bounds[index]));
+    let _ = writeln!(text, "          is {kind}, {}", range(phase.meaning.term_bounds[own]));
     if !meaning.reads.is_empty() {
         let _ = writeln!(text, "          reads {}", meaning.reads.join(", "));
     }
-    let owned = memories(task, task.meaning.outputs.terms[index]);
+    let owned = memories(task, phase, phase.meaning.outputs.terms[own]);
     if !owned.is_empty() {
         let _ = writeln!(text, "          remembers {}", owned.join(", "));
     }
-    if let Some(report) = at_reset {
-        let _ = writeln!(
-            text,
-            "          at reset {}, pays {}",
-            short(report.terms[index]),
-            short(report.terms[index] * term.weight)
-        );
+    if let Some(value) = at_reset {
+        let _ = writeln!(text, "          at reset {}, pays {}", short(value), short(value * term.weight));
     }
 }
 
 /// The memories that a node depends on, in words.
-fn memories(task: &CompiledTask, node: NodeId) -> Vec<String> {
-    let graph = &task.meaning.graph;
+fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
+    let graph = &phase.meaning.graph;
     let nodes = graph.reachable([node]);
     let told = nodes.iter().filter_map(|id| {
         let node = graph.node(*id);
@@ -106,26 +142,37 @@ fn memories(task: &CompiledTask, node: NodeId) -> Vec<String> {
             Operation::Memory(Memory::Delay(steps)) => format!("{} value(s) {steps} step(s) ago", node.width),
             Operation::Memory(memory) => format!("{} value(s), {}", node.width, format!("{memory:?}").to_lowercase()),
             Operation::StateBefore(index) | Operation::StateAfter(index) => format!("state {index}"),
+            Operation::Drawn(index) => format!("random {}", task.randoms[phase.streams[*index as usize]].name),
             _ => return None,
         })
     });
     told.collect()
 }
 
-fn ends(task: &CompiledTask, at_reset: Option<&StepReport>, text: &mut String) {
+fn ends(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport>, text: &mut String) {
+    let told = |text: &mut String, name: &str, condition: &str, holds: bool| {
+        let _ = writeln!(text, "  {name} when {condition}{}", if holds { "   (holds at reset!)" } else { "" });
+    };
     let _ = writeln!(text, "\nEnds as a failure");
-    if task.terminations.is_empty() {
+    if phase.terminations.is_empty() {
         let _ = writeln!(text, "  never");
     }
-    for (index, (name, condition)) in task.terminations.iter().zip(&task.meaning.terminations).enumerate() {
+    for (index, condition) in phase.terminations.clone().zip(&phase.meaning.terminations) {
         let holds = at_reset.is_some_and(|report| report.terminations.get(index) == Some(&true));
-        let _ = writeln!(text, "  {name} when {condition}{}", if holds { "   (holds at reset!)" } else { "" });
+        told(text, &task.terminations[index], condition, holds);
+    }
+    if !phase.finishes.is_empty() {
+        let _ = writeln!(text, "\nFinishes");
+    }
+    for (index, condition) in phase.finishes.clone().zip(&phase.meaning.finishes) {
+        let holds = at_reset.is_some_and(|report| report.finishes.get(index) == Some(&true));
+        told(text, &task.finishes[index], condition, holds);
     }
     let holds = at_reset.is_some_and(|report| report.success);
     let _ = writeln!(
         text,
         "\nSucceeds when {} at the last step{}",
-        task.meaning.success,
+        phase.meaning.success,
         if holds { "   (holds at reset!)" } else { "" }
     );
 }

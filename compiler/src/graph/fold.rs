@@ -33,7 +33,14 @@ pub(super) fn simplify(graph: &mut Graph, operation: &Operation, inputs: &[NodeI
 
 /// The lanes of a pure operation on constants.
 fn evaluate_constant(graph: &Graph, operation: &Operation, inputs: &[NodeId], width: usize) -> Option<Vec<f64>> {
-    let remembers = matches!(operation, Operation::Memory(_) | Operation::StateBefore(_) | Operation::StateAfter(_));
+    let remembers = matches!(
+        operation,
+        Operation::Memory(_)
+            | Operation::StateBefore(_)
+            | Operation::StateAfter(_)
+            | Operation::Drawn(_)
+            | Operation::DrawnAfter(_)
+    );
     if inputs.is_empty() || remembers {
         return None;
     }
@@ -86,13 +93,24 @@ pub fn evaluate(operation: &Operation, inputs: &[&[f64]], out: &mut [f64]) {
                 out.copy_from_slice(&super::operation::quaternion(axes));
             }
         }
+        Operation::Pick(lanes) => {
+            let width = *lanes as usize;
+            // The checker has proven that the index lies within; a number that is none picks the first element.
+            let count = inputs[0].len() / width.max(1);
+            let place = (lane(1, 0).max(0.0) as usize).min(count.saturating_sub(1));
+            out.copy_from_slice(&inputs[0][place * width..(place + 1) * width]);
+        }
         // Leaves and memories are the caller's: they depend on more than their inputs.
         Operation::Constant(_)
         | Operation::Sensors(_)
         | Operation::Step
         | Operation::Memory(_)
         | Operation::StateBefore(_)
-        | Operation::StateAfter(_) => {}
+        | Operation::StateAfter(_)
+        | Operation::Noise(..)
+        | Operation::Drawn(_)
+        | Operation::DrawnAfter(_)
+        | Operation::PhaseSuccess(_) => {}
     }
 }
 

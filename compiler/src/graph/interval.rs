@@ -2,7 +2,7 @@
 //!
 //! Bounds are those of exact arithmetic; they serve lints and explanations, never the run.
 
-use super::operation::{Binary, Memory, Operation, Reduction, Unary};
+use super::operation::{Binary, Chance, Memory, Operation, Reduction, Unary};
 use super::{Graph, NodeId};
 use crate::frame::Sensor;
 
@@ -130,6 +130,16 @@ fn bounds_of(operation: &Operation, inputs: &[&[Bounds]], width: usize, same: bo
         Operation::Quaternion => vec![Bounds::TRUTH, Bounds::new(-1.0, 1.0), Bounds::new(-1.0, 1.0), Bounds::new(-1.0, 1.0)],
         Operation::Memory(memory) => each(&|index| remembered(*memory, lane(0, index), ranges.at_reset())),
         Operation::StateBefore(_) | Operation::StateAfter(_) => vec![Bounds::ANY; width],
+        Operation::Noise(_, Chance::Uniform, _) => vec![Bounds::TRUTH; width],
+        Operation::Noise(_, Chance::Normal, _) => vec![Bounds::ANY; width],
+        // Whatever is taken was one of the tries.
+        Operation::Drawn(_) | Operation::DrawnAfter(_) => inputs[0].to_vec(),
+        Operation::Pick(lanes) => {
+            let elements = inputs[0].chunks_exact((*lanes as usize).max(1));
+            let hull = |lane: usize| elements.clone().map(|element| element[lane]).reduce(Bounds::hull).unwrap_or(Bounds::ANY);
+            (0..width).map(hull).collect()
+        }
+        Operation::PhaseSuccess(_) => vec![Bounds::TRUTH],
     }
 }
 

@@ -112,6 +112,10 @@ impl Graph {
             Operation::Join => inputs.iter().map(|&input| self.width(input)).sum(),
             Operation::Reduce(_, group) => widest() / *group as usize,
             Operation::Quaternion => 4,
+            Operation::Noise(_, _, lanes) => *lanes as usize,
+            Operation::Drawn(_) | Operation::DrawnAfter(_) => inputs.first().map_or(1, |&input| self.width(input)),
+            Operation::Pick(lanes) => *lanes as usize,
+            Operation::PhaseSuccess(_) => 1,
             _ => widest(),
         }
     }
@@ -160,6 +164,23 @@ impl Graph {
     /// A cell that remembers.
     pub fn memory(&mut self, memory: Memory, inputs: &[NodeId]) -> NodeId {
         self.add(Operation::Memory(memory), inputs)
+    }
+
+    /// Whether the value of a node is settled by what is drawn before the beginning: it reads no signal, no time, no memory.
+    pub fn is_drawn_first(&self, id: NodeId) -> bool {
+        let settled = |id: &NodeId| {
+            !matches!(
+                self.node(*id).operation,
+                Operation::Sensors(_)
+                    | Operation::Step
+                    | Operation::Memory(_)
+                    | Operation::StateBefore(_)
+                    | Operation::StateAfter(_)
+                    | Operation::DrawnAfter(_)
+                    | Operation::PhaseSuccess(_)
+            )
+        };
+        self.reachable([id]).iter().all(settled)
     }
 
     /// The nodes that `roots` need, themselves included, in ascending order.

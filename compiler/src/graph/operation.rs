@@ -49,6 +49,25 @@ pub enum Operation {
     StateBefore(u32),
     /// The same state after this step's update.
     StateAfter(u32),
+    /// Numbers that chance gives a random at each try: which random, from what, how many.
+    Noise(u32, Chance, u32),
+    /// A random before this step's redraw; input 0 is what a try gives, input 1, if there is one, whether it is taken.
+    Drawn(u32),
+    /// The same random after this step's redraw.
+    DrawnAfter(u32),
+    /// Element number input 1 of the list in input 0, so many lanes each. The index is whole and within the list.
+    Pick(u32),
+    /// Whether an earlier phase of the sequence had succeeded when it ended.
+    PhaseSuccess(u32),
+}
+
+/// From what chance draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Chance {
+    /// Uniform on [0, 1).
+    Uniform,
+    /// Standard normal.
+    Normal,
 }
 
 /// Functions of one number.

@@ -63,6 +63,11 @@ pub fn describe(operation: &Operation) -> String {
         Operation::Memory(memory) => format!("memory {memory:?}"),
         Operation::StateBefore(index) => format!("state {index} before"),
         Operation::StateAfter(index) => format!("state {index} after"),
+        Operation::Noise(index, chance, lanes) => format!("noise {index} {chance:?} x{lanes}"),
+        Operation::Drawn(index) => format!("random {index} before"),
+        Operation::DrawnAfter(index) => format!("random {index} after"),
+        Operation::Pick(lanes) => format!("pick {lanes}"),
+        Operation::PhaseSuccess(index) => format!("success of phase {index}"),
     }
 }
 

@@ -1,101 +1,281 @@
-//! From a checked task to a compiled one: program, layout, labels, hash.
+//! From checked tasks to a compiled one: programs, layout, labels, hash.
 
-use super::{Outputs, assemble};
+use super::{DrawOutput, Outputs, assemble, layout};
 use crate::body::BodyDescription;
-use crate::check::Texts;
+use crate::check::inherit::{Placed, WholeTask};
 use crate::check::task::{CheckedTask, summary};
+use crate::check::{Texts, written};
 use crate::diagnostics::FileId;
 use crate::explain::{mathematics, names_in};
-use crate::syntax::tree::{Entry, Expr, Task, TaskStatement};
-use crate::task::{Channel, CompiledTask, Meaning, Term, TermMeaning};
+use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
+use crate::task::{Channel, CompiledTask, Meaning, Phase, RandomValue, Term, TermMeaning};
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
-/// Lowers a checked task.
-pub(crate) fn finish(
-    task: &Task,
-    file: FileId,
-    checked: CheckedTask<'_>,
-    body: Arc<BodyDescription>,
-    texts: &dyn Texts,
-) -> CompiledTask {
-    let written = |expr: &Expr| texts.text(file, expr.span).split_whitespace().collect::<Vec<_>>().join(" ");
-    let outputs = Outputs {
-        terms: checked.terms.iter().map(|term| term.node).collect(),
-        terminations: checked.terminations.iter().map(|(_, node)| *node).collect(),
-        success: Some(checked.success),
-        channels: checked.channels.iter().map(|channel| channel.node).collect(),
-        updates: checked.updates,
-        beginning: checked.beginning,
-        releases: checked.releases.iter().map(|(_, node)| *node).collect(),
-        markers: checked.markers.iter().map(|(_, node)| *node).collect(),
-    };
-    let (program, frame) = assemble(&checked.graph, &outputs, &checked.queries);
-    let mut channels = Vec::with_capacity(checked.channels.len());
-    let mut offset = 0;
-    for channel in checked.channels {
-        let size = checked.graph.width(channel.node);
-        channels.push(Channel { name: channel.name, offset, size, unit: channel.unit });
-        offset += size;
-    }
-    let meaning =
-        |formula: &Expr, condition| TermMeaning { mathematics: mathematics(formula), reads: names_in(formula), condition };
-    let terms = checked.terms.iter().map(|term| Term {
-        name: term.name.clone(),
-        weight: term.weight,
-        weight_range: term.range,
-        fixed: term.fixed,
-        source: written(term.formula),
-    });
-    let (conditions, success) = conditions(task);
-    let mut compiled = CompiledTask {
-        name: task.name.text.clone(),
-        family: checked.family,
-        summary: summary(task),
-        body,
-        control_frequency: checked.control_frequency,
-        horizon: checked.timing.horizon,
-        symmetric: checked.symmetric,
-        scene: checked.scene,
-        init: checked.init,
-        disturbances: checked.disturbances,
-        releases: checked.releases.iter().map(|(connection, _)| *connection).collect(),
-        markers: checked.markers.into_iter().map(|(name, _)| name).collect(),
-        channels,
-        terms: terms.collect(),
-        terminations: checked.terminations.into_iter().map(|(name, _)| name).collect(),
-        frame,
-        hash: String::new(),
-        program,
-        meaning: Meaning {
-            terms: checked.terms.iter().map(|term| meaning(term.formula, term.condition)).collect(),
-            terminations: conditions.into_iter().map(written).collect(),
-            success: success.map(written).unwrap_or_default(),
-            term_bounds: checked.term_bounds,
-            graph: checked.graph,
-            outputs,
-        },
-    };
-    compiled.hash = hash(&compiled);
-    compiled
+/// A checked task with what it was read from.
+pub(crate) struct CheckedPhase<'a> {
+    pub source: &'a WholeTask,
+    pub checked: CheckedTask<'a>,
+    /// When the next begins, as written.
+    pub until: String,
 }
 
-fn conditions(task: &Task) -> (Vec<&Expr>, Option<&Expr>) {
-    let mut conditions = Vec::new();
-    let mut success = None;
-    for statement in &task.statements {
-        match statement {
-            TaskStatement::Terminate(ends) => {
-                conditions.extend(ends.reasons.iter().filter_map(|entry| match entry {
-                    Entry::Item(reason) => Some(&reason.condition),
-                    _ => None,
-                }));
-            }
-            TaskStatement::Success(expr) => success = Some(expr),
-            _ => {}
+/// What a task by itself, or a sequence as a whole, says.
+pub(crate) struct Heading<'a> {
+    pub name: &'a str,
+    pub docs: Option<&'a Docs>,
+    pub family: String,
+    pub body: Arc<BodyDescription>,
+    /// Success as written, where a sequence says it.
+    pub success: Option<String>,
+    /// Names of the randoms that all phases share.
+    pub shared: Vec<String>,
+}
+
+/// Lowers checked tasks: one for a task by itself, several for a sequence. `None` if there is none.
+pub(crate) fn finish(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts) -> Option<CompiledTask> {
+    let all_outputs: Vec<Outputs> = phases.iter().map(|phase| outputs(&phase.checked)).collect();
+    let queries = phases.last().map(|phase| phase.checked.queries.clone()).unwrap_or_default();
+    let frame = layout(phases.iter().map(|phase| &phase.checked.graph).zip(&all_outputs), &queries);
+    let several = phases.len() > 1;
+    let mut whole = Whole { several, ..Whole::default() };
+    let mut compiled: Option<CompiledTask> = None;
+    let mut made = Vec::new();
+    for (phase, outputs) in phases.into_iter().zip(all_outputs) {
+        let CheckedPhase { source, checked, until } = phase;
+        let name = source.task.name.text.clone();
+        let program = assemble(&checked.graph, &outputs, &frame);
+        let streams = whole.randoms(&name, &heading.shared, source, &checked, texts);
+        let channels = whole.channels(&name, &checked);
+        let own = |list: &mut Vec<String>, names: Vec<String>| {
+            let first = list.len();
+            list.extend(names.iter().map(|own| labelled(several, &name, own)));
+            first..list.len()
+        };
+        let terminations = own(&mut whole.terminations, checked.terminations.iter().map(|end| end.name.clone()).collect());
+        let finishes = own(&mut whole.finishes, checked.finishes.iter().map(|end| end.name.clone()).collect());
+        let terms = whole.terms(&name, &checked, texts);
+        let metrics = whole.metrics(&name, &checked);
+        for parameter in &checked.parameters {
+            let parameter_name = labelled(several, &name, &parameter.name);
+            whole.parameters.push(crate::task::Parameter { name: parameter_name, ..parameter.clone() });
         }
+        if compiled.is_none() {
+            compiled = Some(CompiledTask {
+                name: heading.name.to_owned(),
+                family: heading.family.clone(),
+                summary: summary(heading.docs),
+                body: heading.body.clone(),
+                control_frequency: checked.control_frequency,
+                horizon: 0,
+                symmetric: checked.symmetric,
+                scene: checked.scene.clone(),
+                init: checked.init.clone(),
+                disturbances: checked.disturbances.clone(),
+                releases: checked.releases.iter().map(|(connection, _)| *connection).collect(),
+                markers: checked.markers.iter().map(|(name, _)| name.clone()).collect(),
+                channels: Vec::new(),
+                terms: Vec::new(),
+                terminations: Vec::new(),
+                finishes: Vec::new(),
+                metrics: Vec::new(),
+                randoms: Vec::new(),
+                parameters: Vec::new(),
+                frame: frame.clone(),
+                hash: String::new(),
+                phases: Vec::new(),
+            });
+        }
+        whole.horizon = whole.horizon.saturating_add(checked.timing.horizon);
+        let horizon = checked.timing.horizon;
+        let meaning = meaning(source, checked, outputs, until, heading.success.as_deref(), texts);
+        made.push(Phase { name, horizon, program, terms, terminations, finishes, metrics, channels, streams, meaning });
     }
-    (conditions, success)
+    let mut compiled = compiled?;
+    if several {
+        let offset = whole.channels.last().map_or(0, |channel| channel.offset + channel.size);
+        whole.channels.push(Channel { name: "phase".to_owned(), offset, size: made.len(), unit: String::new() });
+    }
+    for phase in &mut made {
+        phase.channels.resize(whole.channels.len(), None);
+    }
+    compiled.horizon = whole.horizon;
+    (compiled.channels, compiled.terms, compiled.metrics) = (whole.channels, whole.terms, whole.metrics);
+    (compiled.terminations, compiled.finishes) = (whole.terminations, whole.finishes);
+    (compiled.randoms, compiled.parameters) = (whole.randoms, whole.parameters);
+    compiled.phases = made;
+    compiled.hash = hash(&compiled);
+    Some(compiled)
+}
+
+fn labelled(several: bool, phase: &str, name: &str) -> String {
+    if several { format!("{phase}.{name}") } else { name.to_owned() }
+}
+
+/// What all phases report together.
+#[derive(Default)]
+struct Whole {
+    several: bool,
+    horizon: u32,
+    channels: Vec<Channel>,
+    /// The formula of each channel as written.
+    sources: Vec<String>,
+    terms: Vec<Term>,
+    metrics: Vec<Channel>,
+    terminations: Vec<String>,
+    finishes: Vec<String>,
+    randoms: Vec<RandomValue>,
+    parameters: Vec<crate::task::Parameter>,
+}
+
+impl Whole {
+    /// Adds the channels of a phase; those that an earlier one has just so are shared. Gives, for each channel so far, its
+    /// place among the phase's own.
+    fn channels(&mut self, phase: &str, checked: &CheckedTask<'_>) -> Vec<Option<usize>> {
+        let mut places = vec![None; self.channels.len()];
+        for (own, channel) in checked.channels.iter().enumerate() {
+            let size = checked.graph.width(channel.node);
+            let same = self.channels.iter().zip(&self.sources).position(|(known, source)| {
+                known.size == size && known.unit == channel.unit && known.name == channel.name && *source == channel.source
+            });
+            match same {
+                Some(place) => places[place] = Some(own),
+                None => {
+                    let taken = self.channels.iter().any(|known| known.name == channel.name);
+                    let name = if taken { format!("{phase}.{}", channel.name) } else { channel.name.clone() };
+                    let offset = self.channels.last().map_or(0, |last| last.offset + last.size);
+                    self.channels.push(Channel { name, offset, size, unit: channel.unit.clone() });
+                    self.sources.push(channel.source.clone());
+                    places.push(Some(own));
+                }
+            }
+        }
+        places
+    }
+
+    fn terms(&mut self, phase: &str, checked: &CheckedTask<'_>, texts: &dyn Texts) -> std::ops::Range<usize> {
+        let first = self.terms.len();
+        for term in &checked.terms {
+            let source = written(term.formula, term.file, texts);
+            self.terms.push(Term {
+                name: labelled(self.several, phase, &term.name),
+                weight: term.weight,
+                weight_range: term.range,
+                fixed: term.fixed,
+                source: if term.per_second { format!("({source}) * dt") } else { source },
+            });
+        }
+        first..self.terms.len()
+    }
+
+    fn metrics(&mut self, phase: &str, checked: &CheckedTask<'_>) -> std::ops::Range<usize> {
+        let first = self.metrics.len();
+        for metric in &checked.metrics {
+            let offset = self.metrics.last().map_or(0, |last| last.offset + last.size);
+            let (size, unit) = (checked.graph.width(metric.node), metric.unit.clone());
+            self.metrics.push(Channel { name: labelled(self.several, phase, &metric.name), offset, size, unit });
+        }
+        first..self.metrics.len()
+    }
+
+    /// Adds the randoms of a phase, but for those that all phases share; gives their places.
+    fn randoms(
+        &mut self,
+        phase: &str,
+        shared: &[String],
+        source: &WholeTask,
+        checked: &CheckedTask<'_>,
+        texts: &dyn Texts,
+    ) -> Vec<usize> {
+        let mut streams = Vec::new();
+        for random in &checked.randoms {
+            let is_shared = shared.contains(&random.name);
+            let name = if is_shared { random.name.clone() } else { labelled(self.several, phase, &random.name) };
+            let place = self.randoms.iter().position(|known| known.name == name).unwrap_or_else(|| {
+                let declared = source.statements.iter().find_map(|placed| match &placed.statement {
+                    TaskStatement::Random(declared) if declared.name.text == random.name => Some((declared, placed.file)),
+                    _ => None,
+                });
+                self.randoms.push(random_value(name, declared, texts));
+                self.randoms.len() - 1
+            });
+            streams.push(place);
+        }
+        streams
+    }
+}
+
+fn random_value(name: String, declared: Option<(&Random, FileId)>, texts: &dyn Texts) -> RandomValue {
+    let Some((random, file)) = declared else {
+        return RandomValue { name, source: String::new(), accept: String::new(), redraw: String::new() };
+    };
+    let clause = |expr: &Option<Expr>| expr.as_ref().map_or_else(String::new, |expr| written(expr, file, texts));
+    RandomValue {
+        name,
+        source: written(&random.distribution, file, texts),
+        accept: clause(&random.accept),
+        redraw: clause(&random.redraw),
+    }
+}
+
+fn outputs(checked: &CheckedTask<'_>) -> Outputs {
+    Outputs {
+        terms: checked.terms.iter().map(|term| term.node).collect(),
+        terminations: checked.terminations.iter().map(|end| end.node).collect(),
+        finishes: checked.finishes.iter().map(|end| end.node).collect(),
+        metrics: checked.metrics.iter().map(|metric| metric.node).collect(),
+        success: Some(checked.success),
+        channels: checked.channels.iter().map(|channel| channel.node).collect(),
+        updates: checked.updates.clone(),
+        draws: checked.randoms.iter().map(|random| DrawOutput { value: random.data.node, redraw: random.redraw }).collect(),
+        beginning: checked.beginning.clone(),
+        releases: checked.releases.iter().map(|(_, node)| *node).collect(),
+        markers: checked.markers.iter().map(|(_, node)| *node).collect(),
+        until: checked.phase.until,
+        succeeded: checked.phase.succeeded,
+    }
+}
+
+fn meaning(
+    source: &WholeTask,
+    checked: CheckedTask<'_>,
+    outputs: Outputs,
+    until: String,
+    success: Option<&str>,
+    texts: &dyn Texts,
+) -> Meaning {
+    let term = |formula: &Expr, condition| TermMeaning { mathematics: mathematics(formula), reads: names_in(formula), condition };
+    let own = source.statements.iter().find_map(|placed| match &placed.statement {
+        TaskStatement::Success(expr) => Some(written(expr, placed.file, texts)),
+        _ => None,
+    });
+    Meaning {
+        terms: checked.terms.iter().map(|paid| term(paid.formula, paid.condition)).collect(),
+        terminations: conditions(&source.statements, texts, |statement| match statement {
+            TaskStatement::Terminate(ends) => Some(ends),
+            _ => None,
+        }),
+        finishes: conditions(&source.statements, texts, |statement| match statement {
+            TaskStatement::Finish(ends) => Some(ends),
+            _ => None,
+        }),
+        success: success.map(str::to_owned).or(own).unwrap_or_default(),
+        until,
+        term_bounds: checked.term_bounds,
+        graph: checked.graph,
+        outputs,
+    }
+}
+
+/// The conditions of all reasons of a kind, as written.
+fn conditions(statements: &[Placed], texts: &dyn Texts, kind: fn(&TaskStatement) -> Option<&Ends>) -> Vec<String> {
+    let ends = statements.iter().filter_map(|placed| Some((kind(&placed.statement)?, placed.file)));
+    let reasons = ends.flat_map(|(ends, file)| ends.reasons.iter().map(move |entry| (entry, file)));
+    let conditions = reasons.filter_map(|(entry, file)| match entry {
+        Entry::Item(reason) => Some(written(&reason.condition, file, texts)),
+        _ => None,
+    });
+    conditions.collect()
 }
 
 /// SHA-256 of the canonical text of the task and of its body, where models lie on the disk left out.

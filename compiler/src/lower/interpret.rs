@@ -1,6 +1,6 @@
 //! A plain interpreter of graphs: no slots, no views, no order of instructions. The program must compute the same bits.
 
-use super::{Outputs, assemble};
+use super::{Outputs, assemble, layout};
 use crate::frame::{FrameLayout, Sensor};
 use crate::graph::fold::evaluate;
 use crate::graph::operation::{Binary, Memory, Operation, Reduction, Unary};
@@ -120,16 +120,18 @@ proptest! {
         let update = graph.select([0], scalar);
         let channels = roots.iter().map(|root| *root.get(&nodes)).collect();
         let outputs = Outputs { channels, updates: vec![update], ..Outputs::default() };
-        let (program, layout) = assemble(&graph, &outputs, &[]);
+        let layout = layout(std::iter::once((&graph, &outputs)), &[]);
+        let program = assemble(&graph, &outputs, &layout);
 
         let mut plain = Interpreter { graph: &graph, memories: BTreeMap::new(), states: vec![vec![0.5]] };
         let (mut cells, mut registers) = (Vec::new(), Vec::new());
         for step in 0..6_u32 {
             let frame: Vec<f64> = (0..layout.size()).map(|lane| numbers[(lane + 7 * step as usize) % numbers.len()]).collect();
             if step == 0 {
-                program.reset(&frame, &mut cells, &mut registers);
+                program.prepare(&[], &mut cells, &mut registers);
+                program.reset(&frame, &mut cells, &mut registers, &|_| false, &mut |_, _| 0.5).unwrap();
             } else {
-                program.step(step, &frame, &mut cells, &mut registers);
+                program.step(step, &frame, &mut cells, &mut registers, &mut |_, _| 0.5).unwrap();
             }
             let before = plain.states.clone();
             let mut moment = Moment { step, layout: &layout, frame: &frame, values: BTreeMap::new(), before };

@@ -13,6 +13,7 @@ mod interpret;
 mod program;
 mod run;
 
-pub(crate) use assemble::{Outputs, assemble};
-pub(crate) use finish::finish;
+pub(crate) use assemble::{DrawOutput, Outputs, assemble, layout};
+pub(crate) use finish::{CheckedPhase, Heading, finish};
 pub(crate) use program::Program;
+pub(crate) use run::NoneTaken;

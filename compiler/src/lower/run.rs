@@ -1,31 +1,146 @@
 //! Executing a program.
 
 use super::program::{Bank, Code, Instruction, Operand, Program};
-use crate::graph::operation::{Binary, Reduction, Unary, quaternion};
+use crate::graph::operation::{Binary, Chance, Reduction, Unary, quaternion};
 
 /// Which moment of the episode is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Moment {
+    /// Before the beginning: only what is drawn first.
+    First,
     /// The reset snapshot, step 0.
     Reset,
     /// A control step with its number.
     Step(u32),
 }
 
+/// How often a random is tried before that is an error.
+const TRIES: u32 = 64;
+
+/// A draw none of whose tries was taken.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NoneTaken {
+    pub draw: usize,
+    pub tries: u32,
+    pub last: Vec<f64>,
+}
+
+/// Gives the next number of a draw.
+type Source<'a> = &'a mut dyn FnMut(usize, Chance) -> f64;
+
 impl Program {
-    /// Computes the reset snapshot: every memory starts, every state takes its first value.
-    pub(crate) fn reset(&self, frame: &[f64], cells: &mut Vec<f64>, registers: &mut Vec<f64>) {
+    /// Makes room, everything zero, and writes which of the earlier phases succeeded.
+    pub(crate) fn prepare(&self, successes: &[bool], cells: &mut Vec<f64>, registers: &mut Vec<f64>) {
         cells.clear();
         cells.resize(self.cells, 0.0);
         registers.clear();
         registers.resize(self.registers, 0.0);
-        for instruction in self.before.iter().chain(&self.after) {
-            self.execute(instruction, Moment::Reset, frame, cells, registers);
+        for &(phase, cell) in &self.successes {
+            cells[cell] = f64::from(u8::from(successes.get(phase) == Some(&true)));
         }
     }
 
+    /// Gives a draw a value that it shall keep.
+    pub(crate) fn keep(&self, draw: usize, value: &[f64], cells: &mut [f64]) {
+        let cell = self.draws[draw].cell;
+        cells[cell..cell + value.len()].copy_from_slice(value);
+    }
+
+    /// The present value of a draw.
+    pub(crate) fn value_of_draw<'a>(&self, draw: usize, cells: &'a [f64]) -> &'a [f64] {
+        let draw = &self.draws[draw];
+        &cells[draw.cell..draw.cell + draw.candidate.width]
+    }
+
+    /// Draws what is drawn before the beginning and computes what that settles.
+    pub(crate) fn first(
+        &self,
+        cells: &mut [f64],
+        registers: &mut [f64],
+        kept: &dyn Fn(usize) -> bool,
+        source: Source<'_>,
+    ) -> Result<(), NoneTaken> {
+        self.drawing(&self.first, Moment::First, &[], cells, registers, kept, source)
+    }
+
+    /// Computes the reset snapshot: every memory starts, every state takes its first value, the other randoms are drawn.
+    pub(crate) fn reset(
+        &self,
+        frame: &[f64],
+        cells: &mut [f64],
+        registers: &mut [f64],
+        kept: &dyn Fn(usize) -> bool,
+        source: Source<'_>,
+    ) -> Result<(), NoneTaken> {
+        self.drawing(&self.before, Moment::Reset, frame, cells, registers, kept, source)?;
+        for instruction in &self.after {
+            self.execute(instruction, Moment::Reset, frame, cells, registers);
+        }
+        Ok(())
+    }
+
+    /// Executes a list; a random is drawn where it is first read.
+    #[allow(clippy::too_many_arguments, reason = "the parts of a state, which no struct holds together")]
+    fn drawing(
+        &self,
+        list: &[Instruction],
+        moment: Moment,
+        frame: &[f64],
+        cells: &mut [f64],
+        registers: &mut [f64],
+        kept: &dyn Fn(usize) -> bool,
+        source: Source<'_>,
+    ) -> Result<(), NoneTaken> {
+        for instruction in list {
+            if let Code::Drawn(index) = instruction.code
+                && self.draws[index].first == (moment == Moment::First)
+                && !kept(index)
+            {
+                self.draw(index, moment, frame, cells, registers, source)?;
+            }
+            self.execute(instruction, moment, frame, cells, registers);
+        }
+        Ok(())
+    }
+
+    /// Tries until a candidate is taken.
+    fn draw(
+        &self,
+        index: usize,
+        moment: Moment,
+        frame: &[f64],
+        cells: &mut [f64],
+        registers: &mut [f64],
+        source: Source<'_>,
+    ) -> Result<(), NoneTaken> {
+        let draw = &self.draws[index];
+        for _ in 0..TRIES {
+            for number in &mut registers[draw.noise.offset..draw.noise.offset + draw.noise.width] {
+                *number = source(index, draw.chance);
+            }
+            for instruction in &draw.tries {
+                self.execute(instruction, moment, frame, cells, registers);
+            }
+            let taken = draw.accept.is_none_or(|accept| view(accept, &self.constants, frame, registers) != [0.0]);
+            if taken {
+                let candidate = view(draw.candidate, &self.constants, frame, registers);
+                cells[draw.cell..draw.cell + candidate.len()].copy_from_slice(candidate);
+                return Ok(());
+            }
+        }
+        let last = view(draw.candidate, &self.constants, frame, registers).to_vec();
+        Err(NoneTaken { draw: index, tries: TRIES, last })
+    }
+
     /// Computes control step number `step`: memories advance, formulas see states before their update, observations after.
-    pub(crate) fn step(&self, step: u32, frame: &[f64], cells: &mut [f64], registers: &mut [f64]) {
+    pub(crate) fn step(
+        &self,
+        step: u32,
+        frame: &[f64],
+        cells: &mut [f64],
+        registers: &mut [f64],
+        source: Source<'_>,
+    ) -> Result<(), NoneTaken> {
         for instruction in &self.before {
             self.execute(instruction, Moment::Step(step), frame, cells, registers);
         }
@@ -33,9 +148,17 @@ impl Program {
             let lanes = view(*value, &self.constants, frame, registers);
             cells[*cell..*cell + lanes.len()].copy_from_slice(lanes);
         }
+        let mut drawn = Ok(());
+        for (index, draw) in self.draws.iter().enumerate() {
+            let wanted = draw.redraw.is_some_and(|redraw| view(redraw, &self.constants, frame, registers) != [0.0]);
+            if wanted && drawn.is_ok() {
+                drawn = self.draw(index, Moment::Step(step), frame, cells, registers, source);
+            }
+        }
         for instruction in &self.after {
             self.execute(instruction, Moment::Step(step), frame, cells, registers);
         }
+        drawn
     }
 
     /// The lanes of an output.
@@ -49,7 +172,7 @@ impl Program {
         let input = |place: usize| view(instruction.inputs[place], &self.constants, frame, below);
         match &instruction.code {
             Code::Step => out.fill(match moment {
-                Moment::Reset => 0.0,
+                Moment::First | Moment::Reset => 0.0,
                 Moment::Step(step) => f64::from(step),
             }),
             Code::Unary(function) => map(*function, input(0), out),
@@ -74,11 +197,22 @@ impl Program {
                     let inputs = [0, 1, 2].map(|place| lane(input(place), index));
                     let cells = &mut cells[first + index * per_lane..][..per_lane];
                     *value = match moment {
-                        Moment::Reset => memory.start(cells, inputs),
+                        Moment::First | Moment::Reset => memory.start(cells, inputs),
                         Moment::Step(step) => memory.advance(cells, step, inputs),
                     };
                 }
             }
+            Code::Drawn(draw) | Code::DrawnAfter(draw) => {
+                let cell = self.draws[*draw].cell;
+                out.copy_from_slice(&cells[cell..cell + out.len()]);
+            }
+            Code::Pick => {
+                let (list, width) = (input(0), out.len().max(1));
+                // Proven to lie within while compiling; a number that is none picks the first element.
+                let place = (lane(input(1), 0).max(0.0) as usize).min((list.len() / width).saturating_sub(1));
+                out.copy_from_slice(&list[place * width..][..width]);
+            }
+            Code::PhaseSuccess(cell) => out.fill(cells[*cell]),
             // Whichever of the two comes first at reset gives the state its first value.
             Code::StateBefore(first) | Code::StateAfter(first) => {
                 let cells = &mut cells[*first..first + out.len()];

@@ -8,6 +8,7 @@
 //! The model may hold more than the body (a ground, scenery): whole-body quantities are those of the root's own subtree.
 
 mod bind;
+mod changes;
 pub mod contacts;
 pub(crate) mod coupling;
 mod parts;
@@ -19,6 +20,7 @@ mod vocabulary;
 
 pub(crate) use bind::subtree;
 pub use bind::{BindError, Problem};
+pub use changes::ChangeError;
 
 use crate::model::{JointKind, Model};
 use crate::physics::kinematics::Kinematics;

@@ -1,13 +1,16 @@
 //! How an episode ends, and what can go wrong within one.
 
 use crate::physics;
-use msk_compiler::task::NonFiniteTerm;
+use msk_compiler::task::{NonFiniteTerm, NotDrawn, TaskFault};
 
 /// The end of an episode. A failure of the task, the horizon and a fault of the computation are three different things.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
     /// The task's own reasons for failure that held at the last step, as indices into its `terminations`; several may.
+    /// Reasons to finish that held as well stand in the report of that step.
     Terminated(Vec<usize>),
+    /// The task's reasons to finish that held at the last step, as indices into its `finishes`; none of them is a failure.
+    Finished(Vec<usize>),
     /// The horizon was reached and nothing else ended the episode.
     Truncated,
     /// The computation could not go on.
@@ -23,6 +26,9 @@ pub enum Fault {
     /// A reward term was not a finite number.
     #[error(transparent)]
     Term(#[from] NonFiniteTerm),
+    /// A random none of whose draws fulfilled its condition.
+    #[error(transparent)]
+    Draw(#[from] NotDrawn),
     /// The policy gave an action that is not a number.
     #[error("the action for muscle `{muscle}` is {value} at step {step}")]
     Action {
@@ -33,6 +39,15 @@ pub enum Fault {
         /// Control step.
         step: u32,
     },
+}
+
+impl From<TaskFault> for Fault {
+    fn from(fault: TaskFault) -> Self {
+        match fault {
+            TaskFault::Term(term) => Self::Term(term),
+            TaskFault::Draw(draw) => Self::Draw(draw),
+        }
+    }
 }
 
 /// A wrong use of an episode.

@@ -20,6 +20,8 @@ pub use ending::{Ending, EpisodeError, Fault};
 pub use excitation::{REST, excitation};
 pub use streams::{EpisodeKey, Stream};
 
+use streams::Streams;
+
 use crate::body::{Body, sensors};
 use crate::condition::{Compartments, Fatigue};
 use crate::model::Model;
@@ -53,6 +55,8 @@ pub struct Snapshot {
     pushes: Vec<Disturbance>,
     /// With the states, clocks and operators of the task.
     task: TaskState,
+    /// Where each random of the task draws from.
+    streams: Streams,
     /// With the velocities of the previous step.
     memory: sensors::Memory,
     /// Of muscles that tire.
@@ -125,6 +129,7 @@ impl Episode {
                 state: State::new(&model),
                 pushes: Vec::new(),
                 task: TaskState::default(),
+                streams: Streams::default(),
                 memory: sensors::Memory::default(),
                 compartments: None,
                 action: vec![REST; body.muscles.len()],
@@ -161,14 +166,22 @@ impl Episode {
         present.action.fill(REST);
         present.report = StepReport::default();
         present.ending = None;
-        match self.begin(key) {
-            Ok(()) => {
-                self.measure(0.0);
-                self.task.reset(&self.present.frame, &mut self.present.task);
-                self.observe();
-            }
-            Err(fault) => self.present.ending = Some(Ending::Fault(fault.into())),
+        present.streams.start(key, &self.task.randoms);
+        if let Err(fault) = self.start(key) {
+            self.present.ending = Some(Ending::Fault(fault));
         }
+    }
+
+    /// Randoms that read no signal, the beginning, the first snapshot, the other randoms.
+    fn start(&mut self, key: EpisodeKey) -> Result<(), Fault> {
+        let present = &mut self.present;
+        self.task.begin(&mut present.streams, &mut present.task)?;
+        self.begin(key)?;
+        self.measure(0.0);
+        let present = &mut self.present;
+        self.task.reset(&present.frame, &mut present.streams, &mut present.task)?;
+        self.observe();
+        Ok(())
     }
 
     /// Puts everything in its place, lets it settle if the task says so, and passes forward.
@@ -218,7 +231,7 @@ impl Episode {
         self.simulate()?;
         self.measure(self.control_period());
         let present = &mut self.present;
-        self.task.step(&present.frame, &self.weights, &mut present.task, &mut present.report)?;
+        self.task.step(&present.frame, &self.weights, &mut present.streams, &mut present.task, &mut present.report)?;
         self.present.ending = self.judge();
         self.observe();
         Ok(())
@@ -284,13 +297,17 @@ impl Episode {
     }
 
     fn judge(&self) -> Option<Ending> {
-        let holds = self.present.report.terminations.iter().enumerate().filter(|(_, holds)| **holds);
-        let reasons: Vec<usize> = holds.map(|(index, _)| index).collect();
-        if !reasons.is_empty() {
-            Some(Ending::Terminated(reasons))
-        } else {
-            (self.present.task.step >= self.task.horizon).then_some(Ending::Truncated)
+        let report = &self.present.report;
+        let holding =
+            |reasons: &[bool]| reasons.iter().enumerate().filter(|(_, holds)| **holds).map(|(index, _)| index).collect();
+        let (failures, finishes): (Vec<usize>, Vec<usize>) = (holding(&report.terminations), holding(&report.finishes));
+        if !failures.is_empty() {
+            return Some(Ending::Terminated(failures));
         }
+        if !finishes.is_empty() {
+            return Some(Ending::Finished(finishes));
+        }
+        report.truncated.then_some(Ending::Truncated)
     }
 
     fn observe(&mut self) {

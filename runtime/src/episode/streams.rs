@@ -3,6 +3,8 @@
 //! The key is hashed (SHA-256) into state and increment of a PCG generator (O'Neill 2014, pcg64), so streams of neighbouring
 //! seeds or episodes have nothing in common. Transcendentals come from `libm`, so a stream has the same bits on every machine.
 
+use msk_compiler::Draws;
+use msk_compiler::task::RandomValue;
 use rand::Rng;
 use rand_pcg::Pcg64;
 use sha2::{Digest, Sha256};
@@ -50,6 +52,28 @@ impl Stream {
         // 1 - u lies in (0, 1], so that the logarithm is finite.
         let radius = libm::sqrt(-2.0 * libm::log(1.0 - self.uniform()));
         radius * libm::cos(core::f64::consts::TAU * self.uniform())
+    }
+}
+
+/// The streams of a task's randoms, in its order: part of an episode's snapshot.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Streams(Vec<Stream>);
+
+impl Streams {
+    /// Every stream from its beginning.
+    pub(super) fn start(&mut self, key: EpisodeKey, randoms: &[RandomValue]) {
+        self.0.clear();
+        self.0.extend(randoms.iter().map(|random| Stream::new(key, &format!("random/{}", random.name))));
+    }
+}
+
+impl Draws for Streams {
+    fn uniform(&mut self, random: usize) -> f64 {
+        self.0[random].uniform()
+    }
+
+    fn normal(&mut self, random: usize) -> f64 {
+        self.0[random].normal()
     }
 }
 

@@ -17,7 +17,7 @@ pub use journal::{Journal, JournalError};
 pub use record::{ByTerm, EpisodeRecord};
 pub use settings::{Protocol, RunSettings, TaskSettings};
 pub use statistics::{Spread, wilson_interval};
-pub use summary::{Summary, TaskSummary, TermSummary};
+pub use summary::{MetricSummary, Summary, TaskSummary, TermSummary};
 
 use crate::episode::{Episode, EpisodeError, EpisodeKey, REST};
 use crate::library::BoundBody;
@@ -139,7 +139,7 @@ pub fn play(
         policy.reset(&episode.context())?;
     }
     let mut action = vec![REST; episode.context().body.muscles.len()];
-    let mut tally = Tally::new(trial.task.terms.len());
+    let mut tally = Tally::new(&trial.task);
     while episode.ending().is_none() {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);

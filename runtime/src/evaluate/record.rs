@@ -2,11 +2,19 @@
 
 use crate::condition::MuscleCondition;
 use crate::episode::{Ending, Episode};
+use msk_compiler::task::CompiledTask;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Numbers by the names of the task's terms, in the task's order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ByTerm(pub Vec<(String, f64)>);
+
+impl ByTerm {
+    /// Whether there is nothing by any name.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
 
 /// One episode.
 ///
@@ -25,6 +33,9 @@ pub struct EpisodeRecord {
     pub success: bool,
     /// The task's reasons for failure at the last step; several may hold.
     pub terminated_by: Vec<String>,
+    /// The task's reasons to finish at the last step, which are no failures; several may hold.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub finished_by: Vec<String>,
     /// Whether the horizon was reached and nothing else ended the episode.
     pub truncated: bool,
     /// What broke the computation, if anything did.
@@ -38,6 +49,12 @@ pub struct EpisodeRecord {
     pub terms: ByTerm,
     /// Sum over the steps of each term's unweighted value.
     pub values: ByTerm,
+    /// The mean of each metric over the steps at which it was a finite number; of lists and vectors element by element.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub metrics: ByTerm,
+    /// Each metric at the last step.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub last_metrics: ByTerm,
     /// Hash of the compiled task.
     pub task_hash: String,
     /// Hash of the body file's meaning and the model.
@@ -55,12 +72,23 @@ pub struct Tally {
     total: f64,
     pay: Vec<f64>,
     values: Vec<f64>,
+    /// Sum of the finite values of each metric, and how many there were.
+    metrics: Vec<(f64, u32)>,
+    last_metrics: Vec<f64>,
 }
 
 impl Tally {
-    /// Nothing paid yet, for a task of that many terms.
-    pub fn new(terms: usize) -> Self {
-        Self { total: 0.0, pay: vec![0.0; terms], values: vec![0.0; terms] }
+    /// Nothing paid and nothing logged yet.
+    pub fn new(task: &CompiledTask) -> Self {
+        let terms = task.terms.len();
+        let metrics = task.metrics.iter().map(|metric| metric.size).sum();
+        Self {
+            total: 0.0,
+            pay: vec![0.0; terms],
+            values: vec![0.0; terms],
+            metrics: vec![(0.0, 0); metrics],
+            last_metrics: vec![f64::NAN; metrics],
+        }
     }
 
     /// Adds the present step of `episode`. A step that met a fault has no values and adds nothing.
@@ -72,19 +100,34 @@ impl Tally {
             *pay += weight * value;
             *sum += value;
         }
+        for (((sum, count), last), &value) in self.metrics.iter_mut().zip(&mut self.last_metrics).zip(&report.metrics) {
+            *last = value;
+            if value.is_finite() {
+                *sum += value;
+                *count += 1;
+            }
+        }
     }
 
     /// The record of `episode`, which has ended.
     pub fn record(self, episode: &Episode, policy: &str, model_hash: &str, wall_time: f64) -> EpisodeRecord {
         let task = episode.task();
         let by_term = |sums: Vec<f64>| ByTerm(task.terms.iter().map(|term| term.name.clone()).zip(sums).collect());
-        let (terminated_by, fault) = match episode.ending() {
-            Some(Ending::Terminated(reasons)) => {
-                (reasons.iter().map(|&reason| task.terminations[reason].clone()).collect(), None)
-            }
-            Some(Ending::Fault(fault)) => (Vec::new(), Some(fault.to_string())),
-            Some(Ending::Truncated) | None => (Vec::new(), None),
+        let fault = match episode.ending() {
+            Some(Ending::Fault(fault)) => Some(fault.to_string()),
+            _ => None,
         };
+        // Several reasons may hold at once, also of both kinds: all are told.
+        let holding = |names: &[String], holds: &[bool]| {
+            let names = names.iter().zip(holds).filter(|(_, holds)| **holds && fault.is_none());
+            names.map(|(name, _)| name.clone()).collect::<Vec<_>>()
+        };
+        let terminated_by = holding(&task.terminations, &episode.report().terminations);
+        let finished_by = holding(&task.finishes, &episode.report().finishes);
+        let labels = metric_labels(task);
+        let means = self.metrics.iter().map(|(sum, count)| if *count > 0 { sum / f64::from(*count) } else { f64::NAN });
+        let metrics = ByTerm(labels.iter().cloned().zip(means).collect());
+        let last_metrics = ByTerm(labels.into_iter().zip(self.last_metrics.iter().copied()).collect());
         EpisodeRecord {
             task: task.name.clone(),
             policy: policy.into(),
@@ -92,18 +135,32 @@ impl Tally {
             episode: episode.key().episode,
             success: episode.success(),
             terminated_by,
+            finished_by,
             truncated: episode.ending() == Some(&Ending::Truncated),
             fault,
             steps: episode.steps(),
             total: self.total,
             terms: by_term(self.pay),
             values: by_term(self.values),
+            metrics,
+            last_metrics,
             task_hash: task.hash.clone(),
             model_hash: model_hash.into(),
             condition: MuscleCondition::default(),
             wall_time,
         }
     }
+}
+
+/// The names of all numbers that the metrics of a task log: of lists and vectors one for each element.
+fn metric_labels(task: &CompiledTask) -> Vec<String> {
+    let labels = task.metrics.iter().flat_map(|metric| {
+        (0..metric.size).map(move |lane| match metric.size {
+            1 => metric.name.clone(),
+            _ => format!("{}[{lane}]", metric.name),
+        })
+    });
+    labels.collect()
 }
 
 impl EpisodeRecord {
@@ -114,7 +171,8 @@ impl EpisodeRecord {
         } else if self.truncated {
             "horizon".into()
         } else {
-            self.terminated_by.join(" and ")
+            let reasons = self.terminated_by.iter().chain(&self.finished_by);
+            reasons.map(String::as_str).collect::<Vec<_>>().join(" and ")
         }
     }
 }
@@ -162,12 +220,15 @@ mod tests {
             episode: 11,
             success: false,
             terminated_by: vec!["fallen".into(), "tilted".into()],
+            finished_by: vec![],
             truncated: false,
             fault: None,
             steps: 57,
             total: 0.1 + 0.2,
             terms: ByTerm(vec![("pose".into(), 1.0 / 3.0), ("balance".into(), -2.5e-17)]),
             values: ByTerm(vec![("pose".into(), 1.0 / 30.0), ("balance".into(), 0.0)]),
+            metrics: ByTerm(vec![("lean".into(), 0.25)]),
+            last_metrics: ByTerm(vec![("lean".into(), 0.5)]),
             task_hash: "t".into(),
             model_hash: "m".into(),
             condition: MuscleCondition::default(),
@@ -193,6 +254,7 @@ mod tests {
     fn endings_are_told_apart() {
         let ended_by = |record: EpisodeRecord| record.ended_by();
         assert_eq!(ended_by(record()), "fallen and tilted");
+        assert_eq!(ended_by(EpisodeRecord { terminated_by: vec![], finished_by: vec!["done".into()], ..record() }), "done");
         assert_eq!(ended_by(EpisodeRecord { truncated: true, terminated_by: vec![], ..record() }), "horizon");
         assert_eq!(ended_by(EpisodeRecord { fault: Some("diverged".into()), terminated_by: vec![], ..record() }), "fault");
     }

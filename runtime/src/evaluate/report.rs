@@ -1,6 +1,6 @@
 //! The summary for people: Markdown whose tables are aligned, so that a terminal shows it well and a page renders it.
 
-use super::{Spread, Summary, TaskSummary, TermSummary};
+use super::{MetricSummary, Spread, Summary, TaskSummary, TermSummary};
 use core::fmt::Write;
 
 /// The whole report.
@@ -23,6 +23,9 @@ pub fn markdown(summary: &Summary) -> String {
             terms.row(term_row(term));
         }
         text.push_str(&terms.print());
+    }
+    for task in summary.tasks.iter().filter(|task| !task.metrics.is_empty()) {
+        let _ = write!(text, "\n## {}: metrics\n\n{}", task.task, metrics(&task.metrics));
     }
     text.push_str(
         "\nReturn and steps: mean ± standard deviation over episodes. Interval: Wilson's. Value: mean over all\n\
@@ -48,6 +51,20 @@ pub fn terms(terms: &[TermSummary]) -> String {
     let mut table = Table::new(&["term", "weight", "value per step", "pay per step", "share"]);
     for term in terms {
         table.row(term_row(term));
+    }
+    table.print()
+}
+
+/// What is logged and not paid, as a table: mean over the steps, and value at the last step.
+pub fn metrics(metrics: &[MetricSummary]) -> String {
+    let mut table = Table::new(&["metric", "mean", "at the end"]);
+    let number = |spread: Option<Spread>| match spread {
+        None => "-".into(),
+        Some(Spread { mean, deviation: None }) => significant(mean),
+        Some(Spread { mean, deviation: Some(deviation) }) => format!("{} ± {}", significant(mean), significant(deviation)),
+    };
+    for metric in metrics {
+        table.row(vec![metric.name.clone(), number(metric.mean), number(metric.last)]);
     }
     table.print()
 }
@@ -172,6 +189,7 @@ mod tests {
                 pay_per_step: Some(9.3),
                 share: Some(0.25),
             }],
+            metrics: vec![MetricSummary { name: "lean".into(), mean: Some(Spread { mean: 0.5, deviation: None }), last: None }],
         };
         let protocol = Protocol { episodes: 50, seed: 0 };
         let text = markdown(&Summary { policy: "posture".into(), protocol, tasks: vec![task] });
@@ -182,6 +200,7 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("\nFault in `single_leg_stand`, episode 31: at 0.2 s the velocity of joint `knee`"), "{text}");
+        assert!(text.contains("| lean   | 0.5000 |          - |"), "{text}");
         assert!(text.contains("| pose |     10 |         0.9300 |        9.300 | 25.00 % |"), "{text}");
     }
 
@@ -203,6 +222,7 @@ mod tests {
                 ended_by: vec![],
                 faults: vec![],
                 terms: vec![],
+                metrics: vec![],
             }],
         });
         assert!(text.contains("| stand, 0 so far |              - |      - |     - |"), "{text}");

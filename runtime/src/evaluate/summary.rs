@@ -42,6 +42,19 @@ pub struct TaskSummary {
     pub faults: Vec<(u64, String)>,
     /// One entry per reward term, in the task's order.
     pub terms: Vec<TermSummary>,
+    /// One entry per number that is logged, in the task's order.
+    pub metrics: Vec<MetricSummary>,
+}
+
+/// A logged number over the episodes of a task.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MetricSummary {
+    /// Label.
+    pub name: String,
+    /// Its mean over the steps of an episode; of the episodes in which it was a number.
+    pub mean: Option<Spread>,
+    /// Its value at the last step.
+    pub last: Option<Spread>,
 }
 
 /// One reward term over all steps of all episodes of a task.
@@ -83,6 +96,7 @@ impl Summary {
                 ended_by: endings(&episodes),
                 faults: faults(&episodes),
                 terms: terms(&task.weights, &episodes),
+                metrics: metrics(&episodes),
             }
         });
         Self { policy: settings.policy, protocol: settings.protocol, tasks: tasks.collect() }
@@ -126,6 +140,21 @@ fn terms(weights: &[(String, f64)], episodes: &[&EpisodeRecord]) -> Vec<TermSumm
     rows.collect()
 }
 
+fn metrics(episodes: &[&EpisodeRecord]) -> Vec<MetricSummary> {
+    let Some(first) = episodes.first() else { return Vec::new() };
+    let spread = |index: usize, part: fn(&EpisodeRecord) -> &super::ByTerm| {
+        let numbers = episodes.iter().filter_map(|record| part(record).0.get(index)).map(|(_, number)| *number);
+        let numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
+        Spread::of(&numbers)
+    };
+    let summaries = first.metrics.0.iter().enumerate().map(|(index, (name, _))| MetricSummary {
+        name: name.clone(),
+        mean: spread(index, |record| &record.metrics),
+        last: spread(index, |record| &record.last_metrics),
+    });
+    summaries.collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::ByTerm;
@@ -141,12 +170,15 @@ mod tests {
             episode,
             success: horizon,
             terminated_by: if horizon { vec![] } else { vec![ended.into()] },
+            finished_by: vec![],
             truncated: horizon,
             fault: None,
             steps,
             total: pose + effort,
             terms: by_term(pose, effort),
             values: by_term(pose / 10.0, -effort),
+            metrics: ByTerm(vec![("lean".into(), pose)]),
+            last_metrics: ByTerm(vec![("lean".into(), f64::NAN)]),
             task_hash: String::new(),
             model_hash: String::new(),
             condition: Default::default(),
@@ -164,6 +196,15 @@ mod tests {
         assert_eq!(terms[0].share, Some(0.8));
         assert_eq!(terms[1].value_per_step, Some(0.5));
         assert_eq!(terms[1].share, Some(-0.2));
+    }
+
+    #[test]
+    fn metrics_are_averaged_over_the_episodes_in_which_they_are_numbers() {
+        let episodes = [record(0, 10, 60.0, -10.0, "horizon"), record(1, 30, 20.0, -10.0, "fallen")];
+        let metrics = metrics(&episodes.iter().collect::<Vec<_>>());
+        assert_eq!(metrics[0].name, "lean");
+        assert_eq!(metrics[0].mean.map(|spread| spread.mean), Some(40.0));
+        assert_eq!(metrics[0].last, None);
     }
 
     #[test]

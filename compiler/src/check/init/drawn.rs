@@ -6,7 +6,6 @@ use crate::check::dimension::Dimension;
 use crate::check::value::Value;
 use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
-use crate::graph::operation::Operation;
 use crate::syntax::tree::Expr;
 use crate::task::Setting;
 
@@ -76,11 +75,7 @@ impl<'a> Checker<'a> {
 
     /// The beginning comes before the first snapshot: only what is drawn without looking at the body is known by then.
     fn must_be_drawn(&mut self, node: NodeId, span: Span, wanted_by: &str) -> Checked<()> {
-        let measured =
-            self.graph.reachable([node]).into_iter().any(|id| {
-                matches!(self.graph.node(id).operation, Operation::Sensors(_) | Operation::Step | Operation::Memory(_))
-            });
-        if !measured {
+        if self.graph.is_drawn_first(node) {
             return Ok(());
         }
         let diagnostic = self

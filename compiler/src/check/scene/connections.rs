@@ -30,15 +30,16 @@ impl<'a> Checker<'a> {
         let statements = self.statements;
         let mut disturbances = Vec::new();
         let mut broken = false;
-        for statement in statements {
-            if let TaskStatement::Disturb(element) = statement {
-                match self.disturbance(element) {
+        for placed in statements {
+            if let TaskStatement::Disturb(element) = &placed.statement {
+                match self.in_file(placed.file, |checker| checker.disturbance(element)) {
                     Ok(disturbance) => disturbances.push(disturbance),
                     Err(Reported) => broken = true,
                 }
             }
         }
-        let (connections, markers) = (self.connections(), self.markers());
+        let file = self.surroundings.map_or(self.task_place.file, |surroundings| surroundings.file);
+        let (connections, markers) = self.in_file(file, |checker| (checker.connections(), checker.markers()));
         let ((connections, releases), markers) = (connections?, markers?);
         if broken {
             return Err(Reported);

@@ -26,10 +26,11 @@ mod rotation;
 mod shapes;
 
 use super::context::Checker;
+use super::inherit::{Placed, WholeTask};
 use super::scope::{Names, Place};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::scene::{Motion, Object, Parent, SceneDescription, Surface};
-use crate::syntax::tree::{Element, ElementName, Expr, SceneStatement, Task, TaskStatement};
+use crate::syntax::tree::{Element, ElementName, Expr, SceneStatement, TaskStatement};
 use crate::vocabulary::{Landmark, Vocabulary};
 use expand::{Expanded, Locals};
 use geometry::Known;
@@ -47,6 +48,8 @@ pub(crate) struct Surroundings<'a> {
     pub starts: Vec<Start<'a>>,
     /// The unrolled statements.
     pub statements: Expanded<'a>,
+    /// In which file the scene stands.
+    pub file: FileId,
 }
 
 /// Where a free object starts, if that is drawn.
@@ -110,13 +113,15 @@ const CARRIER: &str = "what carries it";
 
 /// Checks the scene of a task, on the vocabulary of its body.
 pub(crate) fn surroundings<'a>(
-    task: &'a Task,
-    file: FileId,
+    task: &'a WholeTask,
     names: &'a Names<'a>,
     vocabulary: &'a Vocabulary,
 ) -> (Surroundings<'a>, Vec<Diagnostic>) {
+    let scenes = task.statements.iter().filter(|placed| matches!(placed.statement, TaskStatement::Scene(_)));
+    // An inherited scene is read where it was written.
+    let file = scenes.map(|placed| placed.file).next().unwrap_or(task.file);
     let mut checker = Checker::new(vocabulary, names, Place::of_task(file), &task.statements);
-    let blocks = task.statements.iter().filter_map(|statement| match statement {
+    let blocks = task.statements.iter().filter_map(|placed| match &placed.statement {
         TaskStatement::Scene(block) => Some(block),
         _ => None,
     });
@@ -124,7 +129,7 @@ pub(crate) fn surroundings<'a>(
     checker.allowed.extend(allowed(&task.statements));
     if blocks.peek().is_none() {
         let surroundings =
-            Surroundings { scene: SceneDescription { ground: Some(GROUND), ..Default::default() }, ..Default::default() };
+            Surroundings { scene: SceneDescription { ground: Some(GROUND), ..Default::default() }, file, ..Default::default() };
         return (surroundings, Vec::new());
     }
     let mut statements = Expanded::default();
@@ -135,15 +140,15 @@ pub(crate) fn surroundings<'a>(
         checker.expand_scene(&block.entries, &Locals::new(), &mut statements);
     }
     let (stage, known) = checker.stage(&statements);
-    let surroundings = Surroundings { scene: stage.scene, fixed: stage.fixed, known, starts: stage.starts, statements };
+    let surroundings = Surroundings { scene: stage.scene, fixed: stage.fixed, known, starts: stage.starts, statements, file };
     (surroundings, checker.diagnostics)
 }
 
 /// Lints that the task or its scene allows; whether there are such lints is looked at with the task.
-fn allowed(statements: &[TaskStatement]) -> Vec<String> {
+fn allowed(statements: &[Placed]) -> Vec<String> {
     let mut names = Vec::new();
-    for statement in statements {
-        match statement {
+    for placed in statements {
+        match &placed.statement {
             TaskStatement::Allow(allow) => names.push(allow.lint.text.clone()),
             TaskStatement::Scene(block) => names.extend(block.entries.iter().filter_map(|entry| match entry {
                 SceneStatement::Allow(allow) => Some(allow.lint.text.clone()),

@@ -50,6 +50,7 @@ macro_rules! codes {
     };
 }
 
+pub mod composition;
 pub mod lints;
 pub mod names;
 pub mod scene;
@@ -59,7 +60,7 @@ pub mod types;
 
 /// Every code, in order.
 pub fn all() -> impl Iterator<Item = &'static Code> {
-    [syntax::ALL, names::ALL, types::ALL, tasks::ALL, scene::ALL, lints::ALL].into_iter().flatten().copied()
+    [syntax::ALL, names::ALL, types::ALL, tasks::ALL, scene::ALL, composition::ALL, lints::ALL].into_iter().flatten().copied()
 }
 
 /// The page of a code such as `E0103`, whatever the case of its letter.

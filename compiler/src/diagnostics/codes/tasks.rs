@@ -18,8 +18,8 @@ codes! {
         title: "a statement that is not supported yet",
         explanation: "The statement belongs to the language, but this version cannot run it. It is refused rather than \
             ignored.",
-        example: "metrics { com.height }",
-        fix: "observe { com.height }",
+        example: "test \"falls\" { run zero for 1 s }",
+        fix: "",
     }
     OUT_OF_RANGE = "E0404" {
         title: "a value outside its range",

@@ -116,6 +116,7 @@ impl Builder<'_> {
             annotation: self.annotation(pair),
             value: self.expression_in(pair),
             range: range.map(|range| self.ranged(&range)),
+            set: Vec::new(),
             span,
         }
     }

@@ -1,7 +1,7 @@
 //! Declarations of tasks and what they share: bindings, functions, observations.
 
 use super::{Docs, Element, Expr, Ident, InitStatement, Name, SceneStatement, Test, Text};
-use crate::diagnostics::Span;
+use crate::diagnostics::{FileId, Span};
 
 /// `use "lib/posture.msk"`
 #[derive(Debug, Clone, PartialEq)]
@@ -222,6 +222,8 @@ pub struct TaskParameter {
     pub value: Expr,
     /// What it may be set to: a `Range`.
     pub range: Option<Expr>,
+    /// What extending tasks, and in the end the outside, set it to: the last holds. Never filled by the parser.
+    pub set: Vec<(Expr, FileId)>,
     /// The statement.
     pub span: Span,
 }

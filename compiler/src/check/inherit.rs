@@ -1,0 +1,385 @@
+//! `extends`: a task with all that it takes from those it extends.
+//!
+//! 1. The chain of tasks is followed to its end; a circle or a task that is not in sight is an error.
+//! 2. Sections that are lists are taken apart row by row, each under its name; what is said once is one row.
+//! 3. From the oldest task to the youngest, rows replace rows of the same name where those stand, `remove` takes them out, and
+//!    the rest is added behind. What is overridden must exist.
+//!
+//! A row keeps the file that it was written in: its names are looked up there, and errors point there.
+
+use super::observe::{Texts, label_of};
+use crate::diagnostics::{Diagnostic, FileId, Span, codes, nearest};
+use crate::syntax::tree::{
+    Block, Bounds, Channel, Ends, Entry, Ident, Remove, Reward, Task, TaskParameter, TaskStatement, Term, Weight,
+};
+
+/// A statement with the file in which it stands.
+#[derive(Debug, Clone)]
+pub(crate) struct Placed {
+    pub statement: TaskStatement,
+    pub file: FileId,
+}
+
+/// A task with what it inherits.
+#[derive(Debug, Clone)]
+pub(crate) struct WholeTask {
+    /// The task itself; its statements are only its own.
+    pub task: Task,
+    pub file: FileId,
+    /// Its own statements and the inherited ones.
+    pub statements: Vec<Placed>,
+}
+
+/// A task with its file.
+#[derive(Clone, Copy)]
+pub(crate) struct InFile<'a> {
+    pub task: &'a Task,
+    pub file: FileId,
+}
+
+/// Looks a task up from a file; else the names of those that are in sight.
+pub(crate) type Find<'f, 'a> = &'f dyn Fn(FileId, &str) -> Result<InFile<'a>, Vec<String>>;
+
+/// What a row is named under: rows replace each other within their section only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Section {
+    /// Said once: the word itself.
+    Single(&'static str),
+    Parameter,
+    Channel,
+    Term,
+    Metric,
+    Reason,
+    /// `let`, `state`, `clock`, `random`, `reference`: one namespace.
+    Value,
+    /// Never replaced.
+    Loose,
+}
+
+impl Section {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Single(word) => word,
+            Self::Parameter => "parameter",
+            Self::Channel => "channel",
+            Self::Term => "term",
+            Self::Metric => "metric",
+            Self::Reason => "reason",
+            Self::Value => "value",
+            Self::Loose => "statement",
+        }
+    }
+}
+
+#[derive(Debug, Clone)]
+struct Row {
+    section: Section,
+    name: String,
+    placed: Placed,
+}
+
+/// A change that an extending task makes.
+enum Change {
+    Row(Box<Row>),
+    Remove(Section, Remove, FileId),
+}
+
+/// The task with what it inherits; `None` if that cannot be said, which is reported. `find` looks a task up from a file.
+pub(crate) fn whole<'a>(
+    task: InFile<'a>,
+    find: Find<'_, 'a>,
+    texts: &dyn Texts,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<WholeTask> {
+    let mut chain = vec![task];
+    while let Some(parent) = chain.last().and_then(|last| last.task.extends.as_ref().map(|name| (name, last.file))) {
+        let (name, file) = parent;
+        let found = match find(file, &name.text) {
+            Ok(found) => found,
+            Err(known) => {
+                diagnostics.push(unknown_task(name, file, &known));
+                return None;
+            }
+        };
+        if chain.iter().any(|known| std::ptr::eq(known.task, found.task)) {
+            let mut names: Vec<&str> = chain.iter().map(|known| known.task.name.text.as_str()).collect();
+            names.push(&name.text);
+            let diagnostic = Diagnostic::new(codes::names::CYCLE, file, name.span, "a task cannot extend itself")
+                .here("this closes the circle")
+                .help(format!("the circle: {}", names.join(" -> ")));
+            diagnostics.push(diagnostic);
+            return None;
+        }
+        chain.push(found);
+    }
+    let plain = |of: InFile<'_>| {
+        let statements = of.task.statements.iter().cloned();
+        statements.map(|statement| Placed { statement, file: of.file }).collect::<Vec<_>>()
+    };
+    if chain.len() == 1 {
+        return Some(WholeTask { task: task.task.clone(), file: task.file, statements: plain(task) });
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    let mut sound = true;
+    for (place, one) in chain.iter().rev().enumerate() {
+        // Tests belong to the task that they test.
+        let inherited = place + 1 < chain.len();
+        for placed in plain(*one) {
+            if inherited && matches!(placed.statement, TaskStatement::Test(_)) {
+                continue;
+            }
+            for change in changes(placed, texts) {
+                match change {
+                    Change::Row(row) => sound &= apply(*row, place > 0, &mut rows, diagnostics),
+                    Change::Remove(section, remove, file) => sound &= take_out(section, &remove, file, &mut rows, diagnostics),
+                }
+            }
+        }
+    }
+    let statements = rows.into_iter().map(|row| row.placed).collect();
+    sound.then(|| WholeTask { task: task.task.clone(), file: task.file, statements })
+}
+
+/// A phase of a sequence: the task with what the sequence says for all its phases. What is there once for the whole episode
+/// (scene, beginning, body, control) is the sequence's, or else the first phase's.
+pub(crate) fn in_sequence(phase: WholeTask, first: &WholeTask, sequence: &[Placed], texts: &dyn Texts) -> WholeTask {
+    const SHARED: [&str; 6] = ["family", "body", "control", "symmetric", "scene", "init"];
+    let section_of = |placed: &Placed| match changes(placed.clone(), texts).into_iter().next() {
+        Some(Change::Row(row)) => row.section,
+        _ => Section::Loose,
+    };
+    let shared = |placed: &Placed| match section_of(placed) {
+        Section::Single(word) => SHARED.contains(&word),
+        _ => matches!(placed.statement, TaskStatement::Disturb(_)),
+    };
+    let said: Vec<Section> = sequence.iter().map(section_of).collect();
+    let of_first = first.statements.iter().filter(|placed| shared(placed) && !said.contains(&section_of(placed)));
+    let of_sequence =
+        sequence.iter().filter(|placed| !matches!(placed.statement, TaskStatement::Phase(_) | TaskStatement::Success(_)));
+    let own = phase.statements.iter().filter(|placed| !shared(placed) && !matches!(placed.statement, TaskStatement::Test(_)));
+    let statements = of_first.chain(of_sequence).chain(own).cloned().collect();
+    WholeTask { statements, ..phase }
+}
+
+pub(crate) fn unknown_task(name: &Ident, file: FileId, known: &[String]) -> Diagnostic {
+    let message = format!("there is no task `{}` in sight", name.text);
+    let mut diagnostic = Diagnostic::new(codes::names::UNKNOWN_NAME, file, name.span, message)
+        .help("it stands in this file or in one that this file uses: `use \"...\"`");
+    for near in nearest(&name.text, known.iter().map(String::as_str)) {
+        diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), name.span, near);
+    }
+    diagnostic
+}
+
+/// The rows and removals of a statement, in order.
+fn changes(placed: Placed, texts: &dyn Texts) -> Vec<Change> {
+    let file = placed.file;
+    let row = |section, name: &str, statement| {
+        Change::Row(Box::new(Row { section, name: name.to_owned(), placed: Placed { statement, file } }))
+    };
+    let single = |word: &'static str, statement| vec![row(Section::Single(word), "", statement)];
+    use TaskStatement as S;
+    match placed.statement {
+        S::Params(Block { keyword, entries, span }) => {
+            let statement = |entries| S::Params(Block { keyword, entries, span });
+            rows(entries, Section::Parameter, file, |parameter: &TaskParameter| parameter.name.text.clone(), statement)
+        }
+        S::Observe(Block { keyword, entries, span }) => {
+            let statement = |entries| S::Observe(Block { keyword, entries, span });
+            rows(entries, Section::Channel, file, |channel: &Channel| label_of(channel, file, texts), statement)
+        }
+        S::Metrics(Block { keyword, entries, span }) => {
+            let statement = |entries| S::Metrics(Block { keyword, entries, span });
+            rows(entries, Section::Metric, file, |channel: &Channel| label_of(channel, file, texts), statement)
+        }
+        S::Reward(Reward { per_second, terms, span }) => {
+            let statement = |terms| S::Reward(Reward { per_second, terms, span });
+            rows(terms, Section::Term, file, |term: &Term| term.name.text.clone(), statement)
+        }
+        S::Terminate(Ends { after, reasons, span }) => {
+            let statement = |reasons| S::Terminate(Ends { after: after.clone(), reasons, span });
+            rows(reasons, Section::Reason, file, |reason| reason.name.text.clone(), statement)
+        }
+        S::Finish(Ends { after, reasons, span }) => {
+            let statement = |reasons| S::Finish(Ends { after: after.clone(), reasons, span });
+            rows(reasons, Section::Reason, file, |reason| reason.name.text.clone(), statement)
+        }
+        statement @ S::Family(_) => single("family", statement),
+        statement @ S::Body(_) => single("body", statement),
+        statement @ S::Control(_) => single("control", statement),
+        statement @ S::Horizon(_) => single("horizon", statement),
+        statement @ S::Symmetric(_) => single("symmetric", statement),
+        statement @ S::Scene(_) => single("scene", statement),
+        statement @ S::Init(_) => single("init", statement),
+        statement @ S::Success(_) => single("success", statement),
+        statement => {
+            let name = match &statement {
+                S::Let(binding) => &binding.name.text,
+                S::State(state) => &state.name.text,
+                S::Clock(clock) => &clock.name.text,
+                S::Random(random) => &random.name.text,
+                S::Reference(reference) => &reference.name.text,
+                _ => return vec![row(Section::Loose, "", statement)],
+            };
+            let name = name.clone();
+            vec![row(Section::Value, &name, statement)]
+        }
+    }
+}
+
+/// The rows of a list; what is allowed stays with the row below it.
+fn rows<T>(
+    entries: Vec<Entry<T>>,
+    section: Section,
+    file: FileId,
+    name: impl Fn(&T) -> String,
+    statement: impl Fn(Vec<Entry<T>>) -> TaskStatement,
+) -> Vec<Change> {
+    let mut changes = Vec::new();
+    let mut allowed = Vec::new();
+    for entry in entries {
+        match entry {
+            Entry::Allow(_) => allowed.push(entry),
+            Entry::Remove(remove) => changes.push(Change::Remove(section, remove, file)),
+            Entry::Item(ref item) => {
+                let name = name(item);
+                let mut whole = std::mem::take(&mut allowed);
+                whole.push(entry);
+                changes.push(Change::Row(Box::new(Row { section, name, placed: Placed { statement: statement(whole), file } })));
+            }
+        }
+    }
+    changes
+}
+
+/// Puts a row in the place of the one it overrides, or behind all; gives whether that was possible.
+fn apply(row: Row, extending: bool, rows: &mut Vec<Row>, diagnostics: &mut Vec<Diagnostic>) -> bool {
+    let replaces = extending && row.section != Section::Loose;
+    let known = rows.iter_mut().find(|known| replaces && known.section == row.section && known.name == row.name);
+    match known {
+        Some(known) => override_row(known, row, diagnostics),
+        None => {
+            if extending
+                && let Some(term) = term_of(&row.placed.statement)
+                && term.formula.is_none()
+            {
+                let names = rows.iter().filter(|known| known.section == Section::Term).map(|known| known.name.as_str());
+                diagnostics.push(overrides_nothing("term", &term.name.text, term.name.span, row.placed.file, names));
+                return false;
+            }
+            rows.push(row);
+            true
+        }
+    }
+}
+
+fn override_row(known: &mut Row, row: Row, diagnostics: &mut Vec<Diagnostic>) -> bool {
+    let file = row.placed.file;
+    if let (Some(old), Some(new)) = (term_of(&known.placed.statement), term_of(&row.placed.statement)) {
+        match (&new.weight, &new.formula) {
+            (Some(weight), None) => {
+                let Some(weight) = narrowed(weight, old, file, diagnostics) else { return false };
+                set_weight(&mut known.placed.statement, weight);
+                return true;
+            }
+            (None, Some(_)) => {
+                let weight = old.weight.clone();
+                *known = row;
+                if let Some(weight) = weight {
+                    set_weight(&mut known.placed.statement, weight);
+                }
+                return true;
+            }
+            _ => {}
+        }
+    }
+    if let (Some(old), Some(new)) = (parameter_of(&known.placed.statement), parameter_of(&row.placed.statement))
+        && new.annotation.is_none()
+        && new.range.is_none()
+    {
+        // Another value alone: type and range stay, and are looked up where they were written.
+        let mut parameter = old.clone();
+        parameter.set.push((new.value.clone(), file));
+        set_parameter(&mut known.placed.statement, parameter);
+        return true;
+    }
+    *known = row;
+    true
+}
+
+/// The new weight of a term whose range stays unless another is written with it.
+fn narrowed(weight: &Weight, old: &Term, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Weight> {
+    let mut new = weight.clone();
+    if let (Bounds::Free, Some(old)) = (&weight.bounds, &old.weight) {
+        if let Bounds::Range { low, high, .. } = old.bounds
+            && !(low..=high).contains(&weight.value)
+        {
+            let diagnostic =
+                Diagnostic::new(codes::tasks::WEIGHT, file, weight.span, "this weight lies outside the range that the term has")
+                    .expected(format!("{low} .. {high}"))
+                    .found(format!("{}", weight.value))
+                    .help("another range may be written behind the weight: `40 (5..50) name`");
+            diagnostics.push(diagnostic);
+            return None;
+        }
+        new.bounds = old.bounds.clone();
+    }
+    Some(new)
+}
+
+fn term_of(statement: &TaskStatement) -> Option<&Term> {
+    let TaskStatement::Reward(reward) = statement else { return None };
+    reward.terms.iter().find_map(|entry| if let Entry::Item(term) = entry { Some(term) } else { None })
+}
+
+fn set_weight(statement: &mut TaskStatement, weight: Weight) {
+    if let TaskStatement::Reward(reward) = statement
+        && let Some(Entry::Item(term)) = reward.terms.last_mut()
+    {
+        term.weight = Some(weight);
+    }
+}
+
+fn parameter_of(statement: &TaskStatement) -> Option<&TaskParameter> {
+    let TaskStatement::Params(block) = statement else { return None };
+    block.entries.iter().find_map(|entry| if let Entry::Item(parameter) = entry { Some(parameter) } else { None })
+}
+
+fn set_parameter(statement: &mut TaskStatement, parameter: TaskParameter) {
+    if let TaskStatement::Params(block) = statement
+        && let Some(Entry::Item(known)) = block.entries.last_mut()
+    {
+        *known = parameter;
+    }
+}
+
+fn take_out(section: Section, remove: &Remove, file: FileId, rows: &mut Vec<Row>, diagnostics: &mut Vec<Diagnostic>) -> bool {
+    let fits = |row: &Row| row.section == section && row.name == remove.name.text;
+    if rows.iter().any(fits) {
+        rows.retain(|row| !fits(row));
+        return true;
+    }
+    let names = rows.iter().filter(|row| row.section == section).map(|row| row.name.as_str());
+    diagnostics.push(overrides_nothing(section.word(), &remove.name.text, remove.name.span, file, names));
+    false
+}
+
+fn overrides_nothing<'a>(
+    word: &str,
+    name: &str,
+    span: Span,
+    file: FileId,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> Diagnostic {
+    let message = format!("the extended task has no {word} `{name}`");
+    let mut diagnostic = Diagnostic::new(codes::composition::OVERRIDES_NOTHING, file, span, message);
+    let near = nearest(name, names.clone());
+    let known: Vec<&str> = names.collect();
+    if near.is_empty() && !known.is_empty() {
+        diagnostic = diagnostic.help(format!("it has {}", known.join(", ")));
+    }
+    for name in near {
+        diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), span, name);
+    }
+    diagnostic
+}

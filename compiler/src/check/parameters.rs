@@ -1,0 +1,195 @@
+//! `params`: numbers that may be set from outside, where a task is compiled.
+
+use super::context::{Checked, Checker, Reported};
+use super::dimension::Dimension;
+use super::scope::Place;
+use super::types::Type;
+use super::unit;
+use super::value::{Data, Form, Value};
+use crate::diagnostics::{FileId, Span, codes};
+use crate::syntax::tree::{Entry, Expr, ExprKind, TaskParameter, TaskStatement, UnaryOperator};
+use crate::task::Parameter;
+
+impl<'a> Checker<'a> {
+    /// Checks every parameter of the task; one that nothing reads is an error, told by [`Checker::parameters_in_use`].
+    pub(crate) fn parameters(&mut self) -> Checked<Vec<Parameter>> {
+        let statements = self.statements;
+        let mut parameters: Vec<Parameter> = Vec::new();
+        let mut broken = false;
+        for placed in statements {
+            let TaskStatement::Params(block) = &placed.statement else { continue };
+            for entry in &block.entries {
+                let found = self.in_file(placed.file, |checker| {
+                    let parameter = checker.plain_entry(entry, "parameter")?;
+                    Some(checker.parameter(parameter, placed.file))
+                });
+                match found {
+                    Some(Ok((_, parameter))) => parameters.push(parameter),
+                    Some(Err(Reported)) => broken = true,
+                    // A removal outside of an extending task is reported; a lint allowed is no parameter.
+                    None => broken |= matches!(entry, Entry::Remove(_)),
+                }
+            }
+        }
+        if broken { Err(Reported) } else { Ok(parameters) }
+    }
+
+    /// The value in force of a parameter that is read.
+    pub(crate) fn parameter_value(&mut self, parameter: &'a TaskParameter, file: FileId) -> Checked<Value> {
+        let key = (Place { file, in_task: true }, false, parameter.name.text.clone());
+        if let Some(known) = self.memo.get(&key) {
+            return known.clone().ok_or(Reported);
+        }
+        let value = self.in_file(file, |checker| checker.parameter(parameter, file)).map(|(value, _)| value);
+        self.memo.insert(key, value.as_ref().ok().cloned());
+        value
+    }
+
+    fn parameter(&mut self, parameter: &'a TaskParameter, file: FileId) -> Checked<(Value, Parameter)> {
+        let errors = self.diagnostics.len();
+        let found = self.parameter_here(parameter, file);
+        // It is checked where it is declared and where it is first read; what is wrong is told once.
+        let told: Vec<_> = self.diagnostics.drain(errors..).collect();
+        for diagnostic in told {
+            if !self.diagnostics.contains(&diagnostic) {
+                self.diagnostics.push(diagnostic);
+            }
+        }
+        found
+    }
+
+    fn parameter_here(&mut self, parameter: &'a TaskParameter, file: FileId) -> Checked<(Value, Parameter)> {
+        let (default, dimension) = self.constant_number(&parameter.value, "a parameter is a number known while compiling")?;
+        let declared = Data::new(self.graph.constant(default), self.number_type(&parameter.value, dimension));
+        self.check_annotation(parameter.annotation.as_ref(), &Value::Data(declared.clone()))?;
+        let range = match &parameter.range {
+            None => None,
+            Some(range) => Some(self.parameter_range(range, dimension)?),
+        };
+        self.must_lie_within(default, range, &parameter.name.text, parameter.value.span)?;
+        let mut value = default;
+        for (expr, origin) in &parameter.set {
+            value = self.in_file(*origin, |checker| {
+                let value = checker.set_value(expr, parameter, dimension)?;
+                checker.must_lie_within(value, range, &parameter.name.text, expr.span)?;
+                if declared.kind == Type::Int && value.fract() != 0.0 {
+                    let message = format!("`{}` is a whole number", parameter.name.text);
+                    return Err(checker.error(codes::types::WRONG_TYPE, expr.span, message));
+                }
+                Ok(value)
+            })?;
+        }
+        let unit = if dimension.is_none() { String::new() } else { dimension.to_string() };
+        let told = Parameter { name: parameter.name.text.clone(), value, default, range, unit };
+        let _ = file;
+        Ok((Value::Data(Data { node: self.graph.constant(value), kind: declared.kind, form: Form::Plain }), told))
+    }
+
+    /// A parameter written as a whole number is one, unless its type is written as another.
+    fn number_type(&self, written: &Expr, dimension: Dimension) -> Type {
+        let mut inner = written;
+        while let ExprKind::Paren(within) | ExprKind::Unary { operator: UnaryOperator::Negate, operand: within } = &inner.kind {
+            inner = within;
+        }
+        match &inner.kind {
+            ExprKind::Number(number) if number.whole && number.unit.is_none() => Type::Int,
+            _ => Type::Number(dimension),
+        }
+    }
+
+    fn constant_number(&mut self, expr: &'a Expr, wanted: &str) -> Checked<(f64, Dimension)> {
+        let data = self.data(expr)?;
+        let dimension = match data.kind {
+            Type::Number(dimension) => Some(dimension),
+            Type::Int => Some(Dimension::NONE),
+            _ => None,
+        };
+        match (self.graph.constant_value(data.node), dimension) {
+            (Some(value), Some(dimension)) if value.is_finite() => Ok((value, dimension)),
+            _ => {
+                let found = data.kind.described(self.vocabulary);
+                let diagnostic = self.diagnostic(codes::types::NOT_CONSTANT, expr.span, wanted).found(found);
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    fn parameter_range(&mut self, range: &'a Expr, dimension: Dimension) -> Checked<[f64; 2]> {
+        let ExprKind::Range { low, high } = &range.kind else {
+            return Err(self.error(codes::types::WRONG_TYPE, range.span, "the range of a parameter is `low .. high`"));
+        };
+        let wanted = "the bounds of a parameter are numbers known while compiling";
+        let (top, top_dimension) = self.constant_number(high, wanted)?;
+        let (mut bottom, bottom_dimension) = self.constant_number(low, wanted)?;
+        let mut fits = top_dimension == dimension && bottom_dimension == dimension;
+        if !fits && top_dimension == dimension && bottom_dimension.is_none() {
+            // A plain lower bound takes the unit of the upper.
+            bottom *= unit_of(high);
+            fits = true;
+        }
+        if !fits {
+            let diagnostic = self
+                .diagnostic(codes::types::DIMENSIONS_DIFFER, range.span, "the bounds must have the unit of the parameter")
+                .expected(dimension.described());
+            return Err(self.report(diagnostic));
+        }
+        if bottom > top {
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, range.span, "the lower bound is above the upper one"));
+        }
+        Ok([bottom, top])
+    }
+
+    /// A value from outside: with its unit, or plain in the unit in which the parameter is written.
+    fn set_value(&mut self, expr: &'a Expr, parameter: &TaskParameter, dimension: Dimension) -> Checked<f64> {
+        let (value, found) = self.constant_number(expr, "a parameter is set to a number")?;
+        if found == dimension {
+            return Ok(value);
+        }
+        if found.is_none() {
+            return Ok(value * unit_of(&parameter.value));
+        }
+        let diagnostic = self
+            .diagnostic(codes::types::DIMENSIONS_DIFFER, expr.span, format!("`{}` has another unit", parameter.name.text))
+            .expected(dimension.described())
+            .found(found.described());
+        Err(self.report(diagnostic))
+    }
+
+    fn must_lie_within(&mut self, value: f64, range: Option<[f64; 2]>, name: &str, span: Span) -> Checked<()> {
+        match range {
+            Some([low, high]) if !(low..=high).contains(&value) => {
+                let diagnostic = self
+                    .diagnostic(codes::tasks::OUT_OF_RANGE, span, format!("the parameter `{name}` lies outside its range"))
+                    .expected(format!("{low} .. {high} in SI units"))
+                    .found(format!("{value}"));
+                Err(self.report(diagnostic))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A parameter that nothing reads could be set without any effect: an error.
+    pub(crate) fn parameters_in_use(&mut self) {
+        let names = self.names;
+        for (name, declared) in names.of_task() {
+            if matches!(declared.definition, super::scope::Definition::Parameter(_)) && !self.used.contains(name) {
+                let message = format!("nothing reads the parameter `{name}`: setting it would change nothing");
+                let span = declared.definition.span();
+                let diagnostic =
+                    crate::diagnostics::Diagnostic::new(codes::composition::UNUSED_PARAMETER, declared.file, span, message);
+                self.report(diagnostic);
+            }
+        }
+    }
+}
+
+/// The SI value of the unit in which a number is written; 1 for anything that is no number with a unit.
+fn unit_of(expr: &Expr) -> f64 {
+    match &expr.kind {
+        ExprKind::Paren(inner) | ExprKind::Unary { operand: inner, .. } => unit_of(inner),
+        ExprKind::Number(number) => {
+            number.unit.as_ref().and_then(|unit| unit::evaluate(unit).ok()).map_or(1.0, |quantity| quantity.value)
+        }
+        _ => 1.0,
+    }
+}

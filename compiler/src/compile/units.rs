@@ -1,0 +1,279 @@
+//! What becomes a compiled task: a task with what it inherits, or a sequence with its phases.
+
+use super::{Described, SourceFile};
+use crate::body::BodyDescription;
+use crate::check::inherit::{self, Find, InFile, Placed, WholeTask};
+use crate::check::scope::{FileInSight, Names};
+use crate::check::task::{InSequence, body_of};
+use crate::check::{self, Texts, written};
+use crate::diagnostics::{Diagnostic, FileId, Severity, codes};
+use crate::files::BodySource;
+use crate::lower::{CheckedPhase, Heading, finish};
+use crate::syntax::tree::{Docs, Expr, Ident, Item, Phase, Sequence, TaskStatement};
+use crate::task::CompiledTask;
+use crate::vocabulary::Vocabulary;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A task, or a sequence of tasks.
+pub(super) struct Unit<'a> {
+    pub name: &'a Ident,
+    docs: Option<&'a Docs>,
+    /// In which file it stands, by its place among all.
+    pub home: usize,
+    file: FileId,
+    /// One for a task.
+    pub phases: Vec<PhaseTask<'a>>,
+    /// What the sequence itself says.
+    sequence: Option<Vec<Placed>>,
+}
+
+/// A task of a unit.
+pub(super) struct PhaseTask<'a> {
+    pub task: WholeTask,
+    /// `phase NAME until CONDITION` of a sequence.
+    phase: Option<&'a Phase>,
+}
+
+/// Everything that becomes a task, in the order of files and texts.
+pub(super) fn collect<'a>(files: &'a [SourceFile], texts: &dyn Texts, diagnostics: &mut Vec<Diagnostic>) -> Vec<Unit<'a>> {
+    let find = |file: FileId, name: &str| find_task(files, file, name);
+    let mut units = Vec::new();
+    for (home, source) in files.iter().enumerate() {
+        let file = source.tree.file;
+        for item in &source.tree.items {
+            match item {
+                Item::Task(task) => {
+                    let whole = inherit::whole(InFile { task, file }, &find, texts, diagnostics);
+                    units.extend(whole.map(|whole| Unit {
+                        name: &task.name,
+                        docs: task.docs.as_ref(),
+                        home,
+                        file,
+                        phases: vec![PhaseTask { task: whole, phase: None }],
+                        sequence: None,
+                    }));
+                }
+                Item::Sequence(sequence) => {
+                    let phases = phases(sequence, file, &find, texts, diagnostics);
+                    let own = sequence.statements.iter().cloned().map(|statement| Placed { statement, file }).collect();
+                    units.extend(phases.map(|phases| Unit {
+                        name: &sequence.name,
+                        docs: sequence.docs.as_ref(),
+                        home,
+                        file,
+                        phases,
+                        sequence: Some(own),
+                    }));
+                }
+                _ => {}
+            }
+        }
+    }
+    units
+}
+
+/// A task in sight of a file: its own or one of a file that it uses.
+fn find_task<'a>(files: &'a [SourceFile], file: FileId, name: &str) -> Result<InFile<'a>, Vec<String>> {
+    let mut known = Vec::new();
+    let Some(home) = files.iter().find(|source| source.tree.file == file) else { return Err(known) };
+    for source in std::iter::once(home).chain(home.uses.iter().map(|&used| &files[used])) {
+        for item in &source.tree.items {
+            let Item::Task(task) = item else { continue };
+            if task.name.text == name {
+                return Ok(InFile { task, file: source.tree.file });
+            }
+            known.push(task.name.text.clone());
+        }
+    }
+    Err(known)
+}
+
+/// The phases of a sequence, each with what the sequence says for all.
+fn phases<'a>(
+    sequence: &'a Sequence,
+    file: FileId,
+    find: Find<'_, 'a>,
+    texts: &dyn Texts,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Vec<PhaseTask<'a>>> {
+    let errors = diagnostics.len();
+    let mut said = |message: String, span| diagnostics.push(Diagnostic::new(codes::composition::SEQUENCE, file, span, message));
+    let declared: Vec<&Phase> =
+        sequence.statements.iter().filter_map(|s| if let TaskStatement::Phase(p) = s { Some(p) } else { None }).collect();
+    if declared.len() < 2 {
+        said("a sequence has at least two phases: `phase walk until arrived`".to_owned(), sequence.name.span);
+    }
+    for (place, phase) in declared.iter().enumerate() {
+        if declared[..place].iter().any(|known| known.task.text == phase.task.text) {
+            said(format!("the phase `{}` comes twice; results could not tell the two apart", phase.task.text), phase.span);
+        }
+    }
+    if let Some(last) = declared.last().filter(|last| last.until.is_some()) {
+        said("the last phase ends with its task; no other begins after it".to_owned(), last.span);
+    }
+    for statement in &sequence.statements {
+        let (word, span) = match statement {
+            TaskStatement::State(state) => ("state", state.span),
+            TaskStatement::Horizon(expr) => ("horizon", expr.span),
+            TaskStatement::Params(block) => ("params", block.keyword),
+            TaskStatement::Reference(reference) => ("reference", reference.span),
+            _ => continue,
+        };
+        said(format!("`{word}` belongs into the tasks of a sequence: it starts anew with each phase"), span);
+    }
+    let own: Vec<Placed> = sequence.statements.iter().cloned().map(|statement| Placed { statement, file }).collect();
+    let mut tasks = Vec::new();
+    for phase in declared {
+        match find(file, &phase.task.text) {
+            Ok(found) => {
+                tasks.extend(inherit::whole(found, find, texts, diagnostics).map(|task| PhaseTask { task, phase: Some(phase) }))
+            }
+            Err(known) => diagnostics.push(inherit::unknown_task(&phase.task, file, &known)),
+        }
+    }
+    same_body(&tasks, &own, file, texts, diagnostics);
+    if diagnostics.len() > errors {
+        return None;
+    }
+    let first = tasks.first()?.task.clone();
+    let merged = tasks.into_iter().map(|one| PhaseTask { task: inherit::in_sequence(one.task, &first, &own, texts), ..one });
+    Some(merged.collect())
+}
+
+/// Phases written for different bodies, or different control frequencies, do not make one episode, unless the sequence itself
+/// says which.
+fn same_body(tasks: &[PhaseTask<'_>], own: &[Placed], file: FileId, texts: &dyn Texts, diagnostics: &mut Vec<Diagnostic>) {
+    let says = |statements: &[Placed], body: bool| {
+        statements.iter().find_map(|placed| match &placed.statement {
+            TaskStatement::Body(used) if body => Some(texts.text(placed.file, used.span).trim().to_owned()),
+            TaskStatement::Control(expr) if !body => Some(written(expr, placed.file, texts)),
+            _ => None,
+        })
+    };
+    for (what, body) in [("body", true), ("control", false)] {
+        if says(own, body).is_some() {
+            continue;
+        }
+        let first = tasks.first().and_then(|task| says(&task.task.statements, body));
+        for task in tasks {
+            let other = says(&task.task.statements, body);
+            if let (Some(phase), true) = (task.phase, other != first) {
+                let message = format!("this phase has another `{what}` than the first");
+                let diagnostic = Diagnostic::new(codes::composition::SEQUENCE, file, phase.span, message)
+                    .expected(first.clone().unwrap_or_default())
+                    .found(other.unwrap_or_default())
+                    .help(format!("say `{what}` in the sequence: it then holds for all phases"));
+                diagnostics.push(diagnostic);
+            }
+        }
+    }
+}
+
+/// Compiles units.
+pub(super) struct Compiler<'a> {
+    pub described: &'a BTreeMap<String, Described>,
+    pub bodies: &'a dyn BodySource,
+    pub texts: &'a dyn Texts,
+    pub in_sight: Vec<FileInSight<'a>>,
+}
+
+impl Compiler<'_> {
+    pub(super) fn compile(&self, unit: &Unit<'_>, diagnostics: &mut Vec<Diagnostic>) -> Option<CompiledTask> {
+        let first = &unit.phases.first()?.task;
+        let all_names: Vec<Names<'_>> =
+            unit.phases.iter().map(|phase| Names::collect(&self.in_sight, Some(&phase.task), diagnostics)).collect();
+        let (description, vocabulary) = self.body(first, all_names.first()?, diagnostics)?;
+        let phase_names: Vec<String> = match &unit.sequence {
+            Some(_) => unit.phases.iter().map(|phase| phase.task.task.name.text.clone()).collect(),
+            None => Vec::new(),
+        };
+        let success = unit.sequence.iter().flatten().find_map(|placed| match &placed.statement {
+            TaskStatement::Success(expr) => Some((expr, placed.file)),
+            _ => None,
+        });
+        // All phases share the scene: it is that of the first.
+        let (surroundings, told) = check::scene::surroundings(first, all_names.first()?, &vocabulary);
+        let broken = told.iter().any(|told| told.severity == Severity::Error);
+        diagnostics.extend(told);
+        let vocabulary = vocabulary.with_scene(&surroundings.scene);
+        let mut queries = Vec::new();
+        let mut checked = Vec::new();
+        for (index, (phase, names)) in unit.phases.iter().zip(&all_names).enumerate() {
+            let until = phase.phase.and_then(|phase| phase.until.as_ref()).map(|until| (until, unit.file));
+            let sequence = InSequence { phases: &phase_names, index, until, success };
+            let (found, mut told) =
+                check::task::check(&phase.task, names, &vocabulary, &surroundings, self.texts, sequence, queries.clone());
+            if broken {
+                // What formulas do not find may be what is broken in the scene: only the scene is at fault.
+                told.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
+            }
+            diagnostics.extend(told);
+            if let Some(found) = &found {
+                queries.clone_from(&found.queries);
+            }
+            let clause = |(expr, file): (&Expr, FileId)| written(expr, file, self.texts);
+            checked.extend(found.map(|found| CheckedPhase {
+                source: &phase.task,
+                checked: found,
+                until: until.map(clause).unwrap_or_default(),
+            }));
+        }
+        if broken || checked.len() != unit.phases.len() {
+            return None;
+        }
+        let shared = unit.sequence.iter().flatten().filter_map(|placed| match &placed.statement {
+            TaskStatement::Random(random) => Some(random.name.text.clone()),
+            _ => None,
+        });
+        let heading = Heading {
+            name: &unit.name.text,
+            docs: unit.docs,
+            family: checked.first().map(|phase| phase.checked.family.clone()).unwrap_or_default(),
+            body: description,
+            success: success.map(|(expr, file)| written(expr, file, self.texts)),
+            shared: shared.collect(),
+        };
+        finish(heading, checked, self.texts)
+    }
+
+    /// The body that a task runs on, with what the task changes on it.
+    fn body(
+        &self,
+        task: &WholeTask,
+        names: &Names<'_>,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<(Arc<BodyDescription>, Cow<'_, Vocabulary>)> {
+        let Some((used, file)) = body_of(&task.statements) else {
+            let message = format!("the task `{}` does not say on which `body`", task.task.name.text);
+            let diagnostic = Diagnostic::new(codes::tasks::MISSING, task.file, task.task.name.span, message);
+            diagnostics.push(diagnostic.help("without a body no name can be looked up, so nothing else was checked"));
+            return None;
+        };
+        let name = &used.name;
+        let Some(described) = self.described.get(&name.text) else {
+            let message = format!("there is no body `{}`", name.text);
+            let help = format!("a body stands in `bodies/{}.msk` beside or above the task, or is built in: `human`", name.text);
+            diagnostics.push(Diagnostic::new(codes::names::BODY, file, name.span, message).help(help));
+            return None;
+        };
+        let vocabulary = described.vocabulary.as_ref()?;
+        if used.edits.is_empty() {
+            return Some((described.description.clone(), Cow::Borrowed(vocabulary)));
+        }
+        let (changes, told) = check::edits::edits(used, file, task, names, vocabulary);
+        diagnostics.extend(told);
+        let mut description = BodyDescription::clone(&described.description);
+        description.changes = changes?;
+        match self.bodies.vocabulary(&description) {
+            Ok(vocabulary) => Some((Arc::new(description), Cow::Owned(vocabulary))),
+            Err(problems) => {
+                let message = format!("the body `{}` cannot be changed like this", name.text);
+                let diagnostic = Diagnostic::new(codes::names::BODY, file, used.span, message);
+                diagnostics.push(problems.lines().fold(diagnostic, |diagnostic, problem| diagnostic.help(problem)));
+                None
+            }
+        }
+    }
+}

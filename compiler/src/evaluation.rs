@@ -1,0 +1,272 @@
+//! Evaluating a compiled task: once where the episode begins, once per control step.
+//!
+//! 1. [`begin`](CompiledTask::begin) draws the randoms that read no signal, so that scene and beginning may use them;
+//! 2. [`reset`](CompiledTask::reset) takes the first snapshot: every memory starts, the other randoms are drawn;
+//! 3. [`step`](CompiledTask::step) advances every operator and fills the report; in a sequence it also goes on to the next phase,
+//!    which starts from the very snapshot in which the one before it ended.
+
+use crate::graph::operation::Chance;
+use crate::lower::NoneTaken;
+use crate::task::{CompiledTask, Init, NonFiniteTerm, NotDrawn, Phase, StepReport, TaskFault, TaskState};
+use std::borrow::Cow;
+
+/// Where chance comes from: a stream per random, in the order of [`CompiledTask::randoms`].
+pub trait Draws {
+    /// The next number of the stream, uniform on [0, 1).
+    fn uniform(&mut self, random: usize) -> f64;
+    /// The next number of the stream, standard normal.
+    fn normal(&mut self, random: usize) -> f64;
+}
+
+/// No chance: the middle of every distribution. For explanations, which show one beginning.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Middle;
+
+impl Draws for Middle {
+    fn uniform(&mut self, _: usize) -> f64 {
+        0.5
+    }
+
+    fn normal(&mut self, _: usize) -> f64 {
+        0.0
+    }
+}
+
+impl CompiledTask {
+    /// Starts `state` anew and draws the randoms that read no signal.
+    ///
+    /// # Errors
+    /// A random none of whose tries was taken.
+    pub fn begin(&self, draws: &mut dyn Draws, state: &mut TaskState) -> Result<(), TaskFault> {
+        (state.step, state.phase, state.began) = (0, 0, 0);
+        state.successes.clear();
+        self.enter(draws, state, &[])
+    }
+
+    /// Makes room for the program of the present phase and draws what is drawn first, but for what is `kept`: pairs of a
+    /// draw's place and its value.
+    fn enter(&self, draws: &mut dyn Draws, state: &mut TaskState, kept: &[(usize, Vec<f64>)]) -> Result<(), TaskFault> {
+        let phase = self.phase(state);
+        phase.program.prepare(&state.successes, &mut state.cells, &mut state.values);
+        for (draw, value) in kept {
+            phase.program.keep(*draw, value, &mut state.cells);
+        }
+        let is_kept = |draw: usize| kept.iter().any(|(known, _)| *known == draw);
+        let mut source = source(phase, draws);
+        let drawn = phase.program.first(&mut state.cells, &mut state.values, &is_kept, &mut source);
+        drawn.map_err(|none| self.not_drawn(phase, none, state))
+    }
+
+    fn phase(&self, state: &TaskState) -> &Phase {
+        // There is always a phase, and none is entered that does not exist.
+        &self.phases[(state.phase as usize).min(self.phases.len() - 1)]
+    }
+
+    /// How this episode begins: what was drawn stands in `state`.
+    pub fn beginning(&self, state: &TaskState) -> Cow<'_, Init> {
+        if self.init.drawn.is_empty() {
+            return Cow::Borrowed(&self.init);
+        }
+        let mut init = self.init.clone();
+        for &(setting, index) in &self.init.drawn {
+            init.set(setting, self.drawn(index, state));
+        }
+        Cow::Owned(init)
+    }
+
+    /// A value that the beginning takes from what was drawn for this episode.
+    pub fn drawn(&self, index: usize, state: &TaskState) -> f64 {
+        let program = &self.phase(state).program;
+        let operand = program.beginning.get(index);
+        operand.and_then(|&operand| program.read(operand, &[], &state.values).first().copied()).unwrap_or(0.0)
+    }
+
+    /// Where a marker is, in the snapshot of `frame`.
+    pub fn marker(&self, index: usize, frame: &[f64], state: &TaskState) -> Option<[f64; 3]> {
+        let program = &self.phase(state).program;
+        program.read(*program.markers.get(index)?, frame, &state.values).try_into().ok()
+    }
+
+    /// Starts the task's state from the reset snapshot. `frame` has `self.frame.size()` values. A state that was not begun
+    /// is begun first.
+    ///
+    /// # Errors
+    /// A random none of whose tries was taken.
+    pub fn reset(&self, frame: &[f64], draws: &mut dyn Draws, state: &mut TaskState) -> Result<(), TaskFault> {
+        let program = &self.phases[0].program;
+        if state.phase != 0 || state.cells.len() != program.cells || state.values.len() != program.registers {
+            self.begin(draws, state)?;
+        }
+        state.step = 0;
+        self.start(frame, draws, state, &[])
+    }
+
+    /// Takes the first snapshot of the present phase.
+    fn start(
+        &self,
+        frame: &[f64],
+        draws: &mut dyn Draws,
+        state: &mut TaskState,
+        kept: &[(usize, Vec<f64>)],
+    ) -> Result<(), TaskFault> {
+        let phase = self.phase(state);
+        let is_kept = |draw: usize| kept.iter().any(|(known, _)| *known == draw);
+        let mut source = source(phase, draws);
+        let drawn = phase.program.reset(frame, &mut state.cells, &mut state.values, &is_kept, &mut source);
+        drawn.map_err(|none| self.not_drawn(phase, none, state))
+    }
+
+    /// Advances every operator by one control step and evaluates terms, metrics, ends and success. `weights` has one entry per
+    /// term.
+    ///
+    /// # Errors
+    /// A term that is not finite, or a random none of whose tries was taken; the report is filled all the same.
+    pub fn step(
+        &self,
+        frame: &[f64],
+        weights: &[f64],
+        draws: &mut dyn Draws,
+        state: &mut TaskState,
+        report: &mut StepReport,
+    ) -> Result<(), TaskFault> {
+        state.step += 1;
+        let phase = self.phase(state);
+        let step = state.step - state.began;
+        let drawn = phase.program.step(step, frame, &mut state.cells, &mut state.values, &mut source(phase, draws));
+        self.report(frame, weights, state, report);
+        drawn.map_err(|none| self.not_drawn(phase, none, state))?;
+        if let Some(index) = report.terms.iter().position(|value| !value.is_finite()) {
+            return Err(TaskFault::Term(NonFiniteTerm {
+                term: self.terms[index].name.clone(),
+                value: report.terms[index],
+                step: state.step,
+                formula: self.terms[index].source.clone(),
+            }));
+        }
+        if report.entered { self.go_on(frame, draws, state) } else { Ok(()) }
+    }
+
+    /// Terms, metrics, ends and success at the present snapshot, which may be that of the reset; nothing advances.
+    pub fn report(&self, frame: &[f64], weights: &[f64], state: &TaskState, report: &mut StepReport) {
+        let phase = self.phase(state);
+        let program = &phase.program;
+        let lane = |operand| program.read(operand, frame, &state.values).first().copied().unwrap_or(0.0);
+        let holds = |operand| lane(operand) != 0.0;
+        refill(&mut report.terms, self.terms.len(), 0.0);
+        for (value, &operand) in report.terms[phase.terms.clone()].iter_mut().zip(&program.terms) {
+            *value = lane(operand);
+        }
+        refill(&mut report.terminations, self.terminations.len(), false);
+        for (value, &operand) in report.terminations[phase.terminations.clone()].iter_mut().zip(&program.terminations) {
+            *value = holds(operand);
+        }
+        refill(&mut report.finishes, self.finishes.len(), false);
+        for (value, &operand) in report.finishes[phase.finishes.clone()].iter_mut().zip(&program.finishes) {
+            *value = holds(operand);
+        }
+        // What a phase does not measure is no number there.
+        refill(&mut report.metrics, self.metrics.iter().map(|metric| metric.size).sum(), f64::NAN);
+        for (metric, &operand) in self.metrics[phase.metrics.clone()].iter().zip(&program.metrics) {
+            report.metrics[metric.offset..metric.offset + metric.size].copy_from_slice(program.read(
+                operand,
+                frame,
+                &state.values,
+            ));
+        }
+        report.released.clear();
+        report.released.extend(program.releases.iter().map(|&operand| holds(operand)));
+        report.reward = report.terms.iter().zip(weights).map(|(value, weight)| value * weight).sum();
+
+        let terminated = report.terminations.contains(&true);
+        let finished = report.finishes.contains(&true);
+        let complete = state.step - state.began >= phase.horizon;
+        let last = state.phase as usize + 1 >= self.phases.len();
+        let moves_on = match program.until {
+            Some(until) => holds(until),
+            None => complete || finished,
+        };
+        report.entered = !last && !terminated && moves_on;
+        if report.entered {
+            // The reason for which a phase was to finish is why the next begins, and no end of the episode.
+            report.finishes.fill(false);
+        }
+        report.truncated = complete && !terminated && !report.entered && !report.finishes.contains(&true);
+        report.success = last && program.success.is_some_and(holds);
+    }
+
+    /// Enters the next phase from the present snapshot.
+    fn go_on(&self, frame: &[f64], draws: &mut dyn Draws, state: &mut TaskState) -> Result<(), TaskFault> {
+        let before = self.phase(state);
+        let success = before
+            .program
+            .succeeded
+            .is_some_and(|operand| before.program.read(operand, frame, &state.values).first().is_some_and(|value| *value != 0.0));
+        let next = &self.phases[state.phase as usize + 1];
+        // What the sequence itself draws stays what it is.
+        let shared = next.streams.iter().enumerate().filter_map(|(draw, stream)| {
+            let old = before.streams.iter().position(|known| known == stream)?;
+            Some((draw, before.program.value_of_draw(old, &state.cells).to_vec()))
+        });
+        let kept: Vec<(usize, Vec<f64>)> = shared.collect();
+        state.successes.push(success);
+        state.phase += 1;
+        state.began = state.step;
+        self.enter(draws, state, &kept)?;
+        self.start(frame, draws, state, &kept)
+    }
+
+    /// Writes the observation; `out` has `self.observation_size()` values, `frame` is that of the last `reset` or `step`.
+    pub fn observe(&self, frame: &[f64], state: &TaskState, out: &mut [f64]) {
+        let phase = self.phase(state);
+        for (channel, own) in self.channels.iter().zip(&phase.channels) {
+            let out = &mut out[channel.offset..channel.offset + channel.size];
+            match own.and_then(|own| phase.program.channels.get(own)) {
+                Some(&operand) => out.copy_from_slice(phase.program.read(operand, frame, &state.values)),
+                // A channel that the present phase does not have.
+                None => out.fill(0.0),
+            }
+        }
+        if self.phases.len() > 1
+            && let Some(one_hot) = self.channels.last()
+            && let Some(present) = out.get_mut(one_hot.offset + state.phase as usize)
+        {
+            *present = 1.0;
+        }
+    }
+
+    /// Number of values of the observation.
+    pub fn observation_size(&self) -> usize {
+        self.channels.iter().map(|channel| channel.size).sum()
+    }
+
+    /// The weights as written in the source.
+    pub fn weights(&self) -> Vec<f64> {
+        self.terms.iter().map(|term| term.weight).collect()
+    }
+
+    fn not_drawn(&self, phase: &Phase, none: NoneTaken, state: &TaskState) -> TaskFault {
+        let random = &self.randoms[phase.streams[none.draw]];
+        let last = none.last.iter().map(|value| format!("{value}")).collect::<Vec<_>>().join(", ");
+        TaskFault::Draw(NotDrawn {
+            random: random.name.clone(),
+            tries: none.tries,
+            last,
+            step: state.step,
+            wanted: random.accept.clone(),
+        })
+    }
+}
+
+/// Chance for the draws of a phase.
+fn source<'a>(phase: &'a Phase, draws: &'a mut dyn Draws) -> impl FnMut(usize, Chance) -> f64 + 'a {
+    move |draw, chance| match chance {
+        Chance::Uniform => draws.uniform(phase.streams[draw]),
+        Chance::Normal => draws.normal(phase.streams[draw]),
+    }
+}
+
+/// Keeps the memory of a list that is written anew.
+fn refill<T: Clone>(list: &mut Vec<T>, length: usize, value: T) {
+    list.clear();
+    list.resize(length, value);
+}
