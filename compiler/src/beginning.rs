@@ -49,6 +49,10 @@ pub struct RootPlacement {
     pub position: [f64; 2],
     /// Turn about the vertical, rad; 0 faces world x.
     pub heading: f64,
+    /// Turn about its own leftward axis after the heading, rad: nose down positive; 90 degrees lies on the front.
+    pub pitch: f64,
+    /// Turn about its own forward axis after heading and pitch, rad: right side down positive.
+    pub roll: f64,
     /// Linear velocity in world axes, m/s.
     pub velocity: [f64; 3],
     /// The root is moved, not turned, until each landmark (index) is where it shall be; of several, until the mean distance
@@ -58,7 +62,7 @@ pub struct RootPlacement {
 
 impl Default for RootPlacement {
     fn default() -> Self {
-        Self { height: None, position: [0.0; 2], heading: 0.0, velocity: [0.0; 3], meets: Vec::new() }
+        Self { height: None, position: [0.0; 2], heading: 0.0, pitch: 0.0, roll: 0.0, velocity: [0.0; 3], meets: Vec::new() }
     }
 }
 
@@ -114,6 +118,10 @@ pub enum Setting {
     RootPosition(usize),
     /// Heading of the root.
     RootHeading,
+    /// Pitch of the root.
+    RootPitch,
+    /// Roll of the root.
+    RootRoll,
     /// Velocity of the root along an axis.
     RootVelocity(usize),
     /// Position of an object, by its place in [`Init::objects`], along an axis.
@@ -136,6 +144,8 @@ impl Init {
             Setting::RootHeight => Some(root.height.get_or_insert(value)),
             Setting::RootPosition(axis) => root.position.get_mut(axis),
             Setting::RootHeading => Some(&mut root.heading),
+            Setting::RootPitch => Some(&mut root.pitch),
+            Setting::RootRoll => Some(&mut root.roll),
             Setting::RootVelocity(axis) => root.velocity.get_mut(axis),
             Setting::ObjectPosition(object, axis) => objects.get_mut(object).and_then(|start| start.position.get_mut(axis)),
             Setting::ObjectOrientation(object, part) => objects.get_mut(object).and_then(|start| start.orientation.get_mut(part)),

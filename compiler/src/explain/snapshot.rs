@@ -106,8 +106,8 @@ impl CompiledTask {
         let height = root.height.map_or("on ground".to_owned(), |height| format!("{height} m"));
         let _ = writeln!(
             text,
-            "init root height {height}, at {:?} m, heading {} rad, velocity {:?} m/s",
-            root.position, root.heading, root.velocity
+            "init root height {height}, at {:?} m, heading {} rad, pitch {} rad, roll {} rad, velocity {:?} m/s",
+            root.position, root.heading, root.pitch, root.roll, root.velocity
         );
         for (what, spreads) in [("coordinates", &self.init.coordinate_noise), ("velocities", &self.init.velocity_noise)] {
             for (spread, joints) in by_spread(spreads) {

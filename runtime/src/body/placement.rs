@@ -27,7 +27,7 @@ impl Body {
             state.velocity[joint.dof] = 0.0;
         }
         let Some((position, dof)) = self.root.free else { return };
-        let orientation = rotation::from_matrix(&self.facing(placement.heading));
+        let orientation = rotation::from_matrix(&self.facing(placement));
         let [x, y] = placement.position;
         state.position[position..position + 3].copy_from_slice(&[x, y, placement.height.unwrap_or(0.0)]);
         state.position[position + 3..position + 7].copy_from_slice(&orientation);
@@ -81,10 +81,14 @@ impl Body {
         }
     }
 
-    /// The root's rotation when it stands upright and faces `heading` (rad about the vertical, 0 along world x).
-    fn facing(&self, heading: f64) -> Matrix3<f64> {
-        let (sin, cos) = libm::sincos(heading);
-        let world = Matrix3::from_columns(&[Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0), Vector3::z()]);
-        world * self.root.axes.transpose()
+    /// The root's rotation: upright and facing world x, turned by heading, then pitch, then roll about its own axes.
+    fn facing(&self, placement: &RootPlacement) -> Matrix3<f64> {
+        let (sin, cos) = libm::sincos(placement.heading);
+        let yaw = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+        let (sin, cos) = libm::sincos(placement.pitch);
+        let pitch = Matrix3::new(cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos);
+        let (sin, cos) = libm::sincos(placement.roll);
+        let roll = Matrix3::new(1.0, 0.0, 0.0, 0.0, cos, -sin, 0.0, sin, cos);
+        yaw * pitch * roll * self.root.axes.transpose()
     }
 }

@@ -208,9 +208,25 @@ fn a_body_faces_its_heading_and_stands_upright() {
 }
 
 #[test]
+fn a_body_lies_on_its_front_or_its_side() {
+    let axes = |placement: RootPlacement| {
+        let (_, body, _, workspace) = placed("neutral", &placement);
+        workspace.kinematics.body_rotation[body.root.body] * body.root.axes
+    };
+    let quarter = core::f64::consts::FRAC_PI_2;
+    let prone = axes(RootPlacement { pitch: quarter, ..RootPlacement::default() });
+    assert!((prone.column(0) + Vector3::z()).norm() < 1e-12, "the front is below");
+    assert!((prone.column(2) - Vector3::x()).norm() < 1e-12, "the head is ahead");
+    let side = axes(RootPlacement { roll: quarter, ..RootPlacement::default() });
+    assert!((side.column(1) - Vector3::z()).norm() < 1e-12, "the left side is above");
+    let both = axes(RootPlacement { heading: quarter, pitch: quarter, ..RootPlacement::default() });
+    assert!((both.column(2) - Vector3::y()).norm() < 1e-12, "first the heading, then the pitch");
+}
+
+#[test]
 fn a_given_height_position_and_velocity_are_kept() {
     let placement =
-        RootPlacement { height: Some(1.5), position: [2.0, -1.0], heading: 0.0, velocity: [0.3, 0.0, 0.1], meets: Vec::new() };
+        RootPlacement { height: Some(1.5), position: [2.0, -1.0], velocity: [0.3, 0.0, 0.1], ..RootPlacement::default() };
     let (_, _, state, _) = placed("neutral", &placement);
     assert_eq!(state.position[..3], [2.0, -1.0, 1.5]);
     assert_eq!(state.velocity[..6], [0.3, 0.0, 0.1, 0.0, 0.0, 0.0]);

@@ -10,7 +10,7 @@ use crate::syntax::tree::{Expr, ExprKind, Field, FieldValue, Placement};
 use crate::task::Setting;
 
 /// How the fields of the root are written.
-const HELP: &str = "it takes `height on ground` or `height 1 m`, `at [0 m, 0 m]`, `heading 0 deg`, `velocity [0.3 m/s, 0, 0]` and \
+const HELP: &str = "it takes `height on ground` or `height 1 m`, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and \
     `so palm_l at bar.grip_l`";
 
 impl<'a> Checker<'a> {
@@ -48,6 +48,12 @@ impl<'a> Checker<'a> {
             }
             ("heading", FieldValue::Value(value)) => {
                 self.begin_number(value, Dimension::ANGLE, "`heading`", Setting::RootHeading, beginning)
+            }
+            ("pitch", FieldValue::Value(value)) => {
+                self.begin_number(value, Dimension::ANGLE, "`pitch`", Setting::RootPitch, beginning)
+            }
+            ("roll", FieldValue::Value(value)) => {
+                self.begin_number(value, Dimension::ANGLE, "`roll`", Setting::RootRoll, beginning)
             }
             ("velocity", FieldValue::Value(value)) => {
                 self.begin_bracket(value, Dimension::SPEED, "`velocity`", [0, 1, 2].map(Setting::RootVelocity), beginning)
