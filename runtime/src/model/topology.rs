@@ -12,8 +12,10 @@ const MOST_ENTRIES: usize = 20_000_000;
 const MOST_GEOMS: usize = 20_000;
 const MOST_PAIRS: usize = 2_000_000;
 
-/// Constants are derived by one solve with the mass matrix per body, dof and muscle: entries visited in all, at most.
-const MOST_WORK: usize = 4_000_000_000;
+/// Constants are derived by one solve with the mass matrix per body, dof and actuator: so many of them at most, and so many
+/// entries visited in all.
+const MOST_SOLVES: usize = 100_000;
+const MOST_WORK: usize = 1_000_000_000;
 
 /// Masses and moments below this count as zero (MuJoCo's `mjMINVAL`).
 const LEAST: f64 = 1e-15;
@@ -111,7 +113,11 @@ fn check_size(model: &Model) -> Result<(), String> {
     }
     let solves = model.bodies.name.len() + model.nv + model.tendons.name.len() + model.actuators.name.len();
     let entries = model.dofs.column.len() + model.nv;
-    if solves.saturating_mul(entries) > MOST_WORK {
+    // Bodies and dofs visit only their path to the root, tendons and actuators everything.
+    let depths = model.dofs.row.iter().map(|row| row.len() * row.len()).sum::<usize>();
+    let whole = model.tendons.name.len() + model.actuators.name.len();
+    let work = whole.saturating_mul(entries).saturating_add(depths.saturating_mul(8));
+    if work > MOST_WORK || solves > MOST_SOLVES {
         let freedom = model.nv;
         return Err(format!(
             "the model is too large: {freedom} degrees of freedom, {solves} bodies, degrees, tendons and muscles"

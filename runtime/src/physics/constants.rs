@@ -32,10 +32,10 @@ pub fn derive(model: &mut Model) {
 
     model.tendons.reference_length = tendons.length.clone();
     derive_attachments(model, &kinematics);
-    model.bodies.inverse_weight =
-        (0..model.bodies.parent.len()).map(|body| body_weight(model, &kinematics, &inertia.factor, body)).collect();
-    model.dofs.inverse_weight = dof_weights(model, &inertia.factor);
     let mut row = vec![0.0; model.nv];
+    let mut weight = |body: usize| body_weight(model, &kinematics, &inertia.factor, body, &mut row);
+    model.bodies.inverse_weight = (0..model.bodies.parent.len()).map(&mut weight).collect();
+    model.dofs.inverse_weight = dof_weights(model, &inertia.factor);
     let tendon_weight = |tendon: usize| {
         tendons::moment_arms(model, &kinematics, &tendons, tendon, &mut row);
         response(model, &inertia.factor, &mut row)
@@ -132,23 +132,39 @@ fn response(model: &Model, factor: &[f64], row: &mut [f64]) -> f64 {
     row.iter().enumerate().map(|(dof, entry)| entry * entry / factor[model.dofs.row[dof].end - 1]).sum()
 }
 
+/// The same for a row that is zero but on the path from the dof `last` to the root, which `row` is again on return: all zeros.
+fn path_response(model: &Model, factor: &[f64], last: usize, row: &mut [f64]) -> f64 {
+    let path = &model.dofs.column[model.dofs.row[last].clone()];
+    for &dof in path.iter().rev() {
+        let (entries, value) = (model.dofs.row[dof].clone(), row[dof]);
+        let above = model.dofs.column[entries.clone()].iter().zip(&factor[entries]);
+        above.filter(|(column, _)| **column != dof).for_each(|(&column, &entry)| row[column] -= entry * value);
+    }
+    let square = |&dof: &usize| row[dof] * row[dof] / factor[model.dofs.row[dof].end - 1];
+    let sum = path.iter().map(square).sum();
+    path.iter().for_each(|&dof| row[dof] = 0.0);
+    sum
+}
+
 /// Mean response of a body's centre of mass to forces (1/kg) and of its orientation to torques (1/(kg m²)).
-fn body_weight(model: &Model, kinematics: &Kinematics<f64>, factor: &[f64], body: usize) -> [f64; 2] {
+///
+/// `row` is scratch memory of `nv` zeros, and zero again on return.
+fn body_weight(model: &Model, kinematics: &Kinematics<f64>, factor: &[f64], body: usize, row: &mut [f64]) -> [f64; 2] {
     let weld = model.bodies.weld[body];
     if weld == 0 {
         return [0.0; 2];
     }
-    let last = model.bodies.dofs[weld].clone().next_back();
+    let Some(last) = model.bodies.dofs[weld].clone().next_back() else {
+        return [0.0; 2];
+    };
     let arm = kinematics.inertial_position[body] - kinematics.reference(model, body);
-    let mut row = vec![0.0; model.nv];
     let mut mean = |force: &dyn Fn(Vector3<f64>) -> [Vector3<f64>; 2]| {
         let mut sum = 0.0;
         for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
-            row.fill(0.0);
-            for dof in core::iter::successors(last, |&dof| model.dofs.parent[dof]) {
+            for dof in core::iter::successors(Some(last), |&dof| model.dofs.parent[dof]) {
                 row[dof] = pair(&kinematics.dof_axis[dof], &force(axis));
             }
-            sum += response(model, factor, &mut row);
+            sum += path_response(model, factor, last, row);
         }
         sum / 3.0
     };
@@ -160,9 +176,8 @@ fn dof_weights(model: &Model, factor: &[f64]) -> Vec<f64> {
     let mut row = vec![0.0; model.nv];
     let mut weights: Vec<f64> = (0..model.nv)
         .map(|dof| {
-            row.fill(0.0);
             row[dof] = 1.0;
-            response(model, factor, &mut row)
+            path_response(model, factor, dof, &mut row)
         })
         .collect();
     for joint in 0..model.joints.kind.len() {

@@ -2,6 +2,7 @@
 
 use super::error::{ModelError, Place};
 use super::lenient;
+use super::values::shortened;
 use std::collections::BTreeSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -203,7 +204,8 @@ fn line_starts(text: &str) -> Vec<usize> {
     core::iter::once(0).chain(breaks.map(|(offset, _)| offset + 1)).collect()
 }
 
-/// A mistake at a place.
+/// A mistake at a place. Whatever of the file the message repeats, it stays readable.
 pub(super) fn invalid(place: &Place, message: String) -> ModelError {
-    ModelError::Invalid { place: place.clone(), message }
+    const MOST: usize = 500;
+    ModelError::Invalid { place: place.clone(), message: shortened(&message, MOST) }
 }

@@ -1,6 +1,7 @@
 //! What can be wrong with a model file.
 
 use super::advice::advice;
+use super::values::shortened;
 use core::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,7 +20,7 @@ impl fmt::Display for Place {
         if self.file.as_os_str().is_empty() {
             write!(f, "line {}", self.line)
         } else {
-            write!(f, "{}:{}", self.file.display(), self.line)
+            write!(f, "{}:{}", shown(&self.file), self.line)
         }
     }
 }
@@ -45,7 +46,7 @@ impl Unsupported {
 #[non_exhaustive]
 pub enum ModelError {
     /// The file could not be opened or read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {source}", shown(path))]
     Read {
         /// The file.
         path: PathBuf,
@@ -53,7 +54,7 @@ pub enum ModelError {
         source: std::io::Error,
     },
     /// The file is not what it should be: too large, not text, not a mesh.
-    #[error("{}: {reason}", path.display())]
+    #[error("{}: {reason}", shown(path))]
     File {
         /// The file.
         path: PathBuf,
@@ -79,6 +80,12 @@ pub enum ModelError {
     /// Physical features that are not implemented: all of them.
     #[error("{}", list(.0))]
     Unsupported(Vec<Unsupported>),
+}
+
+/// A path for a message; a hostile file may name one of any length.
+fn shown(path: &Path) -> String {
+    const MOST: usize = 400;
+    shortened(&path.display().to_string(), MOST)
 }
 
 /// The most unsupported features that are printed; the error holds them all.

@@ -28,7 +28,7 @@ pub(super) fn mend(text: &str) -> String {
 /// Leaves nothing of a comment but its line breaks. Gives its length.
 fn comment(rest: &str, mended: &mut String) -> usize {
     let Some(end) = rest[4..].find("-->") else { return verbatim(rest, "-->", mended) };
-    mended.extend(rest[..end].matches('\n'));
+    mended.extend(rest[4..4 + end].matches('\n'));
     end + 7
 }
 
@@ -88,6 +88,7 @@ mod tests {
         let mended = "<a x=\"1\" y='2'\nz=\"p&lt;q &amp; r &amp; &#65;\">\nt</a>";
         assert_eq!(mend(text), mended);
         assert_eq!(mend(mended), mended);
+        assert_eq!(mend("<!-- a -- é --><é/>"), "<é/>");
     }
 
     #[test]

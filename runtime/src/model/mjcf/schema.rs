@@ -6,6 +6,7 @@
 
 use super::document::Element;
 use super::error::{ModelError, Unsupported};
+use super::values::{WORD, shortened};
 
 /// What is known of an element in its context.
 struct Rule {
@@ -173,7 +174,7 @@ pub(super) fn check(root: &Element) -> Result<(), ModelError> {
 }
 
 fn visit(element: &Element, context: &str, refused: &mut Vec<Unsupported>) {
-    let mut refuse = |what: String| refused.push(Unsupported { place: element.place.clone(), what });
+    let mut refuse = |what: String| refused.push(Unsupported { place: element.place.clone(), what: shortened(&what, 5 * WORD) });
     let path = if context.is_empty() { element.tag.clone() } else { format!("{context}/{}", element.tag) };
     if SKIPPED.contains(&path.as_str()) {
         return;
@@ -194,7 +195,7 @@ fn visit(element: &Element, context: &str, refused: &mut Vec<Unsupported>) {
         }
         match rule.neutral.iter().find(|(neutral, _)| neutral == name) {
             Some((_, harmless)) if is_neutral(value, harmless) => {}
-            Some(_) => refuse(format!("attribute `{name}` of `{}` with the value `{value}`", element.tag)),
+            Some(_) => refuse(format!("attribute `{name}` of `{}` with the value `{}`", element.tag, shortened(value, WORD))),
             None => refuse(format!("attribute `{name}` of `{}`{}", element.tag, likely(rule, name))),
         }
     }

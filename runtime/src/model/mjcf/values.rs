@@ -38,7 +38,7 @@ impl Element {
             }
             let number = word.parse::<f64>().ok().filter(|number| number.abs() <= LARGEST);
             numbers.push(number.ok_or_else(|| {
-                self.invalid(format!("`{attribute}` expects numbers of at most 1e30, found `{}`", shortened(word)))
+                self.invalid(format!("`{attribute}` expects numbers of at most 1e30, found `{}`", shortened(word, WORD)))
             })?);
         }
         if numbers.is_empty() {
@@ -87,7 +87,7 @@ impl Element {
         let Some(text) = self.text(attribute) else { return Ok(otherwise) };
         let number = text.trim().parse::<i64>().ok().filter(|number| (least..=most).contains(number));
         number.ok_or_else(|| {
-            let found = shortened(text);
+            let found = shortened(text, WORD);
             self.invalid(format!("`{attribute}` expects a whole number from {least} to {most}, found `{found}`"))
         })
     }
@@ -97,7 +97,7 @@ impl Element {
         let Some(text) = self.text(attribute) else { return Ok(None) };
         let position = words.iter().position(|word| *word == text.trim());
         position.map(Some).ok_or_else(|| {
-            let found = shortened(text);
+            let found = shortened(text, WORD);
             self.invalid(format!("`{attribute}` expects one of {}, found `{found}`", words.join(", ")))
         })
     }
@@ -108,11 +108,13 @@ impl Element {
     }
 }
 
-/// The start of a word, so that hostile values do not flood a message.
-fn shortened(word: &str) -> String {
-    const MOST: usize = 40;
-    let mut short: String = word.chars().take(MOST).collect();
-    if word.chars().nth(MOST).is_some() {
+/// How much of a value a message repeats.
+pub(super) const WORD: usize = 40;
+
+/// The start of a text, so that hostile values do not flood a message.
+pub(super) fn shortened(word: &str, most: usize) -> String {
+    let mut short: String = word.chars().take(most).collect();
+    if word.chars().nth(most).is_some() {
         short.push('…');
     }
     short
