@@ -254,6 +254,25 @@ macro_rules! parity {
 
 parity!(frames, inertias, actuators, copies, masses);
 
+/// Measured by simulation against soft limits: what the two solvers leave open, they leave open in the lengths.
+#[test]
+fn length_ranges() {
+    const TOLERANCE: f64 = 1e-7;
+    let model = Model::from_file(repository("tests/oracle/models/mjcf/ranges.xml")).unwrap_or_else(|error| panic!("{error}"));
+    let golden = &golden("mjcf")["ranges"]["arrays"]["actuator_number"];
+    let count = model.actuators.name.len();
+    let expected = numbers(golden);
+    // After the gear and the two ends of the control range.
+    let (width, place) = (expected.len() / count, 3);
+    for actuator in 0..count {
+        for side in 0..2 {
+            let (found, wanted) = (model.actuators.length_range[actuator][side], expected[actuator * width + place + side]);
+            let name = &model.actuators.name[actuator];
+            assert!((found - wanted).abs() < TOLERANCE, "{name}: length {found}, MuJoCo's {wanted}");
+        }
+    }
+}
+
 #[test]
 fn the_full_body() {
     let model = Model::from_file(repository("bodies/models/human416.xml")).unwrap_or_else(|error| panic!("{error}"));

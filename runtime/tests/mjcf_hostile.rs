@@ -142,6 +142,19 @@ fn joints_that_cannot_be() {
 }
 
 #[test]
+fn length_ranges_that_cannot_be_computed() {
+    let muscle = "<actuator><muscle name=\"m\" joint=\"j\"/></actuator>";
+    let with_settings = |settings: &str| beside(&format!("<compiler><lengthrange {settings}/></compiler>{muscle}"));
+    refused(&with_settings(""), "the actuator `m` cannot be computed: its length still changes by");
+    refused(&with_settings("mode=\"none\""), "a muscle needs a `lengthrange`");
+    refused(&with_settings("timestep=\"1e-9\""), "needs too many steps");
+    refused(&with_settings("inttotal=\"1e30\""), "needs too many steps");
+    refused(&with_settings("inttotal=\"-1\""), "`inttotal` must not be negative");
+    refused(&with_settings("accel=\"1e30\""), "cannot be computed");
+    refused(&with_settings("uselimit=\"true\""), "cannot be computed");
+}
+
+#[test]
 fn copies_that_cannot_be() {
     let replicate = |attributes: &str, inside: &str| with(&format!("<replicate {attributes}>{inside}</replicate>"));
     refused(&replicate("", "<geom/>"), "needs the attribute `count`");
@@ -195,7 +208,10 @@ fn names_that_lead_nowhere_or_twice() {
     refused(&beside("<contact><exclude body1=\"a\"/></contact>"), "needs the attribute `body2`");
     let muscle = "<tendon><spatial name=\"p\"><site site=\"s\"/><site site=\"t\"/></spatial></tendon><actuator><muscle ";
     refused(&beside(&format!("{muscle} tendon=\"x\"/></actuator>")), "names the tendon `x`");
-    refused(&beside(&format!("{muscle} tendon=\"p\"/></actuator>")), "needs a `lengthrange`");
+    refused(
+        &beside(&format!("{muscle} tendon=\"p\"/></actuator>")),
+        "the length range of the actuator `` cannot be computed: its",
+    );
     refused(&beside(&format!("{muscle} tendon=\"p\" lengthrange=\"1 2\" lmin=\"2\"/></actuator>")), "lmin < 1 < lmax");
     refused(&beside(&format!("{muscle} tendon=\"p\" lengthrange=\"1 2\" vmax=\"0\"/></actuator>")), "must be positive");
     refused("<mujoco><default><default class=\"a\"/><default class=\"a\"/></default></mujoco>", "defined twice");

@@ -19,7 +19,7 @@ import numpy as np
 assert mujoco.__version__ == "4.0.0", mujoco.__version__
 
 HERE = pathlib.Path(__file__).parent
-SMALL = ("frames", "inertias", "actuators", "copies", "masses")
+SMALL = ("frames", "inertias", "actuators", "copies", "masses", "ranges")
 BODY = HERE.parent.parent / "bodies" / "models" / "human416.xml"
 
 

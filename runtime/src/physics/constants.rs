@@ -132,7 +132,7 @@ fn response(model: &Model, factor: &[f64], row: &mut [f64]) -> f64 {
     row.iter().enumerate().map(|(dof, entry)| entry * entry / factor[model.dofs.row[dof].end - 1]).sum()
 }
 
-/// The same for a row that is zero but on the path from the dof `last` to the root, which `row` is again on return: all zeros.
+/// The same for a row that is zero but on the path from the dof `last` to the root; `row` holds zeros on return.
 fn path_response(model: &Model, factor: &[f64], last: usize, row: &mut [f64]) -> f64 {
     let path = &model.dofs.column[model.dofs.row[last].clone()];
     for &dof in path.iter().rev() {

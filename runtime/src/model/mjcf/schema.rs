@@ -43,7 +43,6 @@ const SKIPPED: &[&str] = &[
     "mujoco/custom",
     "mujoco/sensor",
     "mujoco/size",
-    "compiler/lengthrange",
     "asset/texture",
     "asset/material",
     "asset/skin",
@@ -98,6 +97,7 @@ const RULES: &[Rule] = &[
     rule("mujoco/compiler", "angle autolimits eulerseq meshdir assetdir strippath inertiafromgeom inertiagrouprange boundmass boundinertia balanceinertia settotalmass alignfree",
         "texturedir usethread discardvisual saveinertial savecompiled savecanonical conflict passthrough fitaabb",
         &[("coordinate", "local"), ("fusestatic", "false")]),
+    rule("compiler/lengthrange", "mode useexisting uselimit accel maxforce timeconst timestep inttotal interval tolrange", "", &[]),
     rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio cone solver",
         "magnetic wind jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
          o_margin o_solref o_solimp o_friction", OPTION_NEUTRAL),

@@ -27,10 +27,6 @@ impl Compiler<'_> {
         let gain = gain(element)?;
         let bias = bias(element)?;
         let length_range = element.numbers_over("lengthrange", [0.0; 2])?;
-        let muscular = matches!(gain, Gain::Muscle(_)) || matches!(bias, Bias::Muscle(_));
-        if muscular && length_range[0] >= length_range[1] {
-            return Err(element.invalid("a muscle needs a `lengthrange` of two lengths in ascending order"));
-        }
         let [control_range, force_range, activation_range] = self.ranges(element, transmission, gear[0], dynamics, gain, bias)?;
         if dynamics == Dynamics::None && activation_range.is_some() {
             return Err(element.invalid("`actrange` limits an activation, but `dyntype` gives the actuator none"));

@@ -15,6 +15,7 @@ mod contacts;
 mod equalities;
 mod inertias;
 mod keyframes;
+mod length_range;
 mod names;
 mod settings;
 mod shapes;
@@ -83,6 +84,8 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
     check_contacts(&compiler.model, root)?;
     constants::settle_springs(&mut compiler.model, &compiler.springs);
     constants::derive(&mut compiler.model);
+    let actuators: Vec<&Element> = section(root, "actuator").collect();
+    compiler.settings.length_ranges.complete(&mut compiler.model, &actuators)?;
     Ok(compiler.model)
 }
 

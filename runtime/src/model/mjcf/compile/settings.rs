@@ -1,5 +1,6 @@
 //! The `compiler` and `option` elements. Both may be repeated: the last value of each attribute stands.
 
+use super::length_range::LengthRanges;
 use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
 use crate::model::{Cone, Integrator, Options, Quaternion, Softness, Switches, rotation};
@@ -30,6 +31,8 @@ pub(in crate::model::mjcf) struct Settings {
     pub total_mass: Option<f64>,
     /// Whether free bodies without children are aligned with their principal axes of inertia.
     pub align_free: bool,
+    /// How missing length ranges are found.
+    pub length_ranges: LengthRanges,
 }
 
 /// Reads all `compiler` elements.
@@ -47,6 +50,7 @@ pub(super) fn compiler_settings(root: &Element) -> Result<Settings, ModelError> 
         balance_inertia: false,
         total_mass: None,
         align_free: false,
+        length_ranges: LengthRanges::default(),
     };
     for element in root.children.iter().filter(|child| child.tag == "compiler") {
         settings.update(element)?;
@@ -81,6 +85,9 @@ impl Settings {
         self.balance_inertia = element.flag("balanceinertia")?.unwrap_or(self.balance_inertia);
         self.least_mass = element.size_or("boundmass", self.least_mass)?;
         self.least_inertia = element.size_or("boundinertia", self.least_inertia)?;
+        for child in element.children.iter().filter(|child| child.tag == "lengthrange") {
+            self.length_ranges.update(child)?;
+        }
         self.align_free = element.flag("alignfree")?.unwrap_or(self.align_free);
         if let Some([mass]) = element.numbers::<1>("settotalmass")? {
             self.total_mass = (mass > 0.0).then_some(mass);
