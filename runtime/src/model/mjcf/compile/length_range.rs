@@ -165,6 +165,7 @@ impl LengthRanges {
             &mut stripped.dofs.friction_loss,
             &mut stripped.tendons.stiffness,
             &mut stripped.tendons.damping,
+            &mut stripped.tendons.friction_loss,
         ];
         zeroed.into_iter().for_each(|values| values.fill(0.0));
         stripped
