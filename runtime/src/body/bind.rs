@@ -174,6 +174,7 @@ impl Binder<'_> {
             shapes,
             ground,
             objects: Vec::new(),
+            connections: Vec::new(),
         })
     }
 

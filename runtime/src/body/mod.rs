@@ -61,6 +61,17 @@ pub struct Body {
     pub ground: Vec<usize>,
     /// Objects of the scene, in its order; their landmarks are the last of `landmarks`.
     pub objects: Vec<Object>,
+    /// What the scene holds together, in its order.
+    pub connections: Vec<Connection>,
+}
+
+/// Two things that a scene holds together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Connection {
+    /// The equality of the model.
+    pub equality: usize,
+    /// Whether they are held as they stand when an episode begins.
+    pub here: bool,
 }
 
 /// An object of a scene.

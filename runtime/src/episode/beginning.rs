@@ -2,7 +2,7 @@
 
 use super::streams::{EpisodeKey, Stream};
 use crate::body::Body;
-use crate::model::{Model, rotation};
+use crate::model::{Equality, Model, rotation};
 use crate::physics::{self, State, Workspace};
 use msk_compiler::task::{Init, ObjectStart, Settle, Spread};
 use nalgebra::Vector3;
@@ -44,6 +44,27 @@ fn place_object(body: &Body, start: &ObjectStart, state: &mut State<f64>) {
     state.position[position + 3..position + 7].copy_from_slice(&orientation);
     state.velocity[dof..dof + 3].copy_from_slice(&start.velocity);
     state.velocity[dof + 3..dof + 6].copy_from_slice(spin.as_slice());
+}
+
+/// Takes what the scene holds `here` as it stands now: the second frame of each such connection is put where the first is.
+pub fn hold(model: &Model, body: &Body, state: &mut State<f64>, workspace: &mut Workspace<f64>) {
+    if !body.connections.iter().any(|connection| connection.here) {
+        return;
+    }
+    let kinematics = &mut workspace.kinematics;
+    physics::kinematics::update(model, state, kinematics);
+    for connection in body.connections.iter().filter(|connection| connection.here) {
+        let (Equality::Connect(attachment) | Equality::Weld { attachment, .. }) = &model.equalities.kind[connection.equality]
+        else {
+            continue;
+        };
+        let [first, second] = attachment.bodies;
+        let point = kinematics.point(first, &attachment.position[0]) - kinematics.body_position[second];
+        let frame = rotation::product(kinematics.body_orientation[first], attachment.orientation[0]);
+        let [w, x, y, z] = kinematics.body_orientation[second];
+        state.held[connection.equality] =
+            (kinematics.body_rotation[second].tr_mul(&point), rotation::product([w, -x, -y, -z], frame));
+    }
 }
 
 /// Lets physics pass with all muscles held at one activation. The time is 0 afterwards, and excitations are those of rest.

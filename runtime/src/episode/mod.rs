@@ -14,10 +14,12 @@ mod beginning;
 mod ending;
 mod excitation;
 mod pushes;
+mod start;
 mod streams;
 
 pub use ending::{Ending, EpisodeError, Fault};
 pub use excitation::{REST, excitation};
+pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
 
 use streams::Streams;
@@ -186,14 +188,33 @@ impl Episode {
 
     /// Puts everything in its place, lets it settle if the task says so, and passes forward.
     fn begin(&mut self, key: EpisodeKey) -> Result<(), physics::Fault> {
+        self.place(key);
+        let Snapshot { state, task, .. } = &mut self.present;
+        if let Some(settle) = &self.task.beginning(task).settle {
+            beginning::settle(&self.model, settle, state, &mut self.workspace)?;
+        }
+        physics::forward(&self.model, state, &mut self.workspace)
+    }
+
+    /// Puts everything in its place.
+    fn place(&mut self, key: EpisodeKey) {
         let (model, workspace) = (&*self.model, &mut self.workspace);
         let Snapshot { state, task, .. } = &mut self.present;
-        let init = self.task.beginning(task);
-        beginning::begin(model, &self.body, &init, key, state, workspace);
-        if let Some(settle) = &init.settle {
-            beginning::settle(model, settle, state, workspace)?;
-        }
-        physics::forward(model, state, workspace)
+        beginning::begin(model, &self.body, &self.task.beginning(task), key, state, workspace);
+        beginning::hold(model, &self.body, state, workspace);
+    }
+
+    /// What does not fit when the episode `key` begins, before anything settles.
+    ///
+    /// # Errors
+    /// A beginning from which the physics cannot start.
+    pub fn inspect_start(&self, key: EpisodeKey) -> Result<StartReport, physics::Fault> {
+        let mut other = self.clone();
+        other.present.state = State::new(&self.model);
+        other.present.task = TaskState::default();
+        other.place(key);
+        physics::forward(&self.model, &other.present.state, &mut other.workspace)?;
+        Ok(StartReport::of(&self.model, &other.workspace))
     }
 
     /// Adds a push, as an evaluation does: it begins with the next control step and lasts `steps`. Force (N) and torque (N m)
@@ -233,6 +254,7 @@ impl Episode {
         let present = &mut self.present;
         self.task.step(&present.frame, &self.weights, &mut present.streams, &mut present.task, &mut present.report)?;
         self.present.ending = self.judge();
+        self.release()?;
         self.observe();
         Ok(())
     }
@@ -294,6 +316,21 @@ impl Episode {
         let snapshot =
             sensors::Snapshot { body: &self.body, model: &self.model, state: &present.state, workspace: &self.workspace };
         sensors::fill(&self.task.frame, &snapshot, &control, &mut present.memory, &mut present.frame);
+    }
+
+    /// Lets go what the task has said shall let go. The forward pass is then another one.
+    fn release(&mut self) -> Result<(), Fault> {
+        let Snapshot { state, report, .. } = &mut self.present;
+        let mut changed = false;
+        for (&index, _) in self.task.releases.iter().zip(&report.released).filter(|(_, lets_go)| **lets_go) {
+            if let Some(connection) = self.body.connections.get(index) {
+                changed |= core::mem::replace(&mut state.active[connection.equality], 0.0) != 0.0;
+            }
+        }
+        if changed {
+            physics::forward(&self.model, state, &mut self.workspace)?;
+        }
+        Ok(())
     }
 
     fn judge(&self) -> Option<Ending> {

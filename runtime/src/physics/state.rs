@@ -1,7 +1,10 @@
 //! What changes from step to step and must be kept to continue an episode bit for bit.
 
 use super::{rotation::constant_quaternion, spatial::constant};
-use crate::{model::Model, scalar::Real};
+use crate::{
+    model::{Equality, Model},
+    scalar::Real,
+};
 use nalgebra::Vector3;
 
 /// The dynamic state of one body (or scene), with everything that acts on it from outside. `Clone` is a snapshot.
@@ -33,6 +36,9 @@ pub struct State<T: Real> {
     pub placed_orientation: Vec<[T; 4]>,
     /// For each equality of the model whether it holds: 1 if it does, 0 if it is released.
     pub active: Vec<T>,
+    /// For each equality of the model where the second frame of a connection or weld stands in its body, position (m) and
+    /// orientation; of others without meaning. The model's at first: what is taken as it stands has another one.
+    pub held: Vec<(Vector3<T>, [T; 4])>,
     /// Acceleration of the last step, from which the constraint solver starts, `nv` entries.
     pub warm_start: Vec<T>,
 }
@@ -49,6 +55,7 @@ impl<T: Real> State<T> {
         self.fibre_step = other.fibre_step;
         self.control.copy_from_slice(&other.control);
         self.active.copy_from_slice(&other.active);
+        self.held.copy_from_slice(&other.held);
         self.applied_force.copy_from_slice(&other.applied_force);
         self.body_force.copy_from_slice(&other.body_force);
         self.placed_position.copy_from_slice(&other.placed_position);
@@ -75,7 +82,18 @@ impl<T: Real> State<T> {
             placed_position: placed.clone().map(|body| constant(&model.bodies.position[body])).collect(),
             placed_orientation: placed.map(|body| constant_quaternion(&model.bodies.orientation[body])).collect(),
             active: model.equalities.active.iter().map(|&active| T::splat(f64::from(u8::from(active)))).collect(),
+            held: model.equalities.kind.iter().map(second_frame).collect(),
             warm_start: vec![zero; model.nv],
         }
+    }
+}
+
+/// Where the second frame of a connection or weld stands in its body.
+fn second_frame<T: Real>(kind: &Equality) -> (Vector3<T>, [T; 4]) {
+    match kind {
+        Equality::Connect(attachment) | Equality::Weld { attachment, .. } => {
+            (constant(&attachment.position[1]), constant_quaternion(&attachment.orientation[1]))
+        }
+        Equality::Joint(_) | Equality::Tendon(_) => (constant(&Vector3::zeros()), constant_quaternion(&[1.0, 0.0, 0.0, 0.0])),
     }
 }

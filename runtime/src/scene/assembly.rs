@@ -8,8 +8,8 @@ use super::check::BuildError;
 use super::elements::{NewBody, NewGeom, NewJoint};
 use crate::model::inertia::MassProperties;
 use crate::model::{
-    Actuators, AttachmentOrigin, Bias, Bodies, ContactPairs, Dofs, Equality, Gain, GeomKind, Geoms, HeightField, JointKind,
-    Joints, Model, PathPoint, Sites, Softness, Transmission, rotation, topology,
+    Actuators, Attachment, AttachmentOrigin, Bias, Bodies, ContactPairs, Dofs, Equality, Gain, GeomKind, Geoms, HeightField,
+    JointKind, Joints, Model, PathPoint, Sites, Softness, Transmission, rotation, topology,
 };
 use crate::physics::{collision, constants};
 use nalgebra::Vector3;
@@ -141,6 +141,7 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
     gather_bodies(builder, &order, &bodies, &mut model);
     gather_joints(builder, &order, &bodies, &mut model);
     gather_shapes(builder, &order, &bodies, &mut model);
+    add_attachments(builder, &sites, &mut model);
     for &geom in &builder.intangible {
         (model.geoms.contact_type[geoms[geom]], model.geoms.contact_affinity[geoms[geom]]) = (0, 0);
     }
@@ -186,6 +187,27 @@ fn move_references(model: &mut Model, [bodies, joints, geoms, sites]: [&Vec<usiz
     }
     let couplings = &mut model.couplings;
     couplings.joint.iter_mut().chain(couplings.leader.iter_mut().flatten()).for_each(|joint| *joint = joints[*joint]);
+}
+
+/// Appends what is held together to the model's own equalities.
+fn add_attachments(builder: &SceneBuilder<'_>, places: &[usize], model: &mut Model) {
+    for attachment in &builder.attachments {
+        let own = attachment.sites.map(|site| places[site]);
+        let frames = Attachment {
+            bodies: own.map(|site| model.sites.body[site]),
+            position: own.map(|site| model.sites.position[site]),
+            orientation: own.map(|site| model.sites.orientation[site]),
+            origin: AttachmentOrigin::Sites(own),
+        };
+        let equalities = &mut model.equalities;
+        equalities.name.push(attachment.name.clone());
+        equalities.active.push(true);
+        equalities.softness.push(attachment.softness);
+        equalities.kind.push(match attachment.weld {
+            true => Equality::Weld { attachment: frames, torque_scale: 1.0 },
+            false => Equality::Connect(frames),
+        });
+    }
 }
 
 /// Whether anything heavy is added to a body of the model other than the world.

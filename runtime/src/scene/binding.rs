@@ -2,7 +2,7 @@
 
 use super::builder::Built;
 use super::objects::Placed;
-use crate::body::{Body, Joint, Landmark, Object, Root, subtree};
+use crate::body::{Body, Connection, Joint, Landmark, Object, Root, subtree};
 use crate::model::{JointKind, Model};
 use msk_compiler::scene::{Parent, SceneDescription};
 use msk_compiler::vocabulary::{Group, GroupKind};
@@ -50,6 +50,12 @@ pub(super) fn bind(body: &Body, scene: &SceneDescription, placed: &Placed<'_>, b
         shapes: geoms(&body.shapes),
         ground: walkable(body, scene, placed, built),
         objects: placed.bodies.iter().map(|&object| built.bodies[object]).map(|body| object(model, body)).collect(),
+        connections: scene
+            .connections
+            .iter()
+            .zip(&placed.connections)
+            .map(|(said, &equality)| Connection { equality, here: said.here })
+            .collect(),
         members,
         ..body.clone()
     }

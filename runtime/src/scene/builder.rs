@@ -2,7 +2,7 @@
 
 use super::assembly;
 use super::check::BuildError;
-use super::elements::{NewBody, NewGeom, NewJoint, NewSite};
+use super::elements::{NewAttachment, NewBody, NewGeom, NewJoint, NewSite};
 use crate::model::Model;
 use crate::model::inertia::{MassProperties, combine, moments};
 use crate::model::rotation::IDENTITY;
@@ -54,6 +54,7 @@ pub struct SceneBuilder<'a> {
     pub(super) joints: Vec<(usize, NewJoint)>,
     pub(super) geoms: Vec<(usize, NewGeom)>,
     pub(super) sites: Vec<(usize, NewSite)>,
+    pub(super) attachments: Vec<NewAttachment>,
     /// Shapes of the model that nothing can touch any more.
     pub(super) intangible: Vec<usize>,
     /// New friction of shapes of the model.
@@ -69,6 +70,7 @@ impl<'a> SceneBuilder<'a> {
             joints: Vec::new(),
             geoms: Vec::new(),
             sites: Vec::new(),
+            attachments: Vec::new(),
             intangible: Vec::new(),
             frictions: Vec::new(),
         }
@@ -97,6 +99,17 @@ impl<'a> SceneBuilder<'a> {
     pub fn site(&mut self, body: usize, site: NewSite) -> usize {
         self.sites.push((body, site));
         self.base.sites.name.len() + self.sites.len() - 1
+    }
+
+    /// Holds two sites together; the index of the equality, which it keeps.
+    pub fn attach(&mut self, attachment: NewAttachment) -> usize {
+        self.attachments.push(attachment);
+        self.base.equalities.name.len() + self.attachments.len() - 1
+    }
+
+    /// The body that carries a site.
+    pub(super) fn carrier_of(&self, site: usize) -> usize {
+        self.base.sites.body.get(site).copied().unwrap_or_else(|| self.sites[site - self.base.sites.body.len()].0)
     }
 
     /// Lets nothing touch a shape of the model any more.

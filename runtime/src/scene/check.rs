@@ -2,7 +2,7 @@
 
 use super::assembly;
 use super::builder::SceneBuilder;
-use super::elements::{NewBody, NewGeom, NewJoint};
+use super::elements::{NewAttachment, NewBody, NewGeom, NewJoint};
 use crate::model::rotation;
 use crate::model::{GeomKind, JointKind, Quaternion};
 
@@ -62,6 +62,14 @@ impl SceneBuilder<'_> {
         unique("joint", &base.joints.name, self.joints.iter().map(|(_, joint)| &joint.name))?;
         unique("shape", &base.geoms.name, self.geoms.iter().map(|(_, geom)| &geom.name))?;
         unique("site", &base.sites.name, self.sites.iter().map(|(_, site)| &site.name))?;
+        unique("equality", &base.equalities.name, self.attachments.iter().map(|attachment| &attachment.name))?;
+        let alone = |attachment: &&NewAttachment| {
+            let [first, second] = attachment.sites.map(|site| self.carrier_of(site));
+            first == second
+        };
+        if let Some(attachment) = self.attachments.iter().find(alone) {
+            return Err(BuildError::Model(format!("both ends of `{}` are on one body", attachment.name)));
+        }
         self.bodies.iter().try_for_each(check_body)?;
         self.joints.iter().try_for_each(|(_, joint)| check_joint(joint))?;
         self.geoms.iter().try_for_each(|(_, geom)| check_geom(geom))?;

@@ -117,3 +117,16 @@ pub struct NewSite {
     /// Orientation in the body's frame.
     pub orientation: Quaternion,
 }
+
+/// Two sites to be held together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewAttachment {
+    /// Name, unique among the equalities.
+    pub name: String,
+    /// The two sites, on different bodies.
+    pub sites: [usize; 2],
+    /// Whether their axes are held together, too, not only their places.
+    pub weld: bool,
+    /// Softness.
+    pub softness: Softness,
+}

@@ -21,7 +21,7 @@ pub mod terrain;
 
 pub use builder::{Built, SceneBuilder};
 pub use check::BuildError;
-pub use elements::{NewBody, NewGeom, NewJoint, NewSite};
+pub use elements::{NewAttachment, NewBody, NewGeom, NewJoint, NewSite};
 pub use objects::SceneError;
 
 use crate::body::Body;

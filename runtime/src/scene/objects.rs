@@ -2,11 +2,11 @@
 
 use super::builder::SceneBuilder;
 use super::check::BuildError;
-use super::elements::{NewBody, NewGeom, NewJoint};
+use super::elements::{NewAttachment, NewBody, NewGeom, NewJoint, NewSite};
 use super::terrain;
 use crate::body::Body;
-use crate::model::{GeomKind, JointKind, Model, rotation};
-use msk_compiler::scene::{Motion, Object, ObjectJoint, ObjectJointKind, Parent, SceneDescription, Shape, Surface};
+use crate::model::{GeomKind, JointKind, Model, Softness, rotation};
+use msk_compiler::scene::{Connection, Motion, Object, ObjectJoint, ObjectJointKind, Parent, SceneDescription, Shape, Surface};
 use nalgebra::Vector3;
 
 /// What is wrong with a scene.
@@ -45,13 +45,16 @@ pub(super) struct Placed<'a> {
     pub geoms: Vec<Vec<usize>>,
     /// Each object's joints, with the free one.
     pub joints: Vec<Vec<usize>>,
+    /// The equality of each connection.
+    pub connections: Vec<usize>,
 }
 
 /// Puts all objects into a builder for `model`, which `body` is bound to.
 pub(super) fn add<'a>(model: &'a Model, body: &Body, scene: &SceneDescription) -> Result<Placed<'a>, SceneError> {
     let bits = Bits::of(model, body);
     let builder = SceneBuilder::new(model);
-    let mut placed = Placed { builder, ground: None, bodies: Vec::new(), geoms: Vec::new(), joints: Vec::new() };
+    let mut placed =
+        Placed { builder, ground: None, bodies: Vec::new(), geoms: Vec::new(), joints: Vec::new(), connections: Vec::new() };
     placed.ground = set_ground(model, body, scene, &mut placed.builder);
     for object in &scene.objects {
         let carrier = carrier(object, model, body, &placed.bodies)?;
@@ -67,7 +70,37 @@ pub(super) fn add<'a>(model: &'a Model, body: &Body, scene: &SceneDescription) -
         };
         placed.geoms.push(shapes(object)?.into_iter().map(shape).collect());
     }
+    for (index, connection) in scene.connections.iter().enumerate() {
+        let equality = connect(index, connection, body, scene, &mut placed)?;
+        placed.connections.push(equality);
+    }
     Ok(placed)
+}
+
+/// Holds the frames of two landmarks or objects together.
+fn connect(
+    index: usize,
+    connection: &Connection,
+    body: &Body,
+    scene: &SceneDescription,
+    placed: &mut Placed<'_>,
+) -> Result<usize, SceneError> {
+    let word = if connection.weld { "weld" } else { "connect" };
+    let name = format!("{word}[{index}]");
+    let mut end = |end: &str, of: &str| -> Result<usize, SceneError> {
+        let name = format!("{name}.{end}");
+        if let Some(landmark) = body.landmarks.iter().find(|landmark| landmark.name == of) {
+            let orientation = rotation::from_matrix(&landmark.axes);
+            return Ok(placed.builder.site(landmark.body, NewSite { name, position: landmark.point, orientation }));
+        }
+        let object = scene.objects.iter().position(|object| object.name == of);
+        let object = object.ok_or_else(|| SceneError::Unknown { user: format!("`{word}`"), name: of.to_owned() })?;
+        let site = NewSite { name, position: Vector3::zeros(), orientation: rotation::IDENTITY };
+        Ok(placed.builder.site(placed.bodies[object], site))
+    };
+    let sites = [end("from", &connection.from)?, end("to", &connection.to)?];
+    let softness = Softness::default();
+    Ok(placed.builder.attach(NewAttachment { name, sites, weld: connection.weld, softness }))
 }
 
 /// The model's own ground goes where the scene has none, and becomes as rough as the scene says. A ground that is added.

@@ -19,16 +19,20 @@ pub fn shapes(name: &str, terrain: &Terrain) -> Vec<NewGeom> {
     }
 }
 
-/// One column per step, from the foot of the flight to its tread. A flight that goes down is as deep below its start.
+/// Depth of the solid under the lowest tread of a flight that goes down, m.
+const STAIRS_BASE: f64 = 0.2;
+
+/// One column per step, from the foot of the flight to its tread.
 fn stairs(name: &str, count: u32, rise: f64, run: f64, width: f64) -> Vec<NewGeom> {
+    let bottom = if rise < 0.0 { f64::from(count) * rise - STAIRS_BASE } else { 0.0 };
     let step = |index: u32| {
         let top = f64::from(index + 1) * rise;
         let middle = (f64::from(index) + 0.5) * run;
         NewGeom {
             name: format!("{name}[{index}]"),
             kind: GeomKind::Box,
-            size: Vector3::new(0.5 * run, 0.5 * width, 0.5 * top),
-            position: Vector3::new(middle, 0.0, 0.5 * top),
+            size: Vector3::new(0.5 * run, 0.5 * width, 0.5 * (top - bottom)),
+            position: Vector3::new(middle, 0.0, 0.5 * (top + bottom)),
             ..NewGeom::default()
         }
     };

@@ -44,9 +44,13 @@ impl Constraints {
                     self.add_joint_coupling(model, *coupling, |address| state.position[address].lane(lane));
                 }
                 Equality::Tendon(coupling) => self.add_tendon_coupling(model, workspace, lane, equality, coupling),
-                Equality::Connect(attachment) => self.add_attachment(model, workspace, lane, equality, attachment, NO_TURN),
+                Equality::Connect(attachment) => {
+                    let attachment = held(attachment, state, equality, lane);
+                    self.add_attachment(model, workspace, lane, equality, &attachment, NO_TURN);
+                }
                 Equality::Weld { attachment, torque_scale } => {
-                    self.add_attachment(model, workspace, lane, equality, attachment, Some(*torque_scale));
+                    let attachment = held(attachment, state, equality, lane);
+                    self.add_attachment(model, workspace, lane, equality, &attachment, Some(*torque_scale));
                 }
             }
             let columns = &self.fixed.equalities[equality];
@@ -152,13 +156,14 @@ impl Constraints {
     }
 
     /// Subtracts from the references of connections and welds the acceleration that their residual has anyway.
-    pub(super) fn subtract_curvature<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
+    pub(super) fn subtract_curvature<T: Real>(&mut self, model: &Model, state: &State<T>, workspace: &Workspace<T>, lane: usize) {
         // Equalities come first, and only blocks of several rows are attachments.
         for block in &self.jacobian.blocks {
             let RowKind::Equality(equality) = self.rows.kind[block.rows.start] else { break };
             let (Equality::Connect(attachment) | Equality::Weld { attachment, .. }) = &model.equalities.kind[equality] else {
                 continue;
             };
+            let attachment = &held(attachment, state, equality, lane);
             let [first, second] = [0, 1].map(|side| Motion::of(model, workspace, lane, attachment, side));
             let points = first.acceleration - second.acceleration;
             let reference = &mut self.rows.reference[block.rows.clone()];
@@ -180,6 +185,16 @@ impl Constraints {
         let spring = spring(model, &model.equalities.softness[equality], violation);
         let place = Place { position: residual, margin: 0.0, spring, bounds: BOTH_WAYS };
         self.rows.push(RowKind::Equality(equality), place, approximate);
+    }
+}
+
+/// The attachment as the state has it.
+fn held<T: Real>(attachment: &Attachment, state: &State<T>, equality: usize, lane: usize) -> Attachment {
+    let (position, orientation) = &state.held[equality];
+    Attachment {
+        position: [attachment.position[0], position.map(|value| value.lane(lane))],
+        orientation: [attachment.orientation[0], orientation.map(|value| value.lane(lane))],
+        ..attachment.clone()
     }
 }
 

@@ -157,7 +157,7 @@ impl Constraints {
         self.velocity.extend(state.velocity.iter().map(|value| value.lane(lane)));
         self.rows.finish(&self.jacobian, &self.velocity);
         if switches.equality {
-            self.subtract_curvature(model, workspace, lane);
+            self.subtract_curvature(model, state, workspace, lane);
         }
     }
 

@@ -59,6 +59,15 @@ fn stairs_rise_step_by_step_and_end_in_an_abyss() {
 }
 
 #[test]
+fn stairs_that_go_down_have_their_first_tread_below_their_place() {
+    let model = model(terrain::shapes("flight", &Terrain::Stairs { count: 3, rise: -0.2, run: 0.3, width: 1.0 }));
+    let workspace = placed(&model);
+    let ground = Ground { model: &model, kinematics: &workspace.kinematics, shapes: &[0, 1, 2] };
+    let heights = [0.1, 0.4, 0.7].map(|x| ground.height(at(x, 0.0)));
+    assert!(heights.iter().zip([-0.2, -0.4, -0.6]).all(|(found, expected)| (found - expected).abs() < 1e-14), "{heights:?}");
+}
+
+#[test]
 fn a_slope_rises_from_its_edge_and_one_that_goes_down_falls() {
     for angle in [0.2, -0.3] {
         let model = model(terrain::shapes("ramp", &Terrain::Slope { length: 3.0, width: 2.0, angle }));
