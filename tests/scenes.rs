@@ -79,8 +79,8 @@ fn a_ball_flies_as_it_was_thrown() {
 
 #[test]
 fn a_resting_ball_presses_on_the_ground_with_its_weight() {
-    let observe = "ball_touches: touching(ball, ground); push: contact_force(ball, ground); points: contact_count(ball, ground)
-        room: surface_distance(ball, ground); slide: slip(ball, ground); ball.clearance; apart: surface_distance(sole_l, ball)";
+    let observe = "ball_touches = touching(ball, ground); push = contact_force(ball, ground); points = contact_count(ball, ground)
+        room = surface_distance(ball, ground); slide = slip(ball, ground); ball.clearance; apart = surface_distance(sole_l, ball)";
     let mut episode = episode(BALL, "ball { at [3 m, 0, 0.1099 m] }", observe, "");
     advance(&mut episode, 100);
     assert_eq!((number(&episode, "ball_touches"), number(&episode, "points")), (1.0, 1.0));
@@ -172,7 +172,7 @@ fn a_push_changes_the_momentum_by_force_times_time() {
 #[test]
 fn settling_lets_things_come_to_rest_before_the_time_begins() {
     let init = "ball { at [3 m, 0, 0.1099 m] }\n settle 200 ms with activation 0.2";
-    let settled = episode(BALL, init, "ball.velocity; muscles.activation; clock: t", "");
+    let settled = episode(BALL, init, "ball.velocity; muscles.activation; clock = t", "");
     assert!(vector(&settled, "ball.velocity").norm() < 1e-2);
     assert_eq!((number(&settled, "clock"), settled.steps(), settled.state().time), (0.0, 0, 0.0));
     assert!(settled.state().activation.iter().all(|activation| (activation - 0.2).abs() < 1e-12));
@@ -195,7 +195,7 @@ fn a_root_goes_where_its_hands_shall_be() {
 #[test]
 fn a_body_stands_on_what_is_walkable_under_it() {
     let scene = "ground; ellipsoid stone { size [2 m, 2 m, 0.4 m], at [0, 0, 0.1 m], walkable }";
-    let episode = episode(scene, "", "sole_l.clearance; under: ground_height(pelvis)", "");
+    let episode = episode(scene, "", "sole_l.clearance; under = ground_height(pelvis)", "");
     let lowest = episode.context().body.landmarks.iter().filter(|landmark| landmark.name.starts_with("sole"));
     assert_eq!(lowest.count(), 2);
     assert!((0.0..0.02).contains(&number(&episode, "sole_l.clearance")), "{}", number(&episode, "sole_l.clearance"));
