@@ -76,7 +76,7 @@ def flat(array):
 
 def states(model, rng, count):
     data = mujoco.MjData(model)
-    for _ in range(count):
+    while count:
         mujoco.mj_resetData(model, data)
         for joint in range(model.njnt):
             address = model.jnt_qposadr[joint]
@@ -89,6 +89,10 @@ def states(model, rng, count):
                 data.qpos[address] = rng.uniform(-1.2, 1.6)
         data.qvel[:] = rng.normal(0, 0.8, model.nv)
         mujoco.mj_forward(model, data)
+        # Shapes deep in each other may be pushed apart in several ways.
+        if any(contact.dist < -0.02 for contact in data.contact):
+            continue
+        count -= 1
         yield {
             "qpos": flat(data.qpos),
             "qvel": flat(data.qvel),

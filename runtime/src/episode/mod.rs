@@ -208,10 +208,12 @@ impl Episode {
     ///
     /// # Errors
     /// A beginning from which the physics cannot start.
-    pub fn inspect_start(&self, key: EpisodeKey) -> Result<StartReport, physics::Fault> {
+    pub fn inspect_start(&self, key: EpisodeKey) -> Result<StartReport, Fault> {
         let mut other = self.clone();
         other.present.state = State::new(&self.model);
         other.present.task = TaskState::default();
+        other.present.streams.start(key, &self.task.randoms);
+        self.task.begin(&mut other.present.streams, &mut other.present.task)?;
         other.place(key);
         physics::forward(&self.model, &other.present.state, &mut other.workspace)?;
         Ok(StartReport::of(&self.model, &other.workspace))
