@@ -78,3 +78,14 @@ pub fn draw(model: &Model, random: &mut SplitMix) -> State<f64> {
     }
     state
 }
+
+/// Holds a page of `docs` that a test writes to what the test has found; with `MSK_UPDATE=1` in the environment, writes it.
+pub fn page(name: &str, found: &str) {
+    let path = repository("docs").join(format!("{name}.md"));
+    if std::env::var_os("MSK_UPDATE").is_some() {
+        std::fs::write(&path, found).unwrap();
+        return;
+    }
+    let kept = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(kept == found, "{} is not as found; MSK_UPDATE=1 writes it anew:\n{found}", path.display());
+}
