@@ -32,8 +32,9 @@ impl CompiledTask {
     fn write_phase(&self, phase: &Phase, text: &mut String) {
         let mut writer = Writer::default();
         let Meaning { graph, outputs, .. } = &phase.meaning;
-        for (&(setting, index), &node) in self.init.drawn.iter().zip(&outputs.beginning) {
-            let _ = writeln!(text, "init {setting:?} is drawn {index} = %{}", writer.number(graph, node));
+        for &(setting, index) in &self.init.drawn {
+            let Some(&node) = outputs.beginning.get(index) else { continue };
+            let _ = writeln!(text, "init {setting:?} is drawn = %{}", writer.number(graph, node));
         }
         for (connection, &node) in self.releases.iter().zip(&outputs.releases) {
             let _ = writeln!(text, "release {connection} when %{}", writer.number(graph, node));
