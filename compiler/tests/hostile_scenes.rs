@@ -5,6 +5,7 @@
 #[allow(dead_code)] // The pages have their own tests.
 mod support;
 
+use msk_compiler::Middle;
 use msk_compiler::task::TaskState;
 use proptest::prelude::*;
 use support::compiling::{compile_text, complete};
@@ -31,7 +32,7 @@ const KINDS: &[&str] = &[
 const FIELDS: &[&str] = &[
     "size [0.4 m, 0.4 m, 0.4 m]", "size [4 m, 1 m]", "size 0.4 m", "radius 3 cm", "radius 0 m", "radius -1 m", "length 1 m",
     "from [0, 0, 0] to [0, 0, 1 m]", "from [0, 0, 0] to [0, 0, 0]", "along [0, 1, 0]", "along [0, 0, 0]", "at [1 m, 0, 0]",
-    "at a.position", "at a.position + [0, 0, 1 m]", "at pelvis.position", "at [i * 1 m, 0, 0]", "at", "turned 30 deg",
+    "at a.position", "at [r, 0, r]", "radius r", "at a.position + [0, 0, 1 m]", "at pelvis.position", "at [i * 1 m, 0, 0]", "at", "turned 30 deg",
     "turned [0, 0, 1 rad]", "turned 3", "free", "free false", "mass 2 kg", "mass 0 kg", "mass 1e300 kg", "density 1000 kg/m^3",
     "friction 1", "friction [1, 1 mm, 1 mm]", "friction -1", "solid false", "walkable", "walkable 3", "count 3", "count 1e9",
     "rise 15 cm", "run 50 cm", "width 1 m", "angle 5 deg", "angle 89 deg", "samples [3, 2]", "samples [1e6, 1e6]", "samples [2.5, 2]",
@@ -52,7 +53,7 @@ const REST: &[&str] = &[
 #[rustfmt::skip]
 const BEGINNING: &[&str] = &[
     "pose neutral", "pose sitting { knee_angle_l = 10 deg }", "root { height on ground }", "root { height 1 m, at [1 m, 0 m] }",
-    "root { so palm_l at a }", "root { so palm_l at a.p, so palm_r at b }", "root { heading a }", "a { velocity [1 m/s, 0, 0] }",
+    "root { so palm_l at a }", "root { so palm_l at a.p, so palm_r at b }", "root { heading a }", "root { height r, at [r, r] }", "a { velocity [1 m/s, 0, 0] }",
     "a { q 10 deg }", "a { at [0, 0, 1 m], spin [0, 0, 1 rad/s], turned 3 deg }", "a.c { q 10 deg }", "b { q 10 m }", "pelvis { at [0, 0, 0] }",
     "noise joints normal(0, 1 rad)", "noise a normal(0, 1 rad)", "noise a.q uniform(-1 rad .. 1 rad)", "noise slides normal(0, 1 m)",
     "settle 10 ms with activation 0.2 at rest", "settle -1 s", "settle 1e300 s",
@@ -85,7 +86,7 @@ proptest! {
 
     #[test]
     fn scenes_of_any_words_neither_panic_nor_hang(scene in scene(), init in some(BEGINNING), observe in some(FORMULAS)) {
-        let text = format!("scene {{\n{scene}\n}}\ninit {{\npose neutral\n{init}\n}}\nobserve {{\npelvis.height\n{observe}\n}}");
+        let text = format!("random r = uniform(0 m .. 1 m)\nscene {{\n{scene}\n}}\ninit {{\npose neutral\n{init}\n}}\nobserve {{\npelvis.height\n{observe}\n}}");
         let begun = std::time::Instant::now();
         let compiled = compile_text(&complete(&text), &[]);
         // A second on a quiet machine; the tests may share theirs.
@@ -95,7 +96,7 @@ proptest! {
             Ok(compilation) => {
                 let task = &compilation.tasks[0];
                 let (frame, mut state) = (vec![0.0; task.frame.size()], TaskState::default());
-                task.reset(&frame, &mut state);
+                prop_assert!(task.reset(&frame, &mut Middle, &mut state).is_ok(), "{text}");
                 let begins = task.beginning(&state);
                 prop_assert!(begins.coordinates.iter().all(|value| value.is_finite()), "{text}");
                 for object in &task.scene.objects {

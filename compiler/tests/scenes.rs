@@ -5,6 +5,7 @@
 #[allow(dead_code)] // Pages serve the other tests.
 mod support;
 
+use msk_compiler::Draws;
 use msk_compiler::frame::{Origin, Query, Sensor};
 use msk_compiler::scene::{Motion, ObjectJointKind, Parent, Part, Shape, Terrain};
 use msk_compiler::task::{CompiledTask, Spread};
@@ -12,7 +13,11 @@ use std::sync::Arc;
 use support::compiling::{compile_text, complete, vocabulary};
 
 fn task(statements: &str) -> Arc<CompiledTask> {
-    let compilation = compile_text(&complete(statements), &[]).unwrap_or_else(|report| panic!("{report}"));
+    // Constants stand before the task.
+    let (constants, statements): (Vec<&str>, Vec<&str>) =
+        statements.lines().partition(|line| line.trim_start().starts_with("const "));
+    let text = format!("{}\n{}", constants.join("\n"), complete(&statements.join("\n")));
+    let compilation = compile_text(&text, &[]).unwrap_or_else(|report| panic!("{report}"));
     compilation.tasks[0].clone()
 }
 
@@ -187,4 +192,55 @@ fn a_task_without_a_scene_stands_on_the_ground_and_a_scene_changes_its_hash() {
     assert_ne!(moved.hash, seated.hash);
     let renamed = task("scene {\n ground; box seat { at [-2 m, 0, 50 cm], size [100 cm, 1 m, 1 m] } }");
     assert_eq!(renamed.hash, seated.hash);
+}
+
+/// Always the same share of a range.
+struct Share(f64);
+
+impl Draws for Share {
+    fn uniform(&mut self, _: usize) -> f64 {
+        self.0
+    }
+
+    fn normal(&mut self, _: usize) -> f64 {
+        0.0
+    }
+}
+
+#[test]
+fn a_random_places_an_object_anew_in_every_episode() {
+    let task = task(
+        "random lateral = uniform(-0.5 m .. 0.5 m)
+        random turn = uniform(0 deg .. 90 deg)
+        scene { ground
+            sphere ball { radius 11 cm, mass 0.4 kg, free, at [3 m, lateral, 1.2 m] }
+        }
+        init {
+            pose neutral
+            root { heading turn / 2 }
+            ball { velocity [-4 m/s, -lateral / 1 s, 1 m/s] }
+        }
+        observe { ball.position; lateral; turn }",
+    );
+    for (share, lateral) in [(0.5, 0.0), (0.75, 0.25), (0.0, -0.5)] {
+        let mut state = msk_compiler::task::TaskState::default();
+        task.begin(&mut Share(share), &mut state).unwrap();
+        let init = task.beginning(&state);
+        close(init.objects[0].position, [3.0, lateral, 1.2]);
+        close(init.objects[0].velocity, [-4.0, -lateral, 1.0]);
+        close([init.root.heading], [share * std::f64::consts::FRAC_PI_4]);
+    }
+    assert!(task.snapshot().contains("init ObjectPosition(0, 1) is drawn = %"), "{}", task.snapshot());
+}
+
+#[test]
+fn parameters_size_the_scene() {
+    let task = task(
+        "params { rise: length = 15 cm (10 cm..20 cm) }
+        const treads = 4
+        scene { ground; stairs flight { count treads, rise rise, run 2 * rise, width 1 m, at [1 m, 0, 0] } }
+        terminate { high when pelvis.height > flight.top + 2 m }",
+    );
+    let Some(Shape::Terrain(Terrain::Stairs { count, rise, run, .. })) = task.scene.objects[0].shape else { panic!() };
+    assert_eq!((count, rise, run), (4, 0.15, 0.3));
 }

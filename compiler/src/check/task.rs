@@ -102,6 +102,7 @@ pub(crate) fn check<'a>(
 ) -> (Option<CheckedTask<'a>>, Vec<Diagnostic>) {
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     checker.known = surroundings.known.clone();
+    checker.used = surroundings.used.clone();
     checker.surroundings = Some(surroundings);
     // Phases of a sequence share one frame, and so the numbers of the queries.
     checker.queries = queries;

@@ -34,7 +34,7 @@ use crate::syntax::tree::{Element, ElementName, Expr, SceneStatement, TaskStatem
 use crate::vocabulary::{Landmark, Vocabulary};
 use expand::{Expanded, Locals};
 use geometry::Known;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What surrounds the body of a task, as far as it is known before its formulas are checked.
 #[derive(Debug, Default)]
@@ -46,6 +46,8 @@ pub(crate) struct Surroundings<'a> {
     pub known: BTreeMap<String, Known>,
     /// Free objects that start where it is drawn.
     pub starts: Vec<Start<'a>>,
+    /// Names of the task that the scene reads.
+    pub used: BTreeSet<String>,
     /// The unrolled statements.
     pub statements: Expanded<'a>,
     /// In which file the scene stands.
@@ -140,7 +142,8 @@ pub(crate) fn surroundings<'a>(
         checker.expand_scene(&block.entries, &Locals::new(), &mut statements);
     }
     let (stage, known) = checker.stage(&statements);
-    let surroundings = Surroundings { scene: stage.scene, fixed: stage.fixed, known, starts: stage.starts, statements, file };
+    let (scene, fixed, starts, used) = (stage.scene, stage.fixed, stage.starts, std::mem::take(&mut checker.used));
+    let surroundings = Surroundings { scene, fixed, known, starts, used, statements, file };
     (surroundings, checker.diagnostics)
 }
 
