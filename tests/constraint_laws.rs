@@ -16,6 +16,30 @@ fn human() -> &'static Model {
     MODEL.get_or_init(|| Model::from_file(repository("bodies/models/human416.xml")).expect("the body loads"))
 }
 
+/// A tendon with both ends on one body cannot be moved: neither limit nor friction makes a row of it, as in MuJoCo.
+#[test]
+fn a_tendon_that_nothing_moves_is_not_constrained() {
+    let model = |far: &str| {
+        Model::from_mjcf(&format!(
+            r#"<mujoco><compiler autolimits="true"/><worldbody>
+                <body name="a"><joint name="j" axis="0 1 0"/><geom size="0.1"/><site name="near"/><site name="far" pos="0.3 0 0"/>
+                    <body name="b" pos="0.2 0 0.5"><joint axis="0 1 0"/><geom name="around" size="0.05"/><site name="other" pos="0.1 0 0"/></body>
+                </body></worldbody>
+                <tendon><spatial range="0.5 1" frictionloss="1"><site site="near"/><geom geom="around"/><site site="{far}"/></spatial>
+                </tendon></mujoco>"#
+        ))
+        .unwrap()
+    };
+    for (far, rows) in [("far", 0), ("other", 1)] {
+        let model = model(far);
+        let mut workspace = Workspace::new(&model);
+        let mut state = State::new(&model);
+        state.position[0] = 0.4;
+        forward(&model, &state, &mut workspace).unwrap();
+        assert_eq!(workspace.episodes[0].constraints.rows.len(), rows, "{far}");
+    }
+}
+
 /// A random state with the pelvis near the ground, so that some of the body is in it.
 fn on_the_ground(seed: u64) -> State<f64> {
     let mut random = SplitMix(seed);

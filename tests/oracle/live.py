@@ -57,7 +57,7 @@ def theirs(model, data):
     if data.nefc and mujoco.mj_isSparse(model):
         mujoco.mju_sparse2dense(jacobian, data.efc_J.ravel(), data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
     elif data.nefc:
-        jacobian[:] = data.efc_J.reshape(data.nefc, model.nv)
+        jacobian[:] = data.efc_J.ravel()[: jacobian.size].reshape(jacobian.shape)
     out["efc_J"] = jacobian.ravel()
     contacts = data.contact[: data.ncon]
     for field in ("dist", "pos", "frame"):

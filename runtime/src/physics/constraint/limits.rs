@@ -25,7 +25,9 @@ impl Constraints {
         }
         for index in 0..self.fixed.rubbing_tendons.len() {
             let tendon = self.fixed.rubbing_tendons[index];
-            self.push_tendon_row(model, workspace, lane, tendon, 1.0);
+            if !self.push_tendon_row(model, workspace, lane, tendon, 1.0) {
+                continue;
+            }
             let place = friction(model, &model.tendons.friction_softness[tendon], model.tendons.friction_loss[tendon]);
             self.rows.push(RowKind::TendonFriction(tendon), place, model.tendons.inverse_weight[tendon]);
         }
@@ -69,8 +71,7 @@ impl Constraints {
             let Some([low, high]) = model.tendons.range[tendon] else { continue };
             let (length, margin) = (workspace.tendons.length[tendon].lane(lane), model.tendons.margin[tendon]);
             for (distance, sign) in [(length - low, 1.0), (high - length, -1.0)] {
-                if distance < margin {
-                    self.push_tendon_row(model, workspace, lane, tendon, sign);
+                if distance < margin && self.push_tendon_row(model, workspace, lane, tendon, sign) {
                     let place = limit(model, &model.tendons.limit_softness[tendon], distance, margin);
                     self.rows.push(RowKind::TendonLimit(tendon), place, model.tendons.inverse_weight[tendon]);
                 }
@@ -78,15 +79,28 @@ impl Constraints {
         }
     }
 
-    /// Appends `sign` times a tendon's row to the Jacobian.
-    fn push_tendon_row<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize, tendon: usize, sign: f64) {
+    /// Appends `sign` times a tendon's row to the Jacobian, and says whether there is one: a tendon that nothing moves, with
+    /// its ends on one body, is not constrained (nor is it in MuJoCo).
+    fn push_tendon_row<T: Real>(
+        &mut self,
+        model: &Model,
+        workspace: &Workspace<T>,
+        lane: usize,
+        tendon: usize,
+        sign: f64,
+    ) -> bool {
         self.gather_arms(model, workspace, lane, (tendon, sign), None);
         let columns = &self.fixed.tendons[tendon];
+        // A path that may wrap around another body, but runs straight, cancels up to rounding.
+        if self.fixed.columns_of(columns).iter().all(|&dof| self.arms[dof].abs() < 1e-14) {
+            return false;
+        }
         let bridge = Bridge::Tendon(tendon);
         if columns.bridges && !self.bridges.contains(&bridge) {
             self.bridges.push(bridge);
         }
         self.jacobian.push_over(self.fixed.columns_of(columns), |dof| self.arms[dof]);
+        true
     }
 }
 
