@@ -5,7 +5,7 @@ mod support;
 
 use msk_runtime::{
     model::{Bias, Dynamics, Integrator, Model},
-    physics::{self, State, Workspace},
+    physics::{self, State, Workspace, sensors::readings},
 };
 use serde_json::Value;
 use support::{SplitMix, draw, golden, numbers, repository};
@@ -167,6 +167,36 @@ macro_rules! parity {
 }
 
 parity!(ball_free, gravity, keyframes, motors, sites, spin, tendons);
+
+#[test]
+fn sensors_read_what_mujocos_read() {
+    let model = Model::from_file(repository("tests/oracle/models/sensors/sensors.xml")).expect("the model loads");
+    let again = Model::from_mjcf(&model.to_mjcf()).expect("what is written is read");
+    assert!(again == model, "it changes:\n{}", model.to_mjcf());
+    let golden = golden("actuation_sensors");
+    let mut random = SplitMix(golden["seed"].as_u64().expect("a seed"));
+    let mut workspace = Workspace::new(&model);
+    for (number, expected) in golden["states"].as_array().expect("states").iter().enumerate() {
+        let mut state = draw(&model, &mut random);
+        state.position[..3].copy_from_slice(&[0.0, 0.0, 0.05 + 0.2 * random.unit()]);
+        state.time = number as f64;
+        physics::forward(&model, &state, &mut workspace).expect("a sound state");
+        let contacts = workspace.episodes[0].constraints.contacts.len() as u64;
+        assert_eq!(Some(contacts), expected["contacts"].as_u64(), "state {number}: contacts");
+        let (found, expected) = (readings(&model, &state, &workspace), numbers(&expected["sensordata"]));
+        assert_eq!(found.len(), expected.len());
+        let mut start = 0;
+        for measure in &model.sensors.measure {
+            let range = start..start + measure.size();
+            start = range.end;
+            let scale = expected[range.clone()].iter().fold(1.0f64, |largest, value| largest.max(value.abs()));
+            for (found, expected) in found[range.clone()].iter().zip(&expected[range]) {
+                let error = (found - expected).abs();
+                assert!(error <= 1e-6 * scale, "state {number}: {measure:?} reads {found}, MuJoCo's {expected}");
+            }
+        }
+    }
+}
 
 #[test]
 fn every_model_survives_writing_and_reading() {

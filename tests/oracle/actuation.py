@@ -101,6 +101,25 @@ def keyframe(model, data, key):
     return {"name": model.key(key).name, "time": model.key_time[key], **stored, "later": record(model, data)}
 
 
+def sensors(path, seed, states=40):
+    """Readings of a body on the ground, in random poses."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    random = SplitMix(seed)
+    content = {"seed": seed, "states": []}
+    for number in range(states):
+        mujoco.mj_resetData(model, data)
+        draw(model, data, random)
+        data.qpos[:3] = [0, 0, 0.05 + 0.2 * random.unit()]
+        data.time = number
+        mujoco.mj_forward(model, data)
+        content["states"].append({"sensordata": data.sensordata.tolist(), "contacts": data.ncon})
+    touches = np.array([state["sensordata"][:4] for state in content["states"]])
+    assert (touches > 0).any(axis=0).all() and (touches == 0).any(axis=0).all(), touches
+    write("actuation_sensors", content)
+
+
 if __name__ == "__main__":
+    sensors(HERE / "models" / "sensors" / "sensors.xml", 751)
     for number, path in enumerate(sorted((HERE / "models" / "actuation").glob("*.xml"))):
         golden(path, 700 + number)

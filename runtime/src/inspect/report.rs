@@ -2,7 +2,7 @@
 
 use crate::model::Model;
 use crate::physics::constraint::{Constraints, RowKind};
-use crate::physics::{State, Workspace, actuation};
+use crate::physics::{State, Workspace, actuation, sensors};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
 
@@ -71,6 +71,9 @@ pub fn forward_report(model: &Model, state: &State<f64>, workspace: &Workspace<f
             put("efc_J", json!(jacobian));
         }
     }
+    if !model.sensors.name.is_empty() {
+        put("sensordata", json!(sensors::readings(model, state, workspace)));
+    }
     put("qfrc_constraint", json!(workspace.constraint_force));
     put("qacc", json!(workspace.acceleration));
     Value::Object(report)
@@ -100,6 +103,7 @@ fn names(model: &Model) -> Value {
         "tendon": model.tendons.name,
         "actuator": model.actuators.name,
         "equality": model.equalities.name,
+        "sensor": model.sensors.name,
         "jnt_qposadr": model.joints.position_address,
         "jnt_dofadr": model.joints.dof_address,
     })

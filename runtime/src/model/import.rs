@@ -1,6 +1,6 @@
 //! Importing a model: what the simulator needs of somebody else's files, in one flat file of figures.
 
-use super::{Model, ModelError, PathPoint};
+use super::{Model, ModelError, PathPoint, Sensors};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -13,6 +13,7 @@ pub fn import(path: &Path) -> Result<Model, ModelError> {
     let mut model = Model::from_file(path)?;
     drop_ornaments(&mut model);
     model.keyframes.clear();
+    model.sensors = Sensors::default();
     name_collision_shapes(&mut model);
     Ok(model)
 }

@@ -21,6 +21,7 @@ mod mesh;
 pub mod mjcf;
 mod options;
 pub mod rotation;
+mod sensors;
 mod tendons;
 pub(crate) mod topology;
 
@@ -34,6 +35,7 @@ pub use keyframes::Keyframe;
 pub use mesh::{Face, Hull, Mesh};
 pub use mjcf::ModelError;
 pub use options::{Cone, Integrator, Options, Switches};
+pub use sensors::{Framed, Measure, Sensors};
 pub use tendons::{PathPoint, Tendons};
 
 /// Quaternion in the order w, x, y, z.
@@ -80,6 +82,8 @@ pub struct Model {
     pub nv: usize,
     /// Length of the activation vector.
     pub na: usize,
+    /// The model's own sensors.
+    pub sensors: Sensors,
     /// States with names.
     pub keyframes: Vec<Keyframe>,
     /// Configuration at which joint angles and couplings are zero, length `nq`.

@@ -1,6 +1,7 @@
 //! Generalised forces and the acceleration that they cause without constraints.
 
 use super::{
+    Workspace,
     inertia::{self, Inertia},
     kinematics::Kinematics,
     rotation::{constant_quaternion, difference, normalize},
@@ -10,7 +11,7 @@ use super::{
     velocities::Velocities,
 };
 use crate::{
-    model::{JointKind, Model},
+    model::{JointKind, Model, Transmission},
     scalar::Real,
 };
 
@@ -174,6 +175,20 @@ fn joint_spring<T: Real>(model: &Model, state: &State<T>, joint: usize, passive:
             for axis in 0..3 {
                 passive[dof + axis] -= stiffness * (q[axis] - T::splat(rest[axis]));
             }
+        }
+    }
+}
+
+/// Adds the pulls of all tendons, by spring, damper and actuators, to the forces on bodies. On request.
+pub(super) fn pull_tendons(model: &Model, workspace: &Workspace<f64>, body_force: &mut [Spatial<f64>]) {
+    let tendons = &workspace.tendons;
+    for tendon in 0..model.tendons.path.len() {
+        tendons.pull(tendon, tendon_force(model, tendons, tendon), body_force);
+    }
+    for (actuator, transmission) in model.actuators.transmission.iter().enumerate() {
+        if let Transmission::Tendon(tendon) = *transmission {
+            let [gear, ..] = model.actuators.gear[actuator];
+            tendons.pull(tendon, workspace.actuation.force[actuator] * gear, body_force);
         }
     }
 }

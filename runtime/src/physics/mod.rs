@@ -24,6 +24,7 @@ pub mod integrator;
 pub mod jacobian;
 pub mod kinematics;
 pub mod rotation;
+pub mod sensors;
 pub mod smooth;
 pub mod solver;
 pub mod spatial;

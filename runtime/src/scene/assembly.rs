@@ -9,7 +9,7 @@ use super::elements::{NewBody, NewGeom, NewJoint};
 use crate::model::inertia::MassProperties;
 use crate::model::{
     Actuators, Attachment, AttachmentOrigin, Bias, Bodies, ContactPairs, Dofs, Equality, Gain, GeomKind, Geoms, HeightField,
-    JointKind, Joints, Model, PathPoint, Sites, Softness, Transmission, rotation, topology,
+    JointKind, Joints, Model, PathPoint, Sensors, Sites, Softness, Transmission, rotation, topology,
 };
 use crate::physics::{collision, constants};
 use nalgebra::Vector3;
@@ -130,8 +130,9 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
         nq: 0,
         nv: 0,
         na: base.na,
-        // States of the body alone say nothing of the scene.
+        // States of the body alone say nothing of the scene, and its file's sensors count its own parts.
         keyframes: Vec::new(),
+        sensors: Sensors::default(),
         reference_position: Vec::new(),
     };
     move_references(&mut model, [&bodies, &joints, &geoms, &sites]);

@@ -1,6 +1,6 @@
 //! Which elements and attributes the reader takes, skips or refuses.
 //!
-//! Everything physical is either read or refused; what is skipped (appearance, bookkeeping, sensors) is
+//! Everything physical is either read or refused; what is skipped (appearance, bookkeeping) is
 //! named here one by one. An attribute may also be *neutral*: read only in the sense that its one harmless value is
 //! accepted and every other value is refused.
 
@@ -36,12 +36,17 @@ const fn actuator(element: &'static str, own: &'static str) -> Rule {
     Rule { element, read: ACTUATOR, own, skipped: ACTUATOR_SKIPPED, neutral: ACTUATOR_NEUTRAL }
 }
 
+/// The rule of a sensor: what it is attached to. Its noise is a note to the reader; MuJoCo does not add it either.
+const fn sensor(element: &'static str, own: &'static str) -> Rule {
+    let neutral = &[("delay", "0"), ("interval", "0"), ("nsample", "0")];
+    Rule { element, read: "name cutoff", own, skipped: "noise user interp", neutral }
+}
+
 /// Elements skipped with everything in them.
 const SKIPPED: &[&str] = &[
     "mujoco/visual",
     "mujoco/statistic",
     "mujoco/custom",
-    "mujoco/sensor",
     "mujoco/size",
     "asset/texture",
     "asset/material",
@@ -159,6 +164,36 @@ const RULES: &[Rule] = &[
     actuator("actuator/damper", "kv"),
     actuator("actuator/cylinder", CYLINDER),
     actuator("actuator/muscle", MUSCLE),
+    rule("mujoco/sensor", "", "", &[]),
+    sensor("sensor/touch", "site"),
+    sensor("sensor/accelerometer", "site"),
+    sensor("sensor/velocimeter", "site"),
+    sensor("sensor/gyro", "site"),
+    sensor("sensor/force", "site"),
+    sensor("sensor/torque", "site"),
+    sensor("sensor/jointpos", "joint"),
+    sensor("sensor/jointvel", "joint"),
+    sensor("sensor/jointactuatorfrc", "joint"),
+    sensor("sensor/ballquat", "joint"),
+    sensor("sensor/ballangvel", "joint"),
+    sensor("sensor/tendonpos", "tendon"),
+    sensor("sensor/tendonvel", "tendon"),
+    sensor("sensor/actuatorpos", "actuator"),
+    sensor("sensor/actuatorvel", "actuator"),
+    sensor("sensor/actuatorfrc", "actuator"),
+    sensor("sensor/framepos", "objtype objname reftype refname"),
+    sensor("sensor/framequat", "objtype objname reftype refname"),
+    sensor("sensor/framexaxis", "objtype objname reftype refname"),
+    sensor("sensor/frameyaxis", "objtype objname reftype refname"),
+    sensor("sensor/framezaxis", "objtype objname reftype refname"),
+    sensor("sensor/framelinvel", "objtype objname reftype refname"),
+    sensor("sensor/frameangvel", "objtype objname reftype refname"),
+    sensor("sensor/framelinacc", "objtype objname"),
+    sensor("sensor/frameangacc", "objtype objname"),
+    sensor("sensor/subtreecom", "body"),
+    sensor("sensor/subtreelinvel", "body"),
+    sensor("sensor/subtreeangmom", "body"),
+    sensor("sensor/clock", ""),
     rule("mujoco/keyframe", "", "", &[]),
     rule("keyframe/key", "name time qpos qvel act ctrl mpos mquat", "", &[("plastic", "0")]),
 ];

@@ -13,7 +13,7 @@ pub mod distance;
 mod ellipsoid;
 mod height_field;
 mod parameters;
-mod place;
+pub mod place;
 pub mod ray;
 mod shapes;
 

@@ -231,7 +231,7 @@ impl Motion {
 }
 
 /// A polynomial of degree four and its slope.
-fn polynomial(&[a0, a1, a2, a3, a4]: &[f64; 5], x: f64) -> [f64; 2] {
+pub(in crate::physics) fn polynomial(&[a0, a1, a2, a3, a4]: &[f64; 5], x: f64) -> [f64; 2] {
     let slope = a1 + x * (2.0 * a2 + x * (3.0 * a3 + x * 4.0 * a4));
     [a0 + x * (a1 + x * (a2 + x * (a3 + x * a4))), slope]
 }

@@ -21,7 +21,7 @@
 
 pub(crate) mod cone;
 mod contacts;
-mod equalities;
+pub(in crate::physics) mod equalities;
 mod impedance;
 pub(crate) mod jacobian;
 mod limits;

@@ -4,7 +4,7 @@
 //! 2. meshes are listed, to be read only if a body's inertia depends on them;
 //! 3. [`tree`]: bodies in depth-first order with their frames, joints, shapes and sites; [`shapes`] reads one geom or site;
 //! 4. [`inertias`]: explicit or inferred mass properties, bounded and balanced;
-//! 5. [`contacts`], [`tendons`], [`equalities`], [`actuators`]: what refers to the tree by name;
+//! 5. [`contacts`], [`tendons`], [`equalities`], [`actuators`], [`sensors`]: what refers to the tree by name;
 //! 6. the model's `topology`: roots and welds, degrees of freedom, the rows of the mass matrix, subtree masses;
 //! 7. [`keyframes`]: states of the whole model;
 //! 8. the physics' own constants at the reference configuration (inverse weights, reference lengths).
@@ -17,6 +17,7 @@ mod inertias;
 mod keyframes;
 mod length_range;
 mod names;
+mod sensors;
 mod settings;
 mod shapes;
 mod tendons;
@@ -28,9 +29,10 @@ use super::error::{ModelError, Unsupported};
 use super::mesh::Mesh;
 use super::{replicate, schema};
 use crate::{
-    model::{Model, topology},
+    model::{GeomKind, Model, topology},
     physics::{collision, constants},
 };
+use nalgebra::Vector3;
 use names::Names;
 pub(super) use settings::Settings;
 pub(super) use shapes::GEOM_KINDS;
@@ -49,6 +51,8 @@ struct Compiler<'a> {
     unsupported: Vec<Unsupported>,
     /// Joints whose spring and damper follow from a time constant (s) and a damping ratio.
     springs: Vec<(usize, [f64; 2])>,
+    /// Volumes of all sites.
+    zones: Vec<(GeomKind, Vector3<f64>)>,
     model: Model,
 }
 
@@ -67,6 +71,7 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
         meshes: BTreeMap::new(),
         unsupported: Vec::new(),
         springs: Vec::new(),
+        zones: Vec::new(),
         model: Model { name: root.text("model").unwrap_or("MuJoCo Model").to_owned(), ..Model::default() },
     };
     compiler.model.options = settings::options(root)?;
@@ -75,6 +80,7 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
     compiler.read_tendons()?;
     compiler.read_equalities()?;
     compiler.read_actuators()?;
+    compiler.read_sensors()?;
     if !compiler.unsupported.is_empty() {
         return Err(ModelError::Unsupported(compiler.unsupported));
     }

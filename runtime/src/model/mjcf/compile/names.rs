@@ -15,6 +15,7 @@ pub(super) enum Kind {
     Actuator,
     Equality,
     Keyframe,
+    Sensor,
 }
 
 impl Kind {
@@ -28,6 +29,7 @@ impl Kind {
             Self::Actuator => "actuator",
             Self::Equality => "equality",
             Self::Keyframe => "key",
+            Self::Sensor => "sensor",
         }
     }
 }

@@ -87,6 +87,7 @@ impl Compiler<'_> {
             None => self.frame(element)?,
         };
         let placed = frame.then(&local);
+        self.zones.push(zone(element)?);
         let sites = &mut self.model.sites;
         let name = self.names.register(Kind::Site, element, sites.name.len())?;
         sites.name.push(name);
@@ -100,6 +101,28 @@ impl Compiler<'_> {
     pub(super) fn frame(&self, element: &Element) -> Result<Frame, ModelError> {
         Ok(Frame { position: element.vector_or("pos", Vector3::zeros())?, orientation: self.settings.orientation(element)? })
     }
+}
+
+/// Size of a site's volume where the file gives none, m.
+const SITE_SIZE: [f64; 3] = [0.005; 3];
+
+/// The shape and size of a site's volume.
+fn zone(element: &Element) -> Result<(GeomKind, Vector3<f64>), ModelError> {
+    let words = ["sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh"];
+    let shape = match element.keyword("type", &words)?.unwrap_or(0) {
+        0 => GeomKind::Sphere,
+        1 => GeomKind::Capsule,
+        2 => GeomKind::Ellipsoid,
+        3 => GeomKind::Cylinder,
+        4 => GeomKind::Box,
+        _ => GeomKind::Mesh,
+    };
+    let mut size = element.numbers_over("size", SITE_SIZE)?;
+    if let Some((_, half)) = span(element)? {
+        let length = if matches!(shape, GeomKind::Capsule | GeomKind::Cylinder) { 1 } else { 2 };
+        size[length] = half;
+    }
+    Ok((shape, Vector3::from(size)))
 }
 
 /// The frame in the middle of `fromto`, its z axis pointing at the first point, and half the distance.

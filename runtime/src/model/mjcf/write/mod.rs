@@ -8,6 +8,7 @@
 //! reading the text gives an equal model, and MuJoCo reads the same.
 
 mod rows;
+mod sensors;
 
 use super::super::{JointKind, Model, PathPoint};
 use rows::{Row, escaped};
@@ -41,6 +42,7 @@ pub(super) fn write(model: &Model) -> String {
     print_tendons(model, &shared, &mut printer);
     let actuators = (0..model.actuators.name.len()).map(|actuator| rows::actuator(model, actuator));
     printer.section("actuator", actuators.map(|row| shared.lean(row, "general")));
+    printer.section("sensor", (0..model.sensors.name.len()).map(|sensor| sensors::sensor(model, sensor)));
     printer.section("keyframe", model.keyframes.iter().map(|frame| rows::keyframe(model, frame)));
     printer.close("mujoco");
     printer.text

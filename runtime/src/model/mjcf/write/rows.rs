@@ -3,8 +3,8 @@
 use super::super::compile::GEOM_KINDS;
 use super::{JointKind, Model, PathPoint};
 use crate::model::{
-    Attachment, AttachmentOrigin, Bias, Cone, Dynamics, Equality, Gain, GeomKind, Integrator, Keyframe, Options, Quaternion,
-    Softness, Transmission, rotation,
+    Attachment, AttachmentOrigin, Bias, Cone, Dynamics, Equality, Gain, GeomKind, Integrator, Keyframe, Measure, Options,
+    Quaternion, Softness, Transmission, rotation,
 };
 use nalgebra::Vector3;
 
@@ -45,7 +45,7 @@ impl Row {
     }
 
     /// Adds numbers unless they are the element's standard ones.
-    fn unless_standard(self, kind: &str, name: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
+    pub fn unless_standard(self, kind: &str, name: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
         let text = spaced(values);
         if text == standard(kind, name) { self } else { self.word(name, &text) }
     }
@@ -263,9 +263,20 @@ pub(super) fn geom(model: &Model, geom: usize) -> Row {
         .unless_standard("geom", "gap", [geoms.gap[geom]])
 }
 
+/// A site; its volume is only given where a sensor uses it.
 pub(super) fn site(model: &Model, site: usize) -> Row {
     let sites = &model.sites;
-    Row::new("site").text("name", &sites.name[site]).vector("pos", sites.position[site]).orientation(sites.orientation[site])
+    let zones = model.sensors.measure.iter().find_map(|measure| match *measure {
+        Measure::Touch { site: own, shape, size } if own == site => Some((shape, size)),
+        _ => None,
+    });
+    let mut row =
+        Row::new("site").text("name", &sites.name[site]).vector("pos", sites.position[site]).orientation(sites.orientation[site]);
+    if let Some((shape, size)) = zones {
+        let word = GEOM_KINDS.iter().find(|(_, known)| *known == shape).map_or("sphere", |(word, _)| word);
+        row = row.word("type", word).numbers("size", size.iter().copied());
+    }
+    row
 }
 
 pub(super) fn pair(model: &Model, pair: usize) -> Row {
