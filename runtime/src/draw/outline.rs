@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::path::Path;
-use crate::model::GeomKind;
+use crate::model::{GeomKind, HeightField};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// A shape in the world: kind, size (m), centre (m) and orientation.
@@ -47,6 +47,19 @@ impl Shape {
                 };
                 let ends = [axis(2) * self.size.y, axis(2) * -self.size.y];
                 path.polygon(&hull((0..SIDES).flat_map(|index| ends.map(|end| centre + end + rim(index))).collect()));
+            }
+        }
+    }
+}
+
+impl Shape {
+    /// Appends the surface of a height field: each of its cells, which together fill as one.
+    pub fn relief(&self, field: &HeightField, camera: &Camera, path: &mut Path) {
+        let place = |row: usize, column: usize| camera.project(self.centre + self.rotation * field.point(row, column));
+        for row in 0..field.rows - 1 {
+            for column in 0..field.columns - 1 {
+                let corners = [(row, column), (row, column + 1), (row + 1, column + 1), (row + 1, column)];
+                path.polygon(&hull(corners.map(|(row, column)| place(row, column)).to_vec()));
             }
         }
     }

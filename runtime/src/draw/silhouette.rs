@@ -39,17 +39,20 @@ pub(super) fn add(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
     }
 }
 
-/// Adds the solid shapes of the scene, other than the ground.
+/// Adds the solid shapes of the scene, what the body carries among them, other than level ground.
 pub(super) fn add_scenery(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
     let geoms = &snapshot.model.geoms;
     for geom in 0..geoms.body.len() {
         let solid = geoms.contact_type[geom] != 0 || geoms.contact_affinity[geom] != 0;
-        if !solid || geoms.kind[geom] == GeomKind::Plane || snapshot.body.members.contains(&geoms.body[geom]) {
+        if !solid || geoms.kind[geom] == GeomKind::Plane || snapshot.body.owns(geoms.body[geom]) {
             continue;
         }
         let shape = shape(snapshot, geom);
         let mut path = Path::default();
-        shape.outline(camera, &mut path);
+        match geoms.asset[geom].filter(|_| shape.kind == GeomKind::HeightField) {
+            Some(asset) => shape.relief(&snapshot.model.height_fields[asset], camera, &mut path),
+            None => shape.outline(camera, &mut path),
+        }
         panel.add(Item::Scenery { depth: camera.depth(shape.centre), path });
     }
 }

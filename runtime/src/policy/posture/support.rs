@@ -74,7 +74,7 @@ impl Support {
     fn fill(&self, model: &Model, kinematics: &Kinematics<f64>, shapes: &[usize], points: &mut Vec<Point>) {
         for &shape in shapes {
             let (centre, rotation) = (kinematics.geom_position[shape], kinematics.geom_rotation[shape]);
-            let plane = self.nearest_plane(kinematics, &centre);
+            let plane = self.nearest_plane(model, kinematics, &centre);
             let (origin, normal, friction) = plane.map_or((Vector3::zeros(), Vector3::z(), 0.0), |plane| {
                 let normal = kinematics.geom_rotation[plane].column(2).into_owned();
                 (kinematics.geom_position[plane], normal, model.geoms.friction[plane][0])
@@ -89,9 +89,14 @@ impl Support {
         }
     }
 
-    fn nearest_plane(&self, kinematics: &Kinematics<f64>, point: &Vector3<f64>) -> Option<usize> {
+    /// The nearest level ground; stairs and other terrain are not stood on as such.
+    fn nearest_plane(&self, model: &Model, kinematics: &Kinematics<f64>, point: &Vector3<f64>) -> Option<usize> {
         let height = |plane: usize| (point - kinematics.geom_position[plane]).dot(&kinematics.geom_rotation[plane].column(2));
-        self.ground.iter().copied().min_by(|&a, &b| height(a).total_cmp(&height(b)))
+        self.ground
+            .iter()
+            .copied()
+            .filter(|&shape| model.geoms.kind[shape] == GeomKind::Plane)
+            .min_by(|&a, &b| height(a).total_cmp(&height(b)))
     }
 }
 
