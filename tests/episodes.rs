@@ -374,3 +374,19 @@ fn a_draw_that_never_fits_is_a_fault_of_that_episode() {
     let Some(Ending::Fault(fault @ Fault::Draw(_))) = episode.ending() else { panic!("{:?}", episode.ending()) };
     assert!(fault.to_string().starts_with("none of 64 draws of `goal` at step 0 fulfils `goal > 2`"), "{fault}");
 }
+
+#[test]
+fn support_and_muscles_are_measured() {
+    let watched = "observe { centre_of_pressure; support_margin; moment_arm(soleus_r, ankle_angle_r); soleus_r.fibre_length; soleus_r.tendon_length; soleus_r.length; contact_force(feet, ground).z; body_weight; com";
+    let mut episode = episode(&[("observe { com", watched), ("velocity [0.2 m/s, 0, 0]", "velocity [0, 0, 0]")]);
+    episode.reset(KEY);
+    let seen = episode.observation().to_vec();
+    let [x, y, z, margin, arm, fibre, tendon, length, force, weight]: [f64; 10] = seen[..10].try_into().unwrap();
+    assert!(z.abs() < 0.02 && x.abs() < 0.3 && y.abs() < 0.3, "{seen:?}");
+    // A standing body is over its feet, by less than their length.
+    assert!((-0.1..0.15).contains(&margin), "{margin}");
+    // The calf drives the foot down.
+    assert!((-0.08..-0.02).contains(&arm), "{arm}");
+    assert!((fibre + tendon - length).abs() < 1e-9 && fibre > 0.0 && tendon > 0.0);
+    assert!(force >= 0.0 && (weight - 84.26998825710956 * 9.81).abs() < 1e-9);
+}

@@ -44,6 +44,9 @@ pub enum Sensor {
     MuscleFibreVelocity(usize),
     /// Length of a muscle's tendon: 1, m. Constant where tendons are rigid; the force in it is [`Sensor::MuscleForce`].
     MuscleTendonLength(usize),
+    /// Moment arm of a muscle (first) about a joint (second), positive where its pull drives the coordinate up: 1, m about
+    /// hinges, a plain number along slides.
+    MomentArm(usize, usize),
     /// Activation: 1, in 0..1.
     MuscleActivation(usize),
     /// Excitation: 1, in 0..1.
@@ -58,6 +61,12 @@ pub enum Sensor {
     ComAcceleration,
     /// Angular momentum about the centre of mass: 3, kg m²/s.
     AngularMomentum,
+    /// Where the ground's force acts: contact points weighted by the vertical force; without contact the point of the level
+    /// z = 0 under the centre of mass: 3, m.
+    CentreOfPressure,
+    /// How far the centre of mass, seen from above, is from the edge of the hull of all ground contacts, positive within;
+    /// without contact minus its height: 1, m.
+    SupportMargin,
     /// Root position: 3, m.
     RootPosition,
     /// Root axes forward, left, up: 9.
@@ -153,6 +162,7 @@ impl Sensor {
             | ComVelocity
             | ComAcceleration
             | AngularMomentum
+            | CentreOfPressure
             | RootPosition
             | RootVelocity
             | RootAngularVelocity
@@ -169,6 +179,8 @@ impl Sensor {
             | MuscleFibreLength(_)
             | MuscleFibreVelocity(_)
             | MuscleTendonLength(_)
+            | MomentArm(..)
+            | SupportMargin
             | MuscleActivation(_)
             | MuscleExcitation(_)
             | Action(_)

@@ -18,6 +18,8 @@ pub struct Vocabulary {
     pub physics_step: f64,
     /// Total mass of the body, kg.
     pub mass: f64,
+    /// Magnitude of gravity, m/s².
+    pub gravity: f64,
     /// Place of the centre of mass in the standing pose, m.
     pub neutral_com: [f64; 3],
     /// Named places with anatomical axes.

@@ -319,3 +319,28 @@ fn deep_and_large_texts_are_refused_without_harm_to_a_small_stack() {
     });
     checked.unwrap().join().unwrap();
 }
+
+#[test]
+fn a_list_is_read_at_a_place_known_only_at_run_time() {
+    let place = "argmax([com.height, 3 m])";
+    assert_eq!(over_heights(&format!("[7, 8][{place}]"), &[1.0, 5.0, 2.0, 4.0]), [8.0, 7.0, 8.0, 7.0]);
+    assert_eq!(over_heights("[5, 6, 7][mod(step, 3)]", &[0.0; 5]), [5.0, 6.0, 7.0, 5.0, 6.0]);
+}
+
+#[test]
+fn turns_go_the_short_way_and_between_orientations() {
+    assert_eq!(over_heights("turn(170 deg, -170 deg) / 1 deg", &[0.0])[0].round(), 20.0);
+    let task = task("observe {\nx = turn(pelvis.orientation, torso.orientation) / 1 rad\n}");
+    let angles = [0.0_f64, 0.3, 1.5, 3.0, std::f64::consts::PI];
+    for angle in angles {
+        let measure = |_: u32, sensor: Sensor, lane: usize| {
+            let (sin, cos) = angle.sin_cos();
+            let turned = [cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0];
+            let level = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+            let first = task.frame.entries().iter().find(|(sensor, _)| matches!(sensor, Sensor::LandmarkAxes(_)));
+            if first.is_some_and(|(first, _)| sensor == *first) { level[lane] } else { turned[lane % 9] }
+        };
+        let found = Episode::start(&task, &measure).observe()[0];
+        assert!((found - angle).abs() < 1e-7, "{angle}: {found}");
+    }
+}

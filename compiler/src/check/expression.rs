@@ -316,12 +316,7 @@ impl<'a> Checker<'a> {
             return Err(self.report(diagnostic));
         };
         let known = self.graph.constant_value(place.node).filter(|_| place.kind == Type::Int);
-        let Some(known) = known else {
-            let diagnostic = self
-                .diagnostic(codes::types::NOT_CONSTANT, index.span, "the index must be a whole number known while compiling")
-                .found(place.kind.described(self.vocabulary));
-            return Err(self.report(diagnostic));
-        };
+        let Some(known) = known else { return self.index_at_run_time(base, &place, length, index) };
         if known < 0.0 || known >= length as f64 {
             let message = format!("the list has {length} elements, 0 to {}", length - 1);
             return Err(self.error(codes::types::INDEX, index.span, message));
@@ -340,6 +335,42 @@ impl<'a> Checker<'a> {
             }
             thing @ Value::Thing(_) => thing,
         })
+    }
+
+    /// `list[i]` where `i` is known only while the task runs: the ranges of what it reads must prove that it lies within.
+    fn index_at_run_time(&mut self, base: Value, place: &Data, length: usize, index: &'a Expr) -> Checked<Value> {
+        if place.kind != Type::Int {
+            let found = place.kind.described(self.vocabulary);
+            let diagnostic = self.diagnostic(codes::types::NOT_CONSTANT, index.span, "an index is a whole number").found(found);
+            return Err(self.report(diagnostic));
+        }
+        let data = match base {
+            Value::Data(data) if !matches!(data.kind, Type::Mixed(_)) => data,
+            _ => {
+                let message = "which part of the body is meant must be known while compiling";
+                let help = "read the property of all of them first, then choose: `[pole_{0..9}].height[i]`";
+                let diagnostic = self.diagnostic(codes::types::NOT_CONSTANT, index.span, message).help(help);
+                return Err(self.report(diagnostic));
+            }
+        };
+        let (horizon, interval) = (self.timing.horizon, self.timing.interval);
+        let ranges = super::ranges::Working { vocabulary: self.vocabulary, queries: &self.queries, horizon, interval };
+        let bounds = crate::graph::interval::analyse_for(&self.graph, place.node, &ranges);
+        let last = (length - 1) as f64;
+        // A whole remainder stays below its divisor, where that of other numbers only comes near.
+        let below = matches!(self.graph.node(place.node).operation, Operation::Binary(Binary::Modulo));
+        let highest = if below { length as f64 } else { last };
+        if !bounds.iter().all(|bounds| bounds.low >= 0.0 && bounds.high <= highest) {
+            let diagnostic = self
+                .diagnostic(codes::types::INDEX, index.span, "nothing shows that this index lies within the list")
+                .expected(format!("0 .. {last}"))
+                .help(format!("say what is to happen beyond its ends: `clip(i, 0, {last})` or `mod(i, {length})`"));
+            return Err(self.report(diagnostic));
+        }
+        let lanes = data.kind.element_lanes();
+        let operation = Operation::Pick(u32::try_from(lanes).unwrap_or(u32::MAX));
+        let node = self.graph.add(operation, &[data.node, place.node]);
+        Ok(Value::Data(Data::new(node, data.kind.element().clone())))
     }
 
     fn comprehension(

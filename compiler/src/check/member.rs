@@ -304,6 +304,8 @@ impl<'a> Checker<'a> {
                 let force = graph.sensors(sensors(Sensor::MuscleForce));
                 (graph.unary(Unary::Negate, force), Dimension::FORCE)
             }
+            Read::FibreLength => (graph.sensors(sensors(Sensor::MuscleFibreLength)), Dimension::LENGTH),
+            Read::TendonLength => (graph.sensors(sensors(Sensor::MuscleTendonLength)), Dimension::LENGTH),
             Read::Excitation => (graph.sensors(sensors(Sensor::MuscleExcitation)), Dimension::NONE),
             Read::Action => (graph.sensors(sensors(Sensor::Action)), Dimension::NONE),
             Read::PeakForce => {
@@ -408,6 +410,12 @@ impl<'a> Checker<'a> {
             Read::Horizon => Data::new(self.graph.constant(f64::from(self.timing.horizon)), Type::Int),
             Read::Pi => Data::new(self.graph.constant(std::f64::consts::PI), Type::PLAIN),
             Read::BodyMass => Data::new(self.graph.constant(self.vocabulary.mass), Type::Number(Dimension::MASS)),
+            Read::BodyWeight => {
+                let weight = self.vocabulary.mass * self.vocabulary.gravity;
+                Data::new(self.graph.constant(weight), Type::Number(Dimension::FORCE))
+            }
+            Read::CentreOfPressure => Data::new(self.graph.sensors(vec![Sensor::CentreOfPressure]), Type::Place(Frame::World)),
+            Read::SupportMargin => Data::new(self.graph.sensors(vec![Sensor::SupportMargin]), Type::Number(Dimension::LENGTH)),
             Read::AngularMomentum => {
                 let kind = Type::world_vector(Dimension::ANGULAR_MOMENTUM);
                 Data::new(self.graph.sensors(vec![Sensor::AngularMomentum]), kind)

@@ -18,7 +18,7 @@ pub struct External {
 
 impl Snapshot<'_> {
     /// The contacts of the body with anything that is not the body, where forces act.
-    pub fn external_contacts(&self) -> impl Iterator<Item = External> + '_ {
+    pub fn external_contacts(&self) -> impl Iterator<Item = External> + Clone + '_ {
         // One episode has one lane.
         let constraints = self.workspace.episodes.first().map(|episode| &episode.constraints);
         let owns = |geom: usize| self.body.owns(self.model.geoms.body[geom]);

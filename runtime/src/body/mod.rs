@@ -16,6 +16,7 @@ mod placement;
 mod queries;
 pub mod sensors;
 pub mod shape;
+mod support;
 mod vocabulary;
 
 pub(crate) use bind::subtree;

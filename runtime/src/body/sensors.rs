@@ -5,7 +5,7 @@
 
 use super::Body;
 use crate::model::Model;
-use crate::physics::{State, Workspace};
+use crate::physics::{self, State, Workspace};
 use crate::scene::ground::{ABYSS, Ground};
 use msk_compiler::frame::{FrameLayout, Sensor};
 use msk_compiler::scene::Part;
@@ -116,6 +116,9 @@ impl Snapshot<'_> {
             Sensor::ComPosition => Vector(body.centre_of_mass(self.model, kinematics)),
             Sensor::ComVelocity => Vector(self.com_velocity()),
             Sensor::AngularMomentum => Vector(self.angular_momentum()),
+            Sensor::CentreOfPressure => Vector(self.centre_of_pressure()),
+            Sensor::SupportMargin => Scalar(self.support_margin()),
+            Sensor::MomentArm(muscle, joint) => Scalar(self.moment_arm(muscle, joint)),
             Sensor::RootPosition => Vector(kinematics.body_position[body.root.body]),
             Sensor::RootAxes => Axes(kinematics.body_rotation[body.root.body] * body.root.axes),
             Sensor::RootVelocity => Vector(self.velocity_of(body.root.body, kinematics.body_position[body.root.body])),
@@ -131,6 +134,13 @@ impl Snapshot<'_> {
             Sensor::Query(..) => Scalar(0.0),
             Sensor::Time => Scalar(control.time),
         }
+    }
+
+    /// Moment arm of a muscle about a joint, m (a plain number along a slide).
+    fn moment_arm(&self, muscle: usize, joint: usize) -> f64 {
+        let Some(tendon) = self.model.actuators.muscle(muscle).map(|muscle| muscle.tendon) else { return 0.0 };
+        let (kinematics, paths) = (&self.workspace.kinematics, &self.workspace.tendons);
+        physics::moment_arm(self.model, kinematics, paths, tendon, self.body.joints[joint].dof)
     }
 
     /// Height of a landmark's segment above the ground, m; over an abyss, above its bottom.

@@ -42,6 +42,7 @@ impl Body {
             body: self.name.clone(),
             physics_step: model.options.timestep,
             mass: self.mass,
+            gravity: model.options.gravity.norm(),
             neutral_com: self.centre_of_mass(model, kinematics).into(),
             landmarks: self.landmarks.iter().map(landmark).collect(),
             // Poses say nothing of objects, whose joints stand at zero.

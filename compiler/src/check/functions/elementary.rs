@@ -122,7 +122,15 @@ pub(super) fn hypot<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<D
 }
 
 pub(super) fn modulo<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    pair(checker, call, ["x", "y"], Binary::Modulo, |dimension| dimension)
+    let [x, y] = call.take(checker, ["x", "y"])?;
+    let (left, right) = (any_number(checker, call, x), any_number(checker, call, y));
+    let (left, right) = (left?, right?);
+    // The remainder of whole numbers is whole, and so may be an index.
+    let whole = *left.0.kind.element() == Type::Int && *right.0.kind.element() == Type::Int;
+    let (a, b, kind) = checker.agree("combine", (left.0, x), (right.0, y))?;
+    let dimension = kind.dimension().unwrap_or(Dimension::NONE);
+    let node = checker.graph.binary(Binary::Modulo, a, b);
+    Ok(Data::new(node, kind.with_element(if whole { Type::Int } else { Type::Number(dimension) })))
 }
 
 /// Three numbers of one dimension laid out alike.

@@ -3,6 +3,7 @@
 mod contact;
 mod elementary;
 mod lists;
+mod muscles;
 mod temporal;
 mod terrain;
 mod vectors;
@@ -81,6 +82,8 @@ pub const FUNCTIONS: &[Function] = &[
     row("unit", "unit(v)", "the vector divided by its length; zero stays zero", vectors::unit),
     row("distance", "distance(a, b)", "between two places", vectors::distance),
     row("angle_between", "angle_between(a, b)", "angle between two vectors, 0 to half a turn", vectors::angle_between),
+    row("turn", "turn(a, b)", "of two angles the short way from a to b, wrapped; of two orientations the angle of the turn between them, 0 to half a turn", vectors::turn),
+    row("moment_arm", "moment_arm(muscle, joint)", "moment arm of a muscle, or of each of a list, about a joint", muscles::moment_arm),
     row("neutral", "neutral(x)", "the value of x in the body's standing pose, folded while compiling", vectors::neutral),
     row("touching", "touching(a, b)", "condition: the two touch; a named group counts as one thing, a list gives one answer each", contact::touching),
     row("contact_force", "contact_force(a, b)", "force on a by b, world axes", contact::contact_force),
@@ -119,7 +122,7 @@ pub const OPERATORS: &[Function] = &[
 ];
 
 /// Names of functions of the language that this version does not have yet.
-const LATER: &[&str] = &["turn"];
+const LATER: &[&str] = &[];
 
 /// The function called `name`.
 pub fn find(name: &str) -> Option<&'static Function> {

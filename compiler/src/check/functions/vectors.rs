@@ -5,11 +5,11 @@ use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::check::ranges::Standing;
 use crate::check::types::{Frame, Type};
-use crate::check::value::{Data, Value};
+use crate::check::value::{Data, Form, Value};
 use crate::diagnostics::codes;
 use crate::graph::NodeId;
 use crate::graph::interval;
-use crate::graph::operation::{Binary, Reduction};
+use crate::graph::operation::{Binary, Reduction, Unary};
 use crate::syntax::tree::Expr;
 
 /// A vector, or a list of vectors.
@@ -162,4 +162,38 @@ pub(super) fn neutral<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked
     };
     let node = checker.graph.constants(&lanes);
     Ok(Data { node, ..data })
+}
+
+/// From one angle to another the short way, or from one orientation to another.
+pub(super) fn turn<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+    let [a, b] = call.take(checker, ["a", "b"])?;
+    let (from, to) = (checker.data(a), checker.data(b));
+    let (from, to) = (from?, to?);
+    if from.kind == Type::Rotation && to.kind == Type::Rotation {
+        // The trace of A'B is 1 + 2 cos, the length of its skew part 2 sin: together they keep their digits everywhere.
+        let mut crossed = Vec::new();
+        for axis in 0..3 {
+            let (one, other) =
+                (checker.graph.select(3 * axis..3 * axis + 3, from.node), checker.graph.select(3 * axis..3 * axis + 3, to.node));
+            crossed.push(cross_nodes(checker, one, other));
+        }
+        let skew = checker.graph.binary(Binary::Add, crossed[0], crossed[1]);
+        let skew = checker.graph.binary(Binary::Add, skew, crossed[2]);
+        let across = checker.graph.reduce(Reduction::Norm, 3, skew);
+        let along = dot_nodes(checker, from.node, to.node, 9);
+        let one = checker.graph.constant(1.0);
+        let along = checker.graph.binary(Binary::Subtract, along, one);
+        let node = checker.graph.binary(Binary::ArcTangent2, across, along);
+        return Ok(Data::new(node, Type::Number(Dimension::ANGLE)));
+    }
+    let (x, y, kind) = checker.agree("turn between", (from, a), (to, b))?;
+    if kind.dimension() != Some(Dimension::ANGLE) || !matches!(kind.element(), Type::Number(_)) {
+        let found = kind.described(checker.vocabulary);
+        let diagnostic =
+            checker.diagnostic(codes::types::WRONG_TYPE, call.span, "`turn` takes two angles or two orientations").found(found);
+        return Err(checker.report(diagnostic));
+    }
+    let between = checker.graph.binary(Binary::Subtract, y, x);
+    let node = checker.graph.unary(Unary::Wrap, between);
+    Ok(Data::new(node, kind).with_form(Form::Wrapping))
 }

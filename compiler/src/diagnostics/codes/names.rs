@@ -37,10 +37,10 @@ codes! {
         fix: "reward { -1 effort = mean(muscles \"glmax*\".activation) }",
     }
     NOT_YET = "E0206" {
-        title: "a signal that is not measured yet",
-        explanation: "The signal belongs to the language, but this version cannot measure it. It is refused rather than read \
+        title: "something that cannot be read yet",
+        explanation: "It belongs to the language, but this version cannot measure it. It is refused rather than read \
             as something else.",
-        example: "reward { 1 near = support_margin / 1 m }",
+        example: "reward { 1 near = sum(geom \"r_foot*\".speed) / 1 m/s }",
         fix: "reward { 1 near = com.height / 1 m }",
     }
     UNIT = "E0207" {
