@@ -157,6 +157,7 @@ features!(
     solimp_cases,
     solref_direct,
     switched_off,
+    tendon_armature,
     tendon_equality,
     tendon_limit,
     weld,

@@ -2,13 +2,14 @@
 
 use crate::model::Model;
 
-/// The couplings of a model in an order in which every leader is known before its followers.
+/// The couplings of a model that hold from the beginning, in an order in which every leader is known before its followers.
 ///
 /// # Errors
 /// The names of the joints that lead each other in a circle.
 pub(crate) fn order(model: &Model) -> Result<Vec<usize>, Vec<String>> {
     let couplings = &model.couplings;
-    let mut waiting: Vec<usize> = (0..couplings.joint.len()).collect();
+    let holds = |coupling: &usize| model.equalities.active[couplings.equality[*coupling]];
+    let mut waiting: Vec<usize> = (0..couplings.joint.len()).filter(holds).collect();
     let mut sorted = Vec::with_capacity(waiting.len());
     while !waiting.is_empty() {
         let slaved: Vec<usize> = waiting.iter().map(|&coupling| couplings.joint[coupling]).collect();

@@ -41,6 +41,8 @@ pub struct Tendons {
     pub margin: Vec<f64>,
     /// Softness of the limit.
     pub limit_softness: Vec<Softness>,
+    /// Inertia of a change of length, kg: of fixed tendons whose joints lie on one path to the root.
+    pub armature: Vec<f64>,
     /// Dry friction, N.
     pub friction_loss: Vec<f64>,
     /// Softness of the dry friction.

@@ -8,7 +8,10 @@ use super::{
     spatial::{Spatial, SpatialInertia, constant, pair},
     tree_matrix::Layout,
 };
-use crate::{model::Model, scalar::Real};
+use crate::{
+    model::{Model, PathPoint},
+    scalar::Real,
+};
 
 /// The mass matrix and what it is made of.
 #[derive(Debug, Clone)]
@@ -21,6 +24,8 @@ pub struct Inertia<T: Real> {
     pub matrix: Vec<T>,
     /// Factor M = L'DL in the same layout: L below the diagonal, D on it (`qLD`).
     pub factor: Vec<T>,
+    /// What the armature of tendons adds to entries of the mass matrix.
+    armature: Vec<(usize, f64)>,
 }
 
 impl<T: Real> Inertia<T> {
@@ -33,8 +38,32 @@ impl<T: Real> Inertia<T> {
             composite: vec![SpatialInertia::zero(); bodies],
             matrix: vec![T::splat(0.0); entries],
             factor: vec![T::splat(0.0); entries],
+            armature: tendon_armature(model),
         }
     }
+}
+
+/// Entries m J'J of all tendons with armature m. Such tendons are fixed (J is constant), their joints on one path to the root,
+/// so that the later of two dofs has an entry for the earlier one in its row.
+fn tendon_armature(model: &Model) -> Vec<(usize, f64)> {
+    let tendons = &model.tendons;
+    let mut entries = Vec::new();
+    for tendon in (0..tendons.armature.len()).filter(|&tendon| tendons.armature[tendon] > 0.0) {
+        let terms = || {
+            tendons.path_points[tendons.path[tendon].clone()].iter().filter_map(|point| match point {
+                PathPoint::Joint { joint, coefficient } => Some((model.joints.dof_address[*joint], *coefficient)),
+                _ => None,
+            })
+        };
+        for (later, first) in terms() {
+            for (earlier, second) in terms().filter(|(earlier, _)| *earlier <= later) {
+                let row = &model.dofs.row;
+                let entry = row[later].start + row[earlier].len() - 1;
+                entries.push((entry, tendons.armature[tendon] * first * second));
+            }
+        }
+    }
+    entries
 }
 
 /// Fills body inertias, composite inertias, the mass matrix and its factor.
@@ -78,6 +107,9 @@ fn mass_matrix<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Ine
         if let Some(diagonal) = entries.last_mut() {
             *diagonal += T::splat(model.dofs.armature[dof]);
         }
+    }
+    for &(entry, armature) in &out.armature {
+        out.matrix[entry] += T::splat(armature);
     }
 }
 

@@ -68,11 +68,10 @@ const JOINT: &str = "name class type pos axis limited range ref springref stiffn
     solreflimit solimplimit solreffriction solimpfriction springdamper actuatorfrclimited actuatorfrcrange actuatorgravcomp";
 const JOINT_NEUTRAL: &[(&str, &str)] = &[("springyield", "0")];
 const SITE: &str = "name class pos quat axisangle xyaxes zaxis euler fromto";
-const TENDON: &str = "name class limited range margin stiffness damping springlength frictionloss solreflimit solimplimit \
+const TENDON: &str = "name class limited range margin stiffness damping springlength armature frictionloss solreflimit solimplimit \
     solreffriction solimpfriction";
 const TENDON_SKIPPED: &str = "group width material rgba user";
-const TENDON_NEUTRAL: &[(&str, &str)] =
-    &[("armature", "0"), ("springyield", "0"), ("actuatorfrclimited", "false"), ("actuatorfrcrange", "0")];
+const TENDON_NEUTRAL: &[(&str, &str)] = &[("springyield", "0"), ("actuatorfrclimited", "false"), ("actuatorfrcrange", "0")];
 const ACTUATOR_NEUTRAL: &[(&str, &str)] = &[("delay", "0"), ("nsample", "0")];
 const ACTUATOR_SKIPPED: &str = "group user interp input";
 const ACTUATOR: &str = "name class joint jointinparent tendon site refsite ctrllimited ctrlrange forcelimited forcerange \

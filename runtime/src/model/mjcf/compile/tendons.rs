@@ -5,7 +5,7 @@ use super::settings::softness;
 use super::tree::linear;
 use super::{Compiler, section};
 use crate::model::mjcf::document::Element;
-use crate::model::mjcf::error::ModelError;
+use crate::model::mjcf::error::{ModelError, Unsupported};
 use crate::model::{GeomKind, PathPoint};
 use std::collections::BTreeSet;
 
@@ -16,7 +16,9 @@ impl Compiler<'_> {
         for element in section(&document.root, "tendon") {
             let element = &self.defaults.resolve(element, None)?;
             let path = if element.tag == "fixed" { self.combination(element)? } else { self.path(element)? };
+            let armature = self.armature(element, &path)?;
             let tendons = &mut self.model.tendons;
+            tendons.armature.push(armature);
             let name = self.names.register(Kind::Tendon, element, tendons.name.len())?;
             tendons.name.push(name);
             let start = tendons.path_points.len();
@@ -32,6 +34,28 @@ impl Compiler<'_> {
             tendons.spring_length.push(spring_length(element)?);
         }
         Ok(())
+    }
+
+    /// The armature of a tendon. It couples all dofs that move the tendon: the mass matrix has room for that, and the force
+    /// that it adds does not depend on velocities, where these are joints on one path to the root.
+    fn armature(&mut self, element: &Element, path: &[PathPoint]) -> Result<f64, ModelError> {
+        let armature = element.size_or("armature", 0.0)?;
+        let body = |point: &PathPoint| match point {
+            PathPoint::Joint { joint, .. } => Some(self.model.joints.body[*joint]),
+            _ => None,
+        };
+        let bodies: Vec<Option<usize>> = path.iter().map(body).collect();
+        let mut above: Vec<usize> = Vec::new();
+        let mut next = bodies.iter().flatten().max().copied();
+        while let Some(body) = next {
+            above.push(body);
+            next = (body > 0).then(|| self.model.bodies.parent[body]);
+        }
+        if armature > 0.0 && !bodies.iter().all(|body| body.is_some_and(|body| above.contains(&body))) {
+            let what = "attribute `armature` of a tendon that is not a fixed one of joints on one path to the root".to_owned();
+            self.unsupported.push(Unsupported { place: element.place.clone(), what });
+        }
+        Ok(armature)
     }
 
     /// The path of a spatial tendon.

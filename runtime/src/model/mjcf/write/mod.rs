@@ -100,7 +100,10 @@ struct Shared {
 const SHAREABLE: [(&str, &str); 6] = [
     ("joint", "armature damping frictionloss stiffness margin solreflimit solimplimit solreffriction solimpfriction"),
     ("geom", "type contype conaffinity condim group priority friction solmix solref solimp margin gap"),
-    ("tendon", "stiffness damping margin solreflimit solimplimit springlength frictionloss solreffriction solimpfriction"),
+    (
+        "tendon",
+        "stiffness damping margin solreflimit solimplimit springlength armature frictionloss solreffriction solimpfriction",
+    ),
     ("general", "dyntype gaintype biastype dynprm ctrlrange gear"),
     ("equality", "solref solimp"),
     ("pair", "condim friction solref solreffriction solimp margin gap"),

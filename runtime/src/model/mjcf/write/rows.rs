@@ -358,6 +358,7 @@ pub(super) fn tendon(model: &Model, tendon: usize) -> Row {
         .range("springlength", tendons.spring_length[tendon])
         .unless_standard("tendon", "margin", [tendons.margin[tendon]])
         .softness("tendon", ["solreflimit", "solimplimit"], &tendons.limit_softness[tendon])
+        .unless_standard("tendon", "armature", [tendons.armature[tendon]])
         .unless_standard("tendon", "frictionloss", [tendons.friction_loss[tendon]])
         .softness("tendon", ["solreffriction", "solimpfriction"], &tendons.friction_softness[tendon])
 }
