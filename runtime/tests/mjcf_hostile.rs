@@ -219,7 +219,7 @@ fn names_that_lead_nowhere_or_twice() {
 
 #[test]
 fn everything_unsupported_is_listed_with_its_line() {
-    let text = "<mujoco>\n<option integrator=\"discrete\">\n<flag gravity=\"disable\"/></option>\n<worldbody>\n\
+    let text = "<mujoco>\n<option integrator=\"discrete\">\n<flag spring=\"disable\"/></option>\n<worldbody>\n\
                 <body sleep=\"init\">\n<joint springyield=\"1\"/>\n<geom size=\"1\" fluidshape=\"ellipsoid\"/>\n\
                 <composite/>\n</body></worldbody>\n<deformable/>\n<equality>\n<flex flex=\"b\"/></equality>\n\
                 <actuator>\n<dcmotor joint=\"j\"/></actuator></mujoco>";
@@ -227,7 +227,7 @@ fn everything_unsupported_is_listed_with_its_line() {
     let found: Vec<_> = list.iter().map(|item| (item.place.line, item.what.as_str())).collect();
     let expected = [
         (2, "attribute `integrator` of `option` with the value `discrete`"),
-        (3, "attribute `gravity` of `flag` with the value `disable`"),
+        (3, "attribute `spring` of `flag` with the value `disable`"),
         (5, "attribute `sleep` of `body` with the value `init`"),
         (6, "attribute `springyield` of `joint` with the value `1`"),
         (7, "attribute `fluidshape` of `geom` with the value `ellipsoid`"),
@@ -240,6 +240,15 @@ fn everything_unsupported_is_listed_with_its_line() {
     assert!(list.iter().all(|item| !item.advice().is_empty()));
     let message = ModelError::Unsupported(list).to_string();
     assert!(message.contains("help: only rigid bodies are simulated"), "{message}");
+}
+
+#[test]
+fn gravity_can_be_switched_off() {
+    let text =
+        |flag: &str| format!("<mujoco><option gravity=\"0 0 -5\"><flag {flag}/></option><option gravity=\"0 0 -6\"/></mujoco>");
+    assert_eq!(Model::from_mjcf(&text("gravity=\"disable\"")).unwrap().options.gravity.z, 0.0);
+    assert_eq!(Model::from_mjcf(&text("")).unwrap().options.gravity.z, -6.0);
+    refused(&text("gravity=\"off\""), "`gravity` expects one of disable, enable");
 }
 
 #[test]

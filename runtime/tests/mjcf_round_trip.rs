@@ -4,6 +4,8 @@
 use msk_runtime::model::Model;
 use proptest::prelude::*;
 use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// Numbers of every size that figures of a body may have, and some that are awkward to print.
 fn number() -> impl Strategy<Value = f64> {
@@ -142,4 +144,32 @@ proptest! {
 fn the_full_body_survives_unchanged() {
     let model = msk_runtime::bodies::model("<built-in>/bodies/models/human416.xml".as_ref()).unwrap();
     assert!(Model::from_mjcf(&model.to_mjcf()).unwrap() == model);
+}
+
+/// All model files below a folder.
+fn models_below(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            models_below(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "xml") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_model_of_the_tests_survives_unchanged() {
+    let mut found = Vec::new();
+    models_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/oracle"), &mut found);
+    assert!(found.len() >= 20, "{found:?}");
+    let mut changed = Vec::new();
+    for path in &found {
+        // Some are there to be refused.
+        let Ok(model) = Model::from_file(path) else { continue };
+        if !Model::from_mjcf(&model.to_mjcf()).is_ok_and(|again| again == model) {
+            changed.push(path);
+        }
+    }
+    assert!(changed.is_empty(), "{changed:?}");
 }

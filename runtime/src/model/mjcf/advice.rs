@@ -1,7 +1,7 @@
 //! What can be done about a feature that the simulator does not have.
 
 /// The first word in backquotes of a description, and what to do about it.
-const BY_WORD: [(&str, &str); 28] = [
+const BY_WORD: [(&str, &str); 29] = [
     ("composite", DEFORMABLE),
     ("flexcomp", DEFORMABLE),
     ("flex", DEFORMABLE),
@@ -17,6 +17,7 @@ const BY_WORD: [(&str, &str); 28] = [
     ("density", FLUID),
     ("viscosity", FLUID),
     ("wind", FLUID),
+    ("fusestatic", "set it to false: static bodies then stay apart, which moves the same"),
     ("coordinate", "open and save the file with MuJoCo 2.2 or older, which rewrites it in local coordinates"),
     ("noslip_iterations", "remove it; `cone` elliptic with a larger `impratio` reduces slip too"),
     ("sdf", "replace the signed distance field by a mesh or by primitive shapes"),

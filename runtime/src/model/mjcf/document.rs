@@ -13,7 +13,7 @@ const DEEPEST: usize = 256;
 /// One file may hold this many bytes.
 const LONGEST_FILE: u64 = 64 << 20;
 /// All files of a model together may hold this many elements.
-pub(super) const MOST_ELEMENTS: usize = 1_000_000;
+const MOST_ELEMENTS: usize = 1_000_000;
 /// A model may be spread over this many files.
 const MOST_FILES: usize = 1_000;
 

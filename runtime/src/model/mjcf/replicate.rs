@@ -6,7 +6,7 @@
 //!    what is not copied, all of the first copy before all of the second.
 
 use super::compile::Settings;
-use super::document::{Element, MOST_ELEMENTS};
+use super::document::Element;
 use super::error::ModelError;
 use super::references::{Named, definition, reference};
 use crate::model::rotation;
@@ -15,6 +15,9 @@ use nalgebra::Vector3;
 /// A file may hold this many `replicate` elements: each costs a pass over everything that refers to names.
 const MOST_REPLICATES: usize = 1_000;
 
+/// All copies together may hold this many elements: far more than a model can have that is not refused later.
+const MOST_COPIED: usize = 200_000;
+
 /// Sections that refer to the tree, those that others refer to first.
 const REFERRING: [&str; 5] = ["tendon", "actuator", "contact", "equality", "sensor"];
 
@@ -22,7 +25,7 @@ const REFERRING: [&str; 5] = ["tendon", "actuator", "contact", "equality", "sens
 pub(super) fn expand(root: &mut Element, settings: &Settings) -> Result<(), ModelError> {
     let mut worlds: Vec<Element> = Vec::new();
     let mut copied = Vec::new();
-    let budget = &mut MOST_ELEMENTS.saturating_sub(root.size());
+    let budget = &mut { MOST_COPIED };
     for section in root.children.iter_mut().filter(|child| child.tag == "worldbody") {
         let mut world = core::mem::replace(section, Element::empty("worldbody", section.place.clone()));
         expand_children(&mut world, settings, budget, &mut copied)?;
@@ -75,7 +78,7 @@ fn replicas(
     copied: &mut Vec<Copies>,
 ) -> Result<Vec<Element>, ModelError> {
     element.required("count")?;
-    let count = element.integer_or("count", 0, 0, MOST_ELEMENTS as i64)? as usize;
+    let count = element.integer_or("count", 0, 0, 1_000_000)? as usize;
     if let Some(own) = element.children.iter().find(|child| matches!(child.tag.as_str(), "joint" | "freejoint" | "inertial")) {
         return Err(own.invalid(format!("`{}` cannot stand directly in `replicate`; put it into a body", own.tag)));
     }
@@ -117,7 +120,7 @@ fn spend(element: &Element, size: usize, count: usize, budget: &mut usize) -> Re
             *budget = left;
             Ok(())
         }
-        None => Err(element.invalid(format!("with all copies the model has more than {MOST_ELEMENTS} elements"))),
+        None => Err(element.invalid(format!("with all copies the model has more than {MOST_COPIED} copied elements"))),
     }
 }
 

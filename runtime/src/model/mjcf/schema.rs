@@ -105,8 +105,8 @@ const RULES: &[Rule] = &[
     rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio cone solver",
         "magnetic wind jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
          o_margin o_solref o_solimp o_friction", OPTION_NEUTRAL),
-    rule("option/flag", "constraint equality frictionloss limit contact refsafe eulerdamp", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
-        ("spring", "enable"), ("damper", "enable"), ("gravity", "enable"), ("clampctrl", "enable"),
+    rule("option/flag", "constraint equality frictionloss limit contact refsafe eulerdamp gravity", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
+        ("spring", "enable"), ("damper", "enable"), ("clampctrl", "enable"),
         ("filterparent", "enable"), ("actuation", "enable"),
         ("override", "disable"), ("invdiscrete", "disable"), ("sleep", "disable"), ("diagexact", "disable"),
         ("ipc", "disable"), ("speculative", "disable")]),

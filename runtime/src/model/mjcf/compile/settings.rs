@@ -154,6 +154,7 @@ impl Settings {
 /// Reads all `option` elements.
 pub(super) fn options(root: &Element) -> Result<Options, ModelError> {
     let mut options = Options::default();
+    let mut weightless = false;
     for element in root.children.iter().filter(|child| child.tag == "option") {
         options.timestep = element.number_or("timestep", options.timestep)?;
         if options.timestep <= 0.0 {
@@ -186,7 +187,11 @@ pub(super) fn options(root: &Element) -> Result<Options, ModelError> {
         element.keyword("solver", &["PGS", "CG", "Newton"])?;
         for flags in element.children.iter().filter(|child| child.tag == "flag") {
             read_switches(flags, &mut options.switches)?;
+            weightless = flags.keyword("gravity", &["disable", "enable"])?.map_or(weightless, |word| word == 0);
         }
+    }
+    if weightless {
+        options.gravity = Vector3::zeros();
     }
     Ok(options)
 }
