@@ -211,16 +211,16 @@ impl Draws for Share {
 fn a_random_places_an_object_anew_in_every_episode() {
     let task = task(
         "random lateral = uniform(-0.5 m .. 0.5 m)
-        random turn = uniform(0 deg .. 90 deg)
+        random bearing = uniform(0 deg .. 90 deg)
         scene { ground
             sphere ball { radius 11 cm, mass 0.4 kg, free, at [3 m, lateral, 1.2 m] }
         }
         init {
             pose neutral
-            root { heading turn / 2 }
+            root { heading bearing / 2 }
             ball { velocity [-4 m/s, -lateral / 1 s, 1 m/s] }
         }
-        observe { ball.position; lateral; turn }",
+        observe { ball.position; lateral; bearing }",
     );
     for (share, lateral) in [(0.5, 0.0), (0.75, 0.25), (0.0, -0.5)] {
         let mut state = msk_compiler::task::TaskState::default();
