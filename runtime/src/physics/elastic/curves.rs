@@ -118,6 +118,14 @@ impl Tendon {
         [power - c3, power * self.rate]
     }
 
+    /// Change of the force `force` of a taut tendon where the tangent changes it by the small `linear`: the exponential's
+    /// series to the third order.
+    pub fn small_change(&self, force: f64, linear: f64) -> f64 {
+        let [_, _, c3] = TENDON;
+        let x = linear / (force + c3);
+        linear * (1.0 + x * (0.5 + x / 6.0))
+    }
+
     /// Energy stored at `strain`, in units of peak force times slack length.
     pub fn energy(&self, strain: f64) -> f64 {
         let [_, _, c3] = TENDON;

@@ -5,8 +5,8 @@ use crate::physics::actuation::Curve;
 
 /// Shortest fibre, in optimal lengths. Where a path is still shorter, its tendon hangs slack.
 const SHORTEST: f64 = 0.05;
-/// Balance of fibre and tendon, in units of peak force, at which the search ends.
-const TOLERANCE: f64 = 1e-9;
+/// Imbalance of fibre and tendon, in units of peak force, from which one more step of Newton's leaves less than 1e-7.
+const TOLERANCE: f64 = 1e-4;
 /// Steps of the search at most; bisection alone needs about 50.
 const STEPS: usize = 100;
 /// Smallest cosine of pennation that is computed with.
@@ -99,6 +99,18 @@ struct Local {
     cosine: f64,
 }
 
+/// How far a fibre at one velocity is from balance with its tendon, along the tendon and in peak forces.
+struct Balance {
+    /// Force of the fibre less that of the tendon.
+    excess: f64,
+    /// Its slope over velocity.
+    slope: f64,
+    /// Force of the tendon and its slope over velocity.
+    pull: Sloped,
+    /// Factor of the active force by velocity; `None` where a silent muscle has no use for it.
+    factor: Option<f64>,
+}
+
 impl Unit {
     /// The fibre `step` seconds after it was `before` (length in m, velocity in m/s), on a path of length `path`.
     ///
@@ -115,19 +127,24 @@ impl Unit {
         let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
         let mut value = guess;
         for _ in 0..STEPS {
-            let [balance, slope] = self.balance(&local, path, start, reach, value, activation);
-            if balance.abs() <= TOLERANCE {
-                break;
+            let balance = self.balance(&local, path, start, reach, value, activation);
+            let newton = value - balance.excess / balance.slope;
+            let shortest = start + reach * newton < SHORTEST;
+            if balance.excess.abs() <= TOLERANCE {
+                if shortest {
+                    value = newton;
+                    break;
+                }
+                return self.last_step(&local, &balance, start + reach * newton, [value, newton]);
             }
-            bracket[usize::from(balance > 0.0)] = value;
-            let newton = value - balance / slope;
+            bracket[usize::from(balance.excess > 0.0)] = value;
             value = if bracket[0] < newton && newton < bracket[1] {
                 newton
             } else if bracket[0].is_finite() && bracket[1].is_finite() {
                 0.5 * (bracket[0] + bracket[1])
             } else {
                 // A slope that leads astray: stride towards the open side.
-                value - (1.0 + value.abs()) * balance.signum()
+                value - (1.0 + value.abs()) * balance.excess.signum()
             };
             if bracket[1] - bracket[0] <= 1e-14 * (1.0 + value.abs()) {
                 break;
@@ -138,11 +155,26 @@ impl Unit {
         self.fibre(&local, path, length, value)
     }
 
+    /// The fibre after a last, small step of Newton's from one velocity to another: the tendon's exponential is continued by
+    /// its series instead of being taken anew.
+    fn last_step(&self, local: &Local, balance: &Balance, length: f64, [from, to]: [f64; 2]) -> Fibre {
+        let [pull, slope] = balance.pull;
+        let change = self.tendon.small_change(pull, slope * (to - from));
+        let active = (local.active[0] + local.active[1] * (length - local.length)).max(0.0)
+            * balance.factor.unwrap_or_else(|| self.curves.over_velocity(to)[0]);
+        Fibre {
+            length: length * self.optimal,
+            velocity: to * self.optimal * self.fastest,
+            force: (pull + change).max(0.0) * self.peak,
+            gain: active * local.cosine * self.strength * self.peak,
+        }
+    }
+
     /// The fibre that is in balance with its tendon while the tendon keeps its length: it moves with its path, at most at its
     /// maximal velocity. By bisection between the shortest fibre and the one that leaves the tendon slack.
     pub fn equilibrium(&self, path: f64, path_velocity: f64, activation: f64) -> Fibre {
         let value = (path_velocity / (self.optimal * self.fastest)).clamp(-1.0, 1.0);
-        let excess = |length: f64| self.balance(&self.local(length), path, length, 0.0, value, activation)[0];
+        let excess = |length: f64| self.balance(&self.local(length), path, length, 0.0, value, activation).excess;
         let along = (path - self.slack) / self.optimal;
         let longest = (along.max(0.0) * along.max(0.0) + self.thickness * self.thickness).sqrt();
         let mut bracket = [SHORTEST, longest.max(SHORTEST)];
@@ -171,21 +203,27 @@ impl Unit {
         Local { length, active, passive, cosine }
     }
 
-    /// Force of the fibre less that of the tendon, along the tendon and in peak forces, and its slope over velocity.
-    fn balance(&self, local: &Local, path: f64, start: f64, reach: f64, value: f64, activation: f64) -> Sloped {
+    fn balance(&self, local: &Local, path: f64, start: f64, reach: f64, value: f64, activation: f64) -> Balance {
         let offset = start + reach * value - local.length;
         let active = activation * self.strength * (local.active[0] + local.active[1] * offset).max(0.0);
         let mut force = (local.passive[0] + local.passive[1] * offset).max(0.0) + self.damping * value;
         let mut slope = local.passive[1] * reach + self.damping;
+        let mut factor = None;
         if active > 0.0 {
-            let [factor, steepness] = self.curves.over_velocity(value);
-            force += active * factor;
-            slope += active * steepness + activation * self.strength * local.active[1] * reach * factor;
+            let [share, steepness] = self.curves.over_velocity(value);
+            factor = Some(share);
+            force += active * share;
+            slope += active * steepness + activation * self.strength * local.active[1] * reach * share;
         }
         let along = local.length * local.cosine + offset / local.cosine;
         let [pull, stiffness] = self.tendon.force((path - self.slack - self.optimal * along) / self.compliant);
         let gearing = self.optimal * reach / (local.cosine * self.compliant);
-        [force * local.cosine - pull, slope * local.cosine + stiffness * gearing]
+        Balance {
+            excess: force * local.cosine - pull,
+            slope: slope * local.cosine + stiffness * gearing,
+            pull: [pull, -stiffness * gearing],
+            factor,
+        }
     }
 
     fn fibre(&self, local: &Local, path: f64, length: f64, value: f64) -> Fibre {
