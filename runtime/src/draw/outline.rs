@@ -2,19 +2,21 @@
 
 use super::camera::Camera;
 use super::path::Path;
-use crate::model::{GeomKind, HeightField};
+use crate::model::{GeomKind, HeightField, Mesh};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// A shape in the world: kind, size (m), centre (m) and orientation.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shape {
+pub(super) struct Shape<'a> {
     pub kind: GeomKind,
     pub size: Vector3<f64>,
     pub centre: Vector3<f64>,
     pub rotation: Matrix3<f64>,
+    /// What a mesh looks like.
+    pub mesh: Option<&'a Mesh>,
 }
 
-impl Shape {
+impl Shape<'_> {
     /// Appends the outline as closed figures that all turn the same way, so that overlapping outlines fill as their union.
     /// Planes have none.
     pub fn outline(&self, camera: &Camera, path: &mut Path) {
@@ -22,7 +24,11 @@ impl Shape {
         let axis = |index: usize| camera.direction(self.rotation.column(index).into_owned());
         let radius = self.size.x * 1000.0;
         match self.kind {
-            GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => {}
+            GeomKind::Plane | GeomKind::HeightField => {}
+            GeomKind::Mesh => {
+                let corners = self.mesh.into_iter().flat_map(|mesh| &mesh.hull.vertices);
+                path.polygon(&hull(corners.map(|corner| camera.project(self.centre + self.rotation * corner)).collect()));
+            }
             GeomKind::Sphere => path.ellipse(centre, [radius, radius], 0.0),
             GeomKind::Capsule => path.stadium(centre - axis(2) * self.size.y, centre + axis(2) * self.size.y, radius),
             GeomKind::Ellipsoid => {
@@ -52,7 +58,7 @@ impl Shape {
     }
 }
 
-impl Shape {
+impl Shape<'_> {
     /// Appends the surface of a height field: each of its cells, which together fill as one.
     pub fn relief(&self, field: &HeightField, camera: &Camera, path: &mut Path) {
         let place = |row: usize, column: usize| camera.project(self.centre + self.rotation * field.point(row, column));

@@ -57,13 +57,14 @@ pub(super) fn add_scenery(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut 
     }
 }
 
-fn shape(snapshot: &Snapshot<'_>, geom: usize) -> Shape {
+fn shape<'a>(snapshot: &Snapshot<'a>, geom: usize) -> Shape<'a> {
     let (geoms, kinematics) = (&snapshot.model.geoms, &snapshot.workspace.kinematics);
     Shape {
         kind: geoms.kind[geom],
         size: geoms.size[geom],
         centre: kinematics.geom_position[geom],
         rotation: kinematics.geom_rotation[geom],
+        mesh: geoms.asset[geom].filter(|_| geoms.kind[geom] == GeomKind::Mesh).map(|asset| &snapshot.model.meshes[asset]),
     }
 }
 

@@ -68,6 +68,12 @@ impl Hull {
         best.0
     }
 
+    /// Of the faces around a corner the one that looks most along `direction`.
+    pub fn facing(&self, vertex: usize, direction: Vector3<f64>) -> Option<usize> {
+        let along = |face: usize| self.faces[face].normal.dot(&direction);
+        self.faces_around(vertex).iter().copied().reduce(|best, face| if along(face) > along(best) { face } else { best })
+    }
+
     /// Largest distance of a corner from the origin, m.
     pub fn radius(&self) -> f64 {
         self.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max)

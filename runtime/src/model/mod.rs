@@ -14,6 +14,7 @@ mod constraints;
 mod elastic;
 mod geometry;
 mod height_field;
+mod hull;
 pub mod import;
 pub(crate) mod inertia;
 mod keyframes;

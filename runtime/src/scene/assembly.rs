@@ -11,7 +11,7 @@ use crate::model::{
     Actuators, Attachment, AttachmentOrigin, Bias, Bodies, ContactPairs, Dofs, Equality, Gain, GeomKind, Geoms, HeightField,
     JointKind, Joints, Model, PathPoint, Sensors, Sites, Softness, Transmission, rotation, topology,
 };
-use crate::physics::{collision, constants};
+use crate::physics::constants;
 use nalgebra::Vector3;
 
 /// Number of coordinates and of degrees of freedom of a joint.
@@ -150,7 +150,6 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
         model.geoms.friction[geoms[geom]] = friction;
     }
     topology::complete(&mut model).map_err(BuildError::Model)?;
-    check_contacts(&model)?;
     constants::derive(&mut model);
     Ok(Built { model, bodies, joints, geoms, sites })
 }
@@ -425,12 +424,4 @@ fn ranges(count: usize, owners: &[usize]) -> Vec<core::ops::Range<usize>> {
             start..end
         })
         .collect()
-}
-
-/// Refuses shapes that can meet but whose contacts are not computed.
-fn check_contacts(model: &Model) -> Result<(), BuildError> {
-    let Some(&[first, second]) = collision::unsupported_pairs(model).first() else { return Ok(()) };
-    let kind = |geom: usize| model.geoms.kind[geom];
-    let names = format!("{}` and `{}", model.geoms.name[first], model.geoms.name[second]);
-    Err(BuildError::Contact { first: kind(first), second: kind(second), names })
 }

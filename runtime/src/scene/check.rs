@@ -39,16 +39,6 @@ pub enum BuildError {
         /// Why not.
         reason: &'static str,
     },
-    /// Shapes that can meet, without a way to compute where they touch.
-    #[error("contact of {first:?} with {second:?} (`{names}`) is not supported; make one of them not solid")]
-    Contact {
-        /// Kind of the first shape.
-        first: GeomKind,
-        /// Kind of the second shape.
-        second: GeomKind,
-        /// Their names.
-        names: String,
-    },
     /// What the model as a whole cannot be.
     #[error("{0}")]
     Model(String),

@@ -60,7 +60,7 @@ const SKIPPED: &[&str] = &[
 ];
 
 const GEOM: &str = "name class type contype conaffinity condim group priority size friction mass density solmix solref \
-    solimp margin gap fromto pos quat axisangle xyaxes zaxis euler mesh";
+    solimp margin gap fromto pos quat axisangle xyaxes zaxis euler mesh hfield";
 const GEOM_SKIPPED: &str = "material rgba castshadow user fitscale";
 const GEOM_NEUTRAL: &[(&str, &str)] =
     &[("shellinertia", "false"), ("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")];
@@ -111,7 +111,8 @@ const RULES: &[Rule] = &[
         ("override", "disable"), ("invdiscrete", "disable"), ("sleep", "disable"), ("diagexact", "disable"),
         ("ipc", "disable"), ("speculative", "disable")]),
     rule("mujoco/asset", "", "", &[]),
-    rule("asset/mesh", "name class file scale inertia", "maxhullvert smoothnormal content_type material", &[]),
+    rule("asset/mesh", "name class file scale inertia vertex face refpos refquat", "smoothnormal content_type material normal texcoord", &[("maxhullvert", "-1")]),
+    rule("asset/hfield", "name file nrow ncol elevation size", "content_type", &[]),
     rule("mujoco/default", "class", "", &[]),
     rule("default/default", "class", "", &[]),
     rule("default/mesh", "scale inertia", "maxhullvert", &[]),

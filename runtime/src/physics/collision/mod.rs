@@ -2,24 +2,31 @@
 //!
 //! 1. [`Plan::new`] decides once per model which pairs of geoms can ever meet (MuJoCo's filters: contact bits, welded and
 //!    neighbouring bodies, exclusions, explicit pairs), in MuJoCo's order, and mixes their contact parameters;
-//! 2. [`Plan::detect`] tests the bounding spheres of each pair and calls the collider of those that are close.
+//! 2. [`Plan::detect`] passes over resting shapes far from a moving one, tests the bounding spheres of the other pairs and
+//!    calls the collider of those that are close.
 //!
 //! A human body on a plane has about 160 such pairs, so testing all of them costs less than keeping any tree of volumes up
-//! to date. Which pair collides is ragged from episode to episode, so this stage works on one episode in `f64`; episodes
+//! to date; a scene adds resting shapes by the hundred, which are sorted once. Which pair collides is ragged from episode to episode, so this stage works on one episode in `f64`; episodes
 //! that share SIMD lanes elsewhere pass through it one by one.
 
+mod box_box;
+mod broad;
+mod capsule_box;
 mod convex;
 pub mod distance;
 mod ellipsoid;
 mod height_field;
 mod parameters;
 pub mod place;
+mod plane;
+mod polygon;
 pub mod ray;
+mod round;
 mod shapes;
 
 pub use convex::Scratch;
 pub(crate) use convex::solid::{Core, Solid};
-pub use parameters::{Candidate, unsupported_pairs};
+pub use parameters::Candidate;
 pub use place::{Asset, Placed};
 
 use crate::model::{GeomKind, Model};
@@ -53,6 +60,7 @@ pub struct Contact {
 /// Memory of the search for contacts, kept between steps.
 #[derive(Debug, Clone, Default)]
 pub struct Memory {
+    chosen: Vec<usize>,
     found: Vec<Touch>,
     scratch: Scratch,
 }
@@ -64,6 +72,7 @@ pub struct Plan {
     pub candidates: Vec<Candidate>,
     /// Dofs that move one body of a pair against the other, ascending; [`Candidate::columns`] points into it.
     pub(super) columns: Vec<usize>,
+    broad: broad::Broad,
     /// For each column: whether the dof moves the pair's second body (1) or its first (-1).
     pub(super) sides: Vec<f64>,
 }
@@ -85,8 +94,10 @@ impl Plan {
         memory: &mut Memory,
     ) {
         contacts.clear();
-        let Memory { found, scratch } = memory;
-        for (index, candidate) in self.candidates.iter().enumerate() {
+        let Memory { chosen, found, scratch } = memory;
+        self.broad.choose(&position, chosen);
+        for &index in chosen.iter() {
+            let candidate = &self.candidates[index];
             let [first, second] = candidate.geoms;
             let between = position(second) - position(first);
             let far = if candidate.kinds[0] == GeomKind::Plane {
@@ -113,28 +124,39 @@ impl Plan {
 
 /// Calls the collider for a pair of kinds, the first not after the second in [`GeomKind`]'s order.
 fn collide(candidate: &Candidate, first: &Placed<'_>, second: &Placed<'_>, scratch: &mut Scratch, found: &mut Vec<Touch>) {
-    use GeomKind::{Capsule, Ellipsoid, HeightField, Plane, Sphere};
+    use GeomKind::{Box, Capsule, Cylinder, Ellipsoid, HeightField, Mesh, Plane, Sphere};
     let reach = candidate.margin + candidate.gap;
-    let collider = match candidate.kinds {
-        [Plane, Sphere] => shapes::plane_sphere,
-        [Plane, Capsule] => shapes::plane_capsule,
-        [Plane, Ellipsoid] => shapes::plane_ellipsoid,
+    let closed_form = match candidate.kinds {
+        [Plane, Sphere] => plane::sphere,
+        [Plane, Capsule] => plane::capsule,
+        [Plane, Ellipsoid] => plane::ellipsoid,
+        [Plane, Cylinder] => plane::cylinder,
+        [Plane, Box] => plane::cuboid,
+        [Plane, Mesh] => plane::mesh,
         [Sphere, Sphere] => shapes::sphere_sphere,
         [Sphere, Capsule] => shapes::sphere_capsule,
+        [Sphere, Cylinder] => round::sphere_cylinder,
+        [Sphere, Box] => round::sphere_box,
         [Capsule, Capsule] => shapes::capsule_capsule,
+        [Capsule, Box] => capsule_box::collide,
         [Sphere | Capsule | Ellipsoid, Ellipsoid] => ellipsoid::collide,
+        [Box, Box] => return box_box::collide(first, second, reach, &mut scratch.polygon, found),
         [HeightField, _] => return height_field::collide(first, second, reach, scratch, found),
-        // The plan holds supported pairs only; `unsupported_pairs` names the others when a model is read.
-        _ => return,
+        _ => {
+            let origin = first.position;
+            if let (Some(first), Some(second)) = (Solid::new(first, origin), Solid::new(second, origin)) {
+                convex::manifold::collide([&first, &second], origin, reach, scratch, found);
+            }
+            return;
+        }
     };
-    collider(first, second, reach, found);
+    closed_form(first, second, reach, found);
 }
 
-/// Whether two kinds, in either order, have a collider.
-fn has_collider(first: GeomKind, second: GeomKind) -> bool {
-    use GeomKind::{Box, Cylinder, HeightField, Mesh, Plane};
-    let unsupported = |kind| matches!(kind, HeightField | Cylinder | Box | Mesh);
-    !(unsupported(first) || unsupported(second) || (first == Plane && second == Plane))
+/// Whether two kinds, in either order, can meet: all but two of plane and height field.
+fn can_meet(first: GeomKind, second: GeomKind) -> bool {
+    use GeomKind::{HeightField, Plane};
+    !(matches!(first, Plane | HeightField) && matches!(second, Plane | HeightField))
 }
 
 /// A contact frame with rows normal, tangent, tangent: the first tangent near `along` if given, else near y, or z where the

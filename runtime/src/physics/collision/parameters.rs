@@ -1,6 +1,6 @@
 //! Which pairs can meet, and the parameters of their contacts.
 
-use super::{Plan, has_collider};
+use super::{Plan, broad::Broad, can_meet};
 use crate::model::{GeomKind, Model, Softness};
 use core::ops::Range;
 use std::collections::BTreeSet;
@@ -45,10 +45,11 @@ impl Plan {
         let mut plan = Self::default();
         for (geoms, pair) in choices(model) {
             let [first, second] = geoms.map(|geom| model.geoms.kind[geom]);
-            if has_collider(first, second) {
+            if can_meet(first, second) {
                 plan.add(model, geoms, pair);
             }
         }
+        plan.broad = Broad::new(model, &plan.candidates);
         plan
     }
 
@@ -144,14 +145,6 @@ fn bodies_can_meet(model: &Model, first: usize, second: usize) -> bool {
 fn bits_match(model: &Model, a: usize, b: usize) -> bool {
     let geoms = &model.geoms;
     geoms.contact_type[a] & geoms.contact_affinity[b] != 0 || geoms.contact_type[b] & geoms.contact_affinity[a] != 0
-}
-
-/// Pairs of geoms that pass the filters but have no collider, to be reported when a model is read.
-pub fn unsupported_pairs(model: &Model) -> Vec<[usize; 2]> {
-    let kind = |geom: usize| model.geoms.kind[geom];
-    let geoms = choices(model).into_iter().map(|(geoms, _)| geoms);
-    // MuJoCo itself has no plane-plane collider and passes over such pairs.
-    geoms.filter(|&[a, b]| !has_collider(kind(a), kind(b)) && (kind(a), kind(b)) != (GeomKind::Plane, GeomKind::Plane)).collect()
 }
 
 /// Parameters of a contact.

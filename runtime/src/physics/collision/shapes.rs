@@ -1,4 +1,4 @@
-//! Contacts of planes, spheres and capsules in closed form.
+//! Contacts of spheres and capsules in closed form.
 //!
 //! Each function appends what MuJoCo's collider of the same pair finds, in its order; the normal points from the first
 //! shape to the second, the position lies half way between the two surfaces.
@@ -7,44 +7,7 @@ use super::{Placed, Touch, frame_of};
 use nalgebra::Vector3;
 
 /// Below this a length counts as zero, MuJoCo's `mjMINVAL`.
-const TINY: f64 = 1e-15;
-
-/// Sphere of `radius` at `centre` against the half space below `plane`.
-fn plane_point(plane: &Placed<'_>, centre: Vector3<f64>, radius: f64, reach: f64) -> Option<Touch> {
-    let normal = plane.axis();
-    let height = (centre - plane.position).dot(&normal);
-    if height > reach + radius {
-        return None;
-    }
-    let distance = height - radius;
-    Some(Touch { distance, position: centre - normal * (distance / 2.0 + radius), frame: frame_of(normal, None) })
-}
-
-/// Plane against sphere.
-pub(super) fn plane_sphere(plane: &Placed<'_>, sphere: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
-    found.extend(plane_point(plane, sphere.position, sphere.size.x, reach));
-}
-
-/// Plane against capsule: each end as a sphere, the first tangent along the capsule.
-pub(super) fn plane_capsule(plane: &Placed<'_>, capsule: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
-    let axis = capsule.axis();
-    for end in [capsule.size.y, -capsule.size.y] {
-        if let Some(touch) = plane_point(plane, capsule.position + axis * end, capsule.size.x, reach) {
-            found.push(Touch { frame: frame_of(plane.axis(), Some(axis)), ..touch });
-        }
-    }
-}
-
-/// Plane against ellipsoid: the ellipsoid's lowest point.
-pub(super) fn plane_ellipsoid(plane: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
-    let normal = plane.axis();
-    let scaled = ellipsoid.rotation.tr_mul(&normal).component_mul(&ellipsoid.size);
-    let lowest = ellipsoid.position - ellipsoid.rotation * ellipsoid.size.component_mul(&scaled) / scaled.norm().max(TINY);
-    let distance = (lowest - plane.position).dot(&normal);
-    if distance <= reach {
-        found.push(Touch { distance, position: lowest - normal * (distance / 2.0), frame: frame_of(normal, None) });
-    }
-}
+pub(super) const TINY: f64 = 1e-15;
 
 /// Two spheres given by their centres; `fallback` is the normal of concentric ones.
 fn points(first: Vector3<f64>, radii: [f64; 2], second: Vector3<f64>, reach: f64, fallback: Vector3<f64>) -> Option<Touch> {

@@ -5,11 +5,8 @@ use super::settings::InertiaFromGeoms;
 use super::tree::Frame;
 use crate::model::inertia::{MassProperties, combine, moments, principal, volume};
 use crate::model::mjcf::document::Element;
-use crate::model::mjcf::error::{ModelError, Unsupported};
-use crate::model::mjcf::mesh::{self, Mesh};
+use crate::model::mjcf::error::ModelError;
 use nalgebra::{Matrix3, Vector3};
-use std::path::Path;
-use std::rc::Rc;
 
 /// Density of a geom that gives neither mass nor density: water's.
 const WATER: f64 = 1000.0;
@@ -49,12 +46,17 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    /// Notes a mesh geom. It carries mass but cannot collide; its file is read only if the mass is needed.
-    pub(super) fn read_mesh_geom(&mut self, geom: &Element, frame: &Frame, parts: &mut Parts) -> Result<(), ModelError> {
+    /// Reads a mesh geom. One that cannot collide only carries mass, and its file is read only if the mass is needed.
+    pub(super) fn read_mesh_geom(
+        &mut self,
+        geom: &Element,
+        body: usize,
+        frame: &Frame,
+        parts: &mut Parts,
+    ) -> Result<(), ModelError> {
         let bits = |attribute| geom.integer_or(attribute, 1, 0, i64::from(u32::MAX));
         if bits("contype")? != 0 || bits("conaffinity")? != 0 {
-            let what = "a mesh that takes part in collisions".to_owned();
-            self.unsupported.push(Unsupported { place: geom.place.clone(), what });
+            self.read_geom(geom, body, frame)?;
         }
         if self.counts(geom.integer_or("group", 0, i64::from(i32::MIN), i64::from(i32::MAX))?) {
             let frame = frame.then(&self.frame(geom)?);
@@ -136,7 +138,7 @@ impl Compiler<'_> {
 
     /// Mass properties of a mesh geom in its body's frame; `None` if it has no mass.
     fn mesh_properties(&mut self, geom: &Element, frame: &Frame) -> Result<Option<MassProperties>, ModelError> {
-        let mesh = self.mesh(geom)?;
+        let mesh = self.mesh(geom)?.solid;
         let mass = match geom.text("mass") {
             Some(_) => geom.size_or("mass", 0.0)?,
             None => geom.size_or("density", WATER)? * mesh.volume,
@@ -147,30 +149,6 @@ impl Compiler<'_> {
         let placed = frame.then(&Frame { position: mesh.centre, orientation: mesh.axes });
         let moments = mesh.moments * (mass / mesh.volume);
         Ok(Some(MassProperties { mass, centre: placed.position, axes: placed.orientation, moments }))
-    }
-
-    /// The mesh that a geom names, read at its first use.
-    fn mesh(&mut self, geom: &Element) -> Result<Rc<Mesh>, ModelError> {
-        let name = geom.required("mesh")?;
-        if let Some(mesh) = self.meshes.get(name) {
-            return Ok(mesh.clone());
-        }
-        let assets = super::section(&self.document.root, "asset").filter(|asset| asset.tag == "mesh");
-        let asset = assets.into_iter().find(|asset| mesh_name(asset) == Some(name));
-        let asset = asset.ok_or_else(|| geom.invalid(format!("`mesh` names the mesh `{name}`, which does not exist")))?;
-        let asset = self.defaults.resolve(asset, None)?;
-        if asset.text("inertia").is_some_and(|method| method.trim() != "legacy") {
-            return Err(asset.invalid("inferring inertia from a mesh is only supported with `inertia` legacy"));
-        }
-        let scale = asset.vector_or("scale", Vector3::repeat(1.0))?;
-        let folder = self.document.folder.as_ref();
-        let folder = folder.ok_or_else(|| asset.invalid("text without a file cannot load meshes"))?;
-        let file = Path::new(asset.required("file")?);
-        let file = if self.settings.strip_paths { Path::new(file.file_name().unwrap_or_default()) } else { file };
-        let path = folder.join(self.settings.mesh_folder.as_deref().unwrap_or("")).join(file);
-        let mesh = Rc::new(mesh::read(&path, scale)?);
-        self.meshes.insert(name.to_owned(), mesh.clone());
-        Ok(mesh)
     }
 
     /// Scales all masses and inertias to the total that the file asks for (`settotalmass`).
@@ -201,9 +179,4 @@ impl Compiler<'_> {
         }
         Ok(())
     }
-}
-
-/// A mesh's name: given, or the file's without its folder and extension.
-fn mesh_name(asset: &Element) -> Option<&str> {
-    asset.text("name").or_else(|| Path::new(asset.text("file")?).file_stem()?.to_str())
 }

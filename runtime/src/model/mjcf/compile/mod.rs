@@ -1,7 +1,7 @@
 //! From resolved elements to the arrays of a [`Model`].
 //!
 //! 1. [`settings`]: the `compiler` and `option` elements;
-//! 2. meshes are listed, to be read only if a body's inertia depends on them;
+//! 2. [`meshes`] are read where they collide or a body's inertia depends on them;
 //! 3. [`tree`]: bodies in depth-first order with their frames, joints, shapes and sites; [`shapes`] reads one geom or site;
 //! 4. [`inertias`]: explicit or inferred mass properties, bounded and balanced;
 //! 5. [`contacts`], [`tendons`], [`equalities`], [`actuators`], [`sensors`]: what refers to the tree by name;
@@ -16,6 +16,7 @@ mod equalities;
 mod inertias;
 mod keyframes;
 mod length_range;
+mod meshes;
 mod names;
 mod sensors;
 mod settings;
@@ -26,17 +27,16 @@ mod tree;
 use super::defaults::Defaults;
 use super::document::{Document, Element};
 use super::error::{ModelError, Unsupported};
-use super::mesh::Mesh;
 use super::{replicate, schema};
 use crate::{
     model::{GeomKind, Model, topology},
-    physics::{collision, constants},
+    physics::constants,
 };
 use nalgebra::Vector3;
 use names::Names;
 pub(super) use settings::Settings;
 pub(super) use shapes::GEOM_KINDS;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// Everything that the parts of the compiler share.
@@ -46,7 +46,7 @@ struct Compiler<'a> {
     defaults: Defaults,
     names: Names,
     /// Meshes read so far.
-    meshes: BTreeMap<String, Rc<Mesh>>,
+    meshes: BTreeMap<String, Rc<meshes::Asset>>,
     /// Features found missing while reading; reported together.
     unsupported: Vec<Unsupported>,
     /// Joints whose spring and damper follow from a time constant (s) and a damping ratio.
@@ -87,29 +87,11 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
     compiler.scale_masses();
     topology::complete(&mut compiler.model).map_err(|message| root.invalid(message))?;
     compiler.read_keyframes()?;
-    check_contacts(&compiler.model, root)?;
     constants::settle_springs(&mut compiler.model, &compiler.springs);
     constants::derive(&mut compiler.model);
     let actuators: Vec<&Element> = section(root, "actuator").collect();
     compiler.settings.length_ranges.complete(&mut compiler.model, &actuators)?;
     Ok(compiler.model)
-}
-
-/// Refuses models with shapes that can meet but whose contacts the simulator does not compute: one example of each kind.
-fn check_contacts(model: &Model, root: &Element) -> Result<(), ModelError> {
-    let kinds = |pair: &[usize; 2]| pair.map(|geom| model.geoms.kind[geom] as u8);
-    let mut seen = BTreeSet::new();
-    let mut pairs = collision::unsupported_pairs(model);
-    pairs.retain(|pair| seen.insert(kinds(pair)));
-    if pairs.is_empty() {
-        return Ok(());
-    }
-    let describe = |geom: usize| format!("{:?} `{}`", model.geoms.kind[geom], model.geoms.name[geom]);
-    let unsupported = |[a, b]: [usize; 2]| Unsupported {
-        place: root.place.clone(),
-        what: format!("contact of {} with {}", describe(a), describe(b)),
-    };
-    Err(ModelError::Unsupported(pairs.into_iter().map(unsupported).collect()))
 }
 
 /// The children of all sections with a name, in order.

@@ -8,14 +8,16 @@ use crate::model::mjcf::error::ModelError;
 use crate::model::{GeomKind, rotation};
 use nalgebra::Vector3;
 
-/// The words for the kinds that the model holds; `mesh` and other kinds are dealt with before.
-pub(in crate::model::mjcf) const GEOM_KINDS: [(&str, GeomKind); 6] = [
+/// The words for the kinds that the model holds.
+pub(in crate::model::mjcf) const GEOM_KINDS: [(&str, GeomKind); 8] = [
     ("plane", GeomKind::Plane),
+    ("hfield", GeomKind::HeightField),
     ("sphere", GeomKind::Sphere),
     ("capsule", GeomKind::Capsule),
     ("ellipsoid", GeomKind::Ellipsoid),
     ("cylinder", GeomKind::Cylinder),
     ("box", GeomKind::Box),
+    ("mesh", GeomKind::Mesh),
 ];
 
 /// How many sizes a kind needs.
@@ -29,11 +31,31 @@ fn size_count(kind: GeomKind) -> usize {
 }
 
 impl Compiler<'_> {
-    /// Reads a primitive geom with its class attributes already filled in. `frame` is the enclosing frame in the body.
+    /// Reads a geom with its class attributes already filled in. `frame` is the enclosing frame in the body.
     pub(super) fn read_geom(&mut self, element: &Element, body: usize, frame: &Frame) -> Result<(), ModelError> {
         let words = GEOM_KINDS.map(|(word, _)| word);
         let kind = element.keyword("type", &words)?.map_or(GeomKind::Sphere, |index| GEOM_KINDS[index].1);
-        let (size, local) = self.size_and_frame(element, kind)?;
+        let (size, local, asset) = match kind {
+            GeomKind::Mesh => {
+                let (index, own) = self.shown_mesh(element)?;
+                let reach =
+                    self.model.meshes[index].vertices.iter().fold(Vector3::zeros(), |most, vertex| most.sup(&vertex.abs()));
+                (reach, self.frame(element)?.then(&own), Some(index))
+            }
+            GeomKind::HeightField => {
+                let index = self.height_field(element)?;
+                (self.model.height_fields[index].size(), self.frame(element)?, Some(index))
+            }
+            _ => {
+                let (size, local) = self.size_and_frame(element, kind)?;
+                (size, local, None)
+            }
+        };
+        let radius = match (kind, asset) {
+            (GeomKind::Mesh, Some(index)) => self.model.meshes[index].hull.radius(),
+            (GeomKind::HeightField, Some(index)) => self.model.height_fields[index].bounding_radius(),
+            _ => kind.bounding_radius(size),
+        };
         let placed = frame.then(&local);
         let geoms = &mut self.model.geoms;
         let name = self.names.register(Kind::Geom, element, geoms.name.len())?;
@@ -48,12 +70,12 @@ impl Compiler<'_> {
         geoms.friction.push(element.numbers_over("friction", [1.0, 0.005, 0.0001])?);
         geoms.margin.push(element.number_or("margin", 0.0)?);
         geoms.gap.push(element.number_or("gap", 0.0)?);
-        geoms.bounding_radius.push(kind.bounding_radius(size));
+        geoms.bounding_radius.push(radius);
         geoms.name.push(name);
         geoms.kind.push(kind);
         geoms.body.push(body);
         geoms.size.push(size);
-        geoms.asset.push(None);
+        geoms.asset.push(asset);
         geoms.position.push(placed.position);
         geoms.orientation.push(placed.orientation);
         Ok(())

@@ -78,7 +78,7 @@ impl Compiler<'_> {
                 "geom" => {
                     let geom = self.defaults.resolve(child, around.class)?;
                     if geom.text("type").map(str::trim) == Some("mesh") {
-                        self.read_mesh_geom(&geom, &around.frame, parts)?;
+                        self.read_mesh_geom(&geom, around.body, &around.frame, parts)?;
                     } else {
                         self.read_geom(&geom, around.body, &around.frame)?;
                         self.add_solid(&geom, parts)?;

@@ -1,4 +1,4 @@
-//! Printing a model as flat MJCF: one file, no includes, no classes, no meshes, every inertia explicit.
+//! Printing a model as flat MJCF: one file, no includes, no classes, meshes as lists of corners, every inertia explicit.
 //!
 //! 1. [`rows`] turns each element into its attributes, those left out that have MuJoCo's standard value;
 //! 2. for each kind of element, the value that most of its elements share goes into the one `default` section;
@@ -30,6 +30,8 @@ pub(super) fn write(model: &Model) -> String {
         None => printer.empty(&options),
     }
     shared.print(&mut printer);
+    let assets = model.meshes.iter().map(rows::mesh).chain(model.height_fields.iter().map(rows::height_field));
+    printer.section("asset", assets);
     printer.open(&Row::new("worldbody"));
     print_contents(model, 0, &shared, &mut printer);
     for root in &children[0] {

@@ -3,8 +3,8 @@
 use super::super::compile::GEOM_KINDS;
 use super::{JointKind, Model, PathPoint};
 use crate::model::{
-    Attachment, AttachmentOrigin, Bias, Cone, Dynamics, Equality, Gain, GeomKind, Integrator, Keyframe, Measure, Options,
-    Quaternion, Softness, Transmission, rotation,
+    Attachment, AttachmentOrigin, Bias, Cone, Dynamics, Equality, Gain, GeomKind, HeightField, Integrator, Keyframe, Measure,
+    Mesh, Options, Quaternion, Softness, Transmission, rotation,
 };
 use nalgebra::Vector3;
 
@@ -248,8 +248,12 @@ pub(super) fn geom(model: &Model, geom: usize) -> Row {
     if kind != GeomKind::Sphere {
         row = row.word("type", word);
     }
-    row.numbers("size", geoms.size[geom].iter().copied())
-        .vector("pos", geoms.position[geom])
+    let row = match (kind, geoms.asset[geom]) {
+        (GeomKind::Mesh, Some(asset)) => row.text("mesh", &model.meshes[asset].name),
+        (GeomKind::HeightField, Some(asset)) => row.text("hfield", &model.height_fields[asset].name),
+        _ => row.numbers("size", geoms.size[geom].iter().copied()),
+    };
+    row.vector("pos", geoms.position[geom])
         .orientation(geoms.orientation[geom])
         .integer("geom", "contype", geoms.contact_type[geom])
         .integer("geom", "conaffinity", geoms.contact_affinity[geom])
@@ -261,6 +265,25 @@ pub(super) fn geom(model: &Model, geom: usize) -> Row {
         .softness("geom", ["solref", "solimp"], &geoms.softness[geom])
         .unless_standard("geom", "margin", [geoms.margin[geom]])
         .unless_standard("geom", "gap", [geoms.gap[geom]])
+}
+
+/// A mesh in its own frame, to which reading it back adds no more than the rounding of its corners.
+pub(super) fn mesh(mesh: &Mesh) -> Row {
+    let vertices = mesh.vertices.iter().flat_map(|vertex| vertex.iter().copied());
+    let corners = mesh.triangles.iter().flatten().map(|&corner| corner as f64);
+    Row::new("mesh").text("name", &mesh.name).numbers("vertex", vertices).numbers("face", corners)
+}
+
+/// A height field; the rows of its text stand from large to small y.
+pub(super) fn height_field(field: &HeightField) -> Row {
+    let rows = field.samples.chunks(field.columns).rev().flatten().copied();
+    let [x, y] = field.radius;
+    Row::new("hfield")
+        .text("name", &field.name)
+        .word("nrow", &field.rows.to_string())
+        .word("ncol", &field.columns.to_string())
+        .numbers("size", [x, y, field.elevation, field.base])
+        .numbers("elevation", rows)
 }
 
 /// A site; its volume is only given where a sensor uses it.

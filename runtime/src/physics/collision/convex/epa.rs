@@ -10,12 +10,15 @@ use nalgebra::Vector3;
 const MOST_VERTICES: usize = 256;
 /// A face is part of the surface when the difference reaches no farther than this share of the shapes' size.
 const PRECISION: f64 = 1e-14;
+/// Faces this close to the nearest one, as a share of the shapes' size, are level with it.
+const LEVEL: f64 = 1e-11;
 
-/// Memory of the search, kept between calls.
+/// A polytope inside the difference, in memory kept between calls.
 #[derive(Debug, Clone, Default)]
-pub struct Scratch {
+pub(super) struct Polytope {
     vertices: Vec<Vertex>,
     faces: Vec<Face>,
+    seen: Vec<usize>,
     horizon: Vec<[usize; 2]>,
 }
 
@@ -40,17 +43,17 @@ pub(super) struct Depth {
 }
 
 /// The depth of the overlap of two cores.
-pub(super) fn depth(first: &Solid<'_>, second: &Solid<'_>, scratch: &mut Scratch) -> Depth {
+pub(super) fn depth(first: &Solid<'_>, second: &Solid<'_>, polytope: &mut Polytope) -> Depth {
     let scale = first.scale() + second.scale();
-    let mut best = begin(first, second, scratch);
+    let mut best = begin(first, second, polytope);
     while let Some(face) = best {
-        let Face { normal, offset, .. } = scratch.faces[face];
+        let Face { normal, offset, .. } = polytope.faces[face];
         let vertex = farthest(first, second, normal);
         let gain = vertex.point.dot(&normal) - offset;
-        if gain <= PRECISION * scale || scratch.vertices.len() >= MOST_VERTICES || !scratch.grow(vertex, scale) {
-            return scratch.depth_at(face);
+        if gain <= PRECISION * scale || polytope.vertices.len() >= MOST_VERTICES || !polytope.grow(face, vertex) {
+            return polytope.depth_at(face, scale);
         }
-        best = scratch.nearest();
+        best = polytope.nearest();
     }
     // Cores without volume, such as two segments in one plane: no face to leave through.
     let points = [first.position, second.position];
@@ -58,43 +61,43 @@ pub(super) fn depth(first: &Solid<'_>, second: &Solid<'_>, scratch: &mut Scratch
 }
 
 /// Starts with a tetrahedron of farthest points; the index of its nearest face, or `None` if the difference is flat.
-fn begin(first: &Solid<'_>, second: &Solid<'_>, scratch: &mut Scratch) -> Option<usize> {
-    scratch.vertices.clear();
-    scratch.faces.clear();
+fn begin(first: &Solid<'_>, second: &Solid<'_>, polytope: &mut Polytope) -> Option<usize> {
+    polytope.vertices.clear();
+    polytope.faces.clear();
     let find = |direction: Vector3<f64>| farthest(first, second, direction);
     let a = find(Vector3::x());
     let b = find(-Vector3::x());
     let along = b.point - a.point;
     let across =
         |direction: Vector3<f64>| direction - along * (direction.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE));
-    let c = widest(a.point, [Vector3::y(), Vector3::z(), -Vector3::y(), -Vector3::z()].map(|axis| find(across(axis))), |point| {
+    let c = widest([Vector3::y(), Vector3::z(), -Vector3::y(), -Vector3::z()].map(|axis| find(across(axis))), |point| {
         (point - a.point).cross(&along).norm_squared()
     });
     let normal = along.cross(&(c.point - a.point));
-    let d = widest(a.point, [normal, -normal, normal, -normal].map(find), |point| (point - a.point).dot(&normal).abs());
+    let d = widest([normal, -normal, normal, -normal].map(find), |point| (point - a.point).dot(&normal).abs());
     let volume = (d.point - a.point).dot(&normal);
     if volume == 0.0 || !volume.is_finite() {
         return None;
     }
-    scratch.vertices.extend([a, b, c, d]);
+    polytope.vertices.extend([a, b, c, d]);
     let corners =
         if volume > 0.0 { [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] } else { [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]] };
     for face in corners {
-        let face = scratch.face(face)?;
-        scratch.faces.push(face);
+        let face = polytope.face(face)?;
+        polytope.faces.push(face);
     }
-    scratch.nearest()
+    polytope.nearest()
 }
 
 /// The candidate for which `measure` is largest, the first of several.
-fn widest(_from: Vector3<f64>, candidates: [Vertex; 4], measure: impl Fn(Vector3<f64>) -> f64) -> Vertex {
+fn widest(candidates: [Vertex; 4], measure: impl Fn(Vector3<f64>) -> f64) -> Vertex {
     candidates
         .into_iter()
         .reduce(|best, next| if measure(next.point) > measure(best.point) { next } else { best })
         .unwrap_or(candidates[0])
 }
 
-impl Scratch {
+impl Polytope {
     fn face(&self, corners: [usize; 3]) -> Option<Face> {
         let [a, b, c] = corners.map(|corner| self.vertices[corner].point);
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
@@ -115,23 +118,37 @@ impl Scratch {
         best
     }
 
-    /// Takes a corner in: the faces that see it give way to faces between it and their rim. Leaves everything as it was
-    /// and returns false where rounding keeps the rim from being one closed line.
-    fn grow(&mut self, vertex: Vertex, scale: f64) -> bool {
-        let sees = |face: &Face| face.normal.dot(&vertex.point) - face.offset > 0.1 * PRECISION * scale;
+    /// Takes in a corner beyond `face`: the faces around it that see the corner give way to faces between it and their rim.
+    /// Leaves everything as it was and returns false where rounding keeps the rim from being one closed line.
+    fn grow(&mut self, face: usize, vertex: Vertex) -> bool {
+        self.seen.clear();
+        self.seen.push(face);
         self.horizon.clear();
-        for face in self.faces.iter().filter(|face| sees(face)) {
-            let [a, b, c] = face.corners;
-            for edge in [[a, b], [b, c], [c, a]] {
-                match self.horizon.iter().position(|&[from, to]| [to, from] == edge) {
-                    Some(twin) => {
-                        self.horizon.swap_remove(twin);
-                    }
-                    None => self.horizon.push(edge),
+        let mut next = 0;
+        while let Some(&member) = self.seen.get(next) {
+            next += 1;
+            let [a, b, c] = self.faces[member].corners;
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                let across = self.faces.iter().position(|other| has_edge(other.corners, [to, from]));
+                let Some(across) = across else { return false };
+                if self.seen.contains(&across) {
+                    continue;
+                }
+                let other = &self.faces[across];
+                if other.normal.dot(&vertex.point) > other.offset {
+                    self.seen.push(across);
+                } else {
+                    self.horizon.push([from, to]);
                 }
             }
         }
-        if !closed(&self.horizon) {
+        // A face seen later may lie across an edge already on the rim.
+        let Self { seen, horizon, faces, .. } = self;
+        horizon.retain(|&[from, to]| {
+            let across = faces.iter().position(|other| has_edge(other.corners, [to, from]));
+            across.is_none_or(|across| !seen.contains(&across))
+        });
+        if !closed(horizon) {
             return false;
         }
         let corner = self.vertices.len();
@@ -148,26 +165,50 @@ impl Scratch {
                 }
             }
         }
-        let mut index = 0;
-        self.faces.retain(|face| {
+        let (mut index, seen) = (0, &self.seen);
+        self.faces.retain(|_| {
             index += 1;
-            index > kept || !sees(face)
+            !seen.contains(&(index - 1))
         });
         true
     }
 
-    /// The depth at a face: the origin's projection on it, between its corners.
-    fn depth_at(&self, face: usize) -> Depth {
-        let Face { corners, normal, offset } = self.faces[face];
-        let vertices = corners.map(|corner| self.vertices[corner]);
+    /// The depth at a face: the origin's projection on it, between its corners. A flat part of the surface is made of several
+    /// faces, of which one holds the projection.
+    fn depth_at(&self, face: usize, scale: f64) -> Depth {
+        let Face { normal, offset, .. } = self.faces[face];
         let foot = normal * offset;
-        let [a, b, c] = vertices.map(|vertex| vertex.point - foot);
-        let areas = [b.cross(&c), c.cross(&a), a.cross(&b)].map(|area| area.dot(&normal).max(0.0));
+        let areas = |face: &Face| {
+            let [a, b, c] = face.corners.map(|corner| self.vertices[corner].point - foot);
+            [b.cross(&c), c.cross(&a), a.cross(&b)].map(|area| area.dot(&face.normal))
+        };
+        // How far the projection is inside a face, as a share of its area; negative outside.
+        let inside = |face: &Face| {
+            let areas = areas(face);
+            areas.iter().fold(f64::INFINITY, |least, area| least.min(*area)) / areas.iter().sum::<f64>()
+        };
+        let mut best = (face, inside(&self.faces[face]));
+        for (index, other) in self.faces.iter().enumerate() {
+            if other.offset - offset <= LEVEL * scale && other.normal.dot(&normal) > 0.5 {
+                let share = inside(other);
+                if share > best.1 && best.1 < 0.0 {
+                    best = (index, share);
+                }
+            }
+        }
+        let holder = &self.faces[best.0];
+        let areas = areas(holder).map(|area| area.max(0.0));
         let total: f64 = areas.iter().sum();
         let weights = if total > 0.0 { areas.map(|area| area / total) } else { [1.0, 0.0, 0.0] };
+        let vertices = holder.corners.map(|corner| self.vertices[corner]);
         let on = |side: usize| vertices.iter().zip(weights).map(|(vertex, weight)| vertex.on[side] * weight).sum();
         Depth { depth: offset, normal, points: [on(0), on(1)] }
     }
+}
+
+/// Whether a face has an edge in this sense.
+fn has_edge([a, b, c]: [usize; 3], edge: [usize; 2]) -> bool {
+    edge == [a, b] || edge == [b, c] || edge == [c, a]
 }
 
 /// Whether the edges make one closed line.

@@ -2,18 +2,28 @@
 //!
 //! 1. [`solid`]: every shape as a core, known by its farthest points, and a radius around it;
 //! 2. [`gjk`]: the distance of two cores that are apart (Gilbert, Johnson, Keerthi 1988);
-//! 3. [`epa`]: the least translation that separates two cores that overlap (van den Bergen 2001).
+//! 3. [`epa`]: the least translation that separates two cores that overlap (van den Bergen 2001);
+//! 4. [`manifold`]: several contacts where flat parts meet, found among the [`features`] of both cores.
 //!
 //! Spheres and capsules are points and segments with a radius, so their roundness costs no accuracy.
 
 mod epa;
+mod features;
 mod gjk;
+pub(super) mod manifold;
 pub(super) mod solid;
 
-pub use epa::Scratch;
-
+use super::polygon::Polygon;
 use nalgebra::Vector3;
 use solid::Solid;
+
+/// Memory of the searches, kept between calls.
+#[derive(Debug, Clone, Default)]
+pub struct Scratch {
+    polytope: epa::Polytope,
+    pub(super) polygon: Polygon,
+    outline: Vec<Vector3<f64>>,
+}
 
 /// How two convex shapes stand to each other.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +43,7 @@ pub(super) fn separate(first: &Solid<'_>, second: &Solid<'_>, reach: f64, scratc
         gjk::Outcome::Farther => return None,
         gjk::Outcome::Apart { distance, normal, points } => (distance, normal, points),
         gjk::Outcome::Overlapping => {
-            let depth = epa::depth(first, second, scratch);
+            let depth = epa::depth(first, second, &mut scratch.polytope);
             (-depth.depth, depth.normal, depth.points)
         }
     };

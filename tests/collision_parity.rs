@@ -1,0 +1,314 @@
+//! Shapes touch where MuJoCo 4.0.0 says they do: `tests/oracle/collision.py` made the golden numbers.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+mod support;
+
+use msk_runtime::{
+    model::{GeomKind, Model},
+    physics::{
+        State, Workspace,
+        collision::{Contact, Placed, Scratch, distance, ray},
+        constrained, kinematics, step,
+    },
+};
+use nalgebra::Vector3;
+use serde_json::Value;
+use support::{SplitMix, golden, numbers, repository};
+
+/// The orientation that `orientation` of the oracle script draws, number for number.
+fn orientation(random: &mut SplitMix, sort: usize) -> [f64; 4] {
+    let free: [f64; 4] = core::array::from_fn(|_| random.between(-1.0, 1.0));
+    let turn: [f64; 4] = core::array::from_fn(|_| random.between(-2.0, 2.0).trunc());
+    match sort {
+        1 if turn != [0.0; 4] => turn,
+        2 if turn != [0.0; 4] => core::array::from_fn(|k| turn[k] + 0.02 * free[k]),
+        _ => free,
+    }
+}
+
+/// The poses that `draw` of the oracle script draws.
+fn draw(random: &mut SplitMix, number: usize, state: &mut State<f64>) {
+    let sort = number % 4;
+    for body in state.position.chunks_exact_mut(7) {
+        let reach = if sort == 3 { 0.08 } else { 0.26 };
+        body[..3].fill_with(|| random.between(-reach, reach));
+        body[3..].copy_from_slice(&orientation(random, sort));
+    }
+}
+
+/// How far our contacts are from MuJoCo's.
+#[derive(Default, Debug, Clone)]
+struct Errors {
+    cases: usize,
+    contacts: usize,
+    other_count: usize,
+    other_place: usize,
+    distance: f64,
+    position: f64,
+    normal: f64,
+}
+
+/// Compares the contacts of one case, each of MuJoCo's with the nearest of ours.
+fn compare(ours: &[Contact], theirs: &[Vec<f64>], errors: &mut Errors) {
+    errors.cases += 1;
+    errors.contacts += theirs.len();
+    if ours.len() != theirs.len() {
+        errors.other_count += 1;
+        return;
+    }
+    let mut worst = [0.0_f64; 3];
+    for expected in theirs {
+        let position = Vector3::from_column_slice(&expected[1..4]);
+        let normal = Vector3::from_column_slice(&expected[4..7]);
+        let error = |contact: &Contact| {
+            let normals = (contact.frame.row(0).transpose() - normal).amax();
+            [(contact.distance - expected[0]).abs(), (contact.position - position).amax(), normals]
+        };
+        let nearest = ours.iter().map(error).min_by(|a, b| (a[0] + a[1] + a[2]).total_cmp(&(b[0] + b[1] + b[2]))).unwrap();
+        worst = core::array::from_fn(|k| worst[k].max(nearest[k]));
+    }
+    if worst[1] > 1e-4 || worst[2] > 1e-4 {
+        errors.other_place += 1;
+        return;
+    }
+    errors.distance = errors.distance.max(worst[0]);
+    errors.position = errors.position.max(worst[1]);
+    errors.normal = errors.normal.max(worst[2]);
+}
+
+/// Runs all cases of a pair.
+fn errors(pair: &Value) -> Errors {
+    let model = Model::from_mjcf(pair["text"].as_str().unwrap()).unwrap_or_else(|error| panic!("{error}"));
+    let mut random = SplitMix(pair["seed"].as_u64().unwrap());
+    let (mut state, mut workspace) = (State::new(&model), Workspace::new(&model));
+    let mut errors = Errors::default();
+    for (number, case) in pair["cases"].as_array().unwrap().iter().enumerate() {
+        draw(&mut random, number, &mut state);
+        if pair["first"] == "hills" {
+            state.position[2] = 0.16 + 0.5 * state.position[2].abs();
+        }
+        kinematics::update(&model, &state, &mut workspace.kinematics);
+        constrained::contacts(&model, &mut workspace);
+        let theirs: Vec<Vec<f64>> = case.as_array().unwrap().iter().map(numbers).collect();
+        let before = (errors.other_count, errors.other_place);
+        let ours = &workspace.episodes[0].constraints.contacts;
+        compare(ours, &theirs, &mut errors);
+        if before != (errors.other_count, errors.other_place) && std::env::args().any(|argument| argument == "--nocapture") {
+            println!("  {} {} case {number}:", pair["first"], pair["second"]);
+            theirs.iter().for_each(|t| println!("    MuJoCo {:.6?}", t));
+            ours.iter().for_each(|c| {
+                println!(
+                    "    ours   [{:.6}, {:.6?}, {:.6?}]",
+                    c.distance,
+                    c.position.as_slice(),
+                    c.frame.row(0).iter().collect::<Vec<_>>()
+                )
+            });
+        }
+    }
+    errors
+}
+
+/// How far a pair may be from MuJoCo: cases with contacts elsewhere or another number of them (ties that rounding decides),
+/// and the errors of all other cases.
+struct Allowed {
+    others: usize,
+    distance: f64,
+    position: f64,
+    normal: f64,
+}
+
+fn check(name: &str, allowed: impl Fn(&str, &str) -> Allowed) {
+    for pair in golden(&format!("collision_{name}"))["pairs"].as_array().unwrap() {
+        let (first, second) = (pair["first"].as_str().unwrap(), pair["second"].as_str().unwrap());
+        let e = errors(pair);
+        println!(
+            "{:20} {:3} cases {:4} contacts, other count {:2}, other place {:2}, distance {:.1e}, position {:.1e}, normal {:.1e}",
+            format!("{first}-{second}"),
+            e.cases,
+            e.contacts,
+            e.other_count,
+            e.other_place,
+            e.distance,
+            e.position,
+            e.normal
+        );
+        let allowed = allowed(first, second);
+        assert!(e.contacts > 10, "{first}-{second}: too few contacts to mean anything");
+        assert!(e.other_count + e.other_place <= allowed.others, "{first}-{second}: {e:?}");
+        assert!(
+            e.distance <= allowed.distance && e.position <= allowed.position && e.normal <= allowed.normal,
+            "{first}-{second}: {e:?}"
+        );
+    }
+}
+
+/// Whether one of the two is a mesh: its corners are rounded to single precision in frames that differ in the last bits.
+fn is_mesh(first: &str, second: &str) -> bool {
+    [first, second].iter().any(|name| ["rock", "cube"].contains(name))
+}
+
+#[test]
+fn closed_forms_are_exact() {
+    check("closed", |first, second| match (first, second) {
+        // MuJoCo iterates here.
+        ("sphere", "ellipsoid") => Allowed { others: 0, distance: 1e-8, position: 1e-5, normal: 1e-4 },
+        // Where the capsule is as near to two parallel edges, rounding decides from which a second contact is looked for.
+        ("capsule", "slab") => Allowed { others: 1, distance: 1e-8, position: 1e-8, normal: 1e-8 },
+        _ if is_mesh(first, second) => Allowed { others: 0, distance: 5e-8, position: 5e-8, normal: 1e-8 },
+        _ => Allowed { others: 0, distance: 1e-8, position: 1e-8, normal: 1e-8 },
+    });
+}
+
+#[test]
+fn other_convex_shapes_touch_within_the_colliders_precision() {
+    // Polygons with more than four corners, of which either side keeps four, and ties between edges or the faces of prisms.
+    check("convex", |first, _| Allowed {
+        others: if first == "hills" { 8 } else { 5 },
+        distance: 5e-8,
+        position: 1e-5,
+        normal: 1e-4,
+    });
+}
+
+#[test]
+fn rays_end_where_mujocos_do() {
+    for shape in golden("collision_queries")["rays"].as_array().unwrap() {
+        let model = Model::from_mjcf(shape["text"].as_str().unwrap()).unwrap();
+        let (state, mut workspace) = (State::<f64>::new(&model), Workspace::new(&model));
+        kinematics::update(&model, &state, &mut workspace.kinematics);
+        let mut random = SplitMix(shape["seed"].as_u64().unwrap());
+        let centre = Vector3::new(0.1, -0.2, 0.15);
+        for (number, hit) in shape["hits"].as_array().unwrap().iter().enumerate() {
+            let reach = if number % 3 == 0 { 0.05 } else { 0.6 };
+            let mut near = |reach: f64| centre + Vector3::from_fn(|_, _| random.between(-reach, reach));
+            let origin = near(reach);
+            let direction = near(0.3) - origin;
+            let found = ray::cast(&model, &workspace.kinematics, 0, [origin, direction], 1e3, |_| true);
+            let local = workspace.kinematics.geom_rotation[0].tr_mul(&(origin - centre));
+            if shape["shape"] == "hills" && local.x.abs() < 1.0 && local.y.abs() < 0.8 && (-0.1..0.15).contains(&local.z) {
+                // From inside a height field MuJoCo sees the top of its base, which is no surface.
+                continue;
+            }
+            let (hit, what) = (numbers(hit), format!("{}, ray {number}: {found:?}", shape["shape"]));
+            assert_eq!(found.is_some(), hit[0] >= 0.0, "{what}, MuJoCo's {hit:?}");
+            if let Some(found) = found {
+                assert!((found.distance - hit[0]).abs() < 1e-7, "{what}, MuJoCo's {}", hit[0]);
+                let normal = Vector3::from_column_slice(&hit[1..4]);
+                assert!((found.normal - normal).amax() < 1e-6, "{what}, MuJoCo's normal {normal:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shapes_apart_are_as_far_apart_as_in_mujoco() {
+    let mut scratch = Scratch::default();
+    for pair in golden("collision_queries")["gaps"].as_array().unwrap() {
+        let model = Model::from_mjcf(pair["text"].as_str().unwrap()).unwrap();
+        let (mut state, mut workspace) = (State::new(&model), Workspace::new(&model));
+        let mut random = SplitMix(pair["seed"].as_u64().unwrap());
+        for (number, expected) in numbers(&pair["distances"]).into_iter().enumerate() {
+            draw(&mut random, 0, &mut state);
+            let last = state.position.len() - 7;
+            for (coordinate, shift) in state.position[last..].iter_mut().zip([0.3, 0.2, 0.7]) {
+                *coordinate += shift;
+            }
+            kinematics::update(&model, &state, &mut workspace.kinematics);
+            let [first, second] = [0, 1].map(|geom| Placed::of(&model, &workspace.kinematics, 0, geom));
+            let gap = distance::between(&first, &second, 5.0, &mut scratch).expect("within range");
+            let what = format!("{} and {}, case {number}: {}", pair["first"], pair["second"], gap.distance);
+            // MuJoCo looks only at the cells below a shape, of which another may be nearer.
+            let nearer = pair["first"] == "hills" && gap.distance < expected;
+            assert!(nearer || (gap.distance - expected).abs() < 1e-6, "{what}, MuJoCo's {expected}");
+            if gap.distance > 0.0 {
+                assert!(((gap.points[1] - gap.points[0]).norm() - gap.distance).abs() < 1e-7, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn meshes_weigh_and_reach_what_mujocos_do() {
+    let golden = &golden("collision_queries")["solids"];
+    let model = Model::from_file(repository("tests/oracle/models/mjcf/solids.xml")).unwrap_or_else(|error| panic!("{error}"));
+    let (state, mut workspace) = (State::<f64>::new(&model), Workspace::new(&model));
+    kinematics::update(&model, &state, &mut workspace.kinematics);
+    let bodies = &model.bodies;
+    let tensor = |body: usize| {
+        let frame = workspace.kinematics.inertial_rotation[body];
+        frame * nalgebra::Matrix3::from_diagonal(&bodies.inertia[body]) * frame.transpose()
+    };
+    let ours: [(&str, Vec<f64>); 5] = [
+        ("mass", bodies.mass.clone()),
+        ("centre", bodies.inertial_position.iter().flatten().copied().collect()),
+        ("tensor", (0..bodies.mass.len()).flat_map(|body| tensor(body).iter().copied().collect::<Vec<_>>()).collect()),
+        ("samples", model.height_fields[0].samples.clone()),
+        ("hulls", model.meshes.iter().map(|mesh| mesh.hull.vertices.len() as f64).collect()),
+    ];
+    for (name, values) in ours {
+        let expected = numbers(&golden[name]);
+        assert_eq!(values.len(), expected.len(), "{name}");
+        for (index, (value, expected)) in values.iter().zip(expected).enumerate() {
+            assert!(
+                (value - expected).abs() <= 1e-7 * expected.abs().max(1.0),
+                "{name}[{index}] is {value}, MuJoCo's {expected}"
+            );
+        }
+    }
+    // MuJoCo's sphere goes around the bounding box, ours around the shape.
+    for (radius, expected) in model.geoms.bounding_radius.iter().zip(numbers(&golden["radius"])) {
+        assert!(*radius <= expected * (1.0 + 1e-6) || model.geoms.kind[0] == GeomKind::HeightField, "{radius} {expected}");
+    }
+    // Written as text and read again, a mesh has the same corners and faces, in a frame of its own.
+    let again = Model::from_mjcf(&model.to_mjcf()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(again.height_fields, model.height_fields);
+    for (mesh, other) in model.meshes.iter().zip(&again.meshes) {
+        assert_eq!((mesh.vertices.len(), mesh.hull.faces.len()), (other.vertices.len(), other.hull.faces.len()));
+    }
+}
+
+/// Lets a body rest on the ground for two seconds; how far any coordinate moves.
+fn drift(ground: &str, body: &str) -> f64 {
+    let corners = "-.1 -.1 -.1 .1 -.1 -.1 .1 .1 -.1 -.1 .1 -.1 -.1 -.1 .1 .1 -.1 .1 .1 .1 .1 -.1 .1 .1";
+    let text = format!(
+        r#"<mujoco><asset><mesh name="cube" vertex="{corners}"/>
+        <hfield name="level" nrow="21" ncol="21" size="1 1 .1 .1" elevation="{}"/></asset>
+        <worldbody>{ground}{body}</worldbody></mujoco>"#,
+        "0 ".repeat(441)
+    );
+    let model = Model::from_mjcf(&text).unwrap_or_else(|error| panic!("{error}"));
+    let (mut state, mut workspace) = (State::<f64>::new(&model), Workspace::new(&model));
+    let start = state.position.clone();
+    for _ in 0..1000 {
+        step(&model, &mut state, &mut workspace).unwrap();
+    }
+    state.position.iter().zip(start).map(|(now, then)| (now - then).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn bodies_rest_for_two_seconds_within_a_millimetre() {
+    let plane = r#"<geom type="plane" size="0 0 1"/>"#;
+    let slab = r#"<geom type="box" size=".5 .5 .1" pos="0 0 -.1"/>"#;
+    let level = r#"<geom type="hfield" hfield="level"/>"#;
+    let free =
+        |height: f64, turn: &str, geom: &str| format!(r#"<body pos="0 0 {height}" {turn}><freejoint/><geom {geom}/></body>"#);
+    let lying = r#"euler="90 0 0""#;
+    let bodies = [
+        free(0.1, "", r#"type="box" size=".2 .15 .1""#),
+        free(0.2, "", r#"type="cylinder" size=".1 .2""#),
+        free(0.1, lying, r#"type="cylinder" size=".1 .2" condim="6""#),
+        free(0.1, "", r#"type="mesh" mesh="cube""#),
+        free(0.05, lying, r#"type="capsule" size=".05 .2" condim="6""#),
+    ];
+    // On a height field round things roll: one contact for each prism, anywhere along the line of touch (in MuJoCo by centimetres).
+    for (ground, bodies, allowed) in [(plane, &bodies[..], 1e-3), (slab, &bodies[..], 1e-3), (level, &bodies[..2], 3e-3)] {
+        for body in bodies {
+            let drift = drift(ground, body);
+            assert!(drift < allowed, "{body} on {ground}: {drift} m");
+        }
+    }
+    let stack: String = (0..3).map(|k| free(0.1 + 0.2 * f64::from(k), "", r#"type="box" size=".2 .15 .1""#)).collect();
+    let drift = drift(plane, &stack);
+    assert!(drift < 3e-3, "a stack of three: {drift} m");
+}
