@@ -49,16 +49,17 @@ fn tag(rest: &str, mended: &mut String) -> usize {
         if mark == b'>' {
             return at + 1;
         }
-        let Some(length) = rest[at + 1..].find(char::from(mark)) else { break };
-        let value = &rest[at + 1..at + 1 + length];
-        escape(value, mended);
+        from = at + 1;
+        // A value that never ends is left to the parser, which says so.
+        let Some(length) = rest[from..].find(char::from(mark)) else { break };
+        escape(&rest[from..from + length], mended);
         mended.push(char::from(mark));
-        from = at + length + 2;
+        from += length + 1;
         if rest[from..].starts_with(|next: char| next.is_alphabetic() || next == '_') {
             mended.push(' ');
         }
     }
-    mended.push_str(&rest[from.min(rest.len())..]);
+    mended.push_str(&rest[from..]);
     rest.len()
 }
 
