@@ -12,7 +12,7 @@
 //!    subtract the acceleration J' v that their points have without joint accelerations (J' the rate of J);
 //! 3. a row's force is a clipped spring on its acceleration error, force = clip(-(J a - a_ref) / R, lower, upper): no bounds
 //!    for equalities, plus and minus the loss for friction loss, non-negative for limits, frictionless contacts and the edges
-//!    of a pyramid. The rows of an elliptic contact share one law instead, that of their [`cone`].
+//!    of a pyramid. The rows of an elliptic contact share one law instead, that of their `cone`.
 //!
 //! What depends on the model alone (which dofs an equality or tendon couples) is decided once, in `plan`.
 //!
