@@ -109,11 +109,13 @@ impl Jacobian {
     }
 
     /// The dofs of a block.
+    #[inline]
     pub fn columns_of(&self, block: &Block) -> &[usize] {
         &self.columns[block.columns.clone()]
     }
 
     /// Base row `row` of a block.
+    #[inline]
     pub fn base_row(&self, block: &Block, row: usize) -> &[f64] {
         let width = block.columns.len();
         &self.values[block.values + row * width..][..width]
@@ -168,6 +170,7 @@ impl Jacobian {
 
     /// Second derivative of the cost along a block's base rows, given that of each row: E diag(weights) E' for the pyramid's
     /// edges E. Where an elliptic contact slides, its cone has the answer.
+    #[inline]
     pub fn base_weight(&self, block: &Block, weights: &[f64]) -> [[f64; MOST_BASE_ROWS]; MOST_BASE_ROWS] {
         let rows = &weights[block.rows.clone()];
         let mut base = [[0.0; MOST_BASE_ROWS]; MOST_BASE_ROWS];
@@ -197,6 +200,7 @@ impl Jacobian {
     }
 
     /// The block that holds a row.
+    #[inline]
     pub fn block_of(&self, row: usize) -> &Block {
         &self.blocks[self.blocks.partition_point(|block| block.rows.end <= row)]
     }

@@ -78,6 +78,7 @@ impl PathPattern {
     }
 
     /// Number of proper ancestors of a dof: the place of its column in the rows of its descendants.
+    #[inline]
     pub fn depth(&self, dof: usize) -> usize {
         self.row[dof].len() - 1
     }
