@@ -94,6 +94,22 @@ def is_convex(model, contact):
     return mujoco.mjtGeom.mjGEOM_ELLIPSOID in kinds and all(kind in CONVEX for kind in kinds)
 
 
+def dense_jacobian(model, data):
+    """The constraint Jacobian, row by row. Rows that MuJoCo left out again may still take room at the end of its array."""
+    jacobian = np.zeros((data.nefc, model.nv))
+    if mujoco.mj_isSparse(model) and data.nefc:
+        mujoco.mju_sparse2dense(jacobian, data.efc_J.ravel(), data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
+    elif data.nefc:
+        jacobian[:] = data.efc_J.ravel()[: jacobian.size].reshape(jacobian.shape)
+    return jacobian
+
+
+def mass_matrix(model, data):
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    return mass
+
+
 def record(model, data):
     """What is compared, after mj_forward."""
     contacts = [
@@ -101,13 +117,7 @@ def record(model, data):
          "frame": c.frame.tolist(), "convex": is_convex(model, c)}
         for c in data.contact[: data.ncon]
     ]
-    jacobian = np.zeros((data.nefc, model.nv))
-    if mujoco.mj_isSparse(model) and data.nefc:
-        mujoco.mju_sparse2dense(jacobian, data.efc_J.ravel(), data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
-    elif data.nefc:
-        jacobian[:] = data.efc_J.reshape(data.nefc, model.nv)
-    mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
+    jacobian, mass = dense_jacobian(model, data), mass_matrix(model, data)
     numbers = {
         "position": data.efc_pos, "velocity": data.efc_vel, "reference": data.efc_aref, "logweight": np.log(data.efc_D),
         "jacobian": jacobian.ravel(), "force": data.efc_force, "qacc": data.qacc * np.sqrt(np.diag(mass)),

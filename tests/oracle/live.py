@@ -20,7 +20,7 @@ import tempfile
 import mujoco
 import numpy as np
 
-from constraint import BODY, SplitMix, draw, is_convex, place, tighten
+from constraint import BODY, SplitMix, dense_jacobian, draw, is_convex, mass_matrix, place, tighten
 
 ROOT = pathlib.Path(__file__).parent.parent.parent
 # Quantity, absolute (else relative to the largest entry), tolerance, tolerance with the tightened convex collider.
@@ -50,15 +50,8 @@ QUANTITIES = [
 
 def theirs(model, data):
     out = {name: np.array(getattr(data, name)).ravel() for name, *_ in QUANTITIES if hasattr(data, name)}
-    mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
-    out["M"] = mass.ravel()
-    jacobian = np.zeros((data.nefc, model.nv))
-    if data.nefc and mujoco.mj_isSparse(model):
-        mujoco.mju_sparse2dense(jacobian, data.efc_J.ravel(), data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
-    elif data.nefc:
-        jacobian[:] = data.efc_J.ravel()[: jacobian.size].reshape(jacobian.shape)
-    out["efc_J"] = jacobian.ravel()
+    out["M"] = mass_matrix(model, data).ravel()
+    out["efc_J"] = dense_jacobian(model, data).ravel()
     contacts = data.contact[: data.ncon]
     for field in ("dist", "pos", "frame"):
         out[f"contact.{field}"] = np.array([getattr(contact, field) for contact in contacts]).ravel()

@@ -12,7 +12,7 @@ between holding and being released.
 import mujoco
 import numpy as np
 
-from constraint import tighten
+from constraint import dense_jacobian, mass_matrix, tighten
 from smooth import HERE, SplitMix, folded, write
 
 FREE, BALL = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL
@@ -46,13 +46,7 @@ def draw(model, data, random, number):
 
 def record(model, data):
     mujoco.mj_forward(model, data)
-    jacobian = np.zeros((data.nefc, model.nv))
-    if mujoco.mj_isSparse(model) and data.nefc:
-        mujoco.mju_sparse2dense(jacobian, data.efc_J.ravel(), data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
-    elif data.nefc:
-        jacobian[:] = data.efc_J.reshape(data.nefc, model.nv)
-    mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
+    jacobian, mass = dense_jacobian(model, data), mass_matrix(model, data)
     arrays = {
         "type": data.efc_type, "position": data.efc_pos, "margin": data.efc_margin, "velocity": data.efc_vel,
         "reference": data.efc_aref, "logweight": np.log(data.efc_D), "force": data.efc_force,

@@ -39,6 +39,18 @@ impl GeomKind {
     }
 }
 
+impl GeomKind {
+    /// How many numbers of a shape's size it needs; what has an asset or no end needs none.
+    pub(crate) fn size_count(self) -> usize {
+        match self {
+            Self::Plane | Self::HeightField | Self::Mesh => 0,
+            Self::Sphere => 1,
+            Self::Capsule | Self::Cylinder => 2,
+            Self::Ellipsoid | Self::Box => 3,
+        }
+    }
+}
+
 /// Shapes, one entry each per array.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Geoms {

@@ -169,7 +169,7 @@ fn check_geom(geom: &NewGeom) -> Result<(), BuildError> {
         return Err(BuildError::Model(format!("shape `{name}`: meshes cannot be added")));
     }
     check_heights(name, geom)?;
-    match geom.size.iter().take(size_count(geom.kind)).find(|size| **size <= 0.0) {
+    match geom.size.iter().take(geom.kind.size_count()).find(|size| **size <= 0.0) {
         None => Ok(()),
         Some(&value) => Err(BuildError::Number { name: name.clone(), what: "size", value, expected: "it must be positive" }),
     }
@@ -201,15 +201,5 @@ fn check_heights(name: &str, geom: &NewGeom) -> Result<(), BuildError> {
     {
         Some(extent) => wrong("extent of the heights", extent, "it must be positive"),
         None => Ok(()),
-    }
-}
-
-/// How many sizes a kind has.
-fn size_count(kind: GeomKind) -> usize {
-    match kind {
-        GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => 0,
-        GeomKind::Sphere => 1,
-        GeomKind::Capsule | GeomKind::Cylinder => 2,
-        GeomKind::Ellipsoid | GeomKind::Box => 3,
     }
 }

@@ -20,16 +20,6 @@ pub(in crate::model::mjcf) const GEOM_KINDS: [(&str, GeomKind); 8] = [
     ("mesh", GeomKind::Mesh),
 ];
 
-/// How many sizes a kind needs.
-fn size_count(kind: GeomKind) -> usize {
-    match kind {
-        GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => 0,
-        GeomKind::Sphere => 1,
-        GeomKind::Capsule | GeomKind::Cylinder => 2,
-        GeomKind::Ellipsoid | GeomKind::Box => 3,
-    }
-}
-
 impl Compiler<'_> {
     /// Reads a geom with its class attributes already filled in. `frame` is the enclosing frame in the body.
     pub(super) fn read_geom(&mut self, element: &Element, body: usize, frame: &Frame) -> Result<(), ModelError> {
@@ -95,7 +85,7 @@ impl Compiler<'_> {
                 }
             }
         }
-        let needed = size_count(kind);
+        let needed = kind.size_count();
         if size.iter().take(needed).any(|extent| *extent <= 0.0) {
             return Err(element.invalid(format!("a geom of this kind needs {needed} positive sizes, found {}", spaced(&size))));
         }
