@@ -14,6 +14,7 @@ pub mod format;
 pub mod frame;
 pub mod graph;
 mod lower;
+pub mod motion;
 pub mod scene;
 pub mod syntax;
 pub mod task;

@@ -44,9 +44,31 @@ codes! {
     }
     MOTION = "E0436" {
         title: "a motion that cannot be followed",
-        explanation: "A reference motion is a table of numbers: a first column of times in seconds or of phases from 0 to 1, and a \
-            column for each joint, named as the body names it, in radians or metres.",
+        explanation: "A reference motion is a file of comma-separated values; its path is relative to the file that names it. \
+            It starts at a phase from 0 to 1, or anywhere with `start uniform`. What is read of it must have a column in its table.",
         example: "reference gait = motion \"missing.csv\" start 0\nobserve { gait.phase }",
-        fix: "",
+        fix: "reference gait = motion \"motions/walk.csv\" start 0\nobserve { gait.phase }",
+    }
+    MOTION_COLUMN = "E0437" {
+        title: "a column of a motion that means nothing",
+        explanation: "The first column of a motion is `time [s]` or `phase`. The others are joints, named as the body names them, \
+            or `root.x`, `root.y`, `root.height`, `root.heading`, `root.pitch`, `root.roll`, each with its unit in brackets: \
+            `deg` or `rad` for what turns, `m` or `cm` for what slides.",
+        example: "phase, hip_flexion_r, root.hight [m]",
+        fix: "phase, hip_flexion_r [deg], root.height [m]",
+    }
+    MOTION_CYCLE = "E0438" {
+        title: "a cycle that does not close",
+        explanation: "The last row of a cycle is the first row of its next turn, so that both say the same. Only the place of the \
+            root may go on from turn to turn, and the head says so with `# advances: root.x`.",
+        example: "# cycle: yes\nphase, root.x [m]\n0, 0\n1, 1.4",
+        fix: "# cycle: yes\n# advances: root.x\nphase, root.x [m]\n0, 0\n1, 1.4",
+    }
+    MOTION_TABLE = "E0439" {
+        title: "a motion that is no table",
+        explanation: "Above the headings stands what the motion is: `# name:`, `# source:`, `# cycle: yes` or `no`, and over phases \
+            `# duration:`. Below stands a number for every heading, with times that increase from 0.",
+        example: "phase, hip_flexion_r [deg]\n0, 30\n0, 31",
+        fix: "phase, hip_flexion_r [deg]\n0, 30\n0.02, 31",
     }
 }
