@@ -6,12 +6,15 @@
 //! [`CompiledTask::beginning`]: crate::task::CompiledTask::beginning
 
 use crate::frame::Origin;
+use crate::motion::Following;
 
 /// How an episode begins.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Init {
     /// Joint coordinates in the order of the vocabulary's joints, those of objects last, rad or m.
     pub coordinates: Vec<f64>,
+    /// Joint velocities in the same order, rad/s or m/s; empty if all are zero.
+    pub velocities: Vec<f64>,
     /// Where the root starts.
     pub root: RootPlacement,
     /// Noise on the coordinates, joint by joint; only independent hinges and slides have any.
@@ -26,6 +29,8 @@ pub struct Init {
     ///
     /// [`CompiledTask::drawn`]: crate::task::CompiledTask::drawn
     pub drawn: Vec<(Setting, usize)>,
+    /// What of the above is taken from a motion at a phase that is drawn.
+    pub follows: Option<Following>,
 }
 
 /// How a number of a beginning scatters.
@@ -55,6 +60,8 @@ pub struct RootPlacement {
     pub roll: f64,
     /// Linear velocity in world axes, m/s.
     pub velocity: [f64; 3],
+    /// Angular velocity in world axes, rad/s.
+    pub spin: [f64; 3],
     /// The root is moved, not turned, until each landmark (index) is where it shall be; of several, until the mean distance
     /// vanishes. Height and position are then without meaning.
     pub meets: Vec<(usize, Origin)>,
@@ -62,7 +69,16 @@ pub struct RootPlacement {
 
 impl Default for RootPlacement {
     fn default() -> Self {
-        Self { height: None, position: [0.0; 2], heading: 0.0, pitch: 0.0, roll: 0.0, velocity: [0.0; 3], meets: Vec::new() }
+        Self {
+            height: None,
+            position: [0.0; 2],
+            heading: 0.0,
+            pitch: 0.0,
+            roll: 0.0,
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+            meets: Vec::new(),
+        }
     }
 }
 
@@ -160,6 +176,6 @@ impl Init {
     /// Whether nothing scatters.
     pub fn is_exact(&self) -> bool {
         let spreads = self.coordinate_noise.iter().chain(&self.velocity_noise);
-        self.drawn.is_empty() && spreads.copied().all(|spread| spread == Spread::None)
+        self.drawn.is_empty() && self.follows.is_none() && spreads.copied().all(|spread| spread == Spread::None)
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! All errors of all files come in one [`Report`].
 
+mod motions;
 mod settings;
 mod units;
 
@@ -99,6 +100,7 @@ pub fn compile_with(
     }
     reader.read_bodies(entry, bodies);
     let Reader { mut sources, files, mut diagnostics, .. } = reader;
+    let motions = motions::read(&files, loader, &mut sources, &mut diagnostics);
     let settings = settings::read(settings, &mut sources, &mut diagnostics);
     let described = describe_bodies(&files, bodies, &mut diagnostics);
     let all_tasks = task_names(&files, &mut diagnostics);
@@ -107,7 +109,13 @@ pub fn compile_with(
     settings::apply(&settings, &mut units, &mut diagnostics);
     let mut tasks = Vec::new();
     for unit in &units {
-        let compiler = units::Compiler { described: &described, bodies, texts: &texts, in_sight: in_sight(&files, unit.home) };
+        let compiler = units::Compiler {
+            described: &described,
+            bodies,
+            texts: &texts,
+            motions: &motions,
+            in_sight: in_sight(&files, unit.home),
+        };
         tasks.extend(compiler.compile(unit, &mut diagnostics).map(Arc::new));
     }
     let suites = suites(&files, &all_tasks, &mut diagnostics);

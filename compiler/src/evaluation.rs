@@ -64,10 +64,13 @@ impl CompiledTask {
 
     /// How this episode begins: what was drawn stands in `state`.
     pub fn beginning(&self, state: &TaskState) -> Cow<'_, Init> {
-        if self.init.drawn.is_empty() {
+        if self.init.drawn.is_empty() && self.init.follows.is_none() {
             return Cow::Borrowed(&self.init);
         }
         let mut init = self.init.clone();
+        if let Some(following) = &self.init.follows {
+            following.write(self.drawn(following.start, state), &mut init);
+        }
         for &(setting, index) in &self.init.drawn {
             init.set(setting, self.drawn(index, state));
         }

@@ -1,6 +1,7 @@
 //! Where texts and bodies come from: what the compiler asks of its surroundings. It opens no file itself.
 
 use crate::body::BodyDescription;
+use crate::motion::Motion;
 use crate::vocabulary::Vocabulary;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +29,15 @@ pub trait BodySource {
     /// # Errors
     /// The model cannot be read, or the body file names what the model does not have: in words, one problem a line.
     fn vocabulary(&self, description: &BodyDescription) -> Result<Vocabulary, String>;
+
+    /// Where the body's landmarks are at each row of a motion, in the order of its vocabulary: world axes, m.
+    ///
+    /// # Errors
+    /// The body is not at hand: in words. A source that knows no kinematics always says so.
+    fn trace(&self, description: &BodyDescription, motion: &Motion) -> Result<Vec<Vec<[f64; 3]>>, String> {
+        let _ = motion;
+        Err(format!("where the landmarks of `{}` are cannot be computed here", description.name))
+    }
 }
 
 /// Why a text cannot be had.

@@ -8,6 +8,7 @@ use crate::frame::FrameLayout;
 use crate::graph::Graph;
 use crate::graph::interval::Bounds;
 use crate::lower::{Outputs, Program};
+use crate::motion::Motion;
 use crate::scene::SceneDescription;
 use std::ops::Range;
 use std::sync::Arc;
@@ -54,6 +55,8 @@ pub struct CompiledTask {
     pub randoms: Vec<RandomValue>,
     /// Numbers that were open when the task was compiled, with the values that it was compiled for.
     pub parameters: Vec<Parameter>,
+    /// Motions that its references follow.
+    pub motions: Vec<FollowedMotion>,
     /// Sensors to fill before every evaluation.
     pub frame: FrameLayout,
     /// Hash of the task's meaning: the same text layout or comments aside.
@@ -92,6 +95,17 @@ pub struct RandomValue {
     pub accept: String,
     /// When it is drawn anew, as written; empty if never.
     pub redraw: String,
+}
+
+/// A motion that a `reference` follows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowedMotion {
+    /// The reference's name.
+    pub name: String,
+    /// Its table.
+    pub motion: Arc<Motion>,
+    /// The phase at which an episode starts, 0 to 1; `None` if it is drawn.
+    pub start: Option<f64>,
 }
 
 /// A number that may be set from outside, where the task is compiled.

@@ -5,7 +5,7 @@
 #[allow(dead_code)] // The pages have their own tests.
 mod support;
 
-use msk_compiler::diagnostics::{FileId, Report, SourceMap, Style};
+use msk_compiler::diagnostics::{FileId, Report, SourceMap, Style, codes};
 use msk_compiler::motion::{Motion, RootPart};
 use std::f64::consts::{PI, TAU};
 use support::compiling::vocabulary;
@@ -140,5 +140,18 @@ fn errors_say_what_is_wrong_and_where() {
     )));
     for text in ["", "# nothing but a remark\n", "phase, knee_angle_r [deg]\n", "\u{feff},,,\n,,\n", "time [s]\n0\n1\n"] {
         assert!(said(text).contains("error[E04"), "{text:?}: {}", said(text));
+    }
+}
+
+#[test]
+fn examples_of_codes_cause_them_and_fixes_do_not() {
+    for id in ["E0437", "E0438", "E0439"] {
+        let code = codes::find(id).unwrap();
+        let said = |example: &str| {
+            let head = if example.contains("# cycle") { HEAD.to_owned() } else { format!("{HEAD}# cycle: no\n") };
+            said(&format!("{head}# duration: 1 s\n{example}\n"))
+        };
+        assert!(said(code.example).contains(id), "{id}: {}", said(code.example));
+        assert!(!said(code.fix).contains(id), "{id}: {}", said(code.fix));
     }
 }

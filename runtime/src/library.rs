@@ -7,6 +7,7 @@ use crate::model::{ElasticTendons, Model, ModelError};
 use crate::scene::{self, SceneError};
 use msk_compiler::body::{BodyDescription, TendonKind};
 use msk_compiler::files::{BodySource, LARGEST_FILE, LoadError, Loader};
+use msk_compiler::motion::Motion;
 use msk_compiler::scene::SceneDescription;
 use msk_compiler::vocabulary::Vocabulary;
 use sha2::{Digest, Sha256};
@@ -139,6 +140,24 @@ impl BodyLibrary {
     }
 }
 
+impl BodyLibrary {
+    fn traced(&self, description: &BodyDescription, motion: &Motion) -> Result<Vec<Vec<[f64; 3]>>, BodyError> {
+        let BoundBody { model, body, .. } = self.bind(description)?;
+        Ok(body.trace(&model, motion))
+    }
+}
+
+/// An error with its causes, in one line.
+fn in_words(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(cause) = source {
+        text = format!("{text}: {cause}");
+        source = cause.source();
+    }
+    text
+}
+
 impl BodySource for BodyLibrary {
     fn find(&self, name: &str) -> Option<(PathBuf, String)> {
         bodies::builtin(name).map(|file| (file.path, file.text))
@@ -147,16 +166,12 @@ impl BodySource for BodyLibrary {
     fn vocabulary(&self, description: &BodyDescription) -> Result<Vocabulary, String> {
         match self.bind(description) {
             Ok(bound) => Ok(bound.body.vocabulary(&bound.model)),
-            Err(error) => {
-                let mut text = error.to_string();
-                let mut source = std::error::Error::source(&error);
-                while let Some(cause) = source {
-                    text = format!("{text}: {cause}");
-                    source = cause.source();
-                }
-                Err(text)
-            }
+            Err(error) => Err(in_words(&error)),
         }
+    }
+
+    fn trace(&self, description: &BodyDescription, motion: &Motion) -> Result<Vec<Vec<[f64; 3]>>, String> {
+        self.traced(description, motion).map_err(|error| in_words(&error))
     }
 }
 

@@ -18,6 +18,11 @@ const OTHER_TYPES: [&str; 10] = ["bool", "int", "duration", "place", "vec2", "ve
 
 impl<'a> Checker<'a> {
     pub(crate) fn call(&mut self, function: &'a Expr, arguments: &'a [Argument], span: Span) -> Checked<Value> {
+        if let ExprKind::Field { base, name } = &function.kind
+            && let Some(value) = self.of_reference(base, name, Some(arguments), span)
+        {
+            return value;
+        }
         let ExprKind::Name(name) = &function.kind else {
             return Err(self.error(codes::names::NOT_YET, function.span, "calls on a property are not supported yet"));
         };

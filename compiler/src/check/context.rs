@@ -2,6 +2,7 @@
 
 use super::inherit::Placed;
 use super::random::KnownRandom;
+use super::reference::{KnownReference, Motions};
 use super::scene::Surroundings;
 use super::scene::geometry::Known;
 use super::scope::{Names, Place};
@@ -105,6 +106,10 @@ pub(crate) struct Checker<'a> {
     pub finishes: Ends,
     /// Randoms, in the order in which they are drawn.
     pub randoms: Vec<KnownRandom>,
+    /// Motions that texts name; only where a task is checked.
+    pub motions: Option<Motions<'a>>,
+    /// References, in the order of the text.
+    pub references: Vec<KnownReference>,
     /// Names of the phases of the sequence before the present one.
     pub phases: Vec<String>,
     /// The present phase and whether it has succeeded, once that is known.
@@ -147,6 +152,8 @@ impl<'a> Checker<'a> {
             ends: Ends::Unknown,
             finishes: Ends::Unknown,
             randoms: Vec::new(),
+            motions: None,
+            references: Vec::new(),
             phases: Vec::new(),
             own_success: None,
             allowed: BTreeSet::new(),

@@ -238,6 +238,8 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
     let seen = hidden_behind(task, channels());
     let read = hidden_behind(task, terms().chain(channels()).chain(ends));
     let place = |name: &str| {
+        // The start of a reference stands where the reference does.
+        let name = name.strip_suffix(".start").unwrap_or(name);
         let declared = checker.names.of_task().find(|(known, _)| *known == name).map(|(_, declared)| declared);
         declared.map_or((checker.task_place.file, Span::default()), |declared| (declared.file, declared.definition.span()))
     };
@@ -253,6 +255,10 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
             let message = format!("the reward depends on the {kind} `{name}`, which the policy cannot observe");
             let diagnostic = Diagnostic::new(codes::lints::UNOBSERVED, file, span, message)
                 .help("add it to `observe`, or the same observation will be paid differently");
+            let diagnostic = match name.strip_suffix(".start") {
+                Some(reference) => diagnostic.help(format!("`{reference}.phase` tells it")),
+                None => diagnostic,
+            };
             push(checker, "unobserved", diagnostic, diagnostics);
         }
     }

@@ -17,6 +17,9 @@ use crate::vocabulary::JointKind;
 impl<'a> Checker<'a> {
     /// `base.name`
     pub(crate) fn field(&mut self, base: &'a Expr, name: &'a Name, span: Span) -> Checked<Value> {
+        if let Some(value) = self.of_reference(base, name, None, span) {
+            return value;
+        }
         if let Some(data) = self.of_episode(base, name) {
             return Ok(Value::Data(data));
         }

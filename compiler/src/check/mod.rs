@@ -5,7 +5,7 @@
 //! 3. `scene`: what surrounds the body, whose objects join the vocabulary;
 //! 4. `task`: the statements of a task, each checked by a file of its own: `init`, `observe`, `reward`, `ends`;
 //! 5. `expression`: formulas become nodes of the graph, with dimension, frame and length checked at every operator;
-//!    names are resolved by `lookup` and `member`, calls by `call` and `functions`;
+//!    names are resolved by `lookup` and `member`, calls by `call` and `functions`, motions by `reference`;
 //! 6. `lints`: what is allowed but probably not meant, from the bounds of every term.
 //!
 //! Every error is reported where it is, none stops the rest.
@@ -29,6 +29,7 @@ mod observe;
 mod parameters;
 mod random;
 mod ranges;
+pub(crate) mod reference;
 mod reward;
 pub mod scene;
 pub(crate) mod scope;

@@ -24,6 +24,8 @@ pub enum Owner {
     Ground,
     /// By itself: `t`, `survived`
     Time,
+    /// `gait.phase`, of a `reference`
+    Reference,
 }
 
 impl Owner {
@@ -39,6 +41,7 @@ impl Owner {
             Self::Contact => "Contact (`touching(sole_l, ground)`)",
             Self::Ground => "Ground",
             Self::Time => "Time",
+            Self::Reference => "Motion of a `reference` (`gait.q(knee_angle_r)`)",
         }
     }
 }
@@ -108,6 +111,7 @@ pub enum Read {
     Ended,
     Survived,
     Pi,
+    Followed,
 }
 
 /// A row of the table.
@@ -132,7 +136,7 @@ const fn row(owner: Owner, name: &'static str, read: Read, kind: &'static str, d
     Signal { owner, name, read, kind, description, supported: !matches!(read, Read::NotYet) }
 }
 
-use Owner::{CentreOfMass, Contact, Ground, Joint, Landmark, Muscle, Object, Time, WholeBody};
+use Owner::{CentreOfMass, Contact, Ground, Joint, Landmark, Muscle, Object, Reference, Time, WholeBody};
 
 /// Every signal of the language.
 #[rustfmt::skip]
@@ -218,6 +222,16 @@ pub const SIGNALS: &[Signal] = &[
     row(Time, "survived", Read::Survived, "condition", "the horizon is reached without a termination"),
     row(Time, "finished", Read::Finished, "condition", "a reason of `finish` holds now"),
     row(Time, "pi", Read::Pi, "number", "half a turn's radians as a plain number, 3.14159..."),
+    row(Reference, "phase", Read::Followed, "number", "fraction of the motion that has passed: from 0 to below 1 in a cycle, else up to 1"),
+    row(Reference, "joints", Read::Followed, "joints", "the joints that its table moves"),
+    row(Reference, "q(joint)", Read::Followed, "number, rad or m", "where a joint, or each of a list, should be; `gait.q` by itself for all that its table moves"),
+    row(Reference, "qd(joint)", Read::Followed, "number, rad/s or m/s", "how fast it should be"),
+    row(Reference, "root", Read::Followed, "place, m", "where the root should be: from where it began as far as the motion has gone, at the motion's height"),
+    row(Reference, "velocity", Read::Followed, "vec3, m/s", "how fast the root should be, world axes"),
+    row(Reference, "heading", Read::Followed, "number, rad", "how far the root should be turned to the left"),
+    row(Reference, "pitch", Read::Followed, "number, rad", "how far the root should be turned nose down"),
+    row(Reference, "roll", Read::Followed, "number, rad", "how far the root should be turned right side down"),
+    row(Reference, "site(landmark)", Read::Followed, "place, m", "where a landmark, or each of a list, should be"),
 ];
 
 /// The signals of an owner.
@@ -232,7 +246,7 @@ pub fn find(owner: Owner, name: &str) -> Option<&'static Signal> {
 
 /// The table for people.
 pub fn table() -> String {
-    let owners = [Landmark, Object, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time];
+    let owners = [Landmark, Object, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time, Reference];
     let mut text = String::new();
     for owner in owners {
         text += &format!("{}\n", owner.heading());
@@ -246,7 +260,7 @@ pub fn table() -> String {
 
 /// The table as it stands in the reference.
 pub fn markdown() -> String {
-    let owners = [Landmark, Object, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time];
+    let owners = [Landmark, Object, Joint, Muscle, CentreOfMass, WholeBody, Contact, Ground, Time, Reference];
     let mut text = String::new();
     for owner in owners {
         text += &format!("### {}\n\n| signal | type, unit | what it is |\n|---|---|---|\n", owner.heading());

@@ -6,6 +6,7 @@ use super::inherit::{Placed, WholeTask};
 use super::lints;
 use super::observe::{ObservedChannel, Texts};
 use super::random::KnownRandom;
+use super::reference::{KnownReference, Motions};
 use super::reward::PaidTerm;
 use super::scene::Surroundings;
 use super::scope::{Names, Place};
@@ -44,6 +45,7 @@ pub(crate) struct CheckedTask<'a> {
     /// Where the condition of success stands.
     pub success_at: (FileId, Span),
     pub randoms: Vec<KnownRandom>,
+    pub references: Vec<KnownReference>,
     pub parameters: Vec<Parameter>,
     pub phase: PhaseEnd,
     /// Between which values each term stays.
@@ -90,20 +92,29 @@ struct Parts<'a> {
     success: Located<&'a Expr>,
 }
 
+/// What is known around a task when it is checked.
+#[derive(Clone, Copy)]
+pub(crate) struct Around<'a> {
+    pub vocabulary: &'a Vocabulary,
+    pub surroundings: &'a Surroundings<'a>,
+    pub texts: &'a dyn Texts,
+    pub motions: Motions<'a>,
+}
+
 /// Checks a task against the vocabulary of its body. Errors and warnings come with it; the task only if there is no error.
 pub(crate) fn check<'a>(
     task: &'a WholeTask,
     names: &'a Names<'a>,
-    vocabulary: &'a Vocabulary,
-    surroundings: &'a Surroundings<'a>,
-    texts: &dyn Texts,
+    around: Around<'a>,
     sequence: InSequence<'a>,
     queries: Vec<Query>,
 ) -> (Option<CheckedTask<'a>>, Vec<Diagnostic>) {
+    let Around { vocabulary, surroundings, texts, motions } = around;
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     checker.known = surroundings.known.clone();
     checker.used = surroundings.used.clone();
     checker.surroundings = Some(surroundings);
+    checker.motions = Some(motions);
     // Phases of a sequence share one frame, and so the numbers of the queries.
     checker.queries = queries;
     checker.phases = sequence.phases.iter().take(sequence.index).cloned().collect();
@@ -135,6 +146,7 @@ impl<'a> Checker<'a> {
             _ => Ok(None),
         };
         self.states();
+        self.references();
         self.randoms();
         self.beginning = true;
         let init = parts.init.map(|(block, file)| self.in_file(file, |c| c.init(&block.entries, block.keyword))).transpose();
@@ -187,6 +199,7 @@ impl<'a> Checker<'a> {
             success: success.node,
             success_at: success_at.unwrap_or((self.task_place.file, task.task.name.span)),
             randoms: std::mem::take(&mut self.randoms),
+            references: self.references.clone(),
             parameters: parameters?,
             phase: phase?,
             term_bounds: Vec::new(),
@@ -436,7 +449,6 @@ impl<'a> Checker<'a> {
 fn unsupported(statement: &TaskStatement) -> Option<(Span, &'static str)> {
     use TaskStatement as S;
     Some(match statement {
-        S::Reference(reference) => (reference.span, "reference"),
         S::Phase(phase) => (phase.span, "phase"),
         S::Test(test) => (test.span, if test.cheat { "cheat" } else { "test" }),
         _ => return None,

@@ -3,12 +3,14 @@
 use super::{Described, SourceFile};
 use crate::body::BodyDescription;
 use crate::check::inherit::{self, Find, InFile, Placed, WholeTask};
+use crate::check::reference::{Motions, Tables};
 use crate::check::scope::{FileInSight, Names};
-use crate::check::task::{InSequence, body_of};
+use crate::check::task::{Around, InSequence, body_of};
 use crate::check::{self, Texts, written};
 use crate::diagnostics::{Diagnostic, FileId, Severity, codes};
 use crate::files::BodySource;
 use crate::lower::{CheckedPhase, Heading, finish};
+use crate::motion::Motion;
 use crate::syntax::tree::{Docs, Expr, Ident, Item, Phase, Sequence, TaskStatement};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
@@ -176,6 +178,7 @@ pub(super) struct Compiler<'a> {
     pub described: &'a BTreeMap<String, Described>,
     pub bodies: &'a dyn BodySource,
     pub texts: &'a dyn Texts,
+    pub motions: &'a Tables,
     pub in_sight: Vec<FileInSight<'a>>,
 }
 
@@ -198,13 +201,19 @@ impl Compiler<'_> {
         let broken = told.iter().any(|told| told.severity == Severity::Error);
         diagnostics.extend(told);
         let vocabulary = vocabulary.with_scene(&surroundings.scene);
+        let trace = |motion: &Motion| self.bodies.trace(&description, motion);
+        let around = Around {
+            vocabulary: &vocabulary,
+            surroundings: &surroundings,
+            texts: self.texts,
+            motions: Motions { tables: self.motions, trace: &trace },
+        };
         let mut queries = Vec::new();
         let mut checked = Vec::new();
         for (index, (phase, names)) in unit.phases.iter().zip(&all_names).enumerate() {
             let until = phase.phase.and_then(|phase| phase.until.as_ref()).map(|until| (until, unit.file));
             let sequence = InSequence { phases: &phase_names, index, until, success };
-            let (found, mut told) =
-                check::task::check(&phase.task, names, &vocabulary, &surroundings, self.texts, sequence, queries.clone());
+            let (found, mut told) = check::task::check(&phase.task, names, around, sequence, queries.clone());
             if broken {
                 // What formulas do not find may be what is broken in the scene: only the scene is at fault.
                 told.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
@@ -231,7 +240,7 @@ impl Compiler<'_> {
             name: &unit.name.text,
             docs: unit.docs,
             family: checked.first().map(|phase| phase.checked.family.clone()).unwrap_or_default(),
-            body: description,
+            body: description.clone(),
             success: success.map(|(expr, file)| written(expr, file, self.texts)),
             shared: shared.collect(),
         };

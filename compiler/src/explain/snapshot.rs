@@ -18,6 +18,10 @@ impl CompiledTask {
             let range = parameter.range.map_or(String::new(), |[low, high]| format!(" ({low}..{high})"));
             let _ = writeln!(text, "parameter {} = {}{range} {}", parameter.name, parameter.value, parameter.unit);
         }
+        for followed in &self.motions {
+            let start = followed.start.map_or("drawn".to_owned(), |start| start.to_string());
+            let _ = writeln!(text, "reference {} = motion {}, start {start}", followed.name, followed.motion.digest());
+        }
         self.write_scene(&mut text);
         self.write_init(&mut text);
         for phase in &self.phases {
@@ -115,6 +119,13 @@ impl CompiledTask {
                 let _ = writeln!(text, "init noise {what} {spread:?} on joints {joints:?}");
             }
         }
+        if root.spin != [0.0; 3] {
+            let _ = writeln!(text, "init root spin {:?} rad/s", root.spin);
+        }
+        if let Some(following) = &self.init.follows {
+            let digest = following.motion.digest();
+            let _ = writeln!(text, "init follows motion {digest} from drawn {}: {:?}", following.start, following.parts);
+        }
         for meeting in &root.meets {
             let _ = writeln!(text, "init root meets {meeting:?}");
         }
@@ -125,6 +136,9 @@ impl CompiledTask {
             let _ = writeln!(text, "init {settle:?}");
         }
         let _ = writeln!(text, "init coordinates {}", values(self.init.coordinates.iter().copied()));
+        if self.init.velocities.iter().any(|velocity| *velocity != 0.0) {
+            let _ = writeln!(text, "init velocities {}", values(self.init.velocities.iter().copied()));
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::evaluation::Middle;
 use crate::graph::NodeId;
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Memory, Operation};
-use crate::task::{CompiledTask, Phase, Spread, StepReport, TaskState, Term};
+use crate::task::{CompiledTask, FollowedMotion, Phase, Spread, StepReport, TaskState, Term};
 use std::fmt::Write;
 
 /// What an explanation may tell besides the source.
@@ -59,6 +59,15 @@ fn settings(task: &CompiledTask, text: &mut String) {
         let set =
             if parameter.value == parameter.default { String::new() } else { format!(", usually {}", short(parameter.default)) };
         let _ = writeln!(text, "  {} = {}{unit}{range}{set}", parameter.name, short(parameter.value));
+    }
+    if !task.motions.is_empty() {
+        let _ = writeln!(text, "\nFollows");
+    }
+    for FollowedMotion { name, motion, start } in &task.motions {
+        let kind = if motion.cycle { "a cycle" } else { "a motion" };
+        let start = start.map_or("at a phase drawn for each episode".to_owned(), |phase| format!("at phase {}", short(phase)));
+        let (title, duration) = (&motion.name, short(motion.duration));
+        let _ = writeln!(text, "  {name} = {title}, {kind} of {duration} s, {} joints, from {start}", motion.joints().count());
     }
     if !task.randoms.is_empty() {
         let _ = writeln!(text, "\nDrawn for each episode");

@@ -100,6 +100,7 @@ pub fn evaluate(operation: &Operation, inputs: &[&[f64]], out: &mut [f64]) {
             let place = (lane(1, 0).max(0.0) as usize).min(count.saturating_sub(1));
             out.copy_from_slice(&inputs[0][place * width..(place + 1) * width]);
         }
+        Operation::Follow(track) => track.read(lane(0, 0), out),
         // Leaves and memories are the caller's: they depend on more than their inputs.
         Operation::Constant(_)
         | Operation::Sensors(_)

@@ -140,6 +140,14 @@ fn bounds_of(operation: &Operation, inputs: &[&[Bounds]], width: usize, same: bo
             (0..width).map(hull).collect()
         }
         Operation::PhaseSuccess(_) => vec![Bounds::TRUTH],
+        Operation::Follow(track) => match inputs[0][0].single() {
+            Some(time) => {
+                let mut values = vec![0.0; width];
+                track.read(time, &mut values);
+                values.into_iter().map(Bounds::point).collect()
+            }
+            None => track.ranges().map(|range| range.map_or(Bounds::ANY, |[low, high]| Bounds::new(low, high))).collect(),
+        },
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) mod fold;
 pub mod interval;
 pub mod operation;
 pub mod text;
+pub mod track;
 
 use crate::frame::Sensor;
 use operation::{Binary, Bits, Memory, Operation, Reduction, Unary};
@@ -116,6 +117,7 @@ impl Graph {
             Operation::Drawn(_) | Operation::DrawnAfter(_) => inputs.first().map_or(1, |&input| self.width(input)),
             Operation::Pick(lanes) => *lanes as usize,
             Operation::PhaseSuccess(_) => 1,
+            Operation::Follow(track) => track.columns.len(),
             _ => widest(),
         }
     }

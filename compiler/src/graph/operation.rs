@@ -1,6 +1,7 @@
 //! The operations of the graph and what each computes on numbers: the one place that folding, the program and the interpreter
 //! of the tests share.
 
+use super::track::Track;
 use crate::frame::Sensor;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +22,7 @@ impl Bits {
 }
 
 /// What a node computes. Conditions are 0 or 1; vectors and lists are lanes side by side.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Operation {
     /// Fixed lanes.
     Constant(Vec<Bits>),
@@ -59,6 +60,8 @@ pub enum Operation {
     Pick(u32),
     /// Whether an earlier phase of the sequence had succeeded when it ended.
     PhaseSuccess(u32),
+    /// What a motion shows at the time in input 0, s.
+    Follow(Track),
 }
 
 /// From what chance draws.

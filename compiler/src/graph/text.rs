@@ -68,6 +68,10 @@ pub fn describe(operation: &Operation) -> String {
         Operation::DrawnAfter(index) => format!("random {index} after"),
         Operation::Pick(lanes) => format!("pick {lanes}"),
         Operation::PhaseSuccess(index) => format!("success of phase {index}"),
+        Operation::Follow(track) => {
+            let what = if track.rates { "rates" } else { "values" };
+            format!("follow {} {what} {:?}", track.motion.digest(), track.columns)
+        }
     }
 }
 

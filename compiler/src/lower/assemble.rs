@@ -241,6 +241,7 @@ impl<'a> Assembler<'a> {
                 self.program.successes.push((*phase as usize, cell));
                 Code::PhaseSuccess(cell)
             }
+            Operation::Follow(track) => Code::Follow(Box::new(track.clone())),
             Operation::Memory(memory) => {
                 let first = self.program.cells;
                 self.program.cells += width * memory.cells();

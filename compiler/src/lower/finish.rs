@@ -8,7 +8,7 @@ use crate::check::{Texts, written};
 use crate::diagnostics::FileId;
 use crate::explain::{mathematics, names_in};
 use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
-use crate::task::{Channel, CompiledTask, Meaning, Phase, RandomValue, Term, TermMeaning};
+use crate::task::{Channel, CompiledTask, FollowedMotion, Meaning, Phase, RandomValue, Term, TermMeaning};
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
@@ -56,6 +56,11 @@ pub(crate) fn finish(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts:
         let finishes = own(&mut whole.finishes, checked.finishes.iter().map(|end| end.name.clone()).collect());
         let terms = whole.terms(&name, &checked, texts);
         let metrics = whole.metrics(&name, &checked);
+        for reference in &checked.references {
+            let (name, motion) = (labelled(several, &name, &reference.name), reference.motion.clone());
+            let start = checked.graph.constant_value(reference.start);
+            whole.motions.push(FollowedMotion { name, motion, start });
+        }
         for parameter in &checked.parameters {
             let parameter_name = labelled(several, &name, &parameter.name);
             whole.parameters.push(crate::task::Parameter { name: parameter_name, ..parameter.clone() });
@@ -81,6 +86,7 @@ pub(crate) fn finish(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts:
                 metrics: Vec::new(),
                 randoms: Vec::new(),
                 parameters: Vec::new(),
+                motions: Vec::new(),
                 frame: frame.clone(),
                 hash: String::new(),
                 phases: Vec::new(),
@@ -103,6 +109,7 @@ pub(crate) fn finish(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts:
     (compiled.channels, compiled.terms, compiled.metrics) = (whole.channels, whole.terms, whole.metrics);
     (compiled.terminations, compiled.finishes) = (whole.terminations, whole.finishes);
     (compiled.randoms, compiled.parameters) = (whole.randoms, whole.parameters);
+    compiled.motions = whole.motions;
     compiled.phases = made;
     compiled.hash = hash(&compiled);
     Some(compiled)
@@ -126,6 +133,7 @@ struct Whole {
     finishes: Vec<String>,
     randoms: Vec<RandomValue>,
     parameters: Vec<crate::task::Parameter>,
+    motions: Vec<FollowedMotion>,
 }
 
 impl Whole {
@@ -196,7 +204,10 @@ impl Whole {
                     TaskStatement::Random(declared) if declared.name.text == random.name => Some((declared, placed.file)),
                     _ => None,
                 });
-                self.randoms.push(random_value(name, declared, texts));
+                // The start of a reference is drawn without a statement of its own.
+                let start = declared.is_none() && random.name.ends_with(".start");
+                let drawn = random_value(name, declared, texts);
+                self.randoms.push(if start { RandomValue { source: "uniform(0 .. 1)".to_owned(), ..drawn } } else { drawn });
                 self.randoms.len() - 1
             });
             streams.push(place);

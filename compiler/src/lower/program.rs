@@ -1,6 +1,7 @@
 //! The lowered form of a task: a list of instructions over flat records.
 
 use crate::graph::operation::{Binary, Chance, Memory, Reduction, Unary};
+use crate::graph::track::Track;
 
 /// Where lanes are read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +49,8 @@ pub(crate) enum Code {
     Pick,
     /// Whether an earlier phase succeeded: this cell.
     PhaseSuccess(usize),
+    /// What a motion shows at the time in input 0.
+    Follow(Box<Track>),
 }
 
 /// Reads inputs, writes `width` registers from `output` on. Inputs in registers lie below `output`.

@@ -213,6 +213,7 @@ impl Program {
                 out.copy_from_slice(&list[place * width..][..width]);
             }
             Code::PhaseSuccess(cell) => out.fill(cells[*cell]),
+            Code::Follow(track) => track.read(lane(input(0), 0), out),
             // Whichever of the two comes first at reset gives the state its first value.
             Code::StateBefore(first) | Code::StateAfter(first) => {
                 let cells = &mut cells[*first..first + out.len()];

@@ -53,6 +53,11 @@ impl Curve {
         Self { pieces: pieces.collect(), advance }
     }
 
+    /// All that it is made of.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.pieces.iter().flat_map(|piece| std::iter::once(piece.length).chain(piece.coefficients))
+    }
+
     pub(super) fn advance(&self) -> f64 {
         self.advance
     }

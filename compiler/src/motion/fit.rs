@@ -2,14 +2,18 @@
 
 use super::{Motion, Target};
 use crate::check::dimension::Dimension;
+use crate::check::unit;
 use crate::diagnostics::{Diagnostic, FileId, codes, nearest};
-use crate::vocabulary::{JointKind, Vocabulary};
+use crate::vocabulary::{Joint, JointKind, Vocabulary};
+
+/// How far a spline may leave the range of a joint between rows that keep it, rad or m.
+const OVERSHOOT: f64 = 2e-3;
 
 impl Motion {
     /// What of it does not fit the body of `vocabulary`; `file` is where it was read from.
     pub fn problems(&self, file: FileId, vocabulary: &Vocabulary) -> Vec<Diagnostic> {
         let mut problems = Vec::new();
-        for column in &self.columns {
+        for (index, column) in self.columns.iter().enumerate() {
             let Target::Joint(name) = &column.target else { continue };
             let Some(joint) = vocabulary.joints.iter().find(|joint| joint.name == *name) else {
                 let message = format!("the body `{}` has no joint `{name}`", vocabulary.body);
@@ -30,8 +34,27 @@ impl Motion {
                     .expected(format!("it {turns}"))
                     .found(format!("`[{}]`", column.unit));
                 problems.push(problem);
+            } else if let Some(problem) = self.beyond(index, joint, file) {
+                problems.push(problem);
             }
         }
         problems
+    }
+
+    /// A column that leaves its joint's range.
+    fn beyond(&self, column: usize, joint: &Joint, file: FileId) -> Option<Diagnostic> {
+        let ([low, high], [least, most]) = (joint.range?, self.range(column));
+        if least >= low - OVERSHOOT && most <= high + OVERSHOOT {
+            return None;
+        }
+        let column = &self.columns[column];
+        let factor = unit::find(&column.unit).map_or(1.0, |unit| unit.factor);
+        let shown = |low: f64, high: f64| {
+            let tidy = |value: f64| (value / factor * 100.0).round() / 100.0;
+            format!("{} .. {} {}", tidy(low), tidy(high), column.unit)
+        };
+        let message = format!("`{}` leaves the range of the joint", joint.name);
+        let problem = Diagnostic::new(codes::composition::MOTION_COLUMN, file, column.span, message);
+        Some(problem.expected(shown(low, high)).found(shown(least, most)))
     }
 }

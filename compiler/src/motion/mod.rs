@@ -6,13 +6,19 @@
 //!
 //! A motion is data. Reference motions of tasks, scripted motions of tests and the drawings of motions all read it here.
 
+mod begin;
 mod curve;
 mod fit;
 mod read;
+mod sites;
+
+pub use begin::{Following, Parts};
 
 use crate::check::dimension::Dimension;
 use crate::diagnostics::Span;
 use curve::Curve;
+use sha2::{Digest, Sha256};
+use std::borrow::Cow;
 
 /// A table of columns over time.
 ///
@@ -33,6 +39,7 @@ pub struct Motion {
     /// Times of the rows, s: the first is 0, the last the duration.
     pub times: Vec<f64>,
     curves: Vec<Curve>,
+    digest: String,
 }
 
 /// A column of a motion.
@@ -57,6 +64,8 @@ pub enum Target {
     Joint(String),
     /// A coordinate of the root.
     Root(RootPart),
+    /// Where the landmark of that name is along x, y or z (0, 1, 2) of the world, m: computed from the others, never read.
+    Site(String, usize),
 }
 
 /// A coordinate of the root in world axes: x forward, y left, z up.
@@ -103,10 +112,11 @@ impl RootPart {
 
 impl Target {
     /// As a column is headed, without its unit.
-    pub fn name(&self) -> &str {
+    pub fn name(&self) -> Cow<'_, str> {
         match self {
-            Self::Joint(name) => name,
-            Self::Root(part) => part.heading(),
+            Self::Joint(name) => Cow::Borrowed(name),
+            Self::Root(part) => Cow::Borrowed(part.heading()),
+            Self::Site(name, axis) => Cow::Owned(format!("{name}.{}", ["x", "y", "z"].get(*axis).unwrap_or(&"?"))),
         }
     }
 }
@@ -126,7 +136,7 @@ impl Motion {
     pub fn joints(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().filter_map(|column| match &column.target {
             Target::Joint(name) => Some(name.as_str()),
-            Target::Root(_) => None,
+            Target::Root(_) | Target::Site(..) => None,
         })
     }
 
@@ -178,6 +188,24 @@ impl Motion {
     pub fn phase_of(&self, time: f64) -> f64 {
         let turns = time / self.duration;
         if self.cycle { turns - turns.floor() } else { turns.clamp(0.0, 1.0) }
+    }
+
+    /// Identifies what the motion shows: two tables with the same one show the same to the bit, whatever they are called.
+    pub fn digest(&self) -> &str {
+        &self.digest
+    }
+
+    /// The same with its digest.
+    fn identified(mut self) -> Self {
+        let mut hasher = Sha256::new();
+        hasher.update([u8::from(self.cycle)]);
+        self.times.iter().for_each(|time| hasher.update(time.to_bits().to_le_bytes()));
+        for (column, curve) in self.columns.iter().zip(&self.curves) {
+            hasher.update(format!("{} {} ", column.target.name(), column.advances));
+            curve.numbers().for_each(|number| hasher.update(number.to_bits().to_le_bytes()));
+        }
+        self.digest = hasher.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect();
+        self
     }
 
     /// Where in the table a time lies.

@@ -148,7 +148,7 @@ impl Reader {
         }
         let curves = lists.iter().map(|values| Curve::through(&times, values, cycle)).collect();
         let source = head.sources.join("\n");
-        Some(Motion { name, source, cycle, duration, columns, times, curves })
+        Some(Motion { name, source, cycle, duration, columns, times, curves, digest: String::new() }.identified())
     }
 
     fn head_line<'a>(&mut self, said: Part<'a>, head: &mut Head<'a>) {

@@ -32,7 +32,9 @@ impl Body {
         state.position[position..position + 3].copy_from_slice(&[x, y, placement.height.unwrap_or(0.0)]);
         state.position[position + 3..position + 7].copy_from_slice(&orientation);
         state.velocity[dof..dof + 3].copy_from_slice(&placement.velocity);
-        state.velocity[dof + 3..dof + 6].fill(0.0);
+        // A free joint turns in its own axes.
+        let spin = rotation::matrix(orientation).tr_mul(&Vector3::from(placement.spin));
+        state.velocity[dof + 3..dof + 6].copy_from_slice(spin.as_slice());
         if !placement.meets.is_empty() {
             physics::kinematics::update(model, state, &mut workspace.kinematics);
             let missing = self.missing(&placement.meets, &workspace.kinematics);

@@ -14,7 +14,8 @@ use nalgebra::Vector3;
 ///    range, since a pose that violates its limits would begin with a kick.
 /// 2. Slaved joints follow from their couplings.
 /// 3. The root stands upright at its heading, on the ground if the task says so: the noisy pose touches it, too.
-/// 4. Normal noise on the velocities of the independent hinges; slaved velocities follow from the couplings' derivatives.
+/// 4. The task's velocities, with noise on those of the independent joints; slaved velocities follow from the couplings'
+///    derivatives.
 ///
 /// The root itself gets no noise, so its quaternion stays a rotation.
 pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &mut State<f64>, workspace: &mut Workspace<f64>) {
@@ -29,8 +30,9 @@ pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &m
     body.place(model, &init.root, &coordinates, state, workspace);
 
     let mut noise = Stream::new(key, "init/noise/velocities");
-    for (joint, spread) in body.joints.iter().zip(&init.velocity_noise) {
-        state.velocity[joint.dof] = draw(Some(spread), &mut noise);
+    for (index, joint) in body.joints.iter().enumerate() {
+        let velocity = init.velocities.get(index).copied().unwrap_or(0.0);
+        state.velocity[joint.dof] = velocity + draw(init.velocity_noise.get(index), &mut noise);
     }
     body.solve_coupled_velocities(model, &state.position, &mut state.velocity);
 }

@@ -74,7 +74,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The beginning comes before the first snapshot: only what is drawn without looking at the body is known by then.
-    fn must_be_drawn(&mut self, node: NodeId, span: Span, wanted_by: &str) -> Checked<()> {
+    pub(in crate::check) fn must_be_drawn(&mut self, node: NodeId, span: Span, wanted_by: &str) -> Checked<()> {
         if self.graph.is_drawn_first(node) {
             return Ok(());
         }

@@ -20,12 +20,14 @@ pub(crate) struct Beginning {
     pub init: Init,
     /// In the order of the places in [`Init::drawn`].
     pub drawn: Vec<NodeId>,
+    /// The motion from which the pose is taken.
+    pub motion: Option<String>,
 }
 
 impl<'a> Checker<'a> {
     /// Checks the statements of `init`.
     pub(crate) fn init(&mut self, statements: &'a [InitStatement], span: Span) -> Checked<Beginning> {
-        let mut beginning = Beginning { init: self.starting_objects(), drawn: Vec::new() };
+        let mut beginning = Beginning { init: self.starting_objects(), ..Beginning::default() };
         let mut posed: Option<Span> = None;
         let mut broken = self.drawn_places(&mut beginning).is_err();
         // What is placed may differ from the pose: the pose comes first, wherever it stands.
@@ -34,7 +36,7 @@ impl<'a> Checker<'a> {
         for statement in poses.chain(statements.iter().filter(|statement| !is_pose(statement))) {
             let result = match statement {
                 InitStatement::Pose(pose) => match posed.replace(pose.span) {
-                    None => self.pose(pose, &mut beginning.init),
+                    None => self.pose(pose, &mut beginning),
                     Some(_) => Err(self.error(codes::tasks::REPEATED, pose.span, "a second pose would replace the first")),
                 },
                 InitStatement::Object(element) if element.object.text == "root" => self.root(element, &mut beginning),
@@ -51,7 +53,7 @@ impl<'a> Checker<'a> {
         if posed.is_none() {
             let diagnostic = self
                 .diagnostic(codes::tasks::MISSING, span, "`init` does not say in which pose the body begins")
-                .help("write `pose neutral`, or another pose of the body");
+                .help("write `pose neutral`, or another pose of the body, or the name of a `reference`");
             return Err(self.report(diagnostic));
         }
         let root = &beginning.init.root;

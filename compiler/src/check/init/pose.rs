@@ -1,17 +1,26 @@
 //! The pose of a beginning: a pose of the body, adjusted by name.
 
+use super::Beginning;
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
+use crate::check::scope::{Declared, Definition};
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
+use crate::motion::{Following, Parts, RootPart};
 use crate::syntax::tree::{Assignment, Expr, PoseUse};
 use crate::task::Init;
 use crate::vocabulary::JointKind;
 
 impl<'a> Checker<'a> {
-    pub(super) fn pose(&mut self, pose: &'a PoseUse, init: &mut Init) -> Checked<()> {
+    pub(super) fn pose(&mut self, pose: &'a PoseUse, beginning: &mut Beginning) -> Checked<()> {
+        let declared = self.names.find(self.place, &pose.name.text);
+        if matches!(declared, Some((Declared { definition: Definition::Reference(_), .. }, _))) {
+            return self.pose_of_motion(pose, beginning);
+        }
+        let init = &mut beginning.init;
         let Some(known) = self.vocabulary.poses.iter().find(|known| known.name == pose.name.text) else {
-            let names = self.vocabulary.poses.iter().map(|known| known.name.clone()).collect();
+            let names = self.vocabulary.poses.iter().map(|known| known.name.clone());
+            let names = names.chain(self.references.iter().map(|known| known.name.clone())).collect();
             return Err(self.unknown_name(&pose.name.text, pose.name.span, names));
         };
         // Poses know the joints of the body; those of objects come behind and begin at zero.
@@ -24,6 +33,43 @@ impl<'a> Checker<'a> {
             broken |= self.adjust(adjustment, &mut init.coordinates, &mut set).is_err();
         }
         if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    /// `pose gait`: the body where the motion is when the episode starts, and as fast. Joints that the motion does not move stand
+    /// as in the standing pose; those that are adjusted begin at rest.
+    fn pose_of_motion(&mut self, pose: &'a PoseUse, beginning: &mut Beginning) -> Checked<()> {
+        self.used.insert(pose.name.text.clone());
+        let known = self.references.iter().find(|known| known.name == pose.name.text).cloned();
+        // A reference that is not known is broken, which is reported.
+        let known = known.ok_or(Reported)?;
+        let (joints, init) = (&self.vocabulary.joints, &mut beginning.init);
+        for (coordinate, joint) in init.coordinates.iter_mut().zip(joints) {
+            *coordinate = joint.neutral;
+        }
+        init.velocities = vec![0.0; joints.len()];
+        let mut set = vec![false; joints.len()];
+        let mut broken = false;
+        for adjustment in &pose.adjustments {
+            broken |= self.adjust(adjustment, &mut init.coordinates, &mut set).is_err();
+        }
+        if broken {
+            return Err(Reported);
+        }
+        let moved = joints.iter().enumerate().filter(|(index, joint)| joint.independent && !set[*index]);
+        let motion = known.motion;
+        let parts = Parts {
+            joints: moved.filter_map(|(index, joint)| Some((index, motion.joint(&joint.name)?))).collect(),
+            root: RootPart::ALL.into_iter().filter(|part| motion.root(*part).is_some()).collect(),
+            velocity: true,
+        };
+        let constant = self.graph.constant_value(known.start);
+        parts.write(&motion, motion.time_of(constant.unwrap_or(0.0)), init);
+        beginning.motion = Some(pose.name.text.clone());
+        if constant.is_none() {
+            init.follows = Some(Following { motion, start: beginning.drawn.len(), parts });
+            beginning.drawn.push(known.start);
+        }
+        Ok(())
     }
 
     fn adjust(&mut self, adjustment: &'a Assignment, coordinates: &mut [f64], set: &mut [bool]) -> Checked<()> {

@@ -6,12 +6,28 @@ use crate::check::dimension::Dimension;
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::codes;
 use crate::frame::Origin;
+use crate::motion::RootPart;
 use crate::syntax::tree::{Expr, ExprKind, Field, FieldValue, Placement};
 use crate::task::Setting;
 
 /// How the fields of the root are written.
 const HELP: &str = "it takes `height on ground` or `height 1 m`, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and \
     `so palm_l at bar.grip_l`";
+
+impl Beginning {
+    /// What `root` says itself is not taken from the motion of a pose.
+    fn unfollow(&mut self, word: &str) {
+        let Some(following) = &mut self.init.follows else { return };
+        let part = match word {
+            "height" => Some(RootPart::Height),
+            "pitch" => Some(RootPart::Pitch),
+            "roll" => Some(RootPart::Roll),
+            _ => None,
+        };
+        following.parts.root.retain(|known| Some(*known) != part);
+        following.parts.velocity &= word != "velocity";
+    }
+}
 
 impl<'a> Checker<'a> {
     pub(super) fn root(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
@@ -35,6 +51,15 @@ impl<'a> Checker<'a> {
     }
 
     fn root_field(&mut self, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {
+        let word = field.name.text.as_str();
+        if let (Some(motion), "heading") = (&beginning.motion, word) {
+            let message = format!("the motion `{motion}` says where the root faces");
+            let diagnostic = self
+                .diagnostic(codes::composition::MOTION, field.span, message)
+                .help("a motion goes along the x axis of the world, as its table says");
+            return Err(self.report(diagnostic));
+        }
+        beginning.unfollow(word);
         match (field.name.text.as_str(), &field.value) {
             ("height", FieldValue::On(Expr { kind: ExprKind::Name(name), .. })) if name.text == "ground" => {
                 beginning.init.root.height = None;

@@ -61,14 +61,14 @@ codes! {
         title: "a cycle that does not close",
         explanation: "The last row of a cycle is the first row of its next turn, so that both say the same. Only the place of the \
             root may go on from turn to turn, and the head says so with `# advances: root.x`.",
-        example: "# cycle: yes\nphase, root.x [m]\n0, 0\n1, 1.4",
-        fix: "# cycle: yes\n# advances: root.x\nphase, root.x [m]\n0, 0\n1, 1.4",
+        example: "# cycle: yes\nphase, root.x [m]\n0, 0\n0.3, 0.4\n0.6, 0.8\n1, 1.4",
+        fix: "# cycle: yes\n# advances: root.x\nphase, root.x [m]\n0, 0\n0.3, 0.4\n0.6, 0.8\n1, 1.4",
     }
     MOTION_TABLE = "E0439" {
         title: "a motion that is no table",
         explanation: "Above the headings stands what the motion is: `# name:`, `# source:`, `# cycle: yes` or `no`, and over phases \
             `# duration:`. Below stands a number for every heading, with times that increase from 0.",
-        example: "phase, hip_flexion_r [deg]\n0, 30\n0, 31",
-        fix: "phase, hip_flexion_r [deg]\n0, 30\n0.02, 31",
+        example: "phase, hip_flexion_r [deg]\n0, 30\n0, 31\n1, 32",
+        fix: "phase, hip_flexion_r [deg]\n0, 30\n0.5, 31\n1, 32",
     }
 }

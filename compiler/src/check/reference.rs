@@ -1,0 +1,392 @@
+//! `reference`: a motion that an episode follows from a phase on. All that is read of it is read at one and the same time.
+//!
+//! The graph holds the phase in turns, `start + t / duration`, where `start` is a number, or a random with a stream of its own.
+//! Every signal of the motion is a [`Track`] of its table at that time.
+
+use super::context::{Checked, Checker, Reported};
+use super::dimension::Dimension;
+use super::random::KnownRandom;
+use super::scope::Definition;
+use super::signals::{self, Owner};
+use super::types::{Frame, Type};
+use super::value::{Data, Form, Thing, Value};
+use crate::diagnostics::{Diagnostic, FileId, Span, codes, nearest};
+use crate::frame::Sensor;
+use crate::graph::NodeId;
+use crate::graph::operation::{Binary, Chance, Memory, Operation};
+use crate::graph::track::Track;
+use crate::motion::{Motion, RootPart};
+use crate::syntax::tree::{Argument, Expr, ExprKind, Name, Reference, TaskStatement};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A motion that was read, and from which file.
+#[derive(Debug, Clone)]
+pub(crate) struct Table {
+    pub file: FileId,
+    pub motion: Arc<Motion>,
+}
+
+/// Motions by the file that names them and the path as it stands there. What could not be read is reported, and not here.
+pub(crate) type Tables = BTreeMap<(FileId, String), Table>;
+
+/// Places of a body's landmarks at the rows of a motion; why there are none, in words.
+pub(crate) type Trace<'a> = &'a dyn Fn(&Motion) -> Result<Vec<Vec<[f64; 3]>>, String>;
+
+/// The motions in sight of a task.
+#[derive(Clone, Copy)]
+pub(crate) struct Motions<'a> {
+    pub tables: &'a Tables,
+    pub trace: Trace<'a>,
+}
+
+/// A reference whose motion and start are checked.
+#[derive(Debug, Clone)]
+pub(crate) struct KnownReference {
+    pub name: String,
+    pub motion: Arc<Motion>,
+    /// The same with the places of landmarks, once one is read.
+    sites: Option<Arc<Motion>>,
+    /// The phase at which an episode starts, 0 to 1.
+    pub start: NodeId,
+}
+
+impl<'a> Checker<'a> {
+    /// Checks all references, in the order of the text.
+    pub(crate) fn references(&mut self) {
+        let statements = self.statements;
+        for placed in statements {
+            if let TaskStatement::Reference(reference) = &placed.statement {
+                let known = self.in_file(placed.file, |checker| checker.declare_reference(reference, placed.file));
+                self.references.extend(known);
+            }
+        }
+    }
+
+    fn declare_reference(&mut self, reference: &'a Reference, file: FileId) -> Checked<KnownReference> {
+        let start = self.start(reference);
+        let Some(motions) = self.motions else { return Err(Reported) };
+        // A motion that could not be read is reported where it is named.
+        let Some(table) = motions.tables.get(&(file, reference.motion.value.clone())) else { return Err(Reported) };
+        let problems = table.motion.problems(table.file, self.vocabulary);
+        let broken = !problems.is_empty();
+        self.diagnostics.extend(problems);
+        if broken {
+            return Err(Reported);
+        }
+        Ok(KnownReference { name: reference.name.text.clone(), motion: table.motion.clone(), sites: None, start: start? })
+    }
+
+    /// The phase at which an episode starts.
+    fn start(&mut self, reference: &'a Reference) -> Checked<NodeId> {
+        let Some(start) = &reference.start else { return Ok(self.graph.constant(0.0)) };
+        if matches!(&start.kind, ExprKind::Name(name) if name.text == "uniform") {
+            let index = u32::try_from(self.randoms.len()).unwrap_or(u32::MAX);
+            let drawn = self.graph.add(Operation::Noise(index, Chance::Uniform, 1), &[]);
+            let node = self.graph.add(Operation::Drawn(index), &[drawn]);
+            let name = format!("{}.start", reference.name.text);
+            self.randoms.push(KnownRandom { name, data: Data::new(node, Type::PLAIN), redraw: None });
+            return Ok(node);
+        }
+        let data = self.number_of(start, Dimension::NONE, "`start`")?;
+        match self.graph.constant_value(data.node) {
+            Some(phase) if !(0.0..=1.0).contains(&phase) => {
+                let diagnostic = self
+                    .diagnostic(codes::composition::MOTION, start.span, "a motion starts at a phase of its own")
+                    .expected("a number from 0 to 1, or `uniform`")
+                    .found(format!("{phase}"));
+                Err(self.report(diagnostic))
+            }
+            Some(_) => Ok(data.node),
+            None => self.must_be_drawn(data.node, start.span, "`start`").map(|()| data.node),
+        }
+    }
+
+    /// Whether an expression is the name of a reference; its place among those known.
+    fn reference_named(&mut self, base: &Expr) -> Option<Checked<usize>> {
+        let ExprKind::Name(name) = &base.kind else { return None };
+        let (declared, _) = self.names.find(self.place, &name.text)?;
+        if !matches!(declared.definition, Definition::Reference(_)) || self.locals.iter().any(|(local, _)| *local == name.text) {
+            return None;
+        }
+        self.used.insert(name.text.clone());
+        let known = self.references.iter().position(|known| known.name == name.text);
+        // One that is not known is broken, which is reported.
+        Some(known.ok_or(Reported))
+    }
+
+    /// `gait.phase`, `gait.q(knee_angle_r)`; `None` if the base is no reference.
+    pub(crate) fn of_reference(
+        &mut self,
+        base: &Expr,
+        name: &Name,
+        arguments: Option<&'a [Argument]>,
+        span: Span,
+    ) -> Option<Checked<Value>> {
+        let index = self.reference_named(base)?;
+        Some(index.and_then(|index| self.motion_signal(index, name, arguments, span)))
+    }
+
+    fn motion_signal(&mut self, index: usize, name: &Name, arguments: Option<&'a [Argument]>, span: Span) -> Checked<Value> {
+        let takes = |word: &str| matches!(word, "q" | "qd" | "site");
+        if let (Some(arguments), false) = (arguments, takes(&name.text))
+            && signals::find(Owner::Reference, &name.text).is_some()
+        {
+            let message = format!("`{}` takes no arguments", name.text);
+            let place = arguments.first().map_or(name.span, |argument| argument.value.span);
+            return Err(self.error(codes::types::ARGUMENTS, place, message));
+        }
+        match name.text.as_str() {
+            "phase" => Ok(Value::Data(self.motion_phase(index))),
+            "joints" => Ok(Value::Things { members: self.motion_joints(index), group: true }),
+            "q" => self.motion_joint(index, arguments, false, span).map(Value::Data),
+            "qd" => self.motion_joint(index, arguments, true, span).map(Value::Data),
+            "root" => self.motion_root(index, span).map(Value::Data),
+            "velocity" => self.motion_velocity(index, span).map(Value::Data),
+            "heading" => self.motion_turn(index, RootPart::Heading, span).map(Value::Data),
+            "pitch" => self.motion_turn(index, RootPart::Pitch, span).map(Value::Data),
+            "roll" => self.motion_turn(index, RootPart::Roll, span).map(Value::Data),
+            "site" => self.motion_site(index, arguments, span).map(Value::Data),
+            other => {
+                let known: Vec<&str> = signals::of(Owner::Reference).map(|signal| bare(signal.name)).collect();
+                let message = format!("a motion has no `{other}`");
+                let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message);
+                for near in nearest(other, known.iter().copied()) {
+                    diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), name.span, near);
+                }
+                let diagnostic = diagnostic.help(format!("it has {}", known.join(", ")));
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// Whole turns since phase 0, with the start in them.
+    fn turns(&mut self, index: usize) -> NodeId {
+        let (start, duration) = (self.references[index].start, self.references[index].motion.duration);
+        let (time, duration) = (self.time(), self.graph.constant(duration));
+        let turns = self.graph.binary(Binary::Divide, time, duration);
+        self.graph.binary(Binary::Add, start, turns)
+    }
+
+    /// The time of the motion, s: at the start phase, or now.
+    fn motion_time(&mut self, index: usize, at_start: bool) -> NodeId {
+        let turns = if at_start { self.references[index].start } else { self.turns(index) };
+        let duration = self.graph.constant(self.references[index].motion.duration);
+        self.graph.binary(Binary::Multiply, turns, duration)
+    }
+
+    fn motion_phase(&mut self, index: usize) -> Data {
+        let turns = self.turns(index);
+        let one = self.graph.constant(1.0);
+        let node = if self.references[index].motion.cycle {
+            self.graph.binary(Binary::Modulo, turns, one)
+        } else {
+            self.graph.binary(Binary::Minimum, turns, one)
+        };
+        Data::new(node, Type::PLAIN)
+    }
+
+    /// The joints that a motion moves, in the order of its columns.
+    pub(crate) fn motion_joints(&self, index: usize) -> Vec<Thing> {
+        let joints = &self.vocabulary.joints;
+        let place = |name: &str| joints.iter().position(|joint| joint.name == name).map(Thing::Joint);
+        self.references[index].motion.joints().filter_map(place).collect()
+    }
+
+    fn follow(&mut self, motion: Arc<Motion>, columns: Vec<usize>, rates: bool, time: NodeId) -> NodeId {
+        self.graph.add(Operation::Follow(Track { motion, columns, rates }), &[time])
+    }
+
+    /// `gait.q(knee_angle_r)`, `gait.q(legs)`, `gait.q`: of all joints that the motion moves.
+    fn motion_joint(&mut self, index: usize, arguments: Option<&'a [Argument]>, rates: bool, span: Span) -> Checked<Data> {
+        let (things, list, place) = match arguments {
+            None => (self.motion_joints(index), true, span),
+            Some([Argument { name: None, value }]) => match self.value(value)? {
+                Value::Thing(thing) => (vec![thing], false, value.span),
+                Value::Things { members, .. } => (members, true, value.span),
+                Value::Data(_) => (Vec::new(), false, value.span),
+            },
+            Some(_) => return Err(self.one_argument("a joint, or a list of joints", span)),
+        };
+        if things.is_empty() || !things.iter().all(|thing| matches!(thing, Thing::Joint(_))) {
+            let message = "a motion is asked for joints";
+            let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, place, message).help("write `gait.q(knee_angle_r)`");
+            return Err(self.report(diagnostic));
+        }
+        self.spend(things.len(), span)?;
+        let vocabulary = self.vocabulary;
+        let motion = self.references[index].motion.clone();
+        let (mut columns, mut dimensions, mut missing) = (Vec::new(), Vec::new(), Vec::new());
+        for thing in &things {
+            let Thing::Joint(joint) = thing else { continue };
+            match motion.joint(&vocabulary.joints[*joint].name) {
+                Some(column) => {
+                    let dimension = motion.columns[column].dimension;
+                    let rate = dimension.per(Dimension::TIME).unwrap_or(dimension);
+                    dimensions.push(if rates { rate } else { dimension });
+                    columns.push(column);
+                }
+                None => missing.push(vocabulary.joints[*joint].name.as_str()),
+            }
+        }
+        if !missing.is_empty() {
+            return Err(self.says_nothing(index, &missing, things.len(), place));
+        }
+        let kind = if list { Type::numbers(dimensions) } else { Type::Number(dimensions[0]) };
+        let time = self.motion_time(index, false);
+        Ok(Data::new(self.follow(motion, columns, rates, time), kind))
+    }
+
+    /// The motion has no column for these joints.
+    fn says_nothing(&mut self, index: usize, missing: &[&str], asked: usize, span: Span) -> Reported {
+        let known = &self.references[index];
+        let of = if asked == 1 {
+            format!("the joint `{}`", missing[0])
+        } else if missing.len() == 1 {
+            format!("`{}`, one of these {asked} joints", missing[0])
+        } else {
+            format!("{} of these {asked} joints: {}", missing.len(), few(missing))
+        };
+        let message = format!("the motion `{}` says nothing of {of}", known.motion.name);
+        let near: Vec<String> = match missing {
+            [only] if asked == 1 => nearest(only, known.motion.joints()).into_iter().map(str::to_owned).collect(),
+            _ => Vec::new(),
+        };
+        let help = format!("`{}.joints` are those that it moves", known.name);
+        let mut diagnostic = self.diagnostic(codes::composition::MOTION, span, message);
+        for near in near {
+            diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), span, near);
+        }
+        let diagnostic = diagnostic.help(help);
+        self.report(diagnostic)
+    }
+
+    /// The columns of coordinates of the root, all of which must be there.
+    fn root_columns(&mut self, index: usize, parts: &[RootPart], span: Span) -> Checked<Vec<usize>> {
+        let motion = self.references[index].motion.clone();
+        let columns: Vec<Option<usize>> = parts.iter().map(|part| motion.root(*part)).collect();
+        let missing: Vec<&str> =
+            parts.iter().zip(&columns).filter(|(_, column)| column.is_none()).map(|(part, _)| part.heading()).collect();
+        if missing.is_empty() {
+            return Ok(columns.into_iter().flatten().collect());
+        }
+        let message = format!("the motion `{}` has no column for this", motion.name);
+        let diagnostic =
+            self.diagnostic(codes::composition::MOTION, span, message).expected(missing.join(", ")).help("add it to its table");
+        Err(self.report(diagnostic))
+    }
+
+    /// Where the root should be: as far from where it began as the motion has taken it, at the motion's height.
+    fn motion_root(&mut self, index: usize, span: Span) -> Checked<Data> {
+        let columns = self.root_columns(index, &[RootPart::X, RootPart::Y, RootPart::Height], span)?;
+        let motion = self.references[index].motion.clone();
+        let node = self.carried(index, motion, columns);
+        Ok(Data::new(node, Type::Place(Frame::World)))
+    }
+
+    /// Where something of the motion is that has columns x, y and z, when the motion starts under the root.
+    fn carried(&mut self, index: usize, motion: Arc<Motion>, columns: Vec<usize>) -> NodeId {
+        let (now, start) = (self.motion_time(index, false), self.motion_time(index, true));
+        let place = self.follow(motion.clone(), columns, false, now);
+        let level: Vec<usize> = [RootPart::X, RootPart::Y].into_iter().filter_map(|part| motion.root(part)).collect();
+        let begun = self.graph.sensors(vec![Sensor::RootPosition]);
+        let begun = self.graph.memory(Memory::Initial, &[begun]);
+        let begun = self.graph.select([0, 1], begun);
+        let origin = self.follow(motion, level, false, start);
+        let shift = self.graph.binary(Binary::Subtract, begun, origin);
+        let zero = self.graph.constant(0.0);
+        let shift = self.graph.join(&[shift, zero]);
+        self.graph.binary(Binary::Add, place, shift)
+    }
+
+    fn motion_velocity(&mut self, index: usize, span: Span) -> Checked<Data> {
+        let columns = self.root_columns(index, &[RootPart::X, RootPart::Y, RootPart::Height], span)?;
+        let (motion, time) = (self.references[index].motion.clone(), self.motion_time(index, false));
+        Ok(Data::new(self.follow(motion, columns, true, time), Type::world_vector(Dimension::SPEED)))
+    }
+
+    fn motion_turn(&mut self, index: usize, part: RootPart, span: Span) -> Checked<Data> {
+        let columns = self.root_columns(index, &[part], span)?;
+        let (motion, time) = (self.references[index].motion.clone(), self.motion_time(index, false));
+        Ok(Data::new(self.follow(motion, columns, false, time), Type::Number(Dimension::ANGLE)).with_form(Form::Wrapping))
+    }
+
+    /// `gait.site(ankle_r)`: where a landmark should be.
+    fn motion_site(&mut self, index: usize, arguments: Option<&'a [Argument]>, span: Span) -> Checked<Data> {
+        let Some([Argument { name: None, value }]) = arguments else {
+            return Err(self.one_argument("a landmark, or a list of landmarks", span));
+        };
+        let (things, list) = match self.value(value)? {
+            Value::Thing(thing) => (vec![thing], false),
+            Value::Things { members, .. } => (members, true),
+            Value::Data(_) => (Vec::new(), false),
+        };
+        let landmark = |thing: &Thing| match thing {
+            Thing::Landmark(place) if !self.vocabulary.landmarks[*place].of_scene => Some(*place),
+            _ => None,
+        };
+        let Some(landmarks) = things.iter().map(landmark).collect::<Option<Vec<usize>>>().filter(|all| !all.is_empty()) else {
+            let message = "a motion says where landmarks of the body are";
+            let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, value.span, message).help("write `gait.site(ankle_r)`");
+            return Err(self.report(diagnostic));
+        };
+        self.spend(things.len(), span)?;
+        self.root_columns(index, &[RootPart::X, RootPart::Y, RootPart::Height], span)?;
+        let motion = self.traced(index, span)?;
+        let mut places = Vec::new();
+        for landmark in landmarks {
+            let Some(first) = motion.site(&self.vocabulary.landmarks[landmark].name) else { return Err(Reported) };
+            places.push(self.carried(index, motion.clone(), vec![first, first + 1, first + 2]));
+        }
+        let node = self.graph.join(&places);
+        let place = Type::Place(Frame::World);
+        Ok(Data::new(node, if list { Type::List(Box::new(place), places.len()) } else { place }))
+    }
+
+    /// The motion with the places of all landmarks of the body, computed once.
+    fn traced(&mut self, index: usize, span: Span) -> Checked<Arc<Motion>> {
+        if let Some(known) = &self.references[index].sites {
+            return Ok(known.clone());
+        }
+        let (Some(motions), motion) = (self.motions, self.references[index].motion.clone()) else { return Err(Reported) };
+        let names: Vec<&str> = self
+            .vocabulary
+            .landmarks
+            .iter()
+            .filter(|landmark| !landmark.of_scene)
+            .map(|landmark| landmark.name.as_str())
+            .collect();
+        let traced = (motions.trace)(&motion).and_then(|rows| {
+            motion.with_sites(&names, &rows).ok_or_else(|| "the body has other landmarks than its vocabulary".to_owned())
+        });
+        match traced {
+            Ok(traced) => {
+                let traced = Arc::new(traced);
+                self.references[index].sites = Some(traced.clone());
+                Ok(traced)
+            }
+            Err(problem) => {
+                let message = format!("where landmarks are in the motion `{}` is not known", motion.name);
+                let diagnostic = self.diagnostic(codes::composition::MOTION, span, message).help(problem);
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    fn one_argument(&mut self, wanted: &str, span: Span) -> Reported {
+        let message = "a motion is asked for one thing";
+        let diagnostic: Diagnostic = self.diagnostic(codes::types::ARGUMENTS, span, message).expected(wanted);
+        self.report(diagnostic)
+    }
+}
+
+/// The name of a signal without its parameters.
+fn bare(name: &str) -> &str {
+    name.split('(').next().unwrap_or(name)
+}
+
+/// The first of some names.
+fn few(names: &[&str]) -> String {
+    let shown = names.iter().take(4).copied().collect::<Vec<_>>().join(", ");
+    if names.len() > 4 { format!("{shown} and others") } else { shown }
+}
