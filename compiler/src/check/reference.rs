@@ -51,6 +51,9 @@ pub(crate) struct KnownReference {
     pub start: NodeId,
 }
 
+/// At how many times of a motion the places of landmarks are computed.
+const PLACES: usize = 200;
+
 impl<'a> Checker<'a> {
     /// Checks all references, in the order of the text.
     pub(crate) fn references(&mut self) {
@@ -348,7 +351,9 @@ impl<'a> Checker<'a> {
         if let Some(known) = &self.references[index].sites {
             return Ok(known.clone());
         }
-        let (Some(motions), motion) = (self.motions, self.references[index].motion.clone()) else { return Err(Reported) };
+        let Some(motions) = self.motions else { return Err(Reported) };
+        // Landmarks move on arcs between rows, which so many places follow to a fraction of a millimetre.
+        let motion = self.references[index].motion.finer(PLACES);
         let names: Vec<&str> = self
             .vocabulary
             .landmarks

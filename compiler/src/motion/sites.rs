@@ -32,6 +32,21 @@ impl Motion {
         Some(whole.identified())
     }
 
+    /// The same motion over `fewest` rows or more: each stretch between two rows is cut into equal parts.
+    pub fn finer(&self, fewest: usize) -> Self {
+        let stretches = self.times.len().saturating_sub(1).max(1);
+        let parts = fewest.div_ceil(stretches).max(1);
+        let cut = |pair: &[f64]| {
+            let (from, to) = (pair[0], pair[1]);
+            (0..parts).map(move |part| from + (to - from) * part as f64 / parts as f64).collect::<Vec<_>>()
+        };
+        let mut times: Vec<f64> = self.times.windows(2).flat_map(cut).collect();
+        times.push(self.duration);
+        let column = |column: usize| times.iter().map(|time| self.value(column, *time)).collect::<Vec<f64>>();
+        let curves = (0..self.columns.len()).map(|index| Curve::through(&times, &column(index), self.cycle)).collect();
+        Self { times, curves, ..self.clone() }.identified()
+    }
+
     /// The first of the three columns of a landmark's place.
     pub fn site(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| matches!(&column.target, Target::Site(site, 0) if site == name))
