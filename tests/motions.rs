@@ -137,7 +137,9 @@ fn the_content_of_the_table_enters_the_hash() {
             }
         }
         let texts = Other(TASK.replace("START", "0"), gait.to_owned());
-        compile(Path::new("task.msk"), &texts, &BodyLibrary::default()).unwrap_or_else(|report| panic!("{report}")).tasks[0].hash.clone()
+        compile(Path::new("task.msk"), &texts, &BodyLibrary::default()).unwrap_or_else(|report| panic!("{report}")).tasks[0]
+            .hash
+            .clone()
     };
     let same = GAIT.replace("# name: gait", "# name: another name\n# a remark");
     assert_eq!(hash(GAIT), hash(&same));
