@@ -129,6 +129,21 @@ fn distance_after_motion(rigid: &Model, soft: &Model) -> f64 {
     end(rigid).iter().zip(end(soft)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
+/// What `docs/elastic-tendons.md` says of the body: a muscle whose range leaves less tendon than a tenth of its path stretches
+/// by that tenth.
+#[test]
+fn the_range_of_many_muscles_of_the_trunk_leaves_no_tendon() {
+    let model = human();
+    let (actuation, settings) = (Workspace::<f64>::new(model).actuation, ElasticTendons::default());
+    let short = |muscle: &usize| {
+        let (_, slack) = actuation.lengths(*muscle);
+        settings.stretching_length(slack, model.actuators.length_range[*muscle]) > slack
+    };
+    let short: Vec<usize> = (0..416).filter(short).collect();
+    let without = short.iter().filter(|&&muscle| actuation.lengths(muscle).1 <= 0.0).count();
+    assert_eq!([short.len(), short.iter().filter(|&&muscle| muscle < 210).count(), without], [160, 156, 146]);
+}
+
 #[test]
 fn a_snapshot_with_fibres_continues_with_the_same_bits() {
     let model = elastic(|_| ());

@@ -84,6 +84,11 @@ fn the_command_prints_path_wraps_and_curve() {
     assert!(text.contains("peak force 2212 N") && text.contains("  start ") && text.contains("  on pelvis"), "{text}");
     assert!(text.contains("\n   120.00 ") || text.contains("\n   119.9"), "{text}");
 
+    assert!(!text.contains("operating range"), "{text}");
+    let output = msk(&["Ps_L1_VB_r", "--joint", "hip_flexion_r", "--steps", "4"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("leaves no tendon: with `tendons elastic` 18.7 mm of the path would stretch"), "{text}");
+
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("soleus.svg");
     let output = msk(&["soleus_r", "--joint", "ankle_angle_r", "--json", "--plot", picture.to_str().unwrap()]);

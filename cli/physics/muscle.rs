@@ -74,6 +74,14 @@ fn readable(sweep: &MuscleSweep) -> String {
         sweep.fibre_range[0],
         sweep.fibre_range[1],
     );
+    if sweep.stretching_length > sweep.tendon_slack_length {
+        let _ = writeln!(
+            out,
+            "the operating range leaves {} tendon: with `tendons elastic` {:.1} mm of the path would stretch",
+            if sweep.tendon_slack_length > 0.0 { "little" } else { "no" },
+            1e3 * sweep.stretching_length,
+        );
+    }
     let _ = writeln!(out, "\npath at the start (world, m; length from the point before, mm)");
     let width = sweep.path.iter().map(|point| point.at.chars().count()).max().unwrap_or(0);
     for point in &sweep.path {

@@ -1,7 +1,7 @@
 //! One muscle over the sweep of one joint: its path, where it wraps, how long it is and how it turns the joint.
 
 use crate::body::coupling;
-use crate::model::{JointKind, Model, Muscle};
+use crate::model::{ElasticTendons, JointKind, Model, Muscle};
 use crate::physics::tendons::{PathVertex, VertexKind, path};
 use crate::physics::{State, Workspace, kinematics, moment_arms, tendons};
 use core::f64::consts::PI;
@@ -65,6 +65,8 @@ pub struct MuscleSweep {
     pub optimal_fibre_length: f64,
     /// Tendon slack length; negative where the operating range puts it there.
     pub tendon_slack_length: f64,
+    /// Length that stretches where tendons are elastic: the slack length, or what takes its place where there is none.
+    pub stretching_length: f64,
     /// Smallest and largest fibre length of the sweep, in optimal lengths, tendons taken rigid.
     pub fibre_range: [f64; 2],
     /// The path at the configuration the sweep starts from, point by point.
@@ -188,6 +190,11 @@ impl Sweep<'_> {
             peak_force: self.workspace.actuation.peak_force(self.muscle),
             optimal_fibre_length: optimal,
             tendon_slack_length: slack,
+            stretching_length: model
+                .elastic_tendons
+                .as_ref()
+                .unwrap_or(&ElasticTendons::default())
+                .stretching_length(slack, model.actuators.length_range[self.muscle]),
             fibre_range: [fibres().fold(f64::INFINITY, f64::min), fibres().fold(f64::NEG_INFINITY, f64::max)],
             path: points,
             samples,

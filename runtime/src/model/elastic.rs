@@ -17,8 +17,8 @@ pub struct ElasticTendons {
     /// Damping of the fibre in units of peak force per maximal shortening velocity. Millard et al. 2013: 0.1.
     pub damping: f64,
     /// Least length that stretches like tendon, as a share of the path in the middle of its range. Fibres insert into
-    /// sheets of tendon within the muscle, so that no path is wholly stiff; and the range of some muscles of the trunk puts
-    /// LT at or below zero, where it is an offset of the fibre and no length that could stretch.
+    /// sheets of tendon within the muscle, so that no path is wholly stiff; and the range of many muscles of the trunk puts
+    /// LT at or below zero, where it is an offset of the fibre and no length that could stretch (`docs/elastic-tendons.md`).
     pub least: f64,
     /// Pennation angle at optimal fibre length, rad, by muscle; muscles that are not listed have none.
     pub pennation: Vec<(String, f64)>,
@@ -84,6 +84,13 @@ impl ElasticTendons {
             within("pennation", *angle, 0.0, 1.2)?;
         }
         Ok(())
+    }
+}
+
+impl ElasticTendons {
+    /// Length of tendon that stretches, m: the slack length, or the least share of the path in the middle of its range.
+    pub fn stretching_length(&self, slack: f64, [shortest, longest]: [f64; 2]) -> f64 {
+        slack.max(self.least * 0.5 * (shortest + longest))
     }
 }
 

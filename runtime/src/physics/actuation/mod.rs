@@ -236,19 +236,23 @@ pub fn update<T: Real>(
     out: &mut Actuation<T>,
 ) {
     let plan = Arc::clone(&out.plan);
+    // The force of a fibre with an elastic tendon comes from the tendon, below.
+    let rigid = out.fibres.is_none();
     for muscle in &plan.muscles {
         let gear = T::splat(muscle.gear);
         let (length, velocity) = (tendons.length[muscle.tendon] * gear, tendons.velocity[muscle.tendon] * gear);
         let activation = state.activation[muscle.activation];
         let excitation = clamped(state.control[muscle.actuator], muscle.control_range);
-        let gain = -muscle.active.gain(length, velocity);
-        let bias = -muscle.passive.passive(length);
         out.length[muscle.actuator] = length;
         out.velocity[muscle.actuator] = velocity;
         out.activation_rate[muscle.activation] = activation_rate(excitation, activation, &muscle.time_constants);
-        out.gain[muscle.actuator] = gain;
-        out.bias[muscle.actuator] = bias;
-        out.force[muscle.actuator] = gain * activation + bias;
+        if rigid {
+            let gain = -muscle.active.gain(length, velocity);
+            let bias = -muscle.passive.passive(length);
+            out.gain[muscle.actuator] = gain;
+            out.bias[muscle.actuator] = bias;
+            out.force[muscle.actuator] = gain * activation + bias;
+        }
     }
     for other in &plan.others {
         let [length, velocity] = match other.tendon {
@@ -383,10 +387,16 @@ pub(super) fn each_slope<T: Real>(
         for &(dof, range) in plan.clamped.iter().filter(|(dof, _)| other.dof == Some(*dof)) {
             slope = T::select(inside(joint_force[dof], range), slope, zero);
         }
-        if slope != zero {
-            moment(model, state, kinematics, tendons, other.actuator, row);
-            add(row, slope);
+        if slope == zero {
+            continue;
         }
+        if other.tendon.is_some() {
+            moment(model, state, kinematics, tendons, other.actuator, row);
+        } else {
+            row.fill(zero);
+            actuation.moments.entries(other.moment.clone()).for_each(|(dof, entry)| row[dof] = entry);
+        }
+        add(row, slope);
     }
 }
 

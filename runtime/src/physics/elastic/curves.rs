@@ -83,6 +83,22 @@ const TENDON: [f64; 3] = [0.2, 0.995, 0.25];
 /// The exponent is cut where the force is millions of times the peak, so that no stretch overflows.
 const LARGEST_EXPONENT: f64 = 20.0;
 
+/// Distance in the exponent up to which the exponential's series to the fifth order is off by less than 2e-13 of its value.
+const NEAR: f64 = 0.02;
+
+/// Where the exponential of a tendon was computed last.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Anchor {
+    exponent: f64,
+    power: f64,
+}
+
+impl Default for Anchor {
+    fn default() -> Self {
+        Self { exponent: f64::NAN, power: f64::NAN }
+    }
+}
+
 /// Force of a tendon over its strain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tendon {
@@ -105,6 +121,12 @@ impl Tendon {
 
     /// Force and its slope over strain: c1 exp(k (1 + strain - c2)) - c3, never negative, since a tendon does not push.
     pub fn force(&self, strain: f64) -> Sloped {
+        self.force_near(strain, &mut Anchor::default())
+    }
+
+    /// The same where a strain nearby may have been asked for before: the exponential's series leads from there to here.
+    #[inline(always)]
+    pub(super) fn force_near(&self, strain: f64, anchor: &mut Anchor) -> Sloped {
         let [_, _, c3] = TENDON;
         let exponent = self.rate * (strain - self.slack);
         if exponent <= 0.0 {
@@ -114,7 +136,15 @@ impl Tendon {
             let power = c3 * libm::exp(LARGEST_EXPONENT);
             return [power * (1.0 + exponent - LARGEST_EXPONENT) - c3, power * self.rate];
         }
-        let power = c3 * libm::exp(exponent);
+        let x = exponent - anchor.exponent;
+        // Before the first time the distance is not a number.
+        let power = if x.abs() < NEAR {
+            let series = x * (1.0 + x * (1.0 / 2.0 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0)))));
+            anchor.power + anchor.power * series
+        } else {
+            c3 * libm::exp(exponent)
+        };
+        *anchor = Anchor { exponent, power };
         [power - c3, power * self.rate]
     }
 

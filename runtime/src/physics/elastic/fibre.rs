@@ -1,7 +1,11 @@
 //! One muscle: a fibre and a tendon in series, advanced over one step.
 
-use super::curves::{Sloped, Tendon, active, passive, velocity};
+use super::{
+    curves::{Anchor, Sloped, Tendon, passive},
+    table::Tables,
+};
 use crate::physics::actuation::Curve;
+use std::sync::Arc;
 
 /// Shortest fibre, in optimal lengths. Where a path is still shorter, its tendon hangs slack.
 const SHORTEST: f64 = 0.05;
@@ -15,7 +19,7 @@ const SMALLEST_COSINE: f64 = 0.1;
 /// Which curves a fibre has.
 #[derive(Debug, Clone)]
 pub(super) enum Curves {
-    Published,
+    Published(Arc<Tables>),
     /// With the factor and offset that turn a length scaled for the active curve into one scaled for the passive curve: the
     /// two parts of a model's muscle may have different figures.
     Model {
@@ -29,7 +33,7 @@ impl Curves {
     /// Active and passive force over length.
     fn over_length(&self, length: f64) -> [Sloped; 2] {
         match self {
-            Self::Published => [active(length), passive(length)],
+            Self::Published(tables) => [tables.active.at(length), passive(length)],
             Self::Model { active, passive, scale: [factor, offset] } => {
                 // Parabolas, of which a central difference is the slope.
                 const STEP: f64 = 1e-4;
@@ -47,7 +51,7 @@ impl Curves {
 
     fn over_velocity(&self, value: f64) -> Sloped {
         match self {
-            Self::Published => velocity(value),
+            Self::Published(tables) => tables.velocity.at(value),
             Self::Model { active, .. } => [active.active_by_velocity(value), active.slope_by_velocity(value)],
         }
     }
@@ -97,6 +101,8 @@ struct Local {
     active: Sloped,
     passive: Sloped,
     cosine: f64,
+    /// Strain of the tendon there, and how it changes with the fibre's length.
+    strain: Sloped,
 }
 
 /// How far a fibre at one velocity is from balance with its tendon, along the tendon and in peak forces.
@@ -123,11 +129,12 @@ impl Unit {
         let start = before[0] / self.optimal;
         let reach = step * self.fastest;
         let guess = before[1] / speed;
-        let local = self.local((start + reach * guess).max(SHORTEST));
+        let local = self.local(path, (start + reach * guess).max(SHORTEST));
+        let mut anchor = Anchor::default();
         let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
         let mut value = guess;
         for _ in 0..STEPS {
-            let balance = self.balance(&local, path, start, reach, value, activation);
+            let balance = self.balance(&local, &mut anchor, start, reach, value, activation);
             let newton = value - balance.excess / balance.slope;
             let shortest = start + reach * newton < SHORTEST;
             if balance.excess.abs() <= TOLERANCE {
@@ -152,7 +159,7 @@ impl Unit {
         }
         let length = (start + reach * value).max(SHORTEST);
         let value = if reach > 0.0 { (length - start) / reach } else { value };
-        self.fibre(&local, path, length, value)
+        self.fibre(&local, length, value)
     }
 
     /// The fibre after a last, small step of Newton's from one velocity to another: the tendon's exponential is continued by
@@ -174,7 +181,8 @@ impl Unit {
     /// maximal velocity. By bisection between the shortest fibre and the one that leaves the tendon slack.
     pub fn equilibrium(&self, path: f64, path_velocity: f64, activation: f64) -> Fibre {
         let value = (path_velocity / (self.optimal * self.fastest)).clamp(-1.0, 1.0);
-        let excess = |length: f64| self.balance(&self.local(length), path, length, 0.0, value, activation).excess;
+        let excess =
+            |length: f64| self.balance(&self.local(path, length), &mut Anchor::default(), length, 0.0, value, activation).excess;
         let along = (path - self.slack) / self.optimal;
         let longest = (along.max(0.0) * along.max(0.0) + self.thickness * self.thickness).sqrt();
         let mut bracket = [SHORTEST, longest.max(SHORTEST)];
@@ -187,23 +195,31 @@ impl Unit {
             bracket[usize::from(excess(middle) > 0.0)] = middle;
         }
         let length = 0.5 * (bracket[0] + bracket[1]);
-        self.fibre(&self.local(length), path, length, value)
+        self.fibre(&self.local(path, length), length, value)
     }
 
     /// Length along the path of a fibre of that length, both in m.
     pub fn along_path(&self, length: f64) -> f64 {
+        if self.thickness == 0.0 {
+            return length;
+        }
         let thickness = self.thickness * self.optimal;
         (length * length - thickness * thickness).max(0.0).sqrt()
     }
 
-    fn local(&self, length: f64) -> Local {
+    fn local(&self, path: f64, length: f64) -> Local {
         let [active, passive] = self.curves.over_length(length);
-        let sine = self.thickness / length;
-        let cosine = (1.0 - sine * sine).max(0.0).sqrt().max(SMALLEST_COSINE);
-        Local { length, active, passive, cosine }
+        let cosine = if self.thickness == 0.0 {
+            1.0
+        } else {
+            let sine = self.thickness / length;
+            (1.0 - sine * sine).max(0.0).sqrt().max(SMALLEST_COSINE)
+        };
+        let strain = (path - self.slack - self.optimal * length * cosine) / self.compliant;
+        Local { length, active, passive, cosine, strain: [strain, -self.optimal / (cosine * self.compliant)] }
     }
 
-    fn balance(&self, local: &Local, path: f64, start: f64, reach: f64, value: f64, activation: f64) -> Balance {
+    fn balance(&self, local: &Local, anchor: &mut Anchor, start: f64, reach: f64, value: f64, activation: f64) -> Balance {
         let offset = start + reach * value - local.length;
         let active = activation * self.strength * (local.active[0] + local.active[1] * offset).max(0.0);
         let mut force = (local.passive[0] + local.passive[1] * offset).max(0.0) + self.damping * value;
@@ -215,21 +231,14 @@ impl Unit {
             force += active * share;
             slope += active * steepness + activation * self.strength * local.active[1] * reach * share;
         }
-        let along = local.length * local.cosine + offset / local.cosine;
-        let [pull, stiffness] = self.tendon.force((path - self.slack - self.optimal * along) / self.compliant);
-        let gearing = self.optimal * reach / (local.cosine * self.compliant);
-        Balance {
-            excess: force * local.cosine - pull,
-            slope: slope * local.cosine + stiffness * gearing,
-            pull: [pull, -stiffness * gearing],
-            factor,
-        }
+        let [pull, stiffness] = self.tendon.force_near(local.strain[0] + local.strain[1] * offset, anchor);
+        let yielding = stiffness * local.strain[1] * reach;
+        Balance { excess: force * local.cosine - pull, slope: slope * local.cosine - yielding, pull: [pull, yielding], factor }
     }
 
-    fn fibre(&self, local: &Local, path: f64, length: f64, value: f64) -> Fibre {
+    fn fibre(&self, local: &Local, length: f64, value: f64) -> Fibre {
         let offset = length - local.length;
-        let along = local.length * local.cosine + offset / local.cosine;
-        let [pull, _] = self.tendon.force((path - self.slack - self.optimal * along) / self.compliant);
+        let [pull, _] = self.tendon.force(local.strain[0] + local.strain[1] * offset);
         let active = (local.active[0] + local.active[1] * offset).max(0.0) * self.curves.over_velocity(value)[0];
         Fibre {
             length: length * self.optimal,

@@ -11,6 +11,7 @@
 
 pub mod curves;
 mod fibre;
+mod table;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,8 @@ use crate::{
 };
 use curves::Tendon;
 use fibre::{Curves, Fibre, Unit};
+use std::sync::Arc;
+use table::Tables;
 
 /// Fibres of all muscles. One entry per actuator; those of what is no muscle mean nothing.
 #[derive(Debug, Clone)]
@@ -32,6 +35,7 @@ pub struct Fibres<T: Real> {
     /// Length along the path, m: less than the length where the fibre is pennate.
     pub along_path: Vec<T>,
     units: Vec<Unit>,
+    tables: Arc<Tables>,
 }
 
 /// What the forward pass of the muscles knows when the fibres come in.
@@ -47,12 +51,18 @@ impl<T: Real> Fibres<T> {
     /// Memory for as many actuators.
     pub(super) fn new(actuators: usize) -> Self {
         let zeros = vec![T::splat(0.0); actuators];
-        Self { length: zeros.clone(), velocity: zeros.clone(), along_path: zeros, units: Vec::new() }
+        Self {
+            length: zeros.clone(),
+            velocity: zeros.clone(),
+            along_path: zeros,
+            units: Vec::new(),
+            tables: Arc::new(Tables::new()),
+        }
     }
 
     /// Adds the muscle that is the actuator and has the activation of these indices.
     pub(super) fn add(&mut self, model: &Model, settings: &ElasticTendons, place: [usize; 2], curves: [&Curve; 2]) {
-        self.units.push(unit(model, settings, place, curves));
+        self.units.push(unit(model, settings, place, curves, &self.tables));
     }
 
     /// Takes all fibres over the step that has just passed and sets the muscles' forces from their tendons.
@@ -80,17 +90,22 @@ impl<T: Real> Fibres<T> {
     }
 }
 
-fn unit(model: &Model, settings: &ElasticTendons, place: [usize; 2], [active, passive]: [&Curve; 2]) -> Unit {
+fn unit(
+    model: &Model,
+    settings: &ElasticTendons,
+    place: [usize; 2],
+    [active, passive]: [&Curve; 2],
+    tables: &Arc<Tables>,
+) -> Unit {
     let [muscle, _] = place;
     let (optimal, slack) = active.lengths();
-    let [shortest, longest] = model.actuators.length_range[muscle];
     let name = &model.actuators.name[muscle];
     let pennation = settings.pennation.iter().find(|(named, _)| named == name).map_or(0.0, |(_, angle)| *angle);
     Unit {
         place,
         optimal,
         slack,
-        compliant: slack.max(settings.least * 0.5 * (shortest + longest)).max(MINIMUM),
+        compliant: settings.stretching_length(slack, model.actuators.length_range[muscle]).max(MINIMUM),
         peak: passive.peak(),
         strength: active.peak() / passive.peak().max(MINIMUM),
         fastest: active.fastest(),
@@ -98,7 +113,7 @@ fn unit(model: &Model, settings: &ElasticTendons, place: [usize; 2], [active, pa
         thickness: libm::sin(pennation),
         tendon: Tendon::new(settings.strain),
         curves: match settings.curves {
-            FibreCurves::Published => Curves::Published,
+            FibreCurves::Published => Curves::Published(Arc::clone(tables)),
             FibreCurves::Model => {
                 let (own, begin) = passive.lengths();
                 let scale = [optimal / own, (slack - begin) / own];

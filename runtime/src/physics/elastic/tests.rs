@@ -2,6 +2,8 @@
 
 use super::curves::{Tendon, active, passive, passive_energy, velocity};
 use super::fibre::{Curves, Fibre, Unit};
+use super::table::Tables;
+use std::sync::Arc;
 
 /// A soleus with 5 kN: fibres of 50 mm, a tendon of 250 mm, ten fibre lengths a second.
 fn soleus() -> Unit {
@@ -16,7 +18,7 @@ fn soleus() -> Unit {
         damping: 0.1,
         thickness: 0.0,
         tendon: Tendon::new(0.049),
-        curves: Curves::Published,
+        curves: Curves::Published(Arc::new(Tables::new())),
     }
 }
 

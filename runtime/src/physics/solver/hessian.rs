@@ -73,15 +73,18 @@ impl Newton {
             return self.factor_all(model, mass, parts);
         }
         let jacobian = &parts.jacobian;
-        let changed = |row: &usize| self.factored[*row] != self.pulling[*row];
-        let changes: Vec<usize> = (0..self.pulling.len()).filter(changed).collect();
         let last_dof = |row: usize| jacobian.columns_of(jacobian.block_of(row)).last().copied().unwrap_or(0);
         // An update passes over the path once with two operations per entry of a triangle, and with shorter vectors.
-        let cost: usize = changes.iter().map(|&row| (self.pattern.depth(last_dof(row)) + 2).pow(2)).sum();
+        let update = |row: usize| (self.pattern.depth(last_dof(row)) + 2).pow(2);
+        let changes = self.factored.iter().zip(&self.pulling).enumerate().filter(|(_, (before, now))| before != now);
+        let cost: usize = changes.map(|(row, _)| update(row)).sum();
         if 2 * cost > self.pattern.factor_cost() {
             return self.factor_all(model, mass, parts);
         }
-        for row in changes {
+        for row in 0..self.pulling.len() {
+            if self.factored[row] == self.pulling[row] {
+                continue;
+            }
             let dof = last_dof(row);
             let vector = &mut self.vector[..=self.pattern.depth(dof)];
             vector.fill(0.0);

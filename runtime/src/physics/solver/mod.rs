@@ -66,6 +66,8 @@ pub struct Newton {
     /// Norm of the gradient at the end, divided by the trace of the mass matrix.
     pub gradient_norm: f64,
     pattern: PathPattern,
+    /// Dofs of the joints that couplings join, ascending.
+    coupled: Vec<[usize; 2]>,
     /// What the pattern was built for.
     bridges: Option<Vec<Bridge>>,
     factor: Vec<f64>,
@@ -92,7 +94,13 @@ impl Newton {
     /// Memory for `model`.
     pub fn new(model: &Model) -> Self {
         let zeros = vec![0.0; model.nv];
+        let leaders = model.couplings.joint.iter().zip(&model.couplings.leader);
+        let coupled = leaders.filter_map(|(&slave, &leader)| {
+            let [a, b] = [slave, leader?].map(|joint| model.joints.dof_address[joint]);
+            Some([a.min(b), a.max(b)])
+        });
         Self {
+            coupled: coupled.collect(),
             acceleration: zeros.clone(),
             constraint_force: zeros.clone(),
             momentum: zeros.clone(),
@@ -164,18 +172,11 @@ impl Newton {
         if self.bridges.as_ref() == Some(&constraints.bridges) {
             return;
         }
-        let leaders = model.couplings.joint.iter().zip(&model.couplings.leader);
-        let coupled: Vec<[usize; 2]> = leaders
-            .filter_map(|(&slave, &leader)| {
-                let [a, b] = [slave, leader?].map(|joint| model.joints.dof_address[joint]);
-                Some([a.min(b), a.max(b)])
-            })
-            .collect();
         let bridges = constraints.bridges.iter().map(|&bridge| constraints.columns_of(bridge));
-        self.pattern.rebuild(&model.dofs.parent, coupled.iter().map(|pair| &pair[..]).chain(bridges));
+        self.pattern.rebuild(&model.dofs.parent, self.coupled.iter().map(|pair| &pair[..]).chain(bridges));
         self.factor.clear();
         self.factor.resize(self.pattern.column.len(), 0.0);
-        self.bridges = Some(constraints.bridges.clone());
+        self.bridges.get_or_insert_default().clone_from(&constraints.bridges);
     }
 
     /// Chooses where to start and returns its cost.
