@@ -15,6 +15,7 @@ mod physics;
 mod progress;
 mod project;
 mod run;
+mod test;
 mod texts;
 mod vocabulary;
 mod weights;
@@ -38,6 +39,7 @@ enum Command {
     Fmt(fmt::Args),
     Run(run::Args),
     Eval(eval::Args),
+    Test(test::Args),
     Vocabulary(vocabulary::Args),
     Weights(weights::Args),
     Draw(draw::Args),
@@ -53,6 +55,7 @@ impl Command {
             Self::Fmt(args) => fmt::run(args),
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
+            Self::Test(args) => test::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),
             Self::Weights(args) => weights::run(args),
             Self::Draw(args) => draw::run(args),

@@ -50,6 +50,8 @@ pub enum Spread {
 pub struct RootPlacement {
     /// Height of the root, m; `None` puts the lowest point of the body on the ground under it.
     pub height: Option<f64>,
+    /// How far the lowest point is above the ground where no height is given, m.
+    pub lift: f64,
     /// Horizontal position, m.
     pub position: [f64; 2],
     /// Turn about the vertical, rad; 0 faces world x.
@@ -71,6 +73,7 @@ impl Default for RootPlacement {
     fn default() -> Self {
         Self {
             height: None,
+            lift: 0.0,
             position: [0.0; 2],
             heading: 0.0,
             pitch: 0.0,

@@ -38,9 +38,23 @@ impl CompiledTask {
     /// # Errors
     /// A random none of whose tries was taken.
     pub fn begin(&self, draws: &mut dyn Draws, state: &mut TaskState) -> Result<(), TaskFault> {
+        self.begin_given(draws, state, &[])
+    }
+
+    /// The same with values that randoms have whatever chance says, until they are drawn anew: pairs of a random's place
+    /// and its value.
+    ///
+    /// # Errors
+    /// A random none of whose tries was taken.
+    pub fn begin_given(
+        &self,
+        draws: &mut dyn Draws,
+        state: &mut TaskState,
+        given: &[(usize, Vec<f64>)],
+    ) -> Result<(), TaskFault> {
         (state.step, state.phase, state.began) = (0, 0, 0);
         state.successes.clear();
-        self.enter(draws, state, &[])
+        self.enter(draws, state, given)
     }
 
     /// Makes room for the program of the present phase and draws what is drawn first, but for what is `kept`: pairs of a
@@ -64,17 +78,22 @@ impl CompiledTask {
 
     /// How this episode begins: what was drawn stands in `state`.
     pub fn beginning(&self, state: &TaskState) -> Cow<'_, Init> {
-        if self.init.drawn.is_empty() && self.init.follows.is_none() {
-            return Cow::Borrowed(&self.init);
+        self.settled(&self.init, state)
+    }
+
+    /// A beginning with what was drawn for this episode, which stands in `state`.
+    pub fn settled<'a>(&self, init: &'a Init, state: &TaskState) -> Cow<'a, Init> {
+        if init.drawn.is_empty() && init.follows.is_none() {
+            return Cow::Borrowed(init);
         }
-        let mut init = self.init.clone();
-        if let Some(following) = &self.init.follows {
-            following.write(self.drawn(following.start, state), &mut init);
+        let mut settled = init.clone();
+        if let Some(following) = &init.follows {
+            following.write(self.drawn(following.start, state), &mut settled);
         }
-        for &(setting, index) in &self.init.drawn {
-            init.set(setting, self.drawn(index, state));
+        for &(setting, index) in &init.drawn {
+            settled.set(setting, self.drawn(index, state));
         }
-        Cow::Owned(init)
+        Cow::Owned(settled)
     }
 
     /// A value that the beginning takes from what was drawn for this episode.
@@ -96,12 +115,26 @@ impl CompiledTask {
     /// # Errors
     /// A random none of whose tries was taken.
     pub fn reset(&self, frame: &[f64], draws: &mut dyn Draws, state: &mut TaskState) -> Result<(), TaskFault> {
+        self.reset_given(frame, draws, state, &[])
+    }
+
+    /// The same with values that randoms have whatever chance says; those that [`begin_given`](Self::begin_given) took.
+    ///
+    /// # Errors
+    /// A random none of whose tries was taken.
+    pub fn reset_given(
+        &self,
+        frame: &[f64],
+        draws: &mut dyn Draws,
+        state: &mut TaskState,
+        given: &[(usize, Vec<f64>)],
+    ) -> Result<(), TaskFault> {
         let program = &self.phases[0].program;
         if state.phase != 0 || state.cells.len() != program.cells || state.values.len() != program.registers {
-            self.begin(draws, state)?;
+            self.begin_given(draws, state, given)?;
         }
         state.step = 0;
-        self.start(frame, draws, state, &[])
+        self.start(frame, draws, state, given)
     }
 
     /// Takes the first snapshot of the present phase.

@@ -18,6 +18,7 @@ pub mod motion;
 pub mod scene;
 pub mod syntax;
 pub mod task;
+pub mod testing;
 pub mod vocabulary;
 pub mod weights;
 

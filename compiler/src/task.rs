@@ -10,6 +10,7 @@ use crate::graph::interval::Bounds;
 use crate::lower::{Outputs, Program};
 use crate::motion::Motion;
 use crate::scene::SceneDescription;
+use crate::testing::TaskTests;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -61,6 +62,8 @@ pub struct CompiledTask {
     pub frame: FrameLayout,
     /// Hash of the task's meaning: the same text layout or comments aside.
     pub hash: String,
+    /// Its tests, if it has any: no part of its meaning.
+    pub tests: Option<Arc<TaskTests>>,
     /// One for a task, several for a sequence; never none.
     pub(crate) phases: Vec<Phase>,
 }

@@ -58,9 +58,16 @@ fn table(functions: &[Function]) -> String {
 #[test]
 fn generated_parts_are_those_of_the_compiler() {
     let list = |codes: &[&'static Code]| codes.iter().map(|code| section(code)).collect::<String>();
-    let meaning =
-        [codes::names::ALL, codes::types::ALL, codes::tasks::ALL, codes::scene::ALL, codes::composition::ALL, codes::lints::ALL]
-            .concat();
+    let meaning = [
+        codes::names::ALL,
+        codes::types::ALL,
+        codes::tasks::ALL,
+        codes::scene::ALL,
+        codes::composition::ALL,
+        codes::tests::ALL,
+        codes::lints::ALL,
+    ]
+    .concat();
     let parts = [
         ("elements", elements::markdown()),
         ("codes", list(codes::syntax::ALL)),

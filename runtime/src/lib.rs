@@ -14,3 +14,4 @@ pub mod physics;
 pub mod policy;
 pub mod scalar;
 pub mod scene;
+pub mod testing;

@@ -124,6 +124,8 @@ pub(crate) struct Checker<'a> {
     pub beginning: bool,
     /// Lengths in formulas that the scene says already, and where it does.
     pub repeated: Vec<(FileId, Span, String)>,
+    /// What names mean in tests, while those are checked.
+    pub in_tests: Option<super::tests::InTests>,
     /// Queries of the terrain, to which sensors refer.
     pub queries: Vec<Query>,
     depth: usize,
@@ -161,6 +163,7 @@ impl<'a> Checker<'a> {
             known: BTreeMap::new(),
             beginning: false,
             repeated: Vec::new(),
+            in_tests: None,
             queries: Vec::new(),
             depth: 0,
             budget: BUDGET,

@@ -57,6 +57,8 @@ impl<'a> Checker<'a> {
                 let help = "say what it names: `muscle \"...\"`, `joint \"...\"` or `landmark \"...\"`";
                 Err(self.report(diagnostic.help(help)))
             }
+            // At which moment is the test's business.
+            ExprKind::At { value, .. } if self.in_tests.is_some() => self.value(value),
             ExprKind::At { .. } => Err(self.error(codes::types::WRONG_TYPE, expr.span, "`at` a pose can only stand in `expect`")),
             ExprKind::Error => Err(Reported),
         }

@@ -87,6 +87,9 @@ impl<'a> Checker<'a> {
         if let Some((_, value)) = self.locals.iter().rev().find(|(name, _)| name == text) {
             return Ok(value.clone());
         }
+        if let Some(data) = self.test_name(text) {
+            return Ok(Value::Data(data));
+        }
         if let Some((declared, place)) = self.names.find(self.place, text) {
             return self.declared(text, declared, place, span);
         }

@@ -23,6 +23,9 @@ impl<'a> Checker<'a> {
         if let Some(data) = self.of_episode(base, name) {
             return Ok(Value::Data(data));
         }
+        if let Some(pay) = self.test_field(base, name) {
+            return pay.map(Value::Data);
+        }
         if let Some(object) = dotted(base)
             && self.surroundings.is_none()
             && let Some(constant) = self.known_constant(&format!("{object}.{}", name.text))

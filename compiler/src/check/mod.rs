@@ -36,8 +36,10 @@ pub(crate) mod scope;
 pub mod signals;
 pub(crate) mod suite;
 pub(crate) mod task;
+mod tests;
 mod types;
 pub mod unit;
 mod value;
 
 pub(crate) use observe::{Texts, written};
+pub(crate) use tests::CheckedTests;

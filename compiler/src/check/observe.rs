@@ -112,7 +112,7 @@ impl<'a> Checker<'a> {
 }
 
 /// The unit as printed: empty for plain numbers, several for mixed sets.
-fn unit_of(kind: &Type) -> String {
+pub(crate) fn unit_of(kind: &Type) -> String {
     match kind {
         Type::Mixed(dimensions) => {
             let mut units: Vec<String> = Vec::new();

@@ -3,6 +3,7 @@
 use super::context::{Cell, Checked, Checker, End, Reported, Timing};
 use super::dimension::Dimension;
 use super::inherit::{Placed, WholeTask};
+use super::init::Beginning;
 use super::lints;
 use super::observe::{ObservedChannel, Texts};
 use super::random::KnownRandom;
@@ -10,17 +11,19 @@ use super::reference::{KnownReference, Motions};
 use super::reward::PaidTerm;
 use super::scene::Surroundings;
 use super::scope::{Names, Place};
+use super::tests::CheckedTests;
 use super::value::Data;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
 use crate::scene::SceneDescription;
-use crate::syntax::tree::{Block, BodyUse, Docs, Expr, InitStatement, StateDeclaration, TaskStatement};
+use crate::syntax::tree::{Block, BodyUse, Docs, Expr, InitStatement, StateDeclaration, TaskStatement, Test};
 use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
 
 /// A task whose every formula is checked and in the graph.
+#[derive(Clone)]
 pub(crate) struct CheckedTask<'a> {
     pub graph: Graph,
     pub family: String,
@@ -53,6 +56,8 @@ pub(crate) struct CheckedTask<'a> {
     /// New values of the declared states.
     pub updates: Vec<NodeId>,
     pub states: Vec<Cell>,
+    /// Its tests, if it has any.
+    pub tests: Option<CheckedTests>,
 }
 
 /// How a phase of a sequence gives way to the next.
@@ -177,6 +182,10 @@ impl<'a> Checker<'a> {
         let (Some(control_frequency), Some(init), Some(success)) = (control_frequency, init?, success?) else {
             return Err(Reported);
         };
+        let tests = match (&terms, &terminations, &finishes) {
+            (Ok(terms), Ok(_), Ok(_)) => self.own_tests(sequence, &init, terms, success.node, texts)?,
+            _ => None,
+        };
         let success_at = sequence.success.or(parts.success).map(|(expr, file)| (file, expr.span));
         Ok(CheckedTask {
             graph: std::mem::take(&mut self.graph),
@@ -205,7 +214,35 @@ impl<'a> Checker<'a> {
             term_bounds: Vec::new(),
             updates: updates?,
             states: std::mem::take(&mut self.cells),
+            tests,
         })
+    }
+
+    /// The tests of a task by itself; a sequence has none.
+    fn own_tests(
+        &mut self,
+        sequence: InSequence<'a>,
+        init: &Beginning,
+        terms: &[PaidTerm<'a>],
+        success: NodeId,
+        texts: &dyn Texts,
+    ) -> Checked<Option<CheckedTests>> {
+        let statements = self.statements;
+        let tests: Vec<(&Test, FileId)> = statements
+            .iter()
+            .filter_map(|placed| if let TaskStatement::Test(test) = &placed.statement { Some((test, placed.file)) } else { None })
+            .collect();
+        if sequence.phases.is_empty() {
+            return self.tests(&tests, init, terms, success, texts);
+        }
+        // Every phase has the statements of the sequence; it is told once.
+        for (test, file) in tests.iter().filter(|_| sequence.index == 0) {
+            let message = "a sequence has no tests of its own";
+            let diagnostic = Diagnostic::new(codes::tests::TEST_OF_SEQUENCE, *file, test.title.span, message)
+                .help("move it into the task that it is about: a test looks at the terms and reasons of one task");
+            self.report(diagnostic);
+        }
+        Ok(None)
     }
 
     /// When a phase gives way, and whether it has then succeeded.
@@ -450,7 +487,6 @@ fn unsupported(statement: &TaskStatement) -> Option<(Span, &'static str)> {
     use TaskStatement as S;
     Some(match statement {
         S::Phase(phase) => (phase.span, "phase"),
-        S::Test(test) => (test.span, if test.cheat { "cheat" } else { "test" }),
         _ => return None,
     })
 }

@@ -114,6 +114,9 @@ impl CompiledTask {
             "init root height {height}, at {:?} m, heading {} rad, pitch {} rad, roll {} rad, velocity {:?} m/s",
             root.position, root.heading, root.pitch, root.roll, root.velocity
         );
+        if root.lift != 0.0 {
+            let _ = writeln!(text, "init root lift {} m", root.lift);
+        }
         for (what, spreads) in [("coordinates", &self.init.coordinate_noise), ("velocities", &self.init.velocity_noise)] {
             for (spread, joints) in by_spread(spreads) {
                 let _ = writeln!(text, "init noise {what} {spread:?} on joints {joints:?}");

@@ -2,6 +2,7 @@
 
 use super::{DrawOutput, Outputs, assemble, layout};
 use crate::body::BodyDescription;
+use crate::check::CheckedTests;
 use crate::check::inherit::{Placed, WholeTask};
 use crate::check::task::{CheckedTask, summary};
 use crate::check::{Texts, written};
@@ -9,10 +10,12 @@ use crate::diagnostics::FileId;
 use crate::explain::{mathematics, names_in};
 use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
 use crate::task::{Channel, CompiledTask, FollowedMotion, Meaning, Phase, RandomValue, Term, TermMeaning};
+use crate::testing::{TaskTest, TaskTests};
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
 /// A checked task with what it was read from.
+#[derive(Clone)]
 pub(crate) struct CheckedPhase<'a> {
     pub source: &'a WholeTask,
     pub checked: CheckedTask<'a>,
@@ -21,6 +24,7 @@ pub(crate) struct CheckedPhase<'a> {
 }
 
 /// What a task by itself, or a sequence as a whole, says.
+#[derive(Clone)]
 pub(crate) struct Heading<'a> {
     pub name: &'a str,
     pub docs: Option<&'a Docs>,
@@ -32,8 +36,38 @@ pub(crate) struct Heading<'a> {
     pub shared: Vec<String>,
 }
 
-/// Lowers checked tasks: one for a task by itself, several for a sequence. `None` if there is none.
-pub(crate) fn finish(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts) -> Option<CompiledTask> {
+/// Lowers checked tasks: one for a task by itself, several for a sequence; with their tests. `None` if there is none.
+pub(crate) fn finish(heading: Heading<'_>, mut phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts) -> Option<CompiledTask> {
+    let tests = phases.first_mut().and_then(|phase| phase.checked.tests.take());
+    let probed = tests.zip(phases.first()).and_then(|(tests, phase)| with_probes(&heading, phase, tests, texts));
+    let mut task = lower(heading, phases, texts)?;
+    task.hash = hash(&task);
+    task.tests = probed.map(|(mut probed, first, tests)| {
+        probed.hash.clone_from(&task.hash);
+        Arc::new(TaskTests { task: Arc::new(probed), first, tests })
+    });
+    Some(task)
+}
+
+/// The task that tests run: it has all that they look at behind its metrics. Also where that begins, and the tests.
+fn with_probes(
+    heading: &Heading<'_>,
+    phase: &CheckedPhase<'_>,
+    tests: CheckedTests,
+    texts: &dyn Texts,
+) -> Option<(CompiledTask, usize, Vec<TaskTest>)> {
+    let CheckedTests { graph, queries, beginning, probes, tests } = tests;
+    let mut phase = phase.clone();
+    let own = phase.checked.metrics.len();
+    phase.checked.metrics.extend(probes);
+    let checked = CheckedTask { graph, queries, beginning, ..phase.checked };
+    let task = lower(heading.clone(), vec![CheckedPhase { checked, ..phase }], texts)?;
+    let first = task.metrics.get(own).map_or(0, |probe| probe.offset);
+    Some((task, first, tests))
+}
+
+/// Lowers checked tasks.
+fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts) -> Option<CompiledTask> {
     let all_outputs: Vec<Outputs> = phases.iter().map(|phase| outputs(&phase.checked)).collect();
     let queries = phases.last().map(|phase| phase.checked.queries.clone()).unwrap_or_default();
     let frame = layout(phases.iter().map(|phase| &phase.checked.graph).zip(&all_outputs), &queries);
@@ -89,6 +123,7 @@ pub(crate) fn finish(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts:
                 motions: Vec::new(),
                 frame: frame.clone(),
                 hash: String::new(),
+                tests: None,
                 phases: Vec::new(),
             });
         }
@@ -111,7 +146,6 @@ pub(crate) fn finish(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts:
     (compiled.randoms, compiled.parameters) = (whole.randoms, whole.parameters);
     compiled.motions = whole.motions;
     compiled.phases = made;
-    compiled.hash = hash(&compiled);
     Some(compiled)
 }
 

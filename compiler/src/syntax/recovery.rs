@@ -197,7 +197,7 @@ impl Failure<'_> {
     }
 
     fn in_fields(&self) -> bool {
-        matches!(self.context, Rule::one_field | Rule::one_assignment | Rule::one_task_name)
+        matches!(self.context, Rule::one_field | Rule::one_assignment | Rule::one_change | Rule::one_task_name)
     }
 
     fn plain(&self) -> Diagnostic {
@@ -314,6 +314,7 @@ fn is_block(rule: Rule) -> bool {
             | Rule::field_block
             | Rule::init_block
             | Rule::test_block
+            | Rule::changes
             | Rule::body_block
             | Rule::suite_block
             | Rule::task_names
@@ -356,7 +357,7 @@ fn in_word(rule: Rule) -> Option<String> {
         Rule::word => "a field",
         Rule::text => "a text in quotes",
         Rule::number | Rule::signed_number | Rule::weight | Rule::digits => "a number",
-        Rule::expression | Rule::chain | Rule::postfixed | Rule::if_then_else | Rule::argument | Rule::moment => "a value",
+        Rule::expression | Rule::chain | Rule::postfixed | Rule::if_then_else | Rule::argument | Rule::side => "a value",
         Rule::exponent => "an exponent",
         Rule::unit | Rule::unit_power | Rule::unit_word => "a unit",
         Rule::equals => "`=`",

@@ -5,14 +5,14 @@ use crate::model::{Model, rotation};
 use crate::physics::{self, State, Workspace, kinematics::Kinematics};
 use crate::scene::ground::Ground;
 use msk_compiler::frame::Origin;
-use msk_compiler::task::RootPlacement;
+use msk_compiler::task::{Init, RootPlacement};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 impl Body {
     /// Sets positions and velocities of the body: `coordinates` (rad or m, in the order of `joints`) and the root's placement.
     /// All joint velocities become zero. A body fixed to the world ignores the placement.
     ///
-    /// Without a given height the lowest point of the body's shapes touches the ground. Where landmarks shall meet places, the
+    /// Without a given height the lowest point of the body's shapes touches the ground, or is as far above it as it is lifted. Where landmarks shall meet places, the
     /// root is moved until the mean of what is missing vanishes; objects must stand in their places by then.
     pub fn place(
         &self,
@@ -46,7 +46,27 @@ impl Body {
             let ground = Ground { model, kinematics: &workspace.kinematics, shapes: &self.ground };
             let clearance = ground.clearance(&self.shapes);
             // A body without shapes stands on its root.
-            state.position[position + 2] = if clearance.is_finite() { -clearance } else { 0.0 };
+            state.position[position + 2] = placement.lift - if clearance.is_finite() { clearance } else { 0.0 };
+        }
+    }
+
+    /// Gives joints, root and free objects the velocities of a beginning: those of root and objects in world axes; the state has
+    /// spins in their own.
+    pub fn launch(&self, init: &Init, state: &mut State<f64>) {
+        for (joint, &velocity) in self.joints.iter().zip(&init.velocities) {
+            state.velocity[joint.dof] = velocity;
+        }
+        let root = self.root.free.map(|free| (free, init.root.velocity, init.root.spin));
+        let objects = init.objects.iter().filter_map(|start| {
+            let free = self.objects.get(start.object).and_then(|object| object.free)?;
+            Some((free, start.velocity, start.spin))
+        });
+        for ((place, dof), velocity, spin) in root.into_iter().chain(objects) {
+            let at = &state.position;
+            let orientation = [at[place + 3], at[place + 4], at[place + 5], at[place + 6]];
+            let spin = rotation::matrix(orientation).tr_mul(&Vector3::from(spin));
+            state.velocity[dof..dof + 3].copy_from_slice(&velocity);
+            state.velocity[dof + 3..dof + 6].copy_from_slice(spin.as_slice());
         }
     }
 

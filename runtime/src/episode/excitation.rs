@@ -17,6 +17,15 @@ pub fn excitation(map: ExcitationMap, action: f64) -> f64 {
     }
 }
 
+/// The action that asks for an excitation, or the nearest in [-1, 1]: the inverse of [`excitation`].
+pub fn action(map: ExcitationMap, excitation: f64) -> f64 {
+    let action = match map {
+        ExcitationMap::Linear => 2.0 * excitation - 1.0,
+        ExcitationMap::Sigmoid => 0.5 + 0.2 * libm::log(excitation / (1.0 - excitation)),
+    };
+    action.clamp(-1.0, 1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -32,6 +41,16 @@ mod tests {
         let map = |action| excitation(ExcitationMap::Sigmoid, action);
         assert_eq!(map(0.5), 0.5);
         assert!((map(-1.0) - 0.00055).abs() < 1e-5 && (map(0.0) - 0.0759).abs() < 1e-4 && (map(1.0) - 0.924).abs() < 1e-3);
+    }
+
+    #[test]
+    fn actions_are_found_for_excitations() {
+        for map in [ExcitationMap::Linear, ExcitationMap::Sigmoid] {
+            for wanted in [0.1, 0.5, 0.9] {
+                assert!((excitation(map, action(map, wanted)) - wanted).abs() < 1e-12);
+            }
+            assert_eq!([action(map, 0.0), action(map, 1.0)], [-1.0, 1.0]);
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@
 mod beginning;
 mod ending;
 mod excitation;
+mod playing;
 mod pushes;
 mod start;
 mod streams;
@@ -158,6 +159,14 @@ impl Episode {
 
     /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
     pub fn reset(&mut self, key: EpisodeKey) {
+        self.clear(key);
+        if let Err(fault) = self.start(key) {
+            self.present.ending = Some(Ending::Fault(fault));
+        }
+    }
+
+    /// Forgets the episode before.
+    fn clear(&mut self, key: EpisodeKey) {
         let present = &mut self.present;
         present.key = key;
         present.state = State::new(&self.model);
@@ -169,9 +178,6 @@ impl Episode {
         present.report = StepReport::default();
         present.ending = None;
         present.streams.start(key, &self.task.randoms);
-        if let Err(fault) = self.start(key) {
-            self.present.ending = Some(Ending::Fault(fault));
-        }
     }
 
     /// Randoms that read no signal, the beginning, the first snapshot, the other randoms.

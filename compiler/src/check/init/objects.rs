@@ -29,7 +29,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `cube { at [1 m, 0, 1 m], velocity [-4 m/s, 0, 1 m/s] }`, `door { swing 10 deg }`
-    pub(super) fn placement(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
+    pub(in crate::check) fn placement(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
         let things = match self.object_named(element)? {
             Value::Thing(thing) => vec![thing],
             Value::Things { members, .. } => members,

@@ -7,7 +7,7 @@ use crate::check::scope::{Declared, Definition};
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
 use crate::motion::{Following, Parts, RootPart};
-use crate::syntax::tree::{Assignment, Expr, PoseUse};
+use crate::syntax::tree::{Assignment, Expr, Ident, PoseUse};
 use crate::task::Init;
 use crate::vocabulary::JointKind;
 
@@ -18,15 +18,7 @@ impl<'a> Checker<'a> {
             return self.pose_of_motion(pose, beginning);
         }
         let init = &mut beginning.init;
-        let Some(known) = self.vocabulary.poses.iter().find(|known| known.name == pose.name.text) else {
-            let names = self.vocabulary.poses.iter().map(|known| known.name.clone());
-            let names = names.chain(self.references.iter().map(|known| known.name.clone())).collect();
-            return Err(self.unknown_name(&pose.name.text, pose.name.span, names));
-        };
-        // Poses know the joints of the body; those of objects come behind and begin at zero.
-        for (coordinate, value) in init.coordinates.iter_mut().zip(&known.coordinates) {
-            *coordinate = *value;
-        }
+        self.named_pose(&pose.name, init)?;
         let mut set = vec![false; init.coordinates.len()];
         let mut broken = false;
         for adjustment in &pose.adjustments {
@@ -72,7 +64,29 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    fn adjust(&mut self, adjustment: &'a Assignment, coordinates: &mut [f64], set: &mut [bool]) -> Checked<()> {
+    /// Takes a pose of the body; what followed a motion no longer does.
+    pub(in crate::check) fn named_pose(&mut self, name: &Ident, init: &mut Init) -> Checked<()> {
+        let Some(known) = self.vocabulary.poses.iter().find(|known| known.name == name.text) else {
+            let names = self.vocabulary.poses.iter().map(|known| known.name.clone());
+            let names = names.chain(self.references.iter().map(|known| known.name.clone())).collect();
+            return Err(self.unknown_name(&name.text, name.span, names));
+        };
+        // Poses know the joints of the body; those of objects come behind and keep their place.
+        for (coordinate, value) in init.coordinates.iter_mut().zip(&known.coordinates) {
+            *coordinate = *value;
+        }
+        init.velocities.clear();
+        init.follows = None;
+        Ok(())
+    }
+
+    /// Sets the joints that an assignment names.
+    pub(in crate::check) fn adjust(
+        &mut self,
+        adjustment: &'a Assignment,
+        coordinates: &mut [f64],
+        set: &mut [bool],
+    ) -> Checked<()> {
         let things = match self.value(&adjustment.target)? {
             Value::Thing(thing) => vec![thing],
             Value::Things { members, .. } => members,

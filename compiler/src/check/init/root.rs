@@ -11,7 +11,7 @@ use crate::syntax::tree::{Expr, ExprKind, Field, FieldValue, Placement};
 use crate::task::Setting;
 
 /// How the fields of the root are written.
-const HELP: &str = "it takes `height on ground` or `height 1 m`, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and \
+const HELP: &str = "it takes `height on ground` or `height 1 m`, `lift 5 cm` above the ground, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and \
     `so palm_l at bar.grip_l`";
 
 impl Beginning {
@@ -30,7 +30,7 @@ impl Beginning {
 }
 
 impl<'a> Checker<'a> {
-    pub(super) fn root(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
+    pub(in crate::check) fn root(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
         let mut broken = false;
         let mut said: Vec<&str> = Vec::new();
         for field in &element.fields {
@@ -83,7 +83,11 @@ impl<'a> Checker<'a> {
             ("velocity", FieldValue::Value(value)) => {
                 self.begin_bracket(value, Dimension::SPEED, "`velocity`", [0, 1, 2].map(Setting::RootVelocity), beginning)
             }
-            ("so", FieldValue::Meets { place, target }) => self.meeting(place, target, beginning),
+            ("lift", FieldValue::Value(value)) => {
+                beginning.init.root.lift = self.fixed_number(value, Dimension::LENGTH, "`lift`")?;
+                Ok(())
+            }
+            ("so", FieldValue::Meets { place, target }) => self.meeting(place, target, &mut beginning.init.root.meets),
             (name, _) => {
                 let message = format!("the root cannot be given `{name}` like this");
                 let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message).help(HELP);
@@ -93,7 +97,12 @@ impl<'a> Checker<'a> {
     }
 
     /// `so palm_l at bar.grip_l`
-    fn meeting(&mut self, place: &'a Expr, target: &'a Expr, beginning: &mut Beginning) -> Checked<()> {
+    pub(in crate::check) fn meeting(
+        &mut self,
+        place: &'a Expr,
+        target: &'a Expr,
+        meets: &mut Vec<(usize, Origin)>,
+    ) -> Checked<()> {
         let (value, target_value) = (self.value(place)?, self.value(target)?);
         let landmark = match value {
             Value::Thing(Thing::Landmark(index)) if !self.vocabulary.landmarks[index].of_scene => index,
@@ -117,7 +126,7 @@ impl<'a> Checker<'a> {
             }
             Value::Data(_) => Origin::World(self.fixed_bracket(target, Dimension::LENGTH, "`so ... at`")?),
         };
-        beginning.init.root.meets.push((landmark, origin));
+        meets.push((landmark, origin));
         Ok(())
     }
 }

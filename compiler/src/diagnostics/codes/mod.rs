@@ -56,11 +56,15 @@ pub mod names;
 pub mod scene;
 pub mod syntax;
 pub mod tasks;
+pub mod tests;
 pub mod types;
 
 /// Every code, in order.
 pub fn all() -> impl Iterator<Item = &'static Code> {
-    [syntax::ALL, names::ALL, types::ALL, tasks::ALL, scene::ALL, composition::ALL, lints::ALL].into_iter().flatten().copied()
+    [syntax::ALL, names::ALL, types::ALL, tasks::ALL, scene::ALL, composition::ALL, tests::ALL, lints::ALL]
+        .into_iter()
+        .flatten()
+        .copied()
 }
 
 /// The page of a code such as `E0103`, whatever the case of its letter.

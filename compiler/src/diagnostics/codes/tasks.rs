@@ -18,7 +18,7 @@ codes! {
         title: "a statement that is not supported yet",
         explanation: "The statement belongs to the language, but this version cannot run it. It is refused rather than \
             ignored.",
-        example: "test \"falls\" { run zero for 1 s }",
+        example: "test \"walks\" { play motion \"walk.csv\"\n expect survived }",
         fix: "",
     }
     OUT_OF_RANGE = "E0404" {

@@ -1,9 +1,8 @@
 //! Bodies, suites, and tests inside files.
 
 use super::{Builder, part};
-use crate::diagnostics::Span;
 use crate::syntax::grammar::{Pair, Rule};
-use crate::syntax::tree::{Body, BodyGroup, BodyPose, BodyStatement, Expr, ExprKind, Family, Suite, Test, TestStatement};
+use crate::syntax::tree::{Body, BodyGroup, BodyPose, BodyStatement, Family, Suite};
 
 impl Builder<'_> {
     pub(super) fn body(&mut self, pair: &Pair<'_>) -> Body {
@@ -89,60 +88,5 @@ impl Builder<'_> {
             }
         }
         Family { docs, name, tasks, span }
-    }
-
-    pub(super) fn test(&mut self, pair: &Pair<'_>) -> Test {
-        let mut statements = Vec::new();
-        for pair in part(pair, Rule::test_block).into_iter().flat_map(Pair::into_inner) {
-            statements.push(match pair.as_rule() {
-                Rule::pose | Rule::pose_block => TestStatement::Pose(self.pose_use(&pair)),
-                Rule::keyframe | Rule::keyframe_block => {
-                    let pose = part(&pair, Rule::pose).or_else(|| part(&pair, Rule::pose_block));
-                    let time = self.expression_in(&pair);
-                    let pose = self.pose_use(pose.as_ref().unwrap_or(&pair));
-                    TestStatement::Keyframe { time, pose }
-                }
-                Rule::placement => TestStatement::Object(self.placement(&pair)),
-                Rule::run => TestStatement::Run {
-                    policy: self.identifier_in(&pair),
-                    duration: part(&pair, Rule::expression).map(|duration| self.expression(Some(duration))),
-                    span: self.span(&pair),
-                },
-                Rule::expect => {
-                    let condition = match part(&pair, Rule::order) {
-                        Some(order) => self.order(&order),
-                        None => self.expression_in(&pair),
-                    };
-                    TestStatement::Expect { condition, span: self.span(&pair) }
-                }
-                Rule::junk => {
-                    self.junk(&pair, Rule::one_test_statement);
-                    continue;
-                }
-                _ => continue,
-            });
-        }
-        Test { title: self.text(part(pair, Rule::text)), cheat: pair.as_rule() == Rule::cheat, statements, span: self.span(pair) }
-    }
-
-    /// `reward.pose at neutral > reward.pose at squatting`
-    fn order(&mut self, pair: &Pair<'_>) -> Expr {
-        let (mut operands, mut operators): (Vec<Expr>, Vec<_>) = (Vec::new(), Vec::new());
-        for part in pair.clone().into_inner() {
-            if part.as_rule() == Rule::comparison {
-                operators.push((super::chain::compare_operator(&part), self.span(&part)));
-            } else {
-                operands.push(self.moment(&part));
-            }
-        }
-        self.check_direction(&operators);
-        let span = operands.iter().map(|operand| operand.span).reduce(Span::to).unwrap_or_default();
-        Expr { kind: ExprKind::Compare { operands, operators }, span }
-    }
-
-    fn moment(&mut self, pair: &Pair<'_>) -> Expr {
-        let value = Box::new(self.expression(part(pair, Rule::postfixed)));
-        let pose = self.identifier_in(pair);
-        Expr { kind: ExprKind::At { value, pose }, span: self.span(pair) }
     }
 }

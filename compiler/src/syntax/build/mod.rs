@@ -9,6 +9,7 @@ mod expression;
 mod names;
 mod scene;
 mod tasks;
+mod tests;
 
 use super::grammar::{Pair, Rule};
 use super::scanner::Scanned;

@@ -1,6 +1,6 @@
 //! Tests inside files.
 
-use super::{Expr, Ident, Placement, PoseUse, Text};
+use super::{Assignment, Expr, Ident, Placement, Text};
 use crate::diagnostics::Span;
 
 /// `test "a fall ends the episode" { ... }` or `cheat "heel raises" { ... }`
@@ -19,17 +19,64 @@ pub struct Test {
 /// A statement of a test.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TestStatement {
-    /// `pose neutral { root.height = 0.5 m }`
-    Pose(PoseUse),
-    /// `at 2 s pose squatting`: scripted motion
+    /// `pose neutral { root.height = 0.5 m }`: how it begins
+    Pose(Situation),
+    /// `at 2 s pose squatting { root.at = [1 m, 0 m] } as low`: scripted motion
     Keyframe {
         /// When.
         time: Expr,
-        /// In which pose.
-        pose: PoseUse,
+        /// In which pose; what is not said stays as it was.
+        situation: Situation,
+        /// The name of this moment.
+        label: Option<Ident>,
+        /// The statement.
+        span: Span,
     },
-    /// `cube_target { at [1 m, 0, 0] }`
+    /// `cube_target { at [1 m, 0, 0] }`: how it begins
     Object(Placement),
+    /// `repeat i in 0..10 { at i * 1 s pose neutral }`
+    Repeat {
+        /// Counts the copies.
+        variable: Ident,
+        /// From where to where.
+        range: Expr,
+        /// What is copied.
+        statements: Vec<TestStatement>,
+        /// The statement.
+        span: Span,
+    },
+    /// `play motion "walk.csv" from 0.5 s`: a table of motion
+    Play {
+        /// The file.
+        motion: Text,
+        /// The statement.
+        span: Span,
+    },
+    /// `given target = [0.5 m, 0, 1 m]`: instead of chance
+    Given {
+        /// Which random.
+        name: Ident,
+        /// Its value.
+        value: Expr,
+        /// The statement.
+        span: Span,
+    },
+    /// `until 2 s`: when it ends if the task does not end it
+    Until {
+        /// When.
+        time: Expr,
+        /// The statement.
+        span: Span,
+    },
+    /// `moment low { pose squatting }`: an episode of its own, read at its end
+    Moment {
+        /// Its name.
+        name: Ident,
+        /// How it comes about.
+        statements: Vec<TestStatement>,
+        /// The statement.
+        span: Span,
+    },
     /// `run zero for 2 s`
     Run {
         /// Name of the policy.
@@ -43,7 +90,36 @@ pub enum TestStatement {
     Expect {
         /// What must hold.
         condition: Expr,
+        /// At which moment; at the end if left out.
+        moment: Option<Ident>,
         /// The statement.
+        span: Span,
+    },
+}
+
+/// A pose with changes to it, to the root and to objects.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Situation {
+    /// The pose to begin with; without one, what was before.
+    pub pose: Option<Ident>,
+    /// In the order of the text.
+    pub changes: Vec<Change>,
+    /// The text of it.
+    pub span: Span,
+}
+
+/// A change of a situation.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Change {
+    /// `knee_angle_r = 80 deg`, `root.height = 0.6 m`, `cube.at = [1 m, 0, 1 m]`, `activation = 0.2`
+    Assign(Assignment),
+    /// `so palm_l at rack.grip_l`
+    Meet {
+        /// The landmark.
+        place: Expr,
+        /// Where it shall be.
+        target: Expr,
+        /// The field.
         span: Span,
     },
 }

@@ -168,14 +168,34 @@ pub fn walk_init_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, stateme
 /// Goes on inside a statement of a test.
 pub fn walk_test_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, statement: &'a TestStatement) {
     match statement {
-        TestStatement::Pose(pose) => pose.adjustments.iter().for_each(|adjustment| visitor.assignment(adjustment)),
-        TestStatement::Keyframe { time, pose } => {
+        TestStatement::Pose(situation) => walk_situation(visitor, situation),
+        TestStatement::Keyframe { time, situation, .. } => {
             visitor.expression(time);
-            pose.adjustments.iter().for_each(|adjustment| visitor.assignment(adjustment));
+            walk_situation(visitor, situation);
         }
         TestStatement::Object(placement) => placement.fields.iter().for_each(|field| visitor.field(field)),
+        TestStatement::Repeat { range, statements, .. } => {
+            visitor.expression(range);
+            statements.iter().for_each(|statement| visitor.test_statement(statement));
+        }
+        TestStatement::Moment { statements, .. } => statements.iter().for_each(|statement| visitor.test_statement(statement)),
+        TestStatement::Play { .. } => {}
+        TestStatement::Given { value, .. } => visitor.expression(value),
+        TestStatement::Until { time, .. } => visitor.expression(time),
         TestStatement::Run { duration, .. } => duration.iter().for_each(|duration| visitor.expression(duration)),
         TestStatement::Expect { condition, .. } => visitor.expression(condition),
+    }
+}
+
+fn walk_situation<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, situation: &'a Situation) {
+    for change in &situation.changes {
+        match change {
+            Change::Assign(assignment) => visitor.assignment(assignment),
+            Change::Meet { place, target, .. } => {
+                visitor.expression(place);
+                visitor.expression(target);
+            }
+        }
     }
 }
 

@@ -1,0 +1,133 @@
+//! `msk test [FILES]`: the tests inside files.
+
+use crate::error::{Context, Error, FAILURE};
+use crate::project::{Project, Settings};
+use clap::ValueEnum;
+use msk::compiler::diagnostics::{FileId, Span};
+use msk::compiler::task::CompiledTask;
+use msk::runtime::testing::{self, TestReport};
+use serde_json::json;
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Run the tests inside files: `test "..." { }` and `cheat "..." { }` of all tasks
+///
+/// What a test shows is played, or run where it says so, and what it expects is compared; nothing depends on chance or on the
+/// number of cores. Exit code 0 if every test passes, 1 if one does not.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Files with tasks, or suites of them
+    #[arg(default_value = "tasks.msk")]
+    files: Vec<PathBuf>,
+    /// Only tests whose task and title, `stand: a fall ends it`, contain this
+    #[arg(long, value_name = "TEXT")]
+    filter: Option<String>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+    #[command(flatten)]
+    settings: Settings,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people: a line per test, and what did not hold
+    Text,
+    /// For machines: a line per test
+    Json,
+}
+
+/// Runs the tests.
+///
+/// # Errors
+/// Errors in a file, or a task without a body.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let mut out = io::stdout().lock();
+    let mut seen = BTreeSet::new();
+    let (mut passed, mut failed, mut without) = (0, 0, Vec::new());
+    for file in &args.files {
+        let project = Project::open(file, &args.settings.settings)?;
+        let fresh = project.compilation.tasks.iter().filter(|task| seen.insert(task.name.clone()));
+        let tasks: Vec<&Arc<CompiledTask>> = fresh.collect();
+        without.extend(tasks.iter().filter(|task| task.tests.is_none()).map(|task| task.name.clone()));
+        let wanted = |task: &str, title: &str| args.filter.as_ref().is_none_or(|text| format!("{task}: {title}").contains(text));
+        let mut jobs = Vec::new();
+        for task in &tasks {
+            let Some(tests) = &task.tests else { continue };
+            let name = &task.name;
+            let body =
+                project.bodies.stage(&task.body, &task.scene).context(|| format!("task `{name}` has no body to run on"))?;
+            let places = (0..tests.tests.len()).filter(|&place| wanted(name, &tests.tests[place].title));
+            jobs.extend(places.map(|place| (tests.as_ref(), body.clone(), place)));
+        }
+        let reports = testing::run_all(&jobs)?;
+        let mut task = "";
+        for report in &reports {
+            if report.passed() {
+                passed += 1
+            } else {
+                failed += 1
+            }
+            match args.format {
+                Format::Json => writeln!(out, "{}", as_json(report, &project))?,
+                Format::Text => {
+                    if std::mem::replace(&mut task, &report.task) != report.task {
+                        writeln!(out, "{}", report.task)?;
+                    }
+                    tell(&mut out, report, &project)?;
+                }
+            }
+        }
+    }
+    if args.format == Format::Text {
+        if !without.is_empty() && args.filter.is_none() {
+            writeln!(out, "without tests: {}", without.join(", "))?;
+        }
+        writeln!(out, "{} passed, {failed} failed", passed)?;
+    }
+    Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
+}
+
+fn tell(out: &mut impl Write, report: &TestReport, project: &Project) -> Result<(), Error> {
+    let kind = if report.cheat { "cheat " } else { "" };
+    let mark = if report.passed() { "ok  " } else { "FAIL" };
+    writeln!(out, "  {mark}  {kind}{}", report.title)?;
+    for failure in &report.failures {
+        writeln!(out, "        {}", place(failure.at, project))?;
+        writeln!(out, "        expected {}", failure.expected)?;
+        writeln!(out, "           found {}", failure.found)?;
+    }
+    Ok(())
+}
+
+fn as_json(report: &TestReport, project: &Project) -> serde_json::Value {
+    let failures: Vec<serde_json::Value> = report
+        .failures
+        .iter()
+        .map(|failure| {
+            json!({
+                "at": place(failure.at, project),
+                "expected": failure.expected,
+                "found": failure.found,
+                "sides": failure.sides,
+            })
+        })
+        .collect();
+    json!({
+        "task": report.task,
+        "test": report.title,
+        "cheat": report.cheat,
+        "at": place(report.at, project),
+        "passed": report.passed(),
+        "failures": failures,
+    })
+}
+
+/// `tasks/stabilization/stand.msk:70`
+fn place((file, span): (FileId, Span), project: &Project) -> String {
+    let sources = &project.compilation.sources;
+    format!("{}:{}", sources.path(file), sources.line_column(file, span.start as usize).0)
+}

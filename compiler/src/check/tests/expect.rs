@@ -1,0 +1,185 @@
+//! What a test expects.
+
+use super::{Draft, Reader, Wanted};
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::observe::{ObservedChannel, Texts, unit_of, written};
+use crate::check::types::Type;
+use crate::check::value::Data;
+use crate::diagnostics::{codes, nearest};
+use crate::syntax::tree::{BinaryOperator, CompareOperator, Expr, ExprKind, Ident, Test};
+use crate::testing::{Check, Comparison, Expectation, Reading, Side};
+
+impl<'a> Checker<'a> {
+    /// Checks the expectations of a test; a cheat expects at least that it does not succeed.
+    pub(super) fn expectations(
+        &mut self,
+        test: &'a Test,
+        reader: &Reader<'a>,
+        probes: &mut Vec<ObservedChannel>,
+        texts: &dyn Texts,
+    ) -> Checked<Vec<Expectation>> {
+        let mut found = Vec::new();
+        let mut broken = false;
+        if test.cheat
+            && let Some(success) = self.test_name("success")
+        {
+            let node = self.graph.unary(crate::graph::operation::Unary::Not, success.node);
+            let probe = self.probe(&Data::new(node, Type::Bool), test.title.span, probes);
+            found.push(Expectation {
+                source: "not success".to_owned(),
+                at: (self.place.file, test.title.span),
+                check: Check::Holds { probe, reading: Reading { take: 0, step: None } },
+            });
+        }
+        for wanted in &reader.wanted {
+            let locals = std::mem::replace(&mut self.locals, wanted.locals.clone());
+            broken |= self.expectation(wanted, &reader.drafts, probes, texts, &mut found).is_err();
+            self.locals = locals;
+        }
+        if broken { Err(Reported) } else { Ok(found) }
+    }
+
+    fn expectation(
+        &mut self,
+        wanted: &Wanted<'a>,
+        drafts: &[Draft],
+        probes: &mut Vec<ObservedChannel>,
+        texts: &dyn Texts,
+        found: &mut Vec<Expectation>,
+    ) -> Checked<()> {
+        let condition = self.single_condition(wanted.condition)?;
+        let reading = self.reading(wanted.moment, drafts)?;
+        let at = (self.place.file, wanted.span);
+        let mut parts = Vec::new();
+        conjuncts(wanted.condition, &mut parts);
+        let several = parts.len() > 1;
+        for part in parts {
+            let source = written(part, self.place.file, texts);
+            let check = match self.order(part, reading, drafts, probes, texts)? {
+                Some(order) => order,
+                None => {
+                    let data = if several { self.single_condition(part)? } else { condition.clone() };
+                    Check::Holds { probe: self.probe(&data, part.span, probes), reading }
+                }
+            };
+            found.push(Expectation { source, at, check });
+        }
+        Ok(())
+    }
+
+    /// A comparison of single numbers, whose both sides can be told.
+    fn order(
+        &mut self,
+        part: &'a Expr,
+        reading: Reading,
+        drafts: &[Draft],
+        probes: &mut Vec<ObservedChannel>,
+        texts: &dyn Texts,
+    ) -> Checked<Option<Check>> {
+        let ExprKind::Compare { operands, operators } = &part.kind else { return Ok(None) };
+        let mut sides = Vec::new();
+        let mut single = true;
+        for operand in operands {
+            let data = self.data(operand)?;
+            single &= data.kind.length().is_none();
+            let reading = match &operand.kind {
+                ExprKind::At { pose, .. } => self.reading(Some(pose), drafts)?,
+                _ => reading,
+            };
+            sides.push((data, reading, operand));
+        }
+        let moments = operands.iter().find(|operand| matches!(operand.kind, ExprKind::At { .. }));
+        if !single {
+            return match moments {
+                Some(moment) => {
+                    let message = "at moments single numbers are compared";
+                    Err(self.error(codes::types::WRONG_TYPE, moment.span, message))
+                }
+                None => Ok(None),
+            };
+        }
+        let mut told = Vec::new();
+        for (data, reading, operand) in sides {
+            let constant = self.graph.constant_lanes(data.node).is_some();
+            told.push(Side {
+                source: written(operand, self.place.file, texts),
+                unit: unit_of(&data.kind),
+                probe: self.probe(&data, operand.span, probes),
+                reading,
+                constant,
+            });
+        }
+        // What is the same in every episode is read wherever another side is.
+        if let Some(reading) = told.iter().find(|side| !side.constant).map(|side| side.reading) {
+            told.iter_mut().filter(|side| side.constant).for_each(|side| side.reading = reading);
+        }
+        let comparisons = operators.iter().map(|(operator, _)| comparison(*operator)).collect();
+        Ok(Some(Check::Order { sides: told, comparisons }))
+    }
+
+    /// Has a number reported at every step; gives its place.
+    fn probe(&mut self, data: &Data, span: crate::diagnostics::Span, probes: &mut Vec<ObservedChannel>) -> usize {
+        if let Some(known) = probes.iter().position(|known| known.node == data.node) {
+            return known;
+        }
+        let name = format!("test {}", probes.len());
+        let (unit, source) = (unit_of(&data.kind), String::new());
+        probes.push(ObservedChannel { name, node: data.node, unit, source, file: self.place.file, span });
+        probes.len() - 1
+    }
+
+    /// Where a moment is.
+    fn reading(&mut self, moment: Option<&'a Ident>, drafts: &[Draft]) -> Checked<Reading> {
+        let Some(moment) = moment else { return Ok(Reading { take: 0, step: None }) };
+        for (take, draft) in drafts.iter().enumerate() {
+            if draft.name.as_ref() == Some(&moment.text) {
+                return Ok(Reading { take, step: None });
+            }
+            if let Some((_, step)) = draft.labels.iter().find(|(name, _)| *name == moment.text) {
+                return Ok(Reading { take, step: Some(*step) });
+            }
+        }
+        let message = format!("the test has no moment called `{}`", moment.text);
+        let mut diagnostic = self.diagnostic(codes::tests::UNKNOWN_MOMENT, moment.span, message);
+        let names = drafts.iter().flat_map(|draft| draft.name.iter().chain(draft.labels.iter().map(|(name, _)| name)));
+        let names: Vec<&str> = names.map(String::as_str).collect();
+        for near in nearest(&moment.text, names) {
+            diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), moment.span, near);
+        }
+        let help = "name it in the script, `at 1 s pose squatting as low`, or make it: `moment low { pose squatting }`";
+        Err(self.report(diagnostic.help(help)))
+    }
+}
+
+/// The conditions that all must hold.
+fn conjuncts<'a>(expr: &'a Expr, parts: &mut Vec<&'a Expr>) {
+    match &expr.kind {
+        ExprKind::Binary { operator: BinaryOperator::And, left, right, .. } => {
+            conjuncts(left, parts);
+            conjuncts(right, parts);
+        }
+        ExprKind::Paren(inner) => conjuncts(inner, parts),
+        _ => parts.push(expr),
+    }
+}
+
+fn comparison(operator: CompareOperator) -> Comparison {
+    match operator {
+        CompareOperator::Less => Comparison::Less,
+        CompareOperator::LessEqual => Comparison::LessEqual,
+        CompareOperator::Greater => Comparison::Greater,
+        CompareOperator::GreaterEqual => Comparison::GreaterEqual,
+        CompareOperator::Equal => Comparison::Equal,
+        CompareOperator::NotEqual => Comparison::NotEqual,
+    }
+}
+
+/// Gives takes other numbers.
+pub(super) fn renumber(expectations: &mut [Expectation], number: impl Fn(usize) -> usize) {
+    for expectation in expectations {
+        match &mut expectation.check {
+            Check::Holds { reading, .. } => reading.take = number(reading.take),
+            Check::Order { sides, .. } => sides.iter_mut().for_each(|side| side.reading.take = number(side.reading.take)),
+        }
+    }
+}

@@ -1,0 +1,432 @@
+//! Tests inside files: what they show, what they expect.
+//!
+//! 1. Statements are read in their order: those that say how it begins change a [`Scene`], each keyframe takes the one before it
+//!    and changes it (`situation`);
+//! 2. expectations are checked once all moments are known (`expect`): every number that they look at is a node of the graph.
+//!
+//! All of it happens on a graph of its own, so that a task is the same with its tests and without.
+
+mod expect;
+mod situation;
+
+use super::context::{Checked, Checker, Reported};
+use super::init::Beginning;
+use super::observe::{ObservedChannel, Texts};
+use super::reward::PaidTerm;
+use super::types::Type;
+use super::value::{Data, Value};
+use crate::diagnostics::{FileId, Span, codes};
+use crate::frame::Query;
+use crate::graph::operation::{Binary, Memory};
+use crate::graph::{Graph, NodeId};
+use crate::syntax::tree::{Expr, Ident, Test, TestStatement};
+use crate::task::Spread;
+use crate::testing::{Keyframe, Run, Take, TaskTest};
+
+/// The tests of a task, and what they need computed.
+#[derive(Debug, Clone)]
+pub(crate) struct CheckedTests {
+    pub graph: Graph,
+    pub queries: Vec<Query>,
+    /// Numbers that beginnings take from what is drawn: those of the task, and more.
+    pub beginning: Vec<NodeId>,
+    /// What expectations look at.
+    pub probes: Vec<ObservedChannel>,
+    pub tests: Vec<TaskTest>,
+}
+
+/// What names mean in tests only.
+#[derive(Debug, Clone)]
+pub(crate) struct InTests {
+    /// What each term pays in a step, by name.
+    pays: Vec<(String, NodeId)>,
+    success: NodeId,
+}
+
+/// What a script shows at a time.
+#[derive(Debug, Clone)]
+struct Scene {
+    init: crate::task::Init,
+    activation: f64,
+}
+
+/// An episode of a test while its statements are read.
+struct Draft {
+    name: Option<String>,
+    /// How it begins.
+    begins: Scene,
+    /// Whether the test says how it begins.
+    placed: bool,
+    given: Vec<(usize, Vec<f64>)>,
+    keys: Vec<(u32, Scene)>,
+    /// Names of moments with their steps.
+    labels: Vec<(String, u32)>,
+    until: Option<u32>,
+    run: Option<(String, Option<u32>)>,
+    /// A velocity that was given.
+    velocity: Option<Span>,
+}
+
+/// An expectation with the loop variables where it stands.
+struct Wanted<'a> {
+    condition: &'a Expr,
+    moment: Option<&'a Ident>,
+    span: Span,
+    locals: Vec<(String, Value)>,
+}
+
+/// What all statements of a test fill.
+struct Reader<'a> {
+    /// The test's own first, then its moments.
+    drafts: Vec<Draft>,
+    wanted: Vec<Wanted<'a>>,
+}
+
+impl<'a> Checker<'a> {
+    /// Checks all tests; nothing of it stays in the task.
+    pub(crate) fn tests(
+        &mut self,
+        tests: &[(&'a Test, FileId)],
+        init: &Beginning,
+        terms: &[PaidTerm<'_>],
+        success: NodeId,
+        texts: &dyn Texts,
+    ) -> Checked<Option<CheckedTests>> {
+        if tests.is_empty() {
+            return Ok(None);
+        }
+        let before = (self.graph.clone(), self.queries.clone(), self.used.clone(), self.memo.clone());
+        let beginning = std::mem::replace(&mut self.beginning, true);
+        let pays = terms.iter().map(|term| {
+            let weight = self.graph.constant(term.weight);
+            (term.name.clone(), self.graph.binary(Binary::Multiply, weight, term.node))
+        });
+        self.in_tests = Some(InTests { pays: pays.collect(), success });
+        let (mut probes, mut drawn) = (Vec::new(), init.drawn.clone());
+        let mut compiled = Vec::new();
+        let mut broken = false;
+        for &(test, file) in tests {
+            match self.in_file(file, |checker| checker.test(test, init, &mut drawn, &mut probes, texts)) {
+                Ok(test) => compiled.push(test),
+                Err(Reported) => broken = true,
+            }
+        }
+        self.beginning = beginning;
+        self.in_tests = None;
+        let graph = std::mem::replace(&mut self.graph, before.0);
+        let queries = std::mem::replace(&mut self.queries, before.1);
+        (self.used, self.memo) = (before.2, before.3);
+        if broken { Err(Reported) } else { Ok(Some(CheckedTests { graph, queries, beginning: drawn, probes, tests: compiled })) }
+    }
+
+    fn test(
+        &mut self,
+        test: &'a Test,
+        init: &Beginning,
+        drawn: &mut Vec<NodeId>,
+        probes: &mut Vec<ObservedChannel>,
+        texts: &dyn Texts,
+    ) -> Checked<TaskTest> {
+        let mut begins = init.init.clone();
+        let exact = |spreads: &mut Vec<Spread>| spreads.fill(Spread::None);
+        exact(&mut begins.coordinate_noise);
+        exact(&mut begins.velocity_noise);
+        let own = Draft::beginning(Scene { init: begins, activation: 0.0 });
+        let mut reader = Reader { drafts: vec![own], wanted: Vec::new() };
+        let mut broken = self.test_statements(&test.statements, 0, &mut reader, drawn).is_err();
+        if reader.wanted.is_empty() && !test.cheat && !broken {
+            let message = format!("the test \"{}\" expects nothing", test.title.value);
+            let diagnostic = self.diagnostic(codes::tests::EXPECTS_NOTHING, test.title.span, message).help(
+                "say what must hold: `expect success`, `expect ended by fallen`, `expect reward.pose at a < reward.pose at b`",
+            );
+            return Err(self.report(diagnostic));
+        }
+        for draft in &reader.drafts {
+            broken |= self.must_move_by_script(draft).is_err();
+        }
+        let expectations = self.expectations(test, &reader, probes, texts);
+        if broken {
+            return Err(Reported);
+        }
+        let mut expectations = expectations?;
+        let own = expectations.iter().flat_map(crate::testing::Expectation::readings).any(|reading| reading.take == 0);
+        // The test's own episode comes last, if anything looks at it.
+        let count = reader.drafts.len();
+        let renumbered = |take: usize| if take == 0 { count - 1 } else { take - 1 };
+        expect::renumber(&mut expectations, renumbered);
+        let mut takes: Vec<Take> = reader.drafts.into_iter().map(Draft::finish).collect();
+        takes.rotate_left(1);
+        if !own {
+            takes.pop();
+        }
+        Ok(TaskTest {
+            title: test.title.value.clone(),
+            cheat: test.cheat,
+            at: (self.place.file, test.title.span),
+            takes,
+            expectations,
+        })
+    }
+
+    fn test_statements(
+        &mut self,
+        statements: &'a [TestStatement],
+        take: usize,
+        reader: &mut Reader<'a>,
+        drawn: &mut Vec<NodeId>,
+    ) -> Checked<()> {
+        let mut broken = false;
+        for statement in statements {
+            broken |= self.test_statement(statement, take, reader, drawn).is_err();
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+
+    fn test_statement(
+        &mut self,
+        statement: &'a TestStatement,
+        take: usize,
+        reader: &mut Reader<'a>,
+        drawn: &mut Vec<NodeId>,
+    ) -> Checked<()> {
+        let draft = &mut reader.drafts[take];
+        match statement {
+            TestStatement::Pose(situation) => {
+                self.must_begin(draft, situation.span)?;
+                draft.placed = true;
+                self.situation(situation, &mut draft.begins)
+            }
+            TestStatement::Object(placement) => {
+                self.must_begin(draft, placement.span)?;
+                draft.placed = true;
+                let moving = |field: &&crate::syntax::tree::Field| ["velocity", "spin"].contains(&field.name.text.as_str());
+                draft.velocity = draft.velocity.or(placement.fields.iter().find(moving).map(|field| field.span));
+                let mut beginning = Beginning { init: draft.begins.init.clone(), drawn: std::mem::take(drawn), motion: None };
+                let placed = match placement.object.text.as_str() {
+                    "root" => self.root(placement, &mut beginning),
+                    _ => self.placement(placement, &mut beginning),
+                };
+                (draft.begins.init, *drawn) = (beginning.init, beginning.drawn);
+                placed
+            }
+            TestStatement::Keyframe { time, situation, label, span } => {
+                let step = self.script_step(time)?;
+                if draft.until.is_some() || draft.run.is_some() || draft.keys.last().is_some_and(|(last, _)| *last >= step) {
+                    let message = "this comes at or before what stands above";
+                    return Err(self.error(codes::tests::TEST_ORDER, time.span, message));
+                }
+                let mut scene = draft.keys.last().map_or(&draft.begins, |(_, scene)| scene).clone();
+                self.situation(situation, &mut scene)?;
+                if draft.keys.is_empty() && step > 0 {
+                    draft.keys.push((0, draft.begins.clone()));
+                }
+                draft.keys.push((step, scene));
+                if let Some(label) = label {
+                    self.must_be_fresh(label, *span, reader)?;
+                    reader.drafts[take].labels.push((label.text.clone(), step));
+                }
+                Ok(())
+            }
+            TestStatement::Repeat { variable, range, statements, .. } => {
+                for value in self.loop_values(range)? {
+                    self.locals.push((variable.text.clone(), value));
+                    let read = self.test_statements(statements, take, reader, drawn);
+                    self.locals.pop();
+                    read?;
+                }
+                Ok(())
+            }
+            TestStatement::Play { span, .. } => Err(self.not_yet(*span, "play motion")),
+            TestStatement::Given { name, value, .. } => {
+                let given = self.given(name, value)?;
+                draft.given.retain(|known| known.0 != given.0);
+                draft.given.push(given);
+                Ok(())
+            }
+            TestStatement::Until { time, span } => {
+                let step = self.script_step(time)?;
+                let last = draft.keys.last().map_or(0, |(last, _)| *last);
+                if draft.until.replace(step).is_some() || draft.run.is_some() || step < last.max(1) {
+                    let message = "`until` is said once, behind the last `at`, and not beside `run`";
+                    return Err(self.error(codes::tests::TEST_ORDER, *span, message));
+                }
+                Ok(())
+            }
+            TestStatement::Run { policy, duration, span } => {
+                let steps = duration.as_ref().map(|duration| self.script_step(duration)).transpose()?;
+                let draft = &mut reader.drafts[take];
+                if draft.run.replace((policy.text.clone(), steps)).is_some() || draft.until.is_some() || steps == Some(0) {
+                    let message = "`run` is said once, for a time, and not beside `until`";
+                    return Err(self.error(codes::tests::TEST_ORDER, *span, message));
+                }
+                Ok(())
+            }
+            TestStatement::Moment { name, statements, span } => {
+                if take != 0 {
+                    return Err(self.error(codes::tests::TEST_PLACE, *span, "a moment holds no further moments"));
+                }
+                self.must_be_fresh(name, *span, reader)?;
+                let own = &reader.drafts[0];
+                let draft = Draft {
+                    name: Some(name.text.clone()),
+                    placed: own.placed,
+                    given: own.given.clone(),
+                    velocity: own.velocity,
+                    ..Draft::beginning(own.begins.clone())
+                };
+                reader.drafts.push(draft);
+                let take = reader.drafts.len() - 1;
+                self.test_statements(statements, take, reader, drawn)
+            }
+            TestStatement::Expect { condition, moment, span } => {
+                if take != 0 {
+                    let message = "a moment holds no expectations; they stand behind it: `expect ... at NAME`";
+                    return Err(self.error(codes::tests::TEST_PLACE, *span, message));
+                }
+                let locals = self.locals.clone();
+                reader.wanted.push(Wanted { condition, moment: moment.as_ref(), span: *span, locals });
+                Ok(())
+            }
+        }
+    }
+
+    /// How it begins is said before it moves.
+    fn must_begin(&mut self, draft: &Draft, span: Span) -> Checked<()> {
+        if draft.keys.is_empty() && draft.until.is_none() && draft.run.is_none() {
+            return Ok(());
+        }
+        let diagnostic = self
+            .diagnostic(codes::tests::TEST_PLACE, span, "how a test begins is said before anything moves")
+            .help("what comes later has a time: `at 2 s pose squatting { root.at = [1 m, 0 m] }`");
+        Err(self.report(diagnostic))
+    }
+
+    fn must_be_fresh(&mut self, name: &Ident, span: Span, reader: &Reader<'_>) -> Checked<()> {
+        let names = reader.drafts.iter().flat_map(|draft| draft.name.iter().chain(draft.labels.iter().map(|(name, _)| name)));
+        if names.into_iter().any(|known| *known == name.text) {
+            let message = format!("there are two moments called `{}`", name.text);
+            return Err(self.error(codes::tasks::LABEL_TWICE, span, message));
+        }
+        Ok(())
+    }
+
+    /// What is played moves as the script says; only physics takes up a velocity.
+    fn must_move_by_script(&mut self, draft: &Draft) -> Checked<()> {
+        let (Some(span), true) = (draft.velocity, draft.run.is_none() || !draft.keys.is_empty()) else { return Ok(()) };
+        let diagnostic = self
+            .diagnostic(codes::tests::TEST_PLACE, span, "a script has the velocities of its motion")
+            .help("let it move: `at 0.1 s pose neutral { root.at = [5 cm, 0 m] }`");
+        Err(self.report(diagnostic))
+    }
+
+    /// A time of a script, control steps.
+    fn script_step(&mut self, time: &'a Expr) -> Checked<u32> {
+        let steps = self.steps(time)?;
+        if steps > 1e7 {
+            return Err(self.error(codes::tests::TEST_ORDER, time.span, "no test is that long"));
+        }
+        Ok(steps as u32)
+    }
+
+    /// `given target = [0.5 m, 0, 1 m]`
+    fn given(&mut self, name: &'a Ident, value: &'a Expr) -> Checked<(usize, Vec<f64>)> {
+        let Some(index) = self.randoms.iter().position(|random| random.name == name.text) else {
+            let message = format!("the task has no random called `{}`", name.text);
+            let mut diagnostic = self.diagnostic(codes::tests::NOT_GIVEN, name.span, message);
+            let names: Vec<String> = self.randoms.iter().map(|random| random.name.clone()).collect();
+            for near in crate::diagnostics::nearest(&name.text, names.iter().map(String::as_str)) {
+                diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), name.span, near);
+            }
+            return Err(self.report(diagnostic));
+        };
+        let wanted = self.randoms[index].data.clone();
+        let data = self.data(value)?;
+        let width = self.graph.width(wanted.node);
+        let same = data.kind.dimension() == wanted.kind.dimension() && self.graph.width(data.node) == width;
+        match self.graph.constant_lanes(data.node) {
+            Some(lanes) if same || data.is_zero() && lanes.len() == width => Ok((index, lanes)),
+            lanes => {
+                let what = if lanes.is_none() { "a value known while compiling" } else { "a value of its type" };
+                let (expected, found) = (wanted.kind.described(self.vocabulary), data.kind.described(self.vocabulary));
+                let diagnostic = self
+                    .diagnostic(codes::tests::NOT_GIVEN, value.span, format!("`{}` takes {what}", name.text))
+                    .expected(expected)
+                    .found(found);
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// What names mean in tests only: `success`, `reward`, `paid`.
+    pub(crate) fn test_name(&mut self, name: &str) -> Option<Data> {
+        let in_tests = self.in_tests.as_ref()?;
+        match name {
+            "success" => Some(Data::new(in_tests.success, Type::Bool)),
+            "reward" | "paid" => {
+                let pays: Vec<NodeId> = in_tests.pays.iter().map(|(_, node)| *node).collect();
+                let joined = self.graph.join(&pays);
+                let sum = self.graph.reduce(crate::graph::operation::Reduction::Sum, pays.len().max(1), joined);
+                Some(Data::new(self.paid(name, sum), Type::PLAIN))
+            }
+            _ => None,
+        }
+    }
+
+    /// `reward.pose`: what a term pays in a step, weight and all; `paid.pose`: in all steps so far.
+    pub(crate) fn test_field(&mut self, base: &Expr, name: &crate::syntax::tree::Name) -> Option<Checked<Data>> {
+        let in_tests = self.in_tests.as_ref()?;
+        let crate::syntax::tree::ExprKind::Name(word) = &base.kind else { return None };
+        if !["reward", "paid"].contains(&word.text.as_str()) {
+            return None;
+        }
+        let found = in_tests.pays.iter().find(|(known, _)| *known == name.text).map(|(_, node)| *node);
+        Some(match found {
+            Some(node) => Ok(Data::new(self.paid(&word.text, node), Type::PLAIN)),
+            None => {
+                let names = in_tests.pays.iter().map(|(name, _)| name.clone()).collect();
+                Err(self.unknown_name(&name.text, name.span, names))
+            }
+        })
+    }
+
+    fn paid(&mut self, word: &str, pay: NodeId) -> NodeId {
+        if word == "paid" { self.graph.memory(Memory::Accumulate, &[pay]) } else { pay }
+    }
+}
+
+impl Draft {
+    fn beginning(begins: Scene) -> Self {
+        Self {
+            name: None,
+            begins,
+            placed: false,
+            given: Vec::new(),
+            keys: Vec::new(),
+            labels: Vec::new(),
+            until: None,
+            run: None,
+            velocity: None,
+        }
+    }
+
+    fn finish(self) -> Take {
+        let last = self.keys.last().map_or(0, |(step, _)| *step);
+        let frame = |(step, scene): (u32, Scene)| Keyframe { step, init: scene.init, activation: scene.activation };
+        let runs = self.run.is_some();
+        // Physics without a script begins as the task says, noise and all, unless the test says how.
+        let script: Vec<Keyframe> = match (self.keys.is_empty(), runs && !self.placed) {
+            (true, true) => Vec::new(),
+            (true, false) => vec![frame((0, self.begins))],
+            (false, _) => self.keys.into_iter().map(frame).collect(),
+        };
+        let until = match (&self.run, self.name.is_some()) {
+            (Some((_, Some(steps))), _) => Some(last + steps),
+            (Some(_), _) => None,
+            // A moment is over with its script.
+            (None, true) => self.until.or(Some(last.max(1))),
+            (None, false) => self.until,
+        };
+        let run = self.run.map(|(policy, _)| Run { policy, from: last });
+        Take { moment: self.name, given: self.given, script, until, run }
+    }
+}

@@ -1,0 +1,140 @@
+//! Tests inside files.
+
+use super::{Builder, is_mark, part};
+use crate::diagnostics::Span;
+use crate::syntax::grammar::{Pair, Rule};
+use crate::syntax::tree::{Assignment, Change, Expr, ExprKind, Ident, Situation, Test, TestStatement};
+
+impl Builder<'_> {
+    pub(super) fn test(&mut self, pair: &Pair<'_>) -> Test {
+        Test {
+            title: self.text(part(pair, Rule::text)),
+            cheat: pair.as_rule() == Rule::cheat,
+            statements: self.test_statements(pair),
+            span: self.span(pair),
+        }
+    }
+
+    fn test_statements(&mut self, pair: &Pair<'_>) -> Vec<TestStatement> {
+        let mut statements = Vec::new();
+        for pair in part(pair, Rule::test_block).into_iter().flat_map(Pair::into_inner) {
+            if pair.as_rule() == Rule::junk {
+                self.junk(&pair, Rule::one_test_statement);
+            } else {
+                statements.extend(self.test_statement(&pair));
+            }
+        }
+        statements
+    }
+
+    fn test_statement(&mut self, pair: &Pair<'_>) -> Option<TestStatement> {
+        let span = self.span(pair);
+        Some(match pair.as_rule() {
+            Rule::situation | Rule::bare_pose => TestStatement::Pose(self.situation(pair)),
+            Rule::keyframe | Rule::keyframe_block => TestStatement::Keyframe {
+                time: self.expression_in(pair),
+                situation: self.situation(pair),
+                label: part(pair, Rule::label).map(|label| self.identifier_in(&label)),
+                span,
+            },
+            Rule::placement => TestStatement::Object(self.placement(pair)),
+            Rule::test_repeat => TestStatement::Repeat {
+                variable: self.identifier_in(pair),
+                range: match part(pair, Rule::range) {
+                    Some(range) => self.ranged(&range),
+                    None => self.missing(),
+                },
+                statements: self.test_statements(pair),
+                span,
+            },
+            Rule::test_moment => {
+                TestStatement::Moment { name: self.identifier_in(pair), statements: self.test_statements(pair), span }
+            }
+            Rule::play => TestStatement::Play { motion: self.text(part(pair, Rule::text)), span },
+            Rule::given => TestStatement::Given { name: self.identifier_in(pair), value: self.expression_in(pair), span },
+            Rule::until => TestStatement::Until { time: self.expression_in(pair), span },
+            Rule::run => TestStatement::Run {
+                policy: self.identifier_in(pair),
+                duration: part(pair, Rule::expression).map(|duration| self.expression(Some(duration))),
+                span,
+            },
+            Rule::expect => {
+                let (condition, moment) = match part(pair, Rule::order) {
+                    Some(order) => of_all(self.order(&order)),
+                    None => (self.expression_in(pair), self.moment_of(pair)),
+                };
+                TestStatement::Expect { condition, moment, span }
+            }
+            _ => return None,
+        })
+    }
+
+    /// The pose and the changes of a statement.
+    fn situation(&mut self, pair: &Pair<'_>) -> Situation {
+        let mut changes = Vec::new();
+        for pair in part(pair, Rule::changes).into_iter().flat_map(Pair::into_inner) {
+            match pair.as_rule() {
+                Rule::assignment => changes.push(Change::Assign(Assignment {
+                    target: self.expression(part(&pair, Rule::postfixed)),
+                    value: self.expression_in(&pair),
+                    span: self.span(&pair),
+                })),
+                Rule::meets => {
+                    let place = self.expression(part(&pair, Rule::postfixed));
+                    changes.push(Change::Meet { place, target: self.expression_in(&pair), span: self.span(&pair) });
+                }
+                Rule::field_junk => self.junk(&pair, Rule::one_change),
+                rule => debug_assert!(is_mark(rule)),
+            }
+        }
+        Situation { pose: part(pair, Rule::identifier).map(|name| self.identifier(&name)), changes, span: self.span(pair) }
+    }
+
+    /// `at NAME` behind a condition.
+    fn moment_of(&mut self, pair: &Pair<'_>) -> Option<Ident> {
+        part(pair, Rule::at_moment).map(|moment| self.identifier_in(&moment))
+    }
+
+    /// `reward.pose at neutral > reward.pose at squatting`
+    fn order(&mut self, pair: &Pair<'_>) -> Expr {
+        let (mut operands, mut operators): (Vec<Expr>, Vec<_>) = (Vec::new(), Vec::new());
+        for part in pair.clone().into_inner() {
+            match part.as_rule() {
+                Rule::comparison => operators.push((super::chain::compare_operator(&part), self.span(&part))),
+                Rule::side => operands.push(self.side(&part)),
+                _ => {}
+            }
+        }
+        self.check_direction(&operators);
+        let span = operands.iter().map(|operand| operand.span).reduce(Span::to).unwrap_or_default();
+        Expr { kind: ExprKind::Compare { operands, operators }, span }
+    }
+
+    /// A value, and at which moment it is read.
+    fn side(&mut self, pair: &Pair<'_>) -> Expr {
+        let value = self.expression(part(pair, Rule::postfixed));
+        match self.moment_of(pair) {
+            Some(pose) => Expr { kind: ExprKind::At { value: Box::new(value), pose }, span: self.span(pair) },
+            None => value,
+        }
+    }
+}
+
+/// A moment that stands behind the last side, and at no other, is that of the whole comparison: `1 m < x < 2 m at low`.
+fn of_all(mut order: Expr) -> (Expr, Option<Ident>) {
+    let ExprKind::Compare { operands, .. } = &mut order.kind else { return (order, None) };
+    let Some((last, others)) = operands.split_last_mut() else { return (order, None) };
+    if others.iter().any(|other| matches!(other.kind, ExprKind::At { .. })) {
+        return (order, None);
+    }
+    match std::mem::replace(&mut last.kind, ExprKind::Error) {
+        ExprKind::At { value, pose } => {
+            *last = *value;
+            (order, Some(pose))
+        }
+        kind => {
+            last.kind = kind;
+            (order, None)
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The tests of a task, compiled: plain data and one program that also computes what they look at.
+//!
+//! A test is made of [`Take`]s, each an episode of its own: one for the test itself, one for every `moment`. What expectations
+//! read are numbers that [`TaskTests::task`] reports among its metrics at every step; the task that users run has none of them, and its
+//! hash does not know of tests.
+
+use crate::diagnostics::{FileId, Span};
+use crate::task::{CompiledTask, Init};
+use std::sync::Arc;
+
+/// The tests of a task.
+pub struct TaskTests {
+    /// The task with what the tests look at among its metrics.
+    pub task: Arc<CompiledTask>,
+    /// Place in [`StepReport::metrics`] of the first number that tests look at.
+    ///
+    /// [`StepReport::metrics`]: crate::task::StepReport::metrics
+    pub first: usize,
+    /// In the order of the text.
+    pub tests: Vec<TaskTest>,
+}
+
+/// A test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskTest {
+    /// What it shows.
+    pub title: String,
+    /// Whether it is a way of cheating.
+    pub cheat: bool,
+    /// Where it stands.
+    pub at: (FileId, Span),
+    /// Episodes; the test's own is the last if anything looks at it.
+    pub takes: Vec<Take>,
+    /// What must hold, in the order of the text.
+    pub expectations: Vec<Expectation>,
+}
+
+/// An episode of a test: played as the script says, then run if it says so.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Take {
+    /// The moment that it is; `None` for the test's own.
+    pub moment: Option<String>,
+    /// Values that randoms have instead of those that chance gives: place among the task's randoms, SI units.
+    pub given: Vec<(usize, Vec<f64>)>,
+    /// What is shown, in the order of time; the last is held. Empty where the physics begins as the task says.
+    pub script: Vec<Keyframe>,
+    /// When it ends if the task does not end it, control steps: `None` at the horizon.
+    pub until: Option<u32>,
+    /// What acts once the script is over.
+    pub run: Option<Run>,
+}
+
+/// What is shown at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Keyframe {
+    /// When, control steps since the beginning.
+    pub step: u32,
+    /// Joints, root and objects; noise and settling are without meaning.
+    pub init: Init,
+    /// Activation and excitation of every muscle.
+    pub activation: f64,
+}
+
+/// Physics under a policy.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Run {
+    /// Its name.
+    pub policy: String,
+    /// It begins after so many control steps.
+    pub from: u32,
+}
+
+/// Where a number is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reading {
+    /// In which take.
+    pub take: usize,
+    /// At which control step; `None` at the last.
+    pub step: Option<u32>,
+}
+
+/// What must hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expectation {
+    /// As written.
+    pub source: String,
+    /// Where it stands.
+    pub at: (FileId, Span),
+    /// How it is decided.
+    pub check: Check,
+}
+
+/// How an expectation is decided.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Check {
+    /// A condition, given as one of the numbers that tests look at: it holds unless that is 0.
+    Holds {
+        /// Its place among them.
+        probe: usize,
+        /// Where it is read.
+        reading: Reading,
+    },
+    /// Numbers in an order: each holds to the next.
+    Order {
+        /// One more than comparisons.
+        sides: Vec<Side>,
+        /// Between them.
+        comparisons: Vec<Comparison>,
+    },
+}
+
+/// A number of a comparison.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Side {
+    /// As written.
+    pub source: String,
+    /// Unit, empty for plain numbers.
+    pub unit: String,
+    /// Its place among the numbers that tests look at.
+    pub probe: usize,
+    /// Where it is read.
+    pub reading: Reading,
+    /// Its value if it is the same in every episode: no more need be told of it.
+    pub constant: bool,
+}
+
+/// A comparison of two numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Comparison {
+    /// `<`
+    Less,
+    /// `<=`
+    LessEqual,
+    /// `>`
+    Greater,
+    /// `>=`
+    GreaterEqual,
+    /// `==`
+    Equal,
+    /// `!=`
+    NotEqual,
+}
+
+impl Comparison {
+    /// Whether it holds; never of what is no number.
+    pub fn holds(self, left: f64, right: f64) -> bool {
+        match self {
+            Self::Less => left < right,
+            Self::LessEqual => left <= right,
+            Self::Greater => left > right,
+            Self::GreaterEqual => left >= right,
+            Self::Equal => left == right,
+            Self::NotEqual => left != right && !left.is_nan() && !right.is_nan(),
+        }
+    }
+
+    /// As written.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::Less => "<",
+            Self::LessEqual => "<=",
+            Self::Greater => ">",
+            Self::GreaterEqual => ">=",
+            Self::Equal => "==",
+            Self::NotEqual => "!=",
+        }
+    }
+}
+
+impl Expectation {
+    /// Every place where it reads something.
+    pub fn readings(&self) -> Vec<Reading> {
+        match &self.check {
+            Check::Holds { reading, .. } => vec![*reading],
+            Check::Order { sides, .. } => sides.iter().filter(|side| !side.constant).map(|side| side.reading).collect(),
+        }
+    }
+}

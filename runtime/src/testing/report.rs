@@ -1,0 +1,200 @@
+//! What came of a test.
+
+use super::TestError;
+use super::take::Played;
+use crate::episode::Ending;
+use msk_compiler::diagnostics::{FileId, Span};
+use msk_compiler::task::CompiledTask;
+use msk_compiler::testing::{Check, Comparison, Expectation, Side, TaskTest, TaskTests};
+use serde::Serialize;
+
+/// What came of a test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TestReport {
+    /// The task.
+    pub task: String,
+    /// What the test shows.
+    pub title: String,
+    /// Whether it is a way of cheating.
+    pub cheat: bool,
+    /// Where it stands.
+    #[serde(skip)]
+    pub at: (FileId, Span),
+    /// What did not hold, in the order of the text. None: it has passed.
+    pub failures: Vec<Failure>,
+}
+
+/// An expectation that did not hold.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Failure {
+    /// As written.
+    pub expected: String,
+    /// What was instead, in words.
+    pub found: String,
+    /// Where it stands.
+    #[serde(skip)]
+    pub at: (FileId, Span),
+    /// The numbers of a comparison.
+    pub sides: Vec<Told>,
+}
+
+/// A number of a comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Told {
+    /// As written.
+    pub source: String,
+    /// Its value in SI units; `None` where its moment was not reached.
+    pub value: Option<f64>,
+    /// Unit, empty for plain numbers.
+    pub unit: String,
+}
+
+impl TestReport {
+    /// Whether all held.
+    pub fn passed(&self) -> bool {
+        self.failures.is_empty()
+    }
+
+    pub(super) fn unable(task: &CompiledTask, test: &TaskTest, error: &TestError) -> Self {
+        let failure = Failure { expected: "that it runs".into(), found: error.to_string(), at: test.at, sides: Vec::new() };
+        Self { failures: vec![failure], ..Self::empty(task, test) }
+    }
+
+    fn empty(task: &CompiledTask, test: &TaskTest) -> Self {
+        Self { task: task.name.clone(), title: test.title.clone(), cheat: test.cheat, at: test.at, failures: Vec::new() }
+    }
+
+    pub(super) fn of(tests: &TaskTests, test: &TaskTest, played: &[Played]) -> Self {
+        let judge = Judge { tests, test, played };
+        let failures = test.expectations.iter().filter_map(|expectation| judge.failure(expectation)).collect();
+        Self { failures, ..Self::empty(&tests.task, test) }
+    }
+}
+
+/// What is looked at to decide on expectations.
+struct Judge<'a> {
+    tests: &'a TaskTests,
+    test: &'a TaskTest,
+    played: &'a [Played],
+}
+
+impl Judge<'_> {
+    fn failure(&self, expectation: &Expectation) -> Option<Failure> {
+        // A fault is no way to end an episode, whatever a test says of its end.
+        if let Some(fault) = self.fault(expectation) {
+            let (expected, at) = (expectation.source.clone(), expectation.at);
+            return Some(Failure { expected, found: fault, at, sides: Vec::new() });
+        }
+        let (found, sides) = match &expectation.check {
+            Check::Holds { probe, reading } => {
+                let side = Side { source: String::new(), unit: String::new(), probe: *probe, reading: *reading, constant: false };
+                match self.value(&side) {
+                    Some(value) if value != 0.0 => return None,
+                    Some(_) => (self.state_of(reading.take, reading.step), Vec::new()),
+                    None => (self.not_reached(reading.take, reading.step), Vec::new()),
+                }
+            }
+            Check::Order { sides, comparisons } => {
+                let values: Vec<Option<f64>> = sides.iter().map(|side| self.value(side)).collect();
+                if holds(&values, comparisons) {
+                    return None;
+                }
+                let missing = sides.iter().zip(&values).find(|(_, value)| value.is_none());
+                let found = match missing {
+                    Some((side, _)) => self.not_reached(side.reading.take, side.reading.step),
+                    None => in_words(sides, &values),
+                };
+                let told = sides.iter().zip(&values);
+                let told = told.map(|(side, &value)| Told { source: side.source.clone(), value, unit: side.unit.clone() });
+                (found, told.collect())
+            }
+        };
+        Some(Failure { expected: expectation.source.clone(), found, at: expectation.at, sides })
+    }
+
+    fn value(&self, side: &Side) -> Option<f64> {
+        let played = self.played.get(side.reading.take)?;
+        played.metrics(side.reading.step)?.get(self.tests.first + side.probe).copied()
+    }
+
+    fn fault(&self, expectation: &Expectation) -> Option<String> {
+        expectation.readings().into_iter().find_map(|reading| {
+            let played = self.played.get(reading.take)?;
+            let Some(Ending::Fault(fault)) = &played.ending else { return None };
+            let reached = reading.step.is_some_and(|step| played.metrics(Some(step)).is_some());
+            (!reached).then(|| format!("{}the episode was stopped by a fault: {fault}", self.prefix(reading.take)))
+        })
+    }
+
+    /// `moment low: `
+    fn prefix(&self, take: usize) -> String {
+        let moment = self.test.takes.get(take).and_then(|take| take.moment.as_ref());
+        moment.map_or(String::new(), |moment| format!("moment {moment}: "))
+    }
+
+    fn state_of(&self, take: usize, step: Option<u32>) -> String {
+        match step {
+            Some(step) => format!("not so at {}", self.time(step)),
+            None => format!("{}{}", self.prefix(take), self.end_of(take)),
+        }
+    }
+
+    fn not_reached(&self, take: usize, step: Option<u32>) -> String {
+        let moment = step.map_or("its end".to_owned(), |step| self.time(step));
+        format!("{}{moment} was not reached: {}", self.prefix(take), self.end_of(take))
+    }
+
+    fn time(&self, step: u32) -> String {
+        format!("{:.2} s", f64::from(step) / self.tests.task.control_frequency)
+    }
+
+    /// How a take ended.
+    fn end_of(&self, take: usize) -> String {
+        let Some(played) = self.played.get(take) else { return "nothing was shown".into() };
+        let time = self.time(played.steps);
+        let task = &self.tests.task;
+        let names = |reasons: &[usize], all: &[String]| {
+            let names: Vec<&str> = reasons.iter().filter_map(|&reason| all.get(reason)).map(String::as_str).collect();
+            names.join(" and ")
+        };
+        match &played.ending {
+            Some(Ending::Terminated(reasons)) => format!("the episode ended by {} at {time}", names(reasons, &task.terminations)),
+            Some(Ending::Finished(reasons)) => format!("the episode finished by {} at {time}", names(reasons, &task.finishes)),
+            Some(Ending::Truncated) => format!("the episode reached the horizon at {time}"),
+            Some(Ending::Fault(fault)) => format!("the episode was stopped by a fault: {fault}"),
+            None => format!("the test was over at {time}"),
+        }
+    }
+}
+
+fn holds(values: &[Option<f64>], comparisons: &[Comparison]) -> bool {
+    values.windows(2).zip(comparisons).all(|(pair, comparison)| match pair {
+        [Some(left), Some(right)] => comparison.holds(*left, *right),
+        _ => false,
+    })
+}
+
+/// `reward.pose = 9.87, pelvis.height = 0.93 m`
+fn in_words(sides: &[Side], values: &[Option<f64>]) -> String {
+    let told = sides.iter().zip(values).filter(|(side, _)| !side.constant);
+    let told = told.map(|(side, value)| {
+        let unit = if side.unit.is_empty() { String::new() } else { format!(" {}", side.unit) };
+        format!("{} = {}{unit}", side.source, value.map_or("?".into(), short))
+    });
+    told.collect::<Vec<_>>().join(", ")
+}
+
+/// Six digits that count.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let magnitude = libm::floor(libm::log10(value.abs())) as i32;
+    if (-4..7).contains(&magnitude) {
+        let decimals = usize::try_from(5 - magnitude).unwrap_or(0);
+        let text = format!("{value:.decimals$}");
+        let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        return trimmed.to_owned();
+    }
+    format!("{value:.5e}")
+}

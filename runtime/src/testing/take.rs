@@ -1,0 +1,101 @@
+//! One episode of a test.
+
+use super::{Script, TestError};
+use crate::episode::{Ending, Episode, EpisodeKey, REST};
+use crate::physics::Workspace;
+use crate::policy;
+use msk_compiler::task::TaskState;
+use msk_compiler::testing::Take;
+use std::collections::BTreeSet;
+
+/// What an episode of a test has shown.
+#[derive(Debug, Clone)]
+pub(super) struct Played {
+    /// Metrics at the steps that were asked for, as far as they were reached.
+    kept: Vec<(u32, Vec<f64>)>,
+    /// Metrics at the last step.
+    last: Vec<f64>,
+    /// Its number.
+    pub steps: u32,
+    /// How it ended; `None` where the take was over before the task.
+    pub ending: Option<Ending>,
+}
+
+impl Played {
+    /// Metrics at a step, or at the last; `None` if it was not reached or a fault came before.
+    pub(super) fn metrics(&self, step: Option<u32>) -> Option<&[f64]> {
+        let found = match step {
+            None => Some(&self.last),
+            Some(step) => self.kept.iter().find(|(known, _)| *known == step).map(|(_, metrics)| metrics),
+        };
+        found.map(Vec::as_slice).filter(|metrics| !metrics.is_empty())
+    }
+}
+
+/// Plays a take; metrics are kept at the `wanted` steps.
+pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>) -> Result<Played, TestError> {
+    let key = EpisodeKey::default();
+    let mut kept = Vec::new();
+    let script = begin(episode, take, key);
+    let task = episode.task().clone();
+    let horizon = task.horizon;
+    let until = take.until.unwrap_or(horizon);
+    let script_ends = take.run.as_ref().map_or(until, |run| run.from);
+    if wanted.contains(&0) && episode.ending().is_none() {
+        kept.push((0, episode.report().metrics.clone()));
+    }
+    let mut keep = |episode: &Episode| {
+        if wanted.contains(&episode.steps()) && !episode.report().metrics.is_empty() {
+            kept.push((episode.steps(), episode.report().metrics.clone()));
+        }
+    };
+    while episode.ending().is_none() && episode.steps() < script_ends {
+        let next = episode.steps() + 1;
+        match &script {
+            // Two steps after the last keyframe nothing changes any more but time.
+            Some(script) if next <= script.last() + 2 => {
+                episode.show(&mut |model, body, state, workspace| script.place(next, model, body, state, workspace))?;
+            }
+            _ => {
+                episode.hold()?;
+            }
+        }
+        keep(episode);
+    }
+    if let Some(run) = take.run.as_ref().filter(|_| episode.ending().is_none()) {
+        episode.end_script();
+        let mut policy = policy::create(&run.policy)?;
+        policy.reset(&episode.context())?;
+        let mut action = vec![REST; episode.context().body.muscles.len()];
+        while episode.ending().is_none() && episode.steps() < until {
+            policy.act(&episode.context(), &mut action)?;
+            episode.step(&action)?;
+            keep(episode);
+        }
+    }
+    Ok(Played { kept, last: episode.report().metrics.clone(), steps: episode.steps(), ending: episode.ending().cloned() })
+}
+
+/// Begins with the script, or as the task does where there is none.
+fn begin(episode: &mut Episode, take: &Take, key: EpisodeKey) -> Option<Script> {
+    if take.script.is_empty() {
+        episode.reset(key);
+        return None;
+    }
+    let context = episode.context();
+    let (model, body, task) = (context.model.clone(), context.body.clone(), episode.task().clone());
+    let script = std::cell::OnceCell::new();
+    let mut scratch = Workspace::new(&model);
+    let mut prepare = |drawn: &TaskState| {
+        // Called once, before anything is placed.
+        let _ = script.set(Script::new(&take.script, &task, drawn, &model, &body, &mut scratch));
+    };
+    episode.reset_playing(key, &take.given, &mut prepare, &mut |model, body, state, workspace| {
+        let activation = script.get().map_or(0.0, |script| script.place(0, model, body, state, workspace));
+        if let (true, Some(first)) = (take.run.is_some() && take.script.len() == 1, take.script.first()) {
+            body.launch(&first.init, state);
+        }
+        activation
+    });
+    script.into_inner()
+}

@@ -1,0 +1,241 @@
+//! Tests inside files: what scripts show, what is read of it, what is told when it does not hold.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+use msk::compiler::files::{LoadError, Loader};
+use msk::compiler::task::CompiledTask;
+use msk::compiler::{Compilation, compile};
+use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::runtime::testing::{self, Stage, TestReport};
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+fn bodies() -> &'static BodyLibrary {
+    static BODIES: OnceLock<BodyLibrary> = OnceLock::new();
+    BODIES.get_or_init(BodyLibrary::default)
+}
+
+/// One text, and the bodies of the program.
+struct Text(String);
+
+impl Loader for Text {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        if path == Path::new("example.msk") { Ok(self.0.clone()) } else { FileLoader.load(path) }
+    }
+}
+
+fn compiled(statements: &str) -> Compilation {
+    let text = format!(
+        "task example {{
+            body human; control 100 Hz; horizon 300 steps
+            scene {{ ground; box cube {{ size [10 cm, 10 cm, 10 cm], mass 1 kg, free, at [1 m, 0, 1 m] }} }}
+            init {{ pose neutral; noise joints normal(0, 0.05 rad) }}
+            observe {{ pelvis.height; cube.position - pelvis.position }}
+            reward {{ 2 tall = pelvis.height / 1 m; -1 effort = mean(muscles.activation^2) }}
+            terminate {{ fallen when pelvis.height < 0.3 m }}
+            success survived and ever(pelvis.height < 0.6 m)
+            {statements}
+        }}"
+    );
+    compile(Path::new("example.msk"), &Text(text), bodies()).unwrap_or_else(|report| panic!("{report}"))
+}
+
+fn task(statements: &str) -> Arc<CompiledTask> {
+    compiled(statements).tasks[0].clone()
+}
+
+/// The reports of all tests.
+fn played(statements: &str) -> Vec<TestReport> {
+    let task = task(statements);
+    let tests = task.tests.clone().unwrap();
+    let body = bodies().stage(&task.body, &task.scene).unwrap();
+    let jobs: Vec<_> = (0..tests.tests.len()).map(|place| (tests.as_ref(), body.clone(), place)).collect();
+    testing::run_all(&jobs).unwrap()
+}
+
+/// All hold.
+fn holds(statements: &str) {
+    for report in played(statements) {
+        assert!(report.passed(), "{report:#?}");
+    }
+}
+
+/// What is told of the only expectation that does not hold.
+fn told(statements: &str) -> String {
+    let reports = played(statements);
+    let failures: Vec<_> = reports.iter().flat_map(|report| &report.failures).collect();
+    let [failure] = failures.as_slice() else { panic!("{failures:#?}") };
+    format!("expected {}, found {}", failure.expected, failure.found)
+}
+
+#[test]
+fn a_situation_is_shown_as_it_is_said() {
+    holds(
+        "test \"placed\" {
+            moment a {
+                pose squatting { root.height = 0.5 m, root.at = [1 m, -2 m], root.heading = 90 deg, cube.at = [0, 1 m, 2 m] }
+            }
+            expect abs(pelvis.height - 0.5 m) < 1 mm at a
+            expect abs(pelvis.position.x - 1 m) < 1 mm and abs(pelvis.position.y + 2 m) < 1 mm at a
+            expect abs(pelvis.yaw - 90 deg) < 0.1 deg at a
+            expect abs(cube.height - 2 m) < 1 mm and cube.speed < 1 mm/s at a
+            expect abs(knee_angle_r.q - 80 deg) < 30 deg and com.speed < 1 mm/s at a
+        }",
+    );
+}
+
+#[test]
+fn the_ground_carries_whatever_pose_is_shown() {
+    holds(
+        "test \"on the ground\" {
+            at 0.5 s pose squatting as low
+            at 0.75 s { root.lift = 20 cm } as high
+            at 1 s { root.lift = 0 m } as back
+            until 1 s
+            expect abs(min(sole_{l,r}.clearance)) < 1 mm at low
+            expect abs(min(sole_{l,r}.clearance) - 20 cm) < 1 mm at high
+            expect abs(min(sole_{l,r}.clearance)) < 1 mm at back
+            expect touching(sole_l, ground) at low
+            expect not touching(sole_l, ground) at high
+        }",
+    );
+}
+
+#[test]
+fn velocities_are_those_of_the_motion() {
+    holds(
+        "test \"there in two seconds\" {
+            pose neutral { root.height = 1 m }
+            at 2 s { root.at = [2 m, 0 m] }
+            until 2 s
+            expect 1.49 m/s < highest(pelvis.velocity.x) < 1.51 m/s
+        }",
+    );
+    holds(
+        "test \"at one second\" {
+            at 1 s pose neutral { root.heading = 60 deg, cube.at = [1 m, 0, 2 m] } as middle
+            at 2 s { root.heading = 120 deg, cube.at = [1 m, 0, 3 m] }
+            until 2 s
+            expect 55 deg/s < pelvis.angular_velocity.z < 65 deg/s at middle
+            expect 0.95 m/s < cube.velocity.z < 1.05 m/s at middle
+            expect cube.speed < 0.05 m/s
+        }",
+    );
+}
+
+#[test]
+fn places_are_met_all_the_way() {
+    holds(
+        "let off = norm(sole_l.position - [0.2 m, 0.1 m, 0])
+         test \"a foot stays\" {
+            root { so sole_l at [0.2 m, 0.1 m, 0] }
+            at 1 s pose squatting
+            until 1 s
+            expect highest(off) < 0.1 mm
+            expect pelvis.height < 0.8 m
+        }",
+    );
+}
+
+#[test]
+fn an_episode_is_played_to_its_end() {
+    holds(
+        "test \"held to the horizon\" {
+            at 1 s pose squatting { root.height = 0.5 m }
+            at 2 s pose neutral { root.height = ground }
+            expect success and survived and step == 300
+        }
+        test \"a fall ends it\" {
+            at 1 s pose neutral { root.height = 0.2 m }
+            expect ended by fallen and terminated and not survived
+        }
+        cheat \"standing\" { pose neutral }",
+    );
+}
+
+#[test]
+fn pay_is_read_by_term_and_summed() {
+    holds(
+        "test \"pay\" {
+            moment rest { pose neutral { root.height = 1 m } }
+            moment tense { pose neutral { root.height = 1 m, activation = 0.5 } }
+            expect 1.999 < reward.tall < 2.001 at rest
+            expect -0.251 < reward.effort < -0.249 at tense
+            expect reward at tense < reward at rest
+            expect 1.999 < paid < 2.001 at rest
+        }
+        test \"over time\" {
+            pose neutral { root.height = 1 m }
+            until 1 s
+            expect 199.9 < paid.tall < 200.1
+        }",
+    );
+}
+
+#[test]
+fn chance_is_given_or_that_of_the_first_episode() {
+    holds(
+        "random place: length = uniform(0.1 m .. 0.5 m)
+         metrics { place }
+         test \"given\" { given place = 0.33 m; until 0.01 s; expect 0.329 m < place < 0.331 m }
+         test \"drawn\" { until 0.01 s; expect 0.1 m <= place <= 0.5 m }",
+    );
+}
+
+#[test]
+fn physics_takes_over() {
+    holds(
+        "test \"who does nothing sinks\" { run zero for 1 s; expect pelvis.height < 0.9 m }
+         test \"a dropped cube falls\" {
+            cube { at [1 m, 0, 2 m] }
+            run zero for 0.2 s
+            expect -2.1 m/s < cube.velocity.z < -1.8 m/s
+         }
+         test \"thrown\" {
+            cube { at [1 m, 0, 2 m], velocity [0, 0, 1 m/s] }
+            run zero for 0.01 s
+            expect 0.8 m/s < cube.velocity.z < 1 m/s
+         }",
+    );
+}
+
+#[test]
+fn what_does_not_hold_is_told_with_its_numbers() {
+    assert_eq!(
+        told("test \"x\" { moment a { pose neutral { root.height = 1 m } }; expect pelvis.height at a < 0.5 m }"),
+        "expected pelvis.height at a < 0.5 m, found pelvis.height at a = 1 m"
+    );
+    assert_eq!(
+        told("test \"x\" { pose neutral; expect success }"),
+        "expected success, found the episode reached the horizon at 3.00 s"
+    );
+    assert_eq!(
+        told("test \"x\" { at 1 s pose neutral { root.height = 0.2 m }; at 2 s as late; expect pelvis.height at late < 1 m }"),
+        "expected pelvis.height at late < 1 m, found 2.00 s was not reached: the episode ended by fallen at 0.78 s"
+    );
+    assert_eq!(
+        told("cheat \"x\" { at 1 s pose squatting { root.height = 0.5 m } }"),
+        "expected not success, found the episode reached the horizon at 3.00 s"
+    );
+    assert_eq!(
+        told("test \"x\" { run nobody for 1 s; expect survived }"),
+        "expected that it runs, found there is no policy `nobody`; choose one of: zero, random, posture"
+    );
+}
+
+#[test]
+fn tests_do_not_change_the_task() {
+    let (plain, tested) = (task(""), task("test \"x\" { pose squatting; expect ever(knee_angle_r.q > 1 rad) }"));
+    assert_eq!(plain.hash, tested.hash);
+    assert_eq!(plain.frame, tested.frame);
+    assert_eq!(plain.metrics, tested.metrics);
+}
+
+#[test]
+fn a_test_is_the_same_played_twice() {
+    let task = task("test \"x\" { at 0.3 s pose squatting; run random for 0.2 s; expect pelvis.height < 0 m }");
+    let body = bodies().stage(&task.body, &task.scene).unwrap();
+    let mut stage = Stage::new(task.tests.as_ref().unwrap(), &body).unwrap();
+    let first = stage.play(0);
+    assert!(!first.passed());
+    assert_eq!(stage.play(0), first);
+}
