@@ -39,6 +39,11 @@ impl Error {
         Self { told: true, ..Self::new(report) }
     }
 
+    /// The same failure, where a command's failures have the exit code of a wrong use.
+    pub fn into_usage(self) -> Self {
+        Self { code: USAGE, ..self }
+    }
+
     /// Says what to do about it, as one sentence.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());

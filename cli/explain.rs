@@ -1,28 +1,80 @@
-//! `msk explain TASK`: what was understood of a task.
+//! `msk explain [TASK]`: what was understood of a task, or of all tasks of a file.
 
-use crate::error::Error;
-use crate::project::{Project, Settings};
-use msk::compiler::explain;
+use crate::error::{Context, Error};
+use crate::project::{self, Project, Settings};
+use clap::ValueEnum;
+use msk::compiler::explain::{self, Account, Options};
+use msk::runtime::evaluate::Trial;
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Explain a task: formulas, weights, ranges, values at reset, what each term reads
+/// Explain tasks: formulas, weights, ranges, values at reset, what each term reads, scene, beginning, ends
 #[derive(clap::Args)]
 pub struct Args {
-    /// Name of a task in tasks.msk, or a file with one task
-    task: String,
+    /// Name of a task in tasks.msk, a file, or a task of a file as FILE@TASK; without it, the tasks of tasks.msk
+    task: Option<String>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+    /// The file to write; without it, standard output
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     settings: Settings,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people at a terminal
+    Text,
+    /// For tools: a list of tasks, everything as data in SI units, formulas as text, LaTeX and MathML
+    Json,
+    /// For papers: a document with tables of rewards, settings and success, for pdflatex
+    Latex,
+    /// For browsers: one page that needs nothing else
+    Html,
 }
 
 /// Prints the explanation.
 ///
 /// # Errors
-/// Errors in the file.
+/// Errors in the file, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let (_, trial) = Project::find(&args.task, &args.settings.settings)?;
-    let episode = trial.episode()?;
-    let options = explain::Options { reset: Some(episode.frame()) };
-    write!(io::stdout().lock(), "{}", explain::text(&trial.task, &options))?;
+    let named = args.task.as_deref().unwrap_or(project::SUITE);
+    let (_, trials) = Project::select(named, &args.settings.settings)?;
+    let text = match args.format {
+        Format::Text => {
+            let texts: Vec<String> = trials
+                .iter()
+                .map(|trial| {
+                    let episode = trial.episode()?;
+                    Ok(explain::text(&trial.task, &Options { reset: Some(episode.frame()) }))
+                })
+                .collect::<Result<_, Error>>()?;
+            texts.join("\n\n")
+        }
+        Format::Json => serde_json::to_string_pretty(&accounts(&trials)?)? + "\n",
+        Format::Latex => explain::latex(&accounts(&trials)?),
+        Format::Html => explain::html(&title(named), &accounts(&trials)?),
+    };
+    match &args.out {
+        Some(path) => std::fs::write(path, text).context(|| format!("cannot write {}", path.display()))?,
+        None => io::stdout().lock().write_all(text.as_bytes())?,
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+fn accounts(trials: &[Trial]) -> Result<Vec<Account>, Error> {
+    let account = |trial: &Trial| {
+        let episode = trial.episode()?;
+        Ok(explain::account(&trial.task, &Options { reset: Some(episode.frame()) }))
+    };
+    trials.iter().map(account).collect()
+}
+
+/// Of a page: the name of the file or task.
+fn title(named: &str) -> String {
+    let stem = Path::new(named).file_stem().unwrap_or_default().to_string_lossy();
+    stem.replace('_', " ")
 }

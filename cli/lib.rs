@@ -5,3 +5,6 @@
 
 pub use msk_compiler as compiler;
 pub use msk_runtime as runtime;
+
+#[cfg(feature = "insta")]
+pub mod testing;

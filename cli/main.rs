@@ -5,16 +5,19 @@
 
 mod check;
 mod condition;
+mod diff;
 mod draw;
 mod error;
 mod eval;
 mod explain;
 mod fmt;
 mod help;
+mod new;
 mod physics;
 mod progress;
 mod project;
 mod run;
+mod snapshot;
 mod test;
 mod texts;
 mod vocabulary;
@@ -34,8 +37,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    New(new::Args),
     Check(check::Args),
     Explain(explain::Args),
+    Diff(diff::Args),
+    Snapshot(snapshot::Args),
     Fmt(fmt::Args),
     Run(run::Args),
     Eval(eval::Args),
@@ -50,8 +56,11 @@ enum Command {
 impl Command {
     fn run(self) -> Result<ExitCode, Error> {
         match self {
+            Self::New(args) => new::run(args),
             Self::Check(args) => check::run(args),
             Self::Explain(args) => explain::run(args),
+            Self::Diff(args) => diff::run(args),
+            Self::Snapshot(args) => snapshot::run(args),
             Self::Fmt(args) => fmt::run(args),
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),

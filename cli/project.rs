@@ -3,15 +3,17 @@
 use crate::error::{Context, Error};
 use msk::compiler::compile::Setting;
 use msk::compiler::diagnostics::{Report, Style};
+use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile_with};
 use msk::runtime::evaluate::Trial;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use std::collections::BTreeSet;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 /// The suite at the root of a project.
-const SUITE: &str = "tasks.msk";
+pub const SUITE: &str = "tasks.msk";
 
 /// A compiled file and the bodies that its tasks run on.
 pub struct Project {
@@ -35,30 +37,31 @@ impl Project {
         Ok(Self { compilation, bodies })
     }
 
-    /// Finds one task: `name` is a task of the suite in `tasks.msk`, or a file with a single task.
+    /// Finds one task: `name` is a task of the suite in `tasks.msk`, a file with a single task, or FILE@TASK.
     ///
     /// # Errors
     /// No such task or file, or errors in it.
     pub fn find(name: &str, settings: &[Setting]) -> Result<(Self, Trial), Error> {
-        if name.ends_with(".msk") || name.contains(std::path::MAIN_SEPARATOR) {
-            let project = Self::open(Path::new(name), settings)?;
-            let trials = project.trials(None)?;
-            return match <[Trial; 1]>::try_from(trials) {
-                Ok([trial]) => Ok((project, trial)),
-                Err(trials) => {
-                    let names: Vec<&str> = trials.iter().map(|trial| trial.task.name.as_str()).collect();
-                    let message = format!("`{name}` holds {} tasks: {}", names.len(), names.join(", "));
-                    Err(Error::new(message).hint("give the name of one of them"))
-                }
-            };
+        let (project, trials) = Self::select(name, settings)?;
+        match <[Trial; 1]>::try_from(trials) {
+            Ok([trial]) => Ok((project, trial)),
+            Err(trials) => {
+                let names: Vec<&str> = trials.iter().map(|trial| trial.task.name.as_str()).collect();
+                let message = format!("`{name}` holds {} tasks: {}", names.len(), names.join(", "));
+                Err(Error::new(message).hint(format!("give the name of one of them, as in {name}@{}", names[0])))
+            }
         }
-        if !Path::new(SUITE).exists() {
-            let message = format!("there is no `{SUITE}` here in which to look for the task `{name}`");
-            return Err(Error::new(message).hint("go to the folder that has it, or give the path of the task's file"));
-        }
-        let project = Self::open(Path::new(SUITE), settings)?;
-        let trial = project.trials(Some(name))?.remove(0);
-        Ok((project, trial))
+    }
+
+    /// Finds tasks: `name` is a task of the suite in `tasks.msk`, a file with all its tasks, or FILE@TASK; never none.
+    ///
+    /// # Errors
+    /// No such task or file, or errors in it.
+    pub fn select(name: &str, settings: &[Setting]) -> Result<(Self, Vec<Trial>), Error> {
+        let (file, only) = named(name)?;
+        let project = Self::open(file, settings)?;
+        let trials = project.trials(only)?;
+        Ok((project, trials))
     }
 
     /// The tasks to run, bound to their bodies: the one that is called `only`, else those of the suites in their order, else
@@ -67,31 +70,65 @@ impl Project {
     /// # Errors
     /// No such task, no task at all, or a body that cannot be bound.
     pub fn trials(&self, only: Option<&str>) -> Result<Vec<Trial>, Error> {
-        let tasks = &self.compilation.tasks;
-        let members: Vec<&str> = match only {
-            Some(name) => vec![name],
-            None => {
-                let families = self.compilation.suites.iter().flat_map(|suite| &suite.families);
-                let members: Vec<&str> = families.flat_map(|(_, members)| members).map(String::as_str).collect();
-                if members.is_empty() { tasks.iter().map(|task| task.name.as_str()).collect() } else { members }
-            }
-        };
-        // A task that is in two families runs once.
-        let mut seen = BTreeSet::new();
-        let members: Vec<&str> = members.into_iter().filter(|name| seen.insert(*name)).collect();
-        if members.is_empty() {
-            return Err(Error::new("the file holds no task").hint("a task begins with `task NAME {`"));
-        }
-        let trial = |name: &str| {
-            let task = tasks.iter().find(|task| task.name == name).ok_or_else(|| {
-                let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
-                Error::new(format!("there is no task `{name}`")).hint(format!("there are: {}", known.join(", ")))
-            })?;
-            let body = self.bodies.stage(&task.body, &task.scene).context(|| format!("task `{name}` has no body to run on"))?;
+        let trial = |task: &Arc<CompiledTask>| {
+            let body =
+                self.bodies.stage(&task.body, &task.scene).context(|| format!("task `{}` has no body to run on", task.name))?;
             Ok(Trial { task: task.clone(), body })
         };
-        members.into_iter().map(trial).collect()
+        chosen(&self.compilation, only)?.into_iter().map(trial).collect()
     }
+}
+
+/// Which file a name on the command line means, and which of its tasks.
+pub fn named(name: &str) -> Result<(&Path, Option<&str>), Error> {
+    if let Some((file, task)) = name.rsplit_once('@').filter(|(file, _)| file.ends_with(".msk")) {
+        return Ok((Path::new(file), Some(task)));
+    }
+    if name.ends_with(".msk") || name.contains(std::path::MAIN_SEPARATOR) {
+        return Ok((Path::new(name), None));
+    }
+    if !Path::new(SUITE).exists() {
+        let message = format!("there is no `{SUITE}` here in which to look for the task `{name}`");
+        return Err(Error::new(message).hint("go to the folder that has it, or give the path of the task's file"));
+    }
+    Ok((Path::new(SUITE), Some(name)))
+}
+
+/// The tasks that a name on the command line means, compiled and not bound to a body; warnings are not told.
+///
+/// # Errors
+/// No such task or file, or errors in it.
+pub fn compiled(name: &str, settings: &[Setting]) -> Result<Vec<Arc<CompiledTask>>, Error> {
+    let (file, only) = named(name)?;
+    let compilation = compile_with(file, &FileLoader, &BodyLibrary::default(), settings)
+        .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
+    Ok(chosen(&compilation, only)?.into_iter().cloned().collect())
+}
+
+/// The task that is called `only`, else those of the suites in their order, else all tasks of the file.
+fn chosen<'a>(compilation: &'a Compilation, only: Option<&'a str>) -> Result<Vec<&'a Arc<CompiledTask>>, Error> {
+    let tasks = &compilation.tasks;
+    let members: Vec<&str> = match only {
+        Some(name) => vec![name],
+        None => {
+            let families = compilation.suites.iter().flat_map(|suite| &suite.families);
+            let members: Vec<&str> = families.flat_map(|(_, members)| members).map(String::as_str).collect();
+            if members.is_empty() { tasks.iter().map(|task| task.name.as_str()).collect() } else { members }
+        }
+    };
+    // A task that is in two families comes once.
+    let mut seen = BTreeSet::new();
+    let members: Vec<&str> = members.into_iter().filter(|name| seen.insert(*name)).collect();
+    if members.is_empty() {
+        return Err(Error::new("the file holds no task").hint("a task begins with `task NAME {`"));
+    }
+    let find = |name: &str| {
+        tasks.iter().find(|task| task.name == name).ok_or_else(|| {
+            let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
+            Error::new(format!("there is no task `{name}`")).hint(format!("there are: {}", known.join(", ")))
+        })
+    };
+    members.into_iter().map(find).collect()
 }
 
 /// Parameters of tasks that are set on the command line.

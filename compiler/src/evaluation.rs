@@ -280,6 +280,12 @@ impl CompiledTask {
         self.terms.iter().map(|term| term.weight).collect()
     }
 
+    /// Number of operations that one control step takes in the longest phase; what formulas share is counted once.
+    pub fn operations(&self) -> usize {
+        let of = |phase: &Phase| phase.program.before.len() + phase.program.after.len();
+        self.phases.iter().map(of).max().unwrap_or(0)
+    }
+
     fn not_drawn(&self, phase: &Phase, none: NoneTaken, state: &TaskState) -> TaskFault {
         let random = &self.randoms[phase.streams[none.draw]];
         let last = none.last.iter().map(|value| format!("{value}")).collect::<Vec<_>>().join(", ");

@@ -10,7 +10,9 @@ use crate::graph::interval::Bounds;
 use crate::lower::{Outputs, Program};
 use crate::motion::Motion;
 use crate::scene::SceneDescription;
+use crate::syntax::tree::Expr;
 use crate::testing::TaskTests;
+use crate::vocabulary::Vocabulary;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -26,6 +28,9 @@ pub struct CompiledTask {
     pub summary: String,
     /// The body.
     pub body: Arc<BodyDescription>,
+    /// What the task may name, in the order of the numbers that sensors and beginnings use: parts of the body, then of the
+    /// scene.
+    pub vocabulary: Arc<Vocabulary>,
     /// Control steps per second, Hz.
     pub control_frequency: f64,
     /// Episode length, control steps.
@@ -132,25 +137,67 @@ pub(crate) struct Meaning {
     pub outputs: Outputs,
     /// Per term.
     pub terms: Vec<TermMeaning>,
-    /// Conditions of the terminations as written.
-    pub terminations: Vec<String>,
-    /// Conditions of the reasons to finish as written.
-    pub finishes: Vec<String>,
-    /// When the next phase begins, as written.
-    pub until: String,
-    pub success: String,
+    /// Per reason of `terminate`.
+    pub terminations: Vec<ConditionMeaning>,
+    /// Per reason of `finish`.
+    pub finishes: Vec<ConditionMeaning>,
+    /// Per channel of the phase's own.
+    pub channels: Vec<ChannelMeaning>,
+    /// Per metric.
+    pub metrics: Vec<ChannelMeaning>,
+    /// When the next phase begins.
+    pub until: Option<ConditionMeaning>,
+    pub success: Option<ConditionMeaning>,
     /// Between which values each term stays.
     pub term_bounds: Vec<Bounds>,
+    /// Names of the declared states.
+    pub states: Vec<String>,
+    /// What formulas name and the task or its libraries declare; what is read stands before its readers.
+    pub definitions: Vec<Definition>,
 }
 
 /// What is told of a term.
 pub(crate) struct TermMeaning {
-    /// The formula as mathematics.
-    pub mathematics: String,
+    pub formula: Expr,
+    pub docs: String,
     /// Signals and declared names in it.
     pub reads: Vec<String>,
     /// Whether the formula is a condition, which counts 0 or 1.
     pub condition: bool,
+    /// Whether it is paid per second, so that it is multiplied by the control step.
+    pub per_second: bool,
+}
+
+/// What is told of a condition.
+#[derive(Clone)]
+pub(crate) struct ConditionMeaning {
+    /// As written.
+    pub source: String,
+    pub formula: Expr,
+    pub docs: String,
+    /// The time from reset before which it does not count, as written; empty if it always does.
+    pub after: String,
+}
+
+/// What is told of a channel or a metric.
+pub(crate) struct ChannelMeaning {
+    pub formula: Expr,
+    pub docs: String,
+    /// The block of a library that it comes from; empty if it is the task's own.
+    pub block: String,
+}
+
+/// A declaration that formulas name.
+#[derive(Clone)]
+pub(crate) struct Definition {
+    /// `let`, `const`, `fn`, `state`, `clock`, `random`, `params`, `reference`.
+    pub kind: &'static str,
+    pub name: String,
+    /// Of a function.
+    pub parameters: Vec<String>,
+    /// Its formula, or several with a word before each: `becomes`, `where`.
+    pub parts: Vec<(&'static str, Expr)>,
+    pub docs: String,
 }
 
 /// A named part of the observation.

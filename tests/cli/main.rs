@@ -4,10 +4,13 @@
 
 mod bad_input;
 mod check;
+mod diff;
 mod eval;
+mod explain;
 mod fmt;
 mod help;
 mod interrupt;
+mod new;
 mod project;
 mod run;
 mod weights;

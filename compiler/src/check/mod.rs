@@ -25,7 +25,7 @@ mod init;
 mod lints;
 mod lookup;
 mod member;
-mod observe;
+pub(crate) mod observe;
 mod parameters;
 mod random;
 mod ranges;

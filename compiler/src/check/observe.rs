@@ -3,6 +3,7 @@
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
 use super::scope::{Definition, Place};
+use super::task::summary;
 use super::types::Type;
 use super::value::{Data, Value};
 use crate::diagnostics::{FileId, Span, codes};
@@ -18,9 +19,23 @@ pub(crate) struct ObservedChannel {
     pub unit: String,
     /// The formula as written.
     pub source: String,
+    /// The formula itself.
+    pub formula: Expr,
+    /// Documentation.
+    pub docs: String,
+    /// The block of a library that it comes from; empty if it is the task's own.
+    pub block: String,
     /// Where the channel, or the block that it comes from, is named in the task.
     pub file: FileId,
     pub span: Span,
+}
+
+/// A block of channels, where the task names it.
+#[derive(Clone, Copy)]
+pub(crate) struct Block<'a> {
+    name: &'a str,
+    file: FileId,
+    span: Span,
 }
 
 /// The text that a label is made of.
@@ -48,7 +63,7 @@ impl<'a> Checker<'a> {
         &mut self,
         entries: &'a [Entry<Channel>],
         texts: &dyn Texts,
-        block: Option<(FileId, Span)>,
+        block: Option<Block<'a>>,
         found: &mut Vec<ObservedChannel>,
     ) -> Checked<()> {
         let mut broken = false;
@@ -63,16 +78,16 @@ impl<'a> Checker<'a> {
         &mut self,
         channel: &'a Channel,
         texts: &dyn Texts,
-        block: Option<(FileId, Span)>,
+        block: Option<Block<'a>>,
         found: &mut Vec<ObservedChannel>,
     ) -> Checked<()> {
         if let ExprKind::Name(name) = &channel.value.kind
             && let Some((declared, place)) = self.names.find(self.place, &name.text)
             && let Definition::Observation(observation) = declared.definition
         {
-            let span = block.unwrap_or((self.place.file, channel.span));
+            let block = block.unwrap_or(Block { name: &name.text, file: self.place.file, span: channel.span });
             return self.deeper(channel.span, |checker| {
-                checker.elsewhere(place, |checker| checker.channels(&observation.channels, texts, Some(span), found))
+                checker.elsewhere(place, |checker| checker.channels(&observation.channels, texts, Some(block), found))
             });
         }
         let name = label_of(channel, self.place.file, texts);
@@ -89,9 +104,12 @@ impl<'a> Checker<'a> {
         }
         let node = self.observed(&data);
         self.spend(self.graph.width(node), channel.span)?;
-        let (file, span) = block.unwrap_or((self.place.file, channel.span));
+        let (file, span) = block.map_or((self.place.file, channel.span), |block| (block.file, block.span));
+        let block = block.map_or_else(String::new, |block| block.name.to_owned());
         let source = written(&channel.value, self.place.file, texts);
-        found.push(ObservedChannel { name, node, unit: unit_of(&data.kind), source, file, span });
+        let (unit, formula) = (unit_of(&data.kind), channel.value.clone());
+        let docs = summary(channel.docs.as_ref());
+        found.push(ObservedChannel { name, node, unit, source, formula, docs, block, file, span });
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use super::value::Data;
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Binary;
-use crate::syntax::tree::{Bounds, Entry, Expr, ExprKind, Reward, Term};
+use crate::syntax::tree::{Bounds, Docs, Entry, Expr, ExprKind, Reward, Term};
 
 /// A term that the graph computes.
 #[derive(Debug, Clone)]
@@ -18,6 +18,8 @@ pub(crate) struct PaidTerm<'a> {
     pub range: Option<[f64; 2]>,
     pub fixed: bool,
     pub formula: &'a Expr,
+    /// Documentation.
+    pub docs: Option<&'a Docs>,
     /// In which file.
     pub file: FileId,
     /// Whether it is multiplied by the control step.
@@ -75,6 +77,7 @@ impl<'a> Checker<'a> {
             range,
             fixed,
             formula,
+            docs: term.docs.as_ref(),
             file: self.place.file,
             per_second,
             node: data.node,

@@ -8,10 +8,11 @@ use crate::check::scope::{FileInSight, Names};
 use crate::check::task::{Around, InSequence, body_of};
 use crate::check::{self, Texts, written};
 use crate::diagnostics::{Diagnostic, FileId, Severity, codes};
+use crate::explain::definitions;
 use crate::files::BodySource;
 use crate::lower::{CheckedPhase, Heading, finish};
 use crate::motion::Motion;
-use crate::syntax::tree::{Docs, Expr, Ident, Item, Phase, Sequence, TaskStatement};
+use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, TaskStatement};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
 use std::borrow::Cow;
@@ -222,11 +223,9 @@ impl Compiler<'_> {
             if let Some(found) = &found {
                 queries.clone_from(&found.queries);
             }
-            let clause = |(expr, file): (&Expr, FileId)| written(expr, file, self.texts);
-            checked.extend(found.map(|found| CheckedPhase {
-                source: &phase.task,
-                checked: found,
-                until: until.map(clause).unwrap_or_default(),
+            checked.extend(found.map(|checked| {
+                let definitions = definitions(&phase.task, names, until.into_iter().chain(success));
+                CheckedPhase { source: &phase.task, checked, until, definitions }
             }));
         }
         if broken || checked.len() != unit.phases.len() {
@@ -241,7 +240,8 @@ impl Compiler<'_> {
             docs: unit.docs,
             family: checked.first().map(|phase| phase.checked.family.clone()).unwrap_or_default(),
             body: description.clone(),
-            success: success.map(|(expr, file)| written(expr, file, self.texts)),
+            vocabulary: Arc::new(vocabulary.clone()),
+            success,
             shared: shared.collect(),
         };
         finish(heading, checked, self.texts)

@@ -1,206 +1,228 @@
-//! `msk explain` as text.
+//! `msk explain` as text for terminals.
 
-use crate::evaluation::Middle;
-use crate::graph::NodeId;
-use crate::graph::interval::Bounds;
-use crate::graph::operation::{Memory, Operation};
-use crate::task::{CompiledTask, FollowedMotion, Phase, Spread, StepReport, TaskState, Term};
+use super::account::*;
+use super::gather::{Options, account};
+use crate::task::CompiledTask;
 use std::fmt::Write;
 
-/// What an explanation may tell besides the source.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Options<'a> {
-    /// The frame of the reset snapshot, `task.frame.size()` values: adds the value of every term at reset.
-    pub reset: Option<&'a [f64]>,
-}
-
-/// A task explained: every term with its formula, weight, range, what it reads and what it remembers; channels; ends.
+/// A task explained: scene, beginning, every term with its formula, weight, range, what it reads and what it remembers; ends;
+/// channels.
 pub fn text(task: &CompiledTask, options: &Options<'_>) -> String {
+    let account = account(task, options);
+    // Writing to a string cannot fail, here and below.
     let mut text = String::new();
-    head(task, &mut text);
-    let at_reset = options.reset.filter(|frame| frame.len() == task.frame.size()).and_then(|frame| {
-        let (mut state, mut report) = (TaskState::default(), StepReport::default());
-        // A random without a middle that fulfils its condition leaves nothing to show.
-        task.reset(frame, &mut Middle, &mut state).ok()?;
-        task.report(frame, &task.weights(), &state, &mut report);
-        Some(report)
-    });
-    settings(task, &mut text);
-    for (index, phase) in task.phases.iter().enumerate() {
-        // Only the first phase has the reset as its first snapshot.
-        let at_reset = at_reset.as_ref().filter(|_| index == 0);
-        if task.phases.len() > 1 {
-            let until = if phase.meaning.until.is_empty() { String::new() } else { format!(", until {}", phase.meaning.until) };
+    head(&account, &mut text);
+    scene(&account, &mut text);
+    beginning(&account, &mut text);
+    settings(&account, &mut text);
+    for phase in &account.phases {
+        if account.phases.len() > 1 {
+            let until = phase.until.as_ref().map_or_else(String::new, |until| format!(", until {}", until.source));
             let _ = writeln!(text, "\nPhase {} of {} steps{until}", phase.name, phase.horizon);
         }
         let _ = writeln!(text, "\nReward, per control step: the sum of weight times term");
-        for (own, index) in phase.terms.clone().enumerate() {
-            explain_term(task, phase, own, &task.terms[index], at_reset.map(|report| report.terms[index]), &mut text);
+        phase.terms.iter().for_each(|term| explain_term(term, &mut text));
+        if let (Some(reward), true) = (account.reward_at_reset, phase.terms.iter().any(|term| term.at_reset.is_some())) {
+            let _ = writeln!(text, "\n  at reset the sum is {}", short(reward));
         }
-        if let Some(report) = at_reset {
-            let _ = writeln!(text, "\n  at reset the sum is {}", short(report.reward));
+        definitions(phase, &mut text);
+        ends(phase, &mut text);
+        if !phase.metrics.is_empty() {
+            let _ = writeln!(text, "\nLogs, never paid");
         }
-        ends(task, phase, at_reset, &mut text);
+        let width = phase.metrics.iter().map(|metric| metric.name.chars().count()).max().unwrap_or(0);
+        for metric in &phase.metrics {
+            let _ = writeln!(text, "  {:<width$}  = {}", metric.name, metric.formula.text);
+        }
     }
-    channels(task, &mut text);
-    metrics(task, &mut text);
-    let _ = writeln!(text, "\nhash {}", task.hash);
+    channels(&account, &mut text);
+    let _ = writeln!(text, "\nhash {}", account.hash);
     text
 }
 
+fn head(account: &Account, text: &mut String) {
+    let family = if account.family.is_empty() { String::new() } else { format!(" ({})", account.family) };
+    let _ = writeln!(text, "{}{family}", account.name);
+    if !account.summary.is_empty() {
+        let _ = writeln!(text, "{}", account.summary);
+    }
+    let _ = writeln!(
+        text,
+        "\nbody {}, control {} Hz, horizon {} steps ({} s){}",
+        account.body,
+        account.control_frequency,
+        account.horizon,
+        short(account.duration),
+        if account.symmetric { ", symmetric" } else { "" }
+    );
+}
+
+fn scene(account: &Account, text: &mut String) {
+    let scene = &account.scene;
+    if scene.ground && scene.objects.is_empty() && scene.connections.is_empty() && account.disturbances.is_empty() {
+        return;
+    }
+    let _ = writeln!(text, "\nScene{}", if scene.ground { ", on level ground" } else { ", without ground" });
+    let width = scene.objects.iter().map(|object| object.name.chars().count()).max().unwrap_or(0);
+    for object in &scene.objects {
+        let mut parts = vec![object.kind.clone()];
+        parts.extend([&object.size].into_iter().filter(|size| !size.is_empty()).cloned());
+        let on = if object.parent == "world" { String::new() } else { format!(" of {}", object.parent) };
+        parts.push(format!("at [{}] m{on}", object.position.map(short).join(", ")));
+        parts.extend((object.motion != "fixed").then(|| object.motion.clone()));
+        parts.extend((object.mass > 0.0).then(|| format!("{} kg", short(object.mass))));
+        parts.extend(object.walkable.then(|| "walkable".to_owned()));
+        parts.extend((!object.solid).then(|| "not solid".to_owned()));
+        let _ = writeln!(text, "  {:<width$}  {}", object.name, parts.join(", "));
+    }
+    for held in &scene.connections {
+        let release = if held.released { ", may let go" } else { "" };
+        let _ = writeln!(text, "  {} {} to {}{release}", held.kind, held.from, held.to);
+    }
+    for (name, members) in &scene.groups {
+        let _ = writeln!(text, "  group {name}: {}", members.join(", "));
+    }
+    if !scene.markers.is_empty() {
+        let _ = writeln!(text, "  marked: {}", scene.markers.join(", "));
+    }
+    for push in &account.disturbances {
+        let (force, torque) = (push.force.map(short).join(", "), push.torque.map(short).join(", "));
+        let _ = writeln!(
+            text,
+            "  disturbs {}: force [{force}] N, torque [{torque}] N m, at {} s for {} s",
+            push.on,
+            short(push.start),
+            short(push.duration)
+        );
+    }
+}
+
+fn beginning(account: &Account, text: &mut String) {
+    let beginning = &account.beginning;
+    let _ = writeln!(text, "\nBegins {}", beginning.root);
+    let independent: Vec<&JointAccount> = beginning.joints.iter().filter(|joint| joint.independent).collect();
+    for row in independent.chunks(3) {
+        let joints: Vec<String> =
+            row.iter().map(|joint| format!("{} {} {}", joint.name, short(joint.value), joint.unit)).collect();
+        let _ = writeln!(text, "  {}", joints.join(", "));
+    }
+    for line in beginning.noise.iter().map(|noise| format!("noise on {noise}")).chain(beginning.objects.iter().cloned()) {
+        let _ = writeln!(text, "  {line}");
+    }
+    if !beginning.drawn.is_empty() {
+        let _ = writeln!(text, "  drawn: {}", beginning.drawn.join(", "));
+    }
+    if !beginning.settle.is_empty() {
+        let _ = writeln!(text, "  settles for {}", beginning.settle);
+    }
+}
+
 /// Parameters and randoms.
-fn settings(task: &CompiledTask, text: &mut String) {
-    if !task.parameters.is_empty() {
+fn settings(account: &Account, text: &mut String) {
+    if !account.parameters.is_empty() {
         let _ = writeln!(text, "\nParameters");
     }
-    for parameter in &task.parameters {
+    for parameter in &account.parameters {
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
         let range = parameter.range.map_or(String::new(), |[low, high]| format!(", {} .. {}{unit}", short(low), short(high)));
         let set =
             if parameter.value == parameter.default { String::new() } else { format!(", usually {}", short(parameter.default)) };
         let _ = writeln!(text, "  {} = {}{unit}{range}{set}", parameter.name, short(parameter.value));
     }
-    if !task.motions.is_empty() {
+    if !account.motions.is_empty() {
         let _ = writeln!(text, "\nFollows");
     }
-    for FollowedMotion { name, motion, start } in &task.motions {
-        let kind = if motion.cycle { "a cycle" } else { "a motion" };
-        let start = start.map_or("at a phase drawn for each episode".to_owned(), |phase| format!("at phase {}", short(phase)));
-        let (title, duration) = (&motion.name, short(motion.duration));
-        let _ = writeln!(text, "  {name} = {title}, {kind} of {duration} s, {} joints, from {start}", motion.joints().count());
+    for motion in &account.motions {
+        let _ = writeln!(text, "  {} = {}", motion.name, motion.in_words());
     }
-    if !task.randoms.is_empty() {
+    if !account.randoms.is_empty() {
         let _ = writeln!(text, "\nDrawn for each episode");
     }
-    for random in &task.randoms {
+    for random in &account.randoms {
         let clause = |word: &str, clause: &str| if clause.is_empty() { String::new() } else { format!(" {word} {clause}") };
         let (accept, redraw) = (clause("where", &random.accept), clause("redraw when", &random.redraw));
         let _ = writeln!(text, "  {} = {}{accept}{redraw}", random.name, random.source);
     }
 }
 
-fn metrics(task: &CompiledTask, text: &mut String) {
-    if !task.metrics.is_empty() {
-        let names: Vec<&str> = task.metrics.iter().map(|metric| metric.name.as_str()).collect();
-        let _ = writeln!(text, "\nLogs, never paid: {}", names.join(", "));
-    }
-}
-
-fn head(task: &CompiledTask, text: &mut String) {
-    let _ = writeln!(text, "{}{}", task.name, if task.family.is_empty() { String::new() } else { format!(" ({})", task.family) });
-    if !task.summary.is_empty() {
-        let _ = writeln!(text, "{}", task.summary);
-    }
-    let seconds = f64::from(task.horizon) / task.control_frequency;
-    let _ = writeln!(
-        text,
-        "\nbody {}, control {} Hz, horizon {} steps ({} s){}",
-        task.body.name,
-        task.control_frequency,
-        task.horizon,
-        short(seconds),
-        if task.symmetric { ", symmetric" } else { "" }
-    );
-    let root = task.init.root.height.map_or("standing on the ground".to_owned(), |height| format!("root at {height} m"));
-    let widest = |spreads: &[Spread]| {
-        let widths = spreads.iter().map(|spread| match spread {
-            Spread::None => 0.0,
-            Spread::Normal(deviation) => *deviation,
-            Spread::Uniform(low, high) => low.abs().max(high.abs()),
-        });
-        widths.fold(0.0, f64::max)
-    };
-    let _ = writeln!(
-        text,
-        "begins {root}, noise {} rad on joints, {} rad/s on velocities",
-        short(widest(&task.init.coordinate_noise)),
-        short(widest(&task.init.velocity_noise))
-    );
-}
-
-fn explain_term(task: &CompiledTask, phase: &Phase, own: usize, term: &Term, at_reset: Option<f64>, text: &mut String) {
-    let meaning = &phase.meaning.terms[own];
+fn explain_term(term: &TermAccount, text: &mut String) {
     let bounds = match (term.fixed, term.weight_range) {
         (true, _) => " (fixed)".to_owned(),
         (_, Some([low, high])) => format!(" ({low}..{high})"),
         _ => String::new(),
     };
     let _ = writeln!(text, "\n  {:>7}{bounds} {}", short(term.weight), term.name);
-    let _ = writeln!(text, "          = {}", meaning.mathematics);
-    let kind = if meaning.condition { "a condition, counted 0 or 1" } else { "a plain number" };
-    let _ = writeln!(text, "          is {kind}, {}", range(phase.meaning.term_bounds[own]));
-    if !meaning.reads.is_empty() {
-        let _ = writeln!(text, "          reads {}", meaning.reads.join(", "));
+    let _ = writeln!(text, "          = {}{}", term.formula.text, if term.per_second { ", per second" } else { "" });
+    if !term.docs.is_empty() {
+        let _ = writeln!(text, "          {}", term.docs);
     }
-    let owned = memories(task, phase, phase.meaning.outputs.terms[own]);
-    if !owned.is_empty() {
-        let _ = writeln!(text, "          remembers {}", owned.join(", "));
+    let kind = if term.condition { "a condition, counted 0 or 1" } else { "a plain number" };
+    let _ = writeln!(text, "          is {kind}, {}", range(term.bounds));
+    if !term.reads.is_empty() {
+        let _ = writeln!(text, "          reads {}", term.reads.join(", "));
     }
-    if let Some(value) = at_reset {
+    if !term.remembers.is_empty() {
+        let _ = writeln!(text, "          remembers {}", term.remembers.join("; "));
+    }
+    if let Some(value) = term.at_reset {
         let _ = writeln!(text, "          at reset {}, pays {}", short(value), short(value * term.weight));
     }
 }
 
-/// The memories that a node depends on, in words.
-fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
-    let graph = &phase.meaning.graph;
-    let nodes = graph.reachable([node]);
-    let told = nodes.iter().filter_map(|id| {
-        let node = graph.node(*id);
-        Some(match &node.operation {
-            Operation::Memory(Memory::Delay(steps)) => format!("{} value(s) {steps} step(s) ago", node.width),
-            Operation::Memory(memory) => format!("{} value(s), {}", node.width, format!("{memory:?}").to_lowercase()),
-            Operation::StateBefore(index) | Operation::StateAfter(index) => format!("state {index}"),
-            Operation::Drawn(index) => format!("random {}", task.randoms[phase.streams[*index as usize]].name),
-            _ => return None,
-        })
-    });
-    told.collect()
+/// What formulas name.
+fn definitions(phase: &PhaseAccount, text: &mut String) {
+    if !phase.definitions.is_empty() {
+        let _ = writeln!(text, "\nWhere");
+    }
+    for definition in &phase.definitions {
+        let arguments =
+            if definition.parameters.is_empty() { String::new() } else { format!("({})", definition.parameters.join(", ")) };
+        let mut line = format!("  {}{arguments}", definition.name);
+        for (word, formula) in &definition.parts {
+            line += &if word.is_empty() { format!(" = {}", formula.text) } else { format!(" {word} {}", formula.text) };
+        }
+        let _ = writeln!(text, "{line}");
+    }
 }
 
-fn ends(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport>, text: &mut String) {
-    let told = |text: &mut String, name: &str, condition: &str, holds: bool| {
-        let _ = writeln!(text, "  {name} when {condition}{}", if holds { "   (holds at reset!)" } else { "" });
+fn ends(phase: &PhaseAccount, text: &mut String) {
+    let told = |text: &mut String, end: &EndAccount| {
+        let after = if end.after.is_empty() { String::new() } else { format!(", after {}", end.after) };
+        let holds = if end.holds_at_reset == Some(true) { "   (holds at reset!)" } else { "" };
+        let _ = writeln!(text, "  {} when {}{after}{holds}", end.name, end.condition.source);
     };
     let _ = writeln!(text, "\nEnds as a failure");
     if phase.terminations.is_empty() {
         let _ = writeln!(text, "  never");
     }
-    for (index, condition) in phase.terminations.clone().zip(&phase.meaning.terminations) {
-        let holds = at_reset.is_some_and(|report| report.terminations.get(index) == Some(&true));
-        told(text, &task.terminations[index], condition, holds);
-    }
+    phase.terminations.iter().for_each(|end| told(text, end));
     if !phase.finishes.is_empty() {
         let _ = writeln!(text, "\nFinishes");
     }
-    for (index, condition) in phase.finishes.clone().zip(&phase.meaning.finishes) {
-        let holds = at_reset.is_some_and(|report| report.finishes.get(index) == Some(&true));
-        told(text, &task.finishes[index], condition, holds);
+    phase.finishes.iter().for_each(|end| told(text, end));
+    if let Some(success) = &phase.success {
+        let holds = if success.holds_at_reset == Some(true) { "   (holds at reset!)" } else { "" };
+        let _ = writeln!(text, "\nSucceeds when {} at the last step{holds}", success.condition.source);
     }
-    let holds = at_reset.is_some_and(|report| report.success);
-    let _ = writeln!(
-        text,
-        "\nSucceeds when {} at the last step{}",
-        phase.meaning.success,
-        if holds { "   (holds at reset!)" } else { "" }
-    );
 }
 
-fn channels(task: &CompiledTask, text: &mut String) {
-    let _ = writeln!(text, "\nObserves {} values", task.observation_size());
-    let width = task.channels.iter().map(|channel| channel.name.chars().count()).max().unwrap_or(0);
-    for channel in &task.channels {
+fn channels(account: &Account, text: &mut String) {
+    let observation = &account.observation;
+    let _ = writeln!(text, "\nObserves {} values", observation.size);
+    let width = observation.channels.iter().map(|channel| channel.name.chars().count()).max().unwrap_or(0);
+    for channel in &observation.channels {
         let end = channel.offset + channel.size;
-        let _ = writeln!(text, "  {:>5}..{:<5} {:<width$}  {}", channel.offset, end, channel.name, channel.unit);
+        let line = format!("  {:>5}..{:<5} {:<width$}  {}", channel.offset, end, channel.name, channel.unit);
+        let _ = writeln!(text, "{}", line.trim_end());
     }
 }
 
-fn range(bounds: Bounds) -> String {
-    match (bounds.low.is_finite(), bounds.high.is_finite()) {
-        (true, true) => format!("between {} and {}", short(bounds.low), short(bounds.high)),
-        (true, false) => format!("never below {}", short(bounds.low)),
-        (false, true) => format!("never above {}", short(bounds.high)),
-        (false, false) => "unbounded".to_owned(),
+fn range([low, high]: [Option<f64>; 2]) -> String {
+    match (low, high) {
+        (Some(low), Some(high)) => format!("between {} and {}", short(low), short(high)),
+        (Some(low), None) => format!("never below {}", short(low)),
+        (None, Some(high)) => format!("never above {}", short(high)),
+        (None, None) => "unbounded".to_owned(),
     }
 }
 

@@ -4,14 +4,18 @@ use super::{DrawOutput, Outputs, assemble, layout};
 use crate::body::BodyDescription;
 use crate::check::CheckedTests;
 use crate::check::inherit::{Placed, WholeTask};
+use crate::check::observe::ObservedChannel;
 use crate::check::task::{CheckedTask, summary};
 use crate::check::{Texts, written};
 use crate::diagnostics::FileId;
-use crate::explain::{mathematics, names_in};
+use crate::explain::names_in;
 use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
-use crate::task::{Channel, CompiledTask, FollowedMotion, Meaning, Phase, RandomValue, Term, TermMeaning};
+use crate::task::{
+    Channel, ChannelMeaning, CompiledTask, ConditionMeaning, Definition, FollowedMotion, Meaning, Phase, RandomValue, Term,
+    TermMeaning,
+};
 use crate::testing::{TaskTest, TaskTests};
-use sha2::{Digest, Sha256};
+use crate::vocabulary::Vocabulary;
 use std::sync::Arc;
 
 /// A checked task with what it was read from.
@@ -19,8 +23,10 @@ use std::sync::Arc;
 pub(crate) struct CheckedPhase<'a> {
     pub source: &'a WholeTask,
     pub checked: CheckedTask<'a>,
-    /// When the next begins, as written.
-    pub until: String,
+    /// When the next begins.
+    pub until: Option<(&'a Expr, FileId)>,
+    /// What its formulas name.
+    pub definitions: Vec<Definition>,
 }
 
 /// What a task by itself, or a sequence as a whole, says.
@@ -30,8 +36,9 @@ pub(crate) struct Heading<'a> {
     pub docs: Option<&'a Docs>,
     pub family: String,
     pub body: Arc<BodyDescription>,
-    /// Success as written, where a sequence says it.
-    pub success: Option<String>,
+    pub vocabulary: Arc<Vocabulary>,
+    /// Success, where a sequence says it.
+    pub success: Option<(&'a Expr, FileId)>,
     /// Names of the randoms that all phases share.
     pub shared: Vec<String>,
 }
@@ -41,7 +48,7 @@ pub(crate) fn finish(heading: Heading<'_>, mut phases: Vec<CheckedPhase<'_>>, te
     let tests = phases.first_mut().and_then(|phase| phase.checked.tests.take());
     let probed = tests.zip(phases.first()).and_then(|(tests, phase)| with_probes(&heading, phase, tests, texts));
     let mut task = lower(heading, phases, texts)?;
-    task.hash = hash(&task);
+    task.hash = task.content_hash();
     task.tests = probed.map(|(mut probed, first, tests)| {
         probed.hash.clone_from(&task.hash);
         Arc::new(TaskTests { task: Arc::new(probed), first, tests })
@@ -76,7 +83,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
     let mut compiled: Option<CompiledTask> = None;
     let mut made = Vec::new();
     for (phase, outputs) in phases.into_iter().zip(all_outputs) {
-        let CheckedPhase { source, checked, until } = phase;
+        let CheckedPhase { source, checked, until, definitions } = phase;
         let name = source.task.name.text.clone();
         let program = assemble(&checked.graph, &outputs, &frame);
         let streams = whole.randoms(&name, &heading.shared, source, &checked, texts);
@@ -105,6 +112,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
                 family: heading.family.clone(),
                 summary: summary(heading.docs),
                 body: heading.body.clone(),
+                vocabulary: heading.vocabulary.clone(),
                 control_frequency: checked.control_frequency,
                 horizon: 0,
                 symmetric: checked.symmetric,
@@ -129,7 +137,8 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
         }
         whole.horizon = whole.horizon.saturating_add(checked.timing.horizon);
         let horizon = checked.timing.horizon;
-        let meaning = meaning(source, checked, outputs, until, heading.success.as_deref(), texts);
+        let said = Said { until, success: heading.success, definitions };
+        let meaning = meaning(source, checked, outputs, said, texts);
         made.push(Phase { name, horizon, program, terms, terminations, finishes, metrics, channels, streams, meaning });
     }
     let mut compiled = compiled?;
@@ -281,21 +290,41 @@ fn outputs(checked: &CheckedTask<'_>) -> Outputs {
     }
 }
 
-fn meaning(
-    source: &WholeTask,
-    checked: CheckedTask<'_>,
-    outputs: Outputs,
-    until: String,
-    success: Option<&str>,
-    texts: &dyn Texts,
-) -> Meaning {
-    let term = |formula: &Expr, condition| TermMeaning { mathematics: mathematics(formula), reads: names_in(formula), condition };
+/// What is said of a phase from outside, and by whom it is understood.
+struct Said<'a> {
+    until: Option<(&'a Expr, FileId)>,
+    success: Option<(&'a Expr, FileId)>,
+    definitions: Vec<Definition>,
+}
+
+fn meaning(source: &WholeTask, checked: CheckedTask<'_>, outputs: Outputs, said: Said<'_>, texts: &dyn Texts) -> Meaning {
     let own = source.statements.iter().find_map(|placed| match &placed.statement {
-        TaskStatement::Success(expr) => Some(written(expr, placed.file, texts)),
+        TaskStatement::Success(expr) => Some((expr, placed.file)),
         _ => None,
     });
+    let condition = |(formula, file): (&Expr, FileId)| ConditionMeaning {
+        source: written(formula, file, texts),
+        formula: formula.clone(),
+        docs: String::new(),
+        after: String::new(),
+    };
+    let terms = checked.terms.iter().map(|paid| TermMeaning {
+        formula: paid.formula.clone(),
+        docs: summary(paid.docs),
+        reads: names_in(paid.formula),
+        condition: paid.condition,
+        per_second: paid.per_second,
+    });
+    let channels = |channels: &[ObservedChannel]| {
+        let told = channels.iter().map(|channel| ChannelMeaning {
+            formula: channel.formula.clone(),
+            docs: channel.docs.clone(),
+            block: channel.block.clone(),
+        });
+        told.collect()
+    };
     Meaning {
-        terms: checked.terms.iter().map(|paid| term(paid.formula, paid.condition)).collect(),
+        terms: terms.collect(),
         terminations: conditions(&source.statements, texts, |statement| match statement {
             TaskStatement::Terminate(ends) => Some(ends),
             _ => None,
@@ -304,32 +333,33 @@ fn meaning(
             TaskStatement::Finish(ends) => Some(ends),
             _ => None,
         }),
-        success: success.map(str::to_owned).or(own).unwrap_or_default(),
-        until,
+        channels: channels(&checked.channels),
+        metrics: channels(&checked.metrics),
+        success: said.success.or(own).map(condition),
+        until: said.until.map(condition),
+        states: checked.states.iter().map(|state| state.name.clone()).collect(),
+        definitions: said.definitions,
         term_bounds: checked.term_bounds,
         graph: checked.graph,
         outputs,
     }
 }
 
-/// The conditions of all reasons of a kind, as written.
-fn conditions(statements: &[Placed], texts: &dyn Texts, kind: fn(&TaskStatement) -> Option<&Ends>) -> Vec<String> {
-    let ends = statements.iter().filter_map(|placed| Some((kind(&placed.statement)?, placed.file)));
-    let reasons = ends.flat_map(|(ends, file)| ends.reasons.iter().map(move |entry| (entry, file)));
-    let conditions = reasons.filter_map(|(entry, file)| match entry {
-        Entry::Item(reason) => Some(written(&reason.condition, file, texts)),
-        _ => None,
-    });
-    conditions.collect()
-}
-
-/// SHA-256 of the canonical text of the task and of its body, where models lie on the disk left out.
-fn hash(task: &CompiledTask) -> String {
-    let mut body = BodyDescription::clone(&task.body);
-    body.model = std::path::Path::new(&body.model).file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let mut hasher = Sha256::new();
-    hasher.update(task.snapshot().as_bytes());
-    // A description is plain data: writing it cannot fail, and its fields come in the order of their declaration.
-    hasher.update(serde_json::to_vec(&body).unwrap_or_default());
-    hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+/// The conditions of all reasons of a kind.
+fn conditions(statements: &[Placed], texts: &dyn Texts, kind: fn(&TaskStatement) -> Option<&Ends>) -> Vec<ConditionMeaning> {
+    let mut conditions = Vec::new();
+    for placed in statements {
+        let Some(ends) = kind(&placed.statement) else { continue };
+        let after = ends.after.as_ref().map_or_else(String::new, |after| written(after, placed.file, texts));
+        for entry in &ends.reasons {
+            let Entry::Item(reason) = entry else { continue };
+            conditions.push(ConditionMeaning {
+                source: written(&reason.condition, placed.file, texts),
+                formula: reason.condition.clone(),
+                docs: summary(reason.docs.as_ref()),
+                after: after.clone(),
+            });
+        }
+    }
+    conditions
 }

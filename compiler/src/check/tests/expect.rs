@@ -123,8 +123,10 @@ impl<'a> Checker<'a> {
             return known;
         }
         let name = format!("test {}", probes.len());
-        let (unit, source) = (unit_of(&data.kind), String::new());
-        probes.push(ObservedChannel { name, node: data.node, unit, source, file: self.place.file, span });
+        let (unit, source, docs, block) = (unit_of(&data.kind), String::new(), String::new(), String::new());
+        // Nobody is told of a probe, so it needs no formula.
+        let formula = Expr { kind: ExprKind::Error, span };
+        probes.push(ObservedChannel { name, node: data.node, unit, source, formula, docs, block, file: self.place.file, span });
         probes.len() - 1
     }
 

@@ -1,0 +1,131 @@
+//! `msk new task NAME`: a file to begin with.
+
+use crate::error::{Context, Error};
+use crate::project::{self, style};
+use msk::compiler::compile;
+use msk::compiler::diagnostics::Report;
+use msk::compiler::files::{LoadError, Loader};
+use msk::compiler::syntax::{self, tree::Item};
+use msk::compiler::task::CompiledTask;
+use msk::runtime::library::{BodyLibrary, FileLoader};
+use std::fs::OpenOptions;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Write a file to begin with
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    Task(TaskArgs),
+}
+
+/// A task with a comment at every section: it compiles, runs and waits to be changed
+#[derive(clap::Args)]
+struct TaskArgs {
+    /// Name of the task: small letters, digits and underscores
+    name: String,
+    /// Family it belongs to
+    #[arg(long, default_value = "stabilization", conflicts_with = "from")]
+    family: String,
+    /// Change this task instead of beginning anew: a task of tasks.msk, or FILE@TASK
+    #[arg(long, value_name = "TASK")]
+    from: Option<String>,
+    /// The file to write, which must not exist; otherwise NAME.msk
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Writes the file.
+///
+/// # Errors
+/// A name that no task can have, a task to start from that does not exist, or a file that exists already.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let Command::Task(args) = args.command;
+    must_be_a_name("task", &args.name)?;
+    must_be_a_name("family", &args.family)?;
+    let path = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.msk", args.name)));
+    let text = match &args.from {
+        Some(from) => extension(&args.name, from, &path)?,
+        None => include_str!("new/task.msk").replace("NAME", &args.name).replace("FAMILY", &args.family),
+    };
+    // A word of the language is no name either: the compiler knows which.
+    let pending = Pending { path: &path, text: &text };
+    if let Err(report) = compile(&path, &pending, &BodyLibrary::default()) {
+        let told = report.render(style(&io::stderr()));
+        return Err(Error::told(format!("{told}error: nothing is written, since it would not compile\n")));
+    }
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    }
+    let cannot = || format!("`{}` cannot be written; what exists is never replaced", path.display());
+    let mut file = OpenOptions::new().write(true).create_new(true).open(&path).context(cannot)?;
+    file.write_all(text.as_bytes()).context(cannot)?;
+    let mut out = io::stdout().lock();
+    writeln!(out, "{} is written. What to do with it:", path.display())?;
+    for (command, purpose) in [("check", "is it sound"), ("explain", "what does it mean"), ("run", "one episode")] {
+        writeln!(out, "  msk {command:<8} {:<24} {purpose}", path.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn must_be_a_name(what: &str, name: &str) -> Result<(), Error> {
+    let fits =
+        |(index, letter): (usize, char)| letter == '_' || letter.is_ascii_lowercase() || (index > 0 && letter.is_ascii_digit());
+    if !name.is_empty() && name.chars().enumerate().all(fits) {
+        return Ok(());
+    }
+    let message = format!("`{name}` is no name for a {what}");
+    Err(Error::usage(message).hint("names are small letters, digits and underscores, a letter first: `carry_box`"))
+}
+
+/// A task that changes another one.
+fn extension(name: &str, from: &str, path: &Path) -> Result<String, Error> {
+    let tasks = project::compiled(from, &[])?;
+    let [task] = tasks.as_slice() else {
+        let names: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
+        let message = format!("`{from}` holds {} tasks: {}", names.len(), names.join(", "));
+        return Err(Error::usage(message).hint(format!("name one of them: {from}@{}", names[0])));
+    };
+    let home = home(from, task)?;
+    let used = relative(&home, path);
+    let template = include_str!("new/extension.msk").replace("NAME", name).replace("FILE", &used).replace("TASK", &task.name);
+    let first = task.terms.first().map_or_else(String::new, |term| format!("{} {}", term.weight, term.name));
+    Ok(template.replace("FIRST", &first).replace("FAMILY", &task.family))
+}
+
+/// The file in which a task stands.
+fn home(named: &str, task: &CompiledTask) -> Result<PathBuf, Error> {
+    let (file, _) = project::named(named)?;
+    let compilation = compile(file, &FileLoader, &BodyLibrary::default())
+        .map_err(|report: Report| Error::told(report.render(style(&io::stderr()))))?;
+    let sources = &compilation.sources;
+    let holds = |item: &Item| matches!(item, Item::Task(known) if known.name.text == task.name);
+    let found = sources.files().find(|&source| syntax::parse(source, sources.text(source)).tree.items.iter().any(holds));
+    let found = found.map(|source| PathBuf::from(sources.path(source)));
+    found.ok_or_else(|| Error::usage(format!("`{}` is a sequence; only a task can be extended", task.name)))
+}
+
+/// How a file is used from another one, with slashes on every system.
+fn relative(target: &Path, from: &Path) -> String {
+    let depth = from.parent().map_or(0, |folder| folder.components().count());
+    let target = target.to_string_lossy().replace('\\', "/");
+    if Path::new(&target).is_absolute() { target } else { format!("{}{target}", "../".repeat(depth)) }
+}
+
+/// A text that is not on the disk yet, among files that are.
+struct Pending<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl Loader for Pending<'_> {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        if path == self.path { Ok(self.text.to_owned()) } else { FileLoader.load(path) }
+    }
+}

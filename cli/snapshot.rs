@@ -1,0 +1,127 @@
+//! `msk snapshot [FILES] [--check]`: what tasks mean, written down, so that a change of meaning is seen.
+
+use crate::error::{Context, Error, FAILURE};
+use crate::project::{self, Settings, compiled};
+use msk::compiler::difference::Difference;
+use msk::compiler::snapshot::Snapshot;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Write down what tasks mean, or check that they still mean what was written down
+///
+/// Each task gets a text file of its own, NAME.snapshot: terms with weights, ranges and what they compute, ends, observations,
+/// scene, beginning. With --check nothing is written; a difference in meaning is told in words and makes the exit code 1, while
+/// comments and layout make none. Meant for continuous integration.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Files, or tasks of a file as FILE@TASK, or tasks of tasks.msk; without any, the tasks of tasks.msk
+    files: Vec<String>,
+    /// Compare, and write nothing
+    #[arg(long)]
+    check: bool,
+    /// The folder of the snapshots
+    #[arg(long, value_name = "DIR", default_value = "snapshots")]
+    out: PathBuf,
+    #[command(flatten)]
+    settings: Settings,
+}
+
+/// Writes or compares.
+///
+/// # Errors
+/// A file that cannot be read, compiled or written. Differences are the content of a check and make the exit code 1.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let whole = args.files.is_empty();
+    let files = if whole { vec![project::SUITE.to_owned()] } else { args.files };
+    let mut tasks: Vec<Snapshot> = Vec::new();
+    for file in &files {
+        for task in compiled(file, &args.settings.settings)? {
+            if tasks.iter().any(|known| known.task() == task.name) {
+                let message = format!("two of the files hold a task called `{}`", task.name);
+                return Err(Error::usage(message).hint("write their snapshots to folders of their own: --out DIR"));
+            }
+            tasks.push(task.snapshot());
+        }
+    }
+    if args.check { check(&tasks, &args.out, whole) } else { write(&tasks, &args.out) }
+}
+
+fn place(folder: &Path, task: &str) -> PathBuf {
+    folder.join(format!("{task}.snapshot"))
+}
+
+fn write(tasks: &[Snapshot], folder: &Path) -> Result<ExitCode, Error> {
+    fs::create_dir_all(folder).context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    let mut out = io::stdout().lock();
+    for task in tasks {
+        let (path, text) = (place(folder, task.task()), task.to_string());
+        let known = fs::read_to_string(&path).ok();
+        if known.as_deref() == Some(&text) {
+            continue;
+        }
+        // What changes is told while it is written, so that nobody accepts it unseen.
+        if let Some(Ok(before)) = known.map(|known| known.parse::<Snapshot>()) {
+            let difference = Difference::between(&before, task, true);
+            if !difference.is_empty() {
+                write!(out, "{difference}")?;
+            }
+        }
+        fs::write(&path, text).context(|| format!("cannot write `{}`", path.display()))?;
+        writeln!(out, "{}", path.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn check(tasks: &[Snapshot], folder: &Path, whole: bool) -> Result<ExitCode, Error> {
+    let mut out = io::stdout().lock();
+    let mut sound = true;
+    for task in tasks {
+        let path = place(folder, task.task());
+        if !path.exists() {
+            writeln!(out, "{}\n  has no snapshot yet: write it with `msk snapshot`", task.task())?;
+            sound = false;
+            continue;
+        }
+        let text = fs::read_to_string(&path).context(|| format!("cannot read `{}`", path.display()))?;
+        let before: Snapshot = text.parse().context(|| format!("cannot read `{}`", path.display()))?;
+        let difference = Difference::between(&before, task, true);
+        if !difference.is_empty() {
+            write!(out, "{difference}")?;
+            sound = false;
+        }
+    }
+    for left in if whole { left_over(tasks, folder)? } else { Vec::new() } {
+        writeln!(out, "{}\n  has a snapshot, but there is no such task any more", left)?;
+        sound = false;
+    }
+    if !sound {
+        writeln!(io::stderr().lock(), "hint: if this is meant, run `msk snapshot` and commit what it writes")?;
+        return Ok(ExitCode::from(FAILURE));
+    }
+    writeln!(
+        out,
+        "{} means what its snapshot says",
+        if tasks.len() == 1 { "1 task".into() } else { format!("each of {} tasks", tasks.len()) }
+    )?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Tasks that have a snapshot and are not there.
+fn left_over(tasks: &[Snapshot], folder: &Path) -> Result<Vec<String>, Error> {
+    let mut left = Vec::new();
+    if !folder.exists() {
+        return Ok(left);
+    }
+    let cannot = || format!("cannot read the folder `{}`", folder.display());
+    for entry in fs::read_dir(folder).context(cannot)? {
+        let path = entry.context(cannot)?.path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if path.extension().is_some_and(|extension| extension == "snapshot") && !tasks.iter().any(|task| task.task() == name) {
+            left.push(name);
+        }
+    }
+    left.sort();
+    Ok(left)
+}

@@ -1,0 +1,346 @@
+//! Everything that is told of a task, as plain data in SI units. Its JSON form is stable: fields are added, never changed.
+
+use super::text::short;
+use serde::Serialize;
+
+/// Number of the form of an [`Account`] as JSON.
+pub const FORM: u32 = 1;
+
+/// A task explained.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Account {
+    /// Number of this form, [`FORM`].
+    pub form: u32,
+    /// Name of the task.
+    pub name: String,
+    /// Family it belongs to.
+    pub family: String,
+    /// First paragraph of its documentation.
+    pub summary: String,
+    /// Hash of its meaning.
+    pub hash: String,
+    /// The body.
+    pub body: String,
+    /// Control steps per second, Hz.
+    pub control_frequency: f64,
+    /// Length of an episode, control steps.
+    pub horizon: u32,
+    /// The same in seconds.
+    pub duration: f64,
+    /// Whether mirroring left and right must not change the pay.
+    pub symmetric: bool,
+    /// Numbers that may be set from outside.
+    pub parameters: Vec<ParameterAccount>,
+    /// Motions that formulas follow.
+    pub motions: Vec<MotionAccount>,
+    /// What chance decides.
+    pub randoms: Vec<RandomAccount>,
+    /// What surrounds the body.
+    pub scene: SceneAccount,
+    /// How an episode begins.
+    pub beginning: BeginningAccount,
+    /// Forces from outside.
+    pub disturbances: Vec<DisturbanceAccount>,
+    /// One for a task, several for a sequence.
+    pub phases: Vec<PhaseAccount>,
+    /// What the policy sees.
+    pub observation: ObservationAccount,
+    /// Sum of the reward in the first snapshot, where that is known.
+    pub reward_at_reset: Option<f64>,
+}
+
+/// A formula in several notations.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct FormulaAccount {
+    /// As written, blanks made even; empty where the text is not kept.
+    pub source: String,
+    /// As mathematics in plain characters.
+    pub text: String,
+    /// As LaTeX, for math mode.
+    pub latex: String,
+    /// As MathML, without the `math` element around it.
+    pub mathml: String,
+}
+
+/// A number that may be set from outside.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterAccount {
+    /// Its name.
+    pub name: String,
+    /// The value in force.
+    pub value: f64,
+    /// The value in the source.
+    pub default: f64,
+    /// What it may be set to.
+    pub range: Option<[f64; 2]>,
+    /// Unit, empty for plain numbers.
+    pub unit: String,
+}
+
+/// A motion that formulas follow.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MotionAccount {
+    /// Name of the reference.
+    pub name: String,
+    /// Title of the motion.
+    pub title: String,
+    /// Identifies what it shows.
+    pub digest: String,
+    /// Whether it repeats.
+    pub cycle: bool,
+    /// Its length, or that of one turn, s.
+    pub duration: f64,
+    /// Joints that it moves.
+    pub joints: usize,
+    /// The phase at which an episode starts, 0 to 1; `null` if it is drawn.
+    pub start: Option<f64>,
+}
+
+impl MotionAccount {
+    /// Everything but its name, on one line.
+    pub(super) fn in_words(&self) -> String {
+        let kind = if self.cycle { "a cycle" } else { "a motion" };
+        let start = self.start.map_or("a phase drawn for each episode".to_owned(), |phase| format!("phase {}", short(phase)));
+        format!("{}, {kind} of {} s, {} joints, from {start}", self.title, short(self.duration), self.joints)
+    }
+}
+
+/// A value that chance decides, as written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RandomAccount {
+    /// Its name.
+    pub name: String,
+    /// What is drawn.
+    pub source: String,
+    /// The condition that a draw must fulfil; empty if there is none.
+    pub accept: String,
+    /// When it is drawn anew; empty if never.
+    pub redraw: String,
+}
+
+/// What surrounds the body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SceneAccount {
+    /// Whether there is level ground.
+    pub ground: bool,
+    /// Elements, parents before what they carry.
+    pub objects: Vec<ObjectAccount>,
+    /// What is held to what.
+    pub connections: Vec<ConnectionAccount>,
+    /// Named sets of elements.
+    pub groups: Vec<(String, Vec<String>)>,
+    /// Names of places that are shown and never touched.
+    pub markers: Vec<String>,
+}
+
+/// An element of the scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObjectAccount {
+    /// Its name.
+    pub name: String,
+    /// Its documentation.
+    pub description: String,
+    /// `box`, `stairs`, `body`, ...
+    pub kind: String,
+    /// Its sizes in words: `0.34 × 0.34 × 0.04 m`.
+    pub size: String,
+    /// What carries it: `world`, another element or a landmark of the body.
+    pub parent: String,
+    /// Position in the parent's frame, m.
+    pub position: [f64; 3],
+    /// Orientation in the parent's frame, w x y z.
+    pub orientation: [f64; 4],
+    /// `fixed`, `free`, or its joints in words.
+    pub motion: String,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Sliding friction.
+    pub friction: f64,
+    /// Whether it can be touched.
+    pub solid: bool,
+    /// Whether it counts as ground.
+    pub walkable: bool,
+}
+
+/// What is held to what.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConnectionAccount {
+    /// `weld` holds place and orientation, `connect` the place.
+    pub kind: String,
+    /// First end.
+    pub from: String,
+    /// Second end.
+    pub to: String,
+    /// Whether it may let go.
+    pub released: bool,
+}
+
+/// How an episode begins.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BeginningAccount {
+    /// The root in words.
+    pub root: String,
+    /// Joints that are elsewhere than in the neutral pose.
+    pub joints: Vec<JointAccount>,
+    /// Noise in words, a line each.
+    pub noise: Vec<String>,
+    /// Free elements that start with a velocity or elsewhere than the scene says, in words.
+    pub objects: Vec<String>,
+    /// What is drawn: `ball.position.y`.
+    pub drawn: Vec<String>,
+    /// Physics before the first snapshot, in words; empty if there is none.
+    pub settle: String,
+}
+
+/// A joint away from the neutral pose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointAccount {
+    /// Its name.
+    pub name: String,
+    /// Coordinate, rad or m.
+    pub value: f64,
+    /// In the neutral pose.
+    pub neutral: f64,
+    /// `rad` or `m`.
+    pub unit: String,
+    /// Whether no coupling slaves it.
+    pub independent: bool,
+}
+
+/// A force from outside.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DisturbanceAccount {
+    /// On which landmark.
+    pub on: String,
+    /// N.
+    pub force: [f64; 3],
+    /// N m.
+    pub torque: [f64; 3],
+    /// When it begins, s.
+    pub start: f64,
+    /// How long it lasts, s.
+    pub duration: f64,
+}
+
+/// A task of a sequence, or the task itself.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhaseAccount {
+    /// The task's name.
+    pub name: String,
+    /// Its length, control steps.
+    pub horizon: u32,
+    /// When the next phase begins, where that is said.
+    pub until: Option<FormulaAccount>,
+    /// What is paid.
+    pub terms: Vec<TermAccount>,
+    /// Ends that are failures.
+    pub terminations: Vec<EndAccount>,
+    /// Ends that are none.
+    pub finishes: Vec<EndAccount>,
+    /// What succeeds at the last step.
+    pub success: Option<EndAccount>,
+    /// What is logged and never paid.
+    pub metrics: Vec<MetricAccount>,
+    /// What formulas name; what is read stands before its readers.
+    pub definitions: Vec<DefinitionAccount>,
+}
+
+/// A reward term.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TermAccount {
+    /// Its name.
+    pub name: String,
+    /// What it pays, times its value, in every control step.
+    pub weight: f64,
+    /// What a tuner may choose.
+    pub weight_range: Option<[f64; 2]>,
+    /// Whether the weight is fixed.
+    pub fixed: bool,
+    /// What is paid for.
+    pub formula: FormulaAccount,
+    /// Its documentation.
+    pub docs: String,
+    /// Whether it is paid per second, so that its value is multiplied by the control step.
+    pub per_second: bool,
+    /// Whether it is a condition, counted 0 or 1.
+    pub condition: bool,
+    /// Between which values it stays; `null` where unbounded.
+    pub bounds: [Option<f64>; 2],
+    /// Signals and declared names in it.
+    pub reads: Vec<String>,
+    /// What it remembers from step to step, in words.
+    pub remembers: Vec<String>,
+    /// Its value in the first snapshot, where that is known.
+    pub at_reset: Option<f64>,
+}
+
+/// A condition that ends, or makes a success.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EndAccount {
+    /// Name of the reason; empty for success.
+    pub name: String,
+    /// When it holds.
+    pub condition: FormulaAccount,
+    /// The time from reset before which it does not count, as written; empty if it always does.
+    pub after: String,
+    /// Its documentation.
+    pub docs: String,
+    /// Whether it holds in the first snapshot, where that is known.
+    pub holds_at_reset: Option<bool>,
+}
+
+/// What is logged.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MetricAccount {
+    /// Its name.
+    pub name: String,
+    /// Number of values.
+    pub size: usize,
+    /// Unit, empty for plain numbers.
+    pub unit: String,
+    /// What it is.
+    pub formula: FormulaAccount,
+}
+
+/// A declaration that formulas name.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DefinitionAccount {
+    /// `let`, `const`, `fn`, `state`, `clock`, `random`, `params`.
+    pub kind: String,
+    /// Its name.
+    pub name: String,
+    /// Of a function.
+    pub parameters: Vec<String>,
+    /// Its formula, or several with a word before each: `becomes`, `when`, `where`.
+    pub parts: Vec<(String, FormulaAccount)>,
+    /// Its documentation.
+    pub docs: String,
+}
+
+/// What the policy sees.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObservationAccount {
+    /// Number of values.
+    pub size: usize,
+    /// Its parts, in order.
+    pub channels: Vec<ChannelAccount>,
+}
+
+/// A part of the observation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelAccount {
+    /// Its label.
+    pub name: String,
+    /// First index.
+    pub offset: usize,
+    /// Number of values.
+    pub size: usize,
+    /// Unit, empty for plain numbers.
+    pub unit: String,
+    /// The block of a library that it comes from, such as `proprioception`; empty if it is the task's own.
+    pub block: String,
+    /// What it is; of a sequence, in the first phase that has it.
+    pub formula: FormulaAccount,
+    /// Its documentation.
+    pub docs: String,
+}

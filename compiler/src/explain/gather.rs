@@ -1,0 +1,270 @@
+//! From a compiled task to its account.
+
+use super::account::*;
+use super::formula::{condition, formula, latex, mathematics, mathml, paid};
+use crate::evaluation::Middle;
+use crate::graph::NodeId;
+use crate::graph::operation::{Memory, Operation};
+use crate::snapshot::names;
+use crate::syntax::tree::Expr;
+use crate::task::{CompiledTask, ConditionMeaning, Definition, Phase, StepReport, TaskState};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+mod surroundings;
+
+/// What an explanation may tell besides the source.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// The frame of the reset snapshot, `task.frame.size()` values: adds the value of every term at reset.
+    pub reset: Option<&'a [f64]>,
+}
+
+/// Everything that is told of a task.
+pub fn account(task: &CompiledTask, options: &Options<'_>) -> Account {
+    let at_reset = options.reset.filter(|frame| frame.len() == task.frame.size()).and_then(|frame| {
+        let (mut state, mut report) = (TaskState::default(), StepReport::default());
+        // A random without a middle that fulfils its condition leaves nothing to show.
+        task.reset(frame, &mut Middle, &mut state).ok()?;
+        task.report(frame, &task.weights(), &state, &mut report);
+        Some(report)
+    });
+    let at_reset = at_reset.as_ref();
+    // What is drawn is told by its middle.
+    let mut drawn = TaskState::default();
+    let init = match task.begin(&mut Middle, &mut drawn) {
+        Ok(()) => task.beginning(&drawn),
+        Err(_) => Cow::Borrowed(&task.init),
+    };
+    let phases = task.phases.iter().enumerate().map(|(index, phase)| {
+        // Only the first phase has the reset as its first snapshot.
+        phase_account(task, phase, at_reset.filter(|_| index == 0))
+    });
+    Account {
+        form: FORM,
+        name: task.name.clone(),
+        family: task.family.clone(),
+        summary: task.summary.clone(),
+        hash: task.hash.clone(),
+        body: task.body.name.clone(),
+        control_frequency: task.control_frequency,
+        horizon: task.horizon,
+        duration: f64::from(task.horizon) / task.control_frequency,
+        symmetric: task.symmetric,
+        parameters: parameters(task),
+        motions: motions(task),
+        randoms: randoms(task),
+        scene: surroundings::scene(task, &init),
+        beginning: surroundings::beginning(task, &init),
+        disturbances: surroundings::disturbances(task),
+        phases: phases.collect(),
+        observation: observation(task),
+        reward_at_reset: at_reset.map(|report| report.reward),
+    }
+}
+
+fn parameters(task: &CompiledTask) -> Vec<ParameterAccount> {
+    let told = task.parameters.iter().map(|parameter| ParameterAccount {
+        name: parameter.name.clone(),
+        value: parameter.value,
+        default: parameter.default,
+        range: parameter.range,
+        unit: parameter.unit.clone(),
+    });
+    told.collect()
+}
+
+fn motions(task: &CompiledTask) -> Vec<MotionAccount> {
+    let told = task.motions.iter().map(|followed| MotionAccount {
+        name: followed.name.clone(),
+        title: followed.motion.name.clone(),
+        digest: followed.motion.digest().to_owned(),
+        cycle: followed.motion.cycle,
+        duration: followed.motion.duration,
+        joints: followed.motion.joints().count(),
+        start: followed.start,
+    });
+    told.collect()
+}
+
+fn randoms(task: &CompiledTask) -> Vec<RandomAccount> {
+    let told = task.randoms.iter().map(|random| RandomAccount {
+        name: random.name.clone(),
+        source: random.source.clone(),
+        accept: random.accept.clone(),
+        redraw: random.redraw.clone(),
+    });
+    told.collect()
+}
+
+/// A formula in all notations.
+fn told(expr: &Expr, source: &str, is_condition: bool) -> FormulaAccount {
+    let tree = paid(expr, is_condition);
+    FormulaAccount { source: source.to_owned(), text: mathematics(expr), latex: latex(&tree), mathml: mathml(&tree) }
+}
+
+/// A condition that is asked, and does not count as a number.
+fn asked(expr: &Expr, source: &str) -> FormulaAccount {
+    told(expr, source, false)
+}
+
+fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport>) -> PhaseAccount {
+    let meaning = &phase.meaning;
+    let terms = phase.terms.clone().zip(&meaning.terms).enumerate().map(|(own, (index, told_of))| {
+        let term = &task.terms[index];
+        let bounds =
+            meaning.term_bounds.get(own).map(|bounds| [bounds.low, bounds.high]).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        TermAccount {
+            name: term.name.clone(),
+            weight: term.weight,
+            weight_range: term.weight_range,
+            fixed: term.fixed,
+            formula: told(&told_of.formula, &term.source, told_of.condition),
+            docs: told_of.docs.clone(),
+            per_second: told_of.per_second,
+            condition: told_of.condition,
+            bounds: bounds.map(|bound| bound.is_finite().then_some(bound)),
+            reads: told_of.reads.clone(),
+            remembers: meaning.outputs.terms.get(own).map_or_else(Vec::new, |&node| memories(task, phase, node)),
+            at_reset: at_reset.and_then(|report| report.terms.get(index).copied()),
+        }
+    });
+    let ends = |names: &[String], told_of: &[ConditionMeaning], holds: &[bool]| -> Vec<EndAccount> {
+        let told = names.iter().zip(told_of).enumerate();
+        told.map(|(index, (name, told))| end(name, told, holds.get(index).copied())).collect()
+    };
+    let held = |report: fn(&StepReport) -> &[bool], range: std::ops::Range<usize>| {
+        at_reset.and_then(|found| report(found).get(range)).unwrap_or_default()
+    };
+    let metrics = task.metrics[phase.metrics.clone()].iter().zip(&meaning.metrics).map(|(metric, told_of)| MetricAccount {
+        name: metric.name.clone(),
+        size: metric.size,
+        unit: metric.unit.clone(),
+        formula: asked(&told_of.formula, ""),
+    });
+    PhaseAccount {
+        name: phase.name.clone(),
+        horizon: phase.horizon,
+        until: meaning.until.as_ref().map(|until| asked(&until.formula, &until.source)),
+        terms: terms.collect(),
+        terminations: ends(
+            &task.terminations[phase.terminations.clone()],
+            &meaning.terminations,
+            held(|report| &report.terminations, phase.terminations.clone()),
+        ),
+        finishes: ends(
+            &task.finishes[phase.finishes.clone()],
+            &meaning.finishes,
+            held(|report| &report.finishes, phase.finishes.clone()),
+        ),
+        success: meaning.success.as_ref().map(|success| end("", success, at_reset.map(|report| report.success))),
+        metrics: metrics.collect(),
+        definitions: meaning.definitions.iter().map(definition).collect(),
+    }
+}
+
+fn end(name: &str, told_of: &ConditionMeaning, holds_at_reset: Option<bool>) -> EndAccount {
+    EndAccount {
+        name: name.to_owned(),
+        condition: asked(&told_of.formula, &told_of.source),
+        after: told_of.after.clone(),
+        docs: told_of.docs.clone(),
+        holds_at_reset,
+    }
+}
+
+fn definition(definition: &Definition) -> DefinitionAccount {
+    // Whether a part is asked or computed does not show in it, but for what chance or a state waits for.
+    let part = |(word, expr): &(&'static str, Expr)| {
+        let tree = if matches!(*word, "when" | "where" | "redraw when") { strip(condition(expr)) } else { formula(expr) };
+        let told = FormulaAccount { source: String::new(), text: mathematics(expr), latex: latex(&tree), mathml: mathml(&tree) };
+        ((*word).to_owned(), told)
+    };
+    DefinitionAccount {
+        kind: definition.kind.to_owned(),
+        name: definition.name.clone(),
+        parameters: definition.parameters.clone(),
+        parts: definition.parts.iter().map(part).collect(),
+        docs: definition.docs.clone(),
+    }
+}
+
+/// A condition without the indicator around it.
+fn strip(formula: super::formula::Formula) -> super::formula::Formula {
+    match formula {
+        super::formula::Formula::Fence(super::formula::Fence::Indicator, inside) => *inside,
+        other => other,
+    }
+}
+
+fn observation(task: &CompiledTask) -> ObservationAccount {
+    let channels = task.channels.iter().enumerate().map(|(place, channel)| {
+        let told_of = task.phases.iter().find_map(|phase| {
+            let own = phase.channels.get(place).copied().flatten()?;
+            phase.meaning.channels.get(own)
+        });
+        ChannelAccount {
+            name: channel.name.clone(),
+            offset: channel.offset,
+            size: channel.size,
+            unit: channel.unit.clone(),
+            block: told_of.map(|told_of| told_of.block.clone()).unwrap_or_default(),
+            formula: told_of.map(|told_of| asked(&told_of.formula, "")).unwrap_or_default(),
+            docs: told_of.map(|told_of| told_of.docs.clone()).unwrap_or_default(),
+        }
+    });
+    ObservationAccount { size: task.observation_size(), channels: channels.collect() }
+}
+
+/// The memories that a node depends on, in words.
+fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
+    let graph = &phase.meaning.graph;
+    let mut seen = BTreeSet::new();
+    let told = graph.reachable([node]).into_iter().filter_map(|id| {
+        let node = graph.node(id);
+        let values = |width: usize| if width == 1 { "1 value".to_owned() } else { format!("{width} values") };
+        let text = match &node.operation {
+            Operation::Memory(Memory::Delay(1)) => format!("{}, a step ago", values(node.width)),
+            Operation::Memory(Memory::Delay(steps)) => format!("{}, {steps} steps ago", values(node.width)),
+            Operation::Memory(memory) => format!("{}, {}", values(node.width), memory_in_words(*memory)),
+            Operation::StateBefore(index) | Operation::StateAfter(index) => {
+                let name = phase.meaning.states.get(*index as usize);
+                format!("the state {}", name.map_or_else(|| index.to_string(), Clone::clone))
+            }
+            Operation::Drawn(index) | Operation::DrawnAfter(index) => {
+                format!("the random {}", task.randoms[phase.streams[*index as usize]].name)
+            }
+            _ => return None,
+        };
+        // What comes twice is counted by its width already or is the same thing.
+        seen.insert((id, text.clone())).then_some(text)
+    });
+    let mut told: Vec<String> = told.collect();
+    told.dedup();
+    told
+}
+
+fn memory_in_words(memory: Memory) -> &'static str {
+    match memory {
+        Memory::Initial => "as at reset",
+        Memory::Highest => "the highest so far",
+        Memory::Lowest => "the lowest so far",
+        Memory::Accumulate => "summed over the steps",
+        Memory::Streak => "steps in a row",
+        Memory::StepsSince => "steps since it held",
+        Memory::Hysteresis => "with hysteresis",
+        Memory::Smooth => "smoothed",
+        Memory::Sampled => "as last sampled",
+        Memory::Delay(_) => "from before",
+    }
+}
+
+/// What of the beginning chance decides, by name.
+fn drawn(task: &CompiledTask) -> Vec<String> {
+    let Some(first) = task.phases.first() else { return Vec::new() };
+    let (graph, nodes) = (&first.meaning.graph, &first.meaning.outputs.beginning);
+    // A place of which one component is drawn is computed whole; what is always the same is not drawn.
+    let varies = |index: &usize| nodes.get(*index).is_some_and(|&node| graph.constant_value(node).is_none());
+    let drawn = task.init.drawn.iter().filter(|(_, index)| varies(index));
+    drawn.map(|&(setting, _)| names::setting(task, setting)).collect()
+}

@@ -1,0 +1,213 @@
+//! Scene and beginning in words.
+
+use super::super::account::*;
+use super::super::text::short;
+use super::drawn;
+use crate::scene::{Motion, Object, ObjectJointKind, Parent, Shape, Terrain};
+use crate::snapshot::names;
+use crate::task::{CompiledTask, Init, Spread};
+use crate::vocabulary::JointKind;
+
+pub(super) fn scene(task: &CompiledTask, init: &Init) -> SceneAccount {
+    let scene = &task.scene;
+    let name_of = |index: usize| scene.objects.get(index).map_or_else(|| index.to_string(), |object| object.name.clone());
+    let objects = scene.objects.iter().enumerate().map(|(index, object)| {
+        let (kind, size) = shape(object);
+        // Where chance places an object, the scene cannot say where it is.
+        let start = init.objects.iter().find(|start| start.object == index && task.init.objects != init.objects);
+        ObjectAccount {
+            name: object.name.clone(),
+            description: object.description.clone(),
+            kind: kind.to_owned(),
+            size,
+            parent: match &object.parent {
+                Parent::World => "world".to_owned(),
+                Parent::Object(index) => name_of(*index),
+                Parent::Landmark(name) => name.clone(),
+            },
+            position: start.map_or(object.position, |start| start.position),
+            orientation: object.orientation,
+            motion: motion(&object.motion),
+            mass: object.mass,
+            friction: object.surface.friction[0],
+            solid: object.surface.solid,
+            walkable: object.surface.walkable,
+        }
+    });
+    let connections = scene.connections.iter().enumerate().map(|(index, held)| ConnectionAccount {
+        kind: if held.weld { "weld" } else { "connect" }.to_owned(),
+        from: held.from.clone(),
+        to: held.to.clone(),
+        released: task.releases.contains(&index),
+    });
+    SceneAccount {
+        ground: scene.ground.is_some(),
+        objects: objects.collect(),
+        connections: connections.collect(),
+        groups: scene
+            .groups
+            .iter()
+            .map(|(name, members)| (name.clone(), members.iter().map(|&m| name_of(m)).collect()))
+            .collect(),
+        markers: task.markers.clone(),
+    }
+}
+
+/// What an element is, and how large.
+fn shape(object: &Object) -> (&'static str, String) {
+    let extents = |lengths: &[f64]| {
+        let lengths: Vec<String> = lengths.iter().map(|length| short(*length)).collect();
+        format!("{} m", lengths.join(" \u{d7} "))
+    };
+    match &object.shape {
+        None => ("body", String::new()),
+        Some(Shape::Box(size)) => ("box", extents(size)),
+        Some(Shape::Sphere(radius)) => ("sphere", format!("radius {} m", short(*radius))),
+        Some(Shape::Capsule(radius, length)) => ("capsule", format!("radius {} m, length {} m", short(*radius), short(*length))),
+        Some(Shape::Cylinder(radius, length)) => {
+            ("cylinder", format!("radius {} m, length {} m", short(*radius), short(*length)))
+        }
+        Some(Shape::Ellipsoid(axes)) => ("ellipsoid", format!("half axes {}", extents(axes))),
+        Some(Shape::Plane) => ("plane", String::new()),
+        Some(Shape::Terrain(Terrain::Stairs { count, rise, run, width })) => {
+            ("stairs", format!("{count} steps of {} m over {} m, {} m wide", short(*rise), short(*run), short(*width)))
+        }
+        Some(Shape::Terrain(Terrain::Heights { size, samples, .. })) => {
+            ("heights", format!("{}, {} \u{d7} {} samples", extents(size), samples[0], samples[1]))
+        }
+        Some(Shape::Terrain(Terrain::Slope { length, width, angle })) => {
+            ("slope", format!("{} m long, {} m wide, {} rad", short(*length), short(*width), short(*angle)))
+        }
+    }
+}
+
+fn motion(motion: &Motion) -> String {
+    match motion {
+        Motion::Fixed => "fixed".to_owned(),
+        Motion::Free => "free".to_owned(),
+        Motion::Joints(joints) => {
+            let told = joints.iter().map(|joint| {
+                let (kind, unit) = match joint.kind {
+                    ObjectJointKind::Hinge => ("hinge", "rad"),
+                    ObjectJointKind::Slide => ("slide", "m"),
+                    ObjectJointKind::Ball => ("ball", "rad"),
+                };
+                let range =
+                    joint.range.map_or_else(String::new, |[low, high]| format!(" {} to {} {unit}", short(low), short(high)));
+                format!("{kind} {}{range}", joint.name)
+            });
+            told.collect::<Vec<_>>().join(", ")
+        }
+    }
+}
+
+pub(super) fn disturbances(task: &CompiledTask) -> Vec<DisturbanceAccount> {
+    let told = task.disturbances.iter().map(|disturbance| DisturbanceAccount {
+        on: names::landmark(&task.vocabulary, disturbance.landmark),
+        force: disturbance.force,
+        torque: disturbance.torque,
+        start: f64::from(disturbance.start) / task.control_frequency,
+        duration: f64::from(disturbance.steps) / task.control_frequency,
+    });
+    told.collect()
+}
+
+pub(super) fn beginning(task: &CompiledTask, init: &Init) -> BeginningAccount {
+    let joints = task.vocabulary.joints.iter().zip(&init.coordinates);
+    let joints = joints.filter(|(joint, value)| **value != joint.neutral).map(|(joint, &value)| JointAccount {
+        name: joint.name.clone(),
+        value,
+        neutral: joint.neutral,
+        unit: if joint.kind == JointKind::Hinge { "rad" } else { "m" }.to_owned(),
+        independent: joint.independent,
+    });
+    let mut noise = Vec::new();
+    for (what, per, spreads) in [("joints", "", &init.coordinate_noise), ("velocities", "/s", &init.velocity_noise)] {
+        for (spread, joints) in crate::snapshot::by_spread(spreads) {
+            let all = spreads.iter().filter(|spread| **spread != Spread::None).count() == joints.len();
+            let whom = match joints.as_slice() {
+                _ if all && joints.len() > 3 => format!("all {} independent", joints.len()),
+                few if few.len() <= 4 => {
+                    few.iter().map(|&joint| names::joint(&task.vocabulary, joint)).collect::<Vec<_>>().join(", ")
+                }
+                many => format!("{} joints", many.len()),
+            };
+            noise.push(format!("{what}: {} on {whom}", spread_in_words(spread, per)));
+        }
+    }
+    BeginningAccount {
+        root: root(task, init),
+        joints: joints.collect(),
+        noise,
+        objects: objects(task, init),
+        drawn: drawn(task),
+        settle: init.settle.as_ref().map_or_else(String::new, |settle| {
+            let rest = if settle.at_rest { ", then at rest" } else { "" };
+            format!("{} physics steps with activation {}{rest}", settle.steps, short(settle.activation))
+        }),
+    }
+}
+
+fn spread_in_words(spread: Spread, per: &str) -> String {
+    match spread {
+        Spread::None => "none".to_owned(),
+        Spread::Normal(deviation) => format!("normal, standard deviation {} rad{per}", short(deviation)),
+        Spread::Uniform(low, high) => format!("uniform, {} to {} rad{per}", short(low), short(high)),
+    }
+}
+
+fn root(task: &CompiledTask, init: &Init) -> String {
+    let root = &init.root;
+    let mut parts = Vec::new();
+    if root.meets.is_empty() {
+        parts
+            .push(root.height.map_or_else(|| "on the ground".to_owned(), |height| format!("at a height of {} m", short(height))));
+        if root.position != [0.0; 2] {
+            parts.push(format!("at x {} m, y {} m", short(root.position[0]), short(root.position[1])));
+        }
+    }
+    if root.lift != 0.0 {
+        parts.push(format!("lifted by {} m", short(root.lift)));
+    }
+    for (landmark, place) in &root.meets {
+        parts.push(format!("{} at {}", names::landmark(&task.vocabulary, *landmark), names::origin(&task.vocabulary, place)));
+    }
+    for (word, angle) in [("heading", root.heading), ("pitched", root.pitch), ("rolled", root.roll)] {
+        if angle != 0.0 {
+            parts.push(format!("{word} {}\u{b0}", short(angle.to_degrees())));
+        }
+    }
+    if init.follows.is_some() {
+        parts.push("on the motion it follows".to_owned());
+    }
+    if root.velocity != [0.0; 3] {
+        parts.push(format!("moving at {} m/s", vector(root.velocity)));
+    }
+    if root.spin != [0.0; 3] {
+        parts.push(format!("turning at {} rad/s", vector(root.spin)));
+    }
+    parts.join(", ")
+}
+
+fn vector(vector: [f64; 3]) -> String {
+    format!("[{}]", vector.map(short).join(", "))
+}
+
+/// Free elements that move, or start elsewhere than they stand in the scene.
+fn objects(task: &CompiledTask, init: &Init) -> Vec<String> {
+    let told = init.objects.iter().filter_map(|start| {
+        let object = task.scene.objects.get(start.object)?;
+        let mut parts = Vec::new();
+        if start.position != object.position {
+            parts.push(format!("at {} m", vector(start.position)));
+        }
+        if start.velocity != [0.0; 3] {
+            parts.push(format!("moving at {} m/s", vector(start.velocity)));
+        }
+        if start.spin != [0.0; 3] {
+            parts.push(format!("turning at {} rad/s", vector(start.spin)));
+        }
+        (!parts.is_empty()).then(|| format!("{} {}", object.name, parts.join(", ")))
+    });
+    told.collect()
+}

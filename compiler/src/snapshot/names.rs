@@ -1,0 +1,210 @@
+//! Sensors, queries, parts and settings under the names that tasks give them, so that nothing in a snapshot is a place in a
+//! list that moves when something else is added.
+
+use crate::frame::{Origin, Query, Sensor};
+use crate::graph::text::Labels;
+use crate::scene::Part;
+use crate::task::{CompiledTask, Phase, Setting};
+use crate::vocabulary::Vocabulary;
+use std::fmt::Write;
+
+/// The names of one phase of a task.
+pub(super) struct Names<'a> {
+    pub task: &'a CompiledTask,
+    pub phase: &'a Phase,
+}
+
+/// What a sensor measures.
+enum Subject {
+    None,
+    Landmark(usize),
+    Joint(usize),
+    Muscle(usize),
+    Other(String),
+}
+
+impl Labels for Names<'_> {
+    fn sensors(&self, sensors: &[Sensor]) -> String {
+        let mut told: Vec<(String, Subject)> = Vec::new();
+        for sensor in sensors {
+            let kind = format!("{sensor:?}");
+            let kind = kind.split('(').next().unwrap_or_default().to_owned();
+            told.push((kind, self.subject(*sensor)));
+        }
+        let mut text = String::new();
+        for kind in told.chunk_by(|a, b| a.0 == b.0) {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{}{}", if text.is_empty() { "" } else { " " }, kind[0].0);
+            let subjects = kind.chunk_by(|a, b| follows(&a.1, &b.1));
+            let joined: Vec<String> = subjects.filter_map(|run| self.run(run)).collect();
+            if !joined.is_empty() {
+                let _ = write!(text, "({})", joined.join(", "));
+            }
+        }
+        text
+    }
+
+    fn random(&self, index: usize) -> String {
+        let stream = self.phase.streams.get(index).and_then(|&stream| self.task.randoms.get(stream));
+        stream.map_or_else(|| index.to_string(), |random| random.name.clone())
+    }
+
+    fn phase(&self, index: usize) -> String {
+        self.task.phases.get(index).map_or_else(|| index.to_string(), |phase| phase.name.clone())
+    }
+}
+
+/// Whether the second stands right behind the first in its list.
+fn follows(a: &Subject, b: &Subject) -> bool {
+    match (a, b) {
+        (Subject::Landmark(a), Subject::Landmark(b)) | (Subject::Joint(a), Subject::Joint(b)) => *b == a + 1,
+        (Subject::Muscle(a), Subject::Muscle(b)) => *b == a + 1,
+        _ => false,
+    }
+}
+
+impl Names<'_> {
+    /// Consecutive subjects of one kind: `all`, `a`, `a, b` or `a to e (5)`.
+    fn run(&self, run: &[(String, Subject)]) -> Option<String> {
+        let vocabulary = &*self.task.vocabulary;
+        let name = |subject: &Subject| match subject {
+            Subject::None => None,
+            Subject::Landmark(index) => Some(landmark(vocabulary, *index)),
+            Subject::Joint(index) => Some(joint(vocabulary, *index)),
+            Subject::Muscle(index) => Some(muscle(vocabulary, *index)),
+            Subject::Other(text) => Some(text.clone()),
+        };
+        let own_joints = vocabulary.joints.iter().filter(|joint| !joint.of_scene).count();
+        let whole = match run.first()?.1 {
+            Subject::Joint(0) => own_joints,
+            Subject::Muscle(0) => vocabulary.muscles.len(),
+            _ => 0,
+        };
+        if run.len() > 2 && run.len() == whole {
+            return Some("all".to_owned());
+        }
+        let names: Vec<String> = run.iter().filter_map(|(_, subject)| name(subject)).collect();
+        match names.as_slice() {
+            [] => None,
+            [first, .., last] if names.len() > 3 => Some(format!("{first} to {last} ({})", names.len())),
+            _ => Some(names.join(", ")),
+        }
+    }
+
+    fn subject(&self, sensor: Sensor) -> Subject {
+        use Sensor as S;
+        let vocabulary = &*self.task.vocabulary;
+        match sensor {
+            S::LandmarkPosition(index)
+            | S::LandmarkVelocity(index)
+            | S::LandmarkAcceleration(index)
+            | S::LandmarkAxes(index)
+            | S::LandmarkAngularVelocity(index)
+            | S::LandmarkClearance(index)
+            | S::GroundForce(index)
+            | S::GroundContact(index) => Subject::Landmark(index),
+            S::JointPosition(index) | S::JointVelocity(index) | S::JointAcceleration(index) | S::JointTorque(index) => {
+                Subject::Joint(index)
+            }
+            S::MuscleLength(index)
+            | S::MuscleVelocity(index)
+            | S::MuscleForce(index)
+            | S::MuscleFibreLength(index)
+            | S::MuscleFibreVelocity(index)
+            | S::MuscleTendonLength(index)
+            | S::MuscleActivation(index)
+            | S::MuscleExcitation(index)
+            | S::Action(index) => Subject::Muscle(index),
+            S::MomentArm(first, second) => {
+                Subject::Other(format!("{} about {}", muscle(vocabulary, first), joint(vocabulary, second)))
+            }
+            S::Touching(a, b) | S::ContactForce(a, b) | S::ContactCount(a, b) | S::SurfaceDistance(a, b) | S::Slip(a, b) => {
+                Subject::Other(format!("{} and {}", part(vocabulary, a), part(vocabulary, b)))
+            }
+            S::Query(index, _) => Subject::Other(
+                self.task.frame.queries().get(index).map_or_else(|| index.to_string(), |asked| query(vocabulary, asked)),
+            ),
+            S::ComPosition
+            | S::ComVelocity
+            | S::ComAcceleration
+            | S::AngularMomentum
+            | S::CentreOfPressure
+            | S::SupportMargin
+            | S::RootPosition
+            | S::RootAxes
+            | S::RootVelocity
+            | S::RootAngularVelocity
+            | S::Time => Subject::None,
+        }
+    }
+}
+
+pub(crate) fn landmark(vocabulary: &Vocabulary, index: usize) -> String {
+    vocabulary.landmarks.get(index).map_or_else(|| index.to_string(), |landmark| landmark.name.clone())
+}
+
+pub(crate) fn joint(vocabulary: &Vocabulary, index: usize) -> String {
+    vocabulary.joints.get(index).map_or_else(|| index.to_string(), |joint| joint.name.clone())
+}
+
+fn muscle(vocabulary: &Vocabulary, index: usize) -> String {
+    vocabulary.muscles.get(index).map_or_else(|| index.to_string(), |muscle| muscle.name.clone())
+}
+
+fn part(vocabulary: &Vocabulary, part: Part) -> String {
+    match part {
+        Part::Ground => "ground".to_owned(),
+        Part::Robot => "robot".to_owned(),
+        Part::Landmark(index) => landmark(vocabulary, index),
+        Part::Group(index) => vocabulary.groups.get(index).map_or_else(|| index.to_string(), |group| group.name.clone()),
+    }
+}
+
+pub(crate) fn origin(vocabulary: &Vocabulary, origin: &Origin) -> String {
+    match origin {
+        Origin::World(place) => format!("{place:?} m"),
+        Origin::Landmark(index, offset) if *offset == [0.0; 3] => landmark(vocabulary, *index),
+        Origin::Landmark(index, offset) => format!("{} moved by {offset:?} m", landmark(vocabulary, *index)),
+    }
+}
+
+fn query(vocabulary: &Vocabulary, query: &Query) -> String {
+    match query {
+        Query::GroundHeight(place) => format!("height of the ground under {}", origin(vocabulary, place)),
+        Query::GroundNormal(place) => format!("normal of the ground under {}", origin(vocabulary, place)),
+        Query::Radar { from, group, sectors, over, range } => format!(
+            "radar from {} for {} in {sectors} sectors over {over:?} rad within {range:?} m",
+            landmark(vocabulary, *from),
+            part(vocabulary, Part::Group(*group))
+        ),
+        Query::Ray { from, direction, range } => {
+            format!("ray from {} along {direction:?} within {range:?} m", landmark(vocabulary, *from))
+        }
+    }
+}
+
+/// A number of the beginning, under its name: `knee_angle_r`, `root.height`, `ball.position.y`.
+pub(crate) fn setting(task: &CompiledTask, setting: Setting) -> String {
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    const PARTS: [&str; 4] = ["w", "x", "y", "z"];
+    let axis = |axis: usize| AXES.get(axis).copied().unwrap_or("?");
+    let object = |index: usize| {
+        let known = task.init.objects.get(index).and_then(|start| task.scene.objects.get(start.object));
+        known.map_or_else(|| index.to_string(), |object| object.name.clone())
+    };
+    match setting {
+        Setting::Coordinate(index) => joint(&task.vocabulary, index),
+        Setting::RootHeight => "root.height".to_owned(),
+        Setting::RootPosition(index) => format!("root.position.{}", axis(index)),
+        Setting::RootHeading => "root.heading".to_owned(),
+        Setting::RootPitch => "root.pitch".to_owned(),
+        Setting::RootRoll => "root.roll".to_owned(),
+        Setting::RootVelocity(index) => format!("root.velocity.{}", axis(index)),
+        Setting::ObjectPosition(of, index) => format!("{}.position.{}", object(of), axis(index)),
+        Setting::ObjectOrientation(of, index) => {
+            format!("{}.orientation.{}", object(of), PARTS.get(index).copied().unwrap_or("?"))
+        }
+        Setting::ObjectVelocity(of, index) => format!("{}.velocity.{}", object(of), axis(index)),
+        Setting::ObjectSpin(of, index) => format!("{}.spin.{}", object(of), axis(index)),
+    }
+}

@@ -1,0 +1,165 @@
+//! What a difference in meaning is, and what is none.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
+
+#[allow(dead_code)] // The pages have their own tests.
+mod support;
+
+use msk_compiler::difference::{ChangeKind, Difference};
+use msk_compiler::snapshot::Snapshot;
+use support::compiling::{compile_text, complete};
+
+fn snapshot(statements: &str) -> Snapshot {
+    let compilation = compile_text(&complete(statements), &[]).unwrap_or_else(|report| panic!("{report}"));
+    compilation.tasks[0].snapshot()
+}
+
+fn hash(statements: &str) -> String {
+    compile_text(&complete(statements), &[]).unwrap_or_else(|report| panic!("{report}")).tasks[0].hash.clone()
+}
+
+fn between(before: &str, after: &str) -> Difference {
+    Difference::between(&snapshot(before), &snapshot(after), true)
+}
+
+const BEFORE: &str = "
+    let low = 0.8 m
+    state steps_high: int = 0 becomes steps_high + 1 when pelvis.height > 1 m
+    reward {
+        10 (5..20) tall  = pelvis.height / 1 m
+         5         still = exp(-10 s/m * com.speed)
+         2         high  = clip(steps_high / 10, 0, 1)
+        -1         sunk  = pelvis.height < low
+    }
+    terminate {
+        fallen when com.height < 0.8 m
+    }
+    observe {
+        pelvis.height
+        steps_high
+    }";
+
+#[test]
+fn a_snapshot_read_back_is_the_same() {
+    let snapshot = snapshot(BEFORE);
+    assert_eq!(snapshot.to_string().parse::<Snapshot>().unwrap(), snapshot);
+    let broken = snapshot.to_string().replace("weight: 10", "weight 10");
+    let error = broken.parse::<Snapshot>().unwrap_err().to_string();
+    assert!(error.contains("expected `name: value`, found `    weight 10`"), "{error}");
+    assert!("something else".parse::<Snapshot>().unwrap_err().to_string().starts_with("line 1"));
+}
+
+#[test]
+fn comments_layout_and_local_names_make_no_difference() {
+    let rewritten = "
+    observe { pelvis.height   // how tall
+        count_high
+    }
+    terminate { fallen when com.height < 80 cm }
+    state count_high: int = 0
+        becomes count_high + 1 when pelvis.height > 100 cm
+    const_free: nothing
+    reward {
+        10 (5..20) tall = pelvis.height / 1 m
+        5 still = exp(-10 s/m * com.speed)   // quiet
+        2 high = clip(count_high / 10, 0, 1)
+        -1 sunk = pelvis.height < deep
+    }
+    let deep = 80 cm"
+        .replace("    const_free: nothing\n", "");
+    // The label of a channel is part of what it is: the observation is compared by it.
+    let before = BEFORE.replace("pelvis.height\n        steps_high\n", "pelvis.height\n        count_high = steps_high\n");
+    let difference = between(&before, &rewritten);
+    assert!(difference.is_empty(), "{difference}");
+    assert_eq!(hash(&before), hash(&rewritten));
+}
+
+#[test]
+fn every_kind_of_change_is_told_in_words() {
+    let after = BEFORE
+        .replace("10 (5..20) tall  = pelvis.height / 1 m", "12 (5..30) tall  = pelvis.height / 1 m")
+        .replace("-10 s/m", "-12 s/m")
+        .replace("let low = 0.8 m", "let low = 0.7 m")
+        .replace("         2         high  = clip(steps_high / 10, 0, 1)\n", "         3         new   = once(ended)\n")
+        .replace("com.height < 0.8 m\n", "com.height < 0.75 m\n        flew when com.height > 2 m\n")
+        .replace("pelvis.height\n        steps_high", "steps_high\n        pelvis.height")
+        + "\nscene { ground\n box seat { size [1 m, 1 m, 1 m], at [-2 m, 0, 0.5 m] } }\nsuccess survived and pelvis.height > 1 m";
+    let before =
+        format!("{BEFORE}\nscene {{ ground\n box seat {{ size [1 m, 1 m, 1 m], at [-3 m, 0, 0.5 m] }} }}\nsuccess survived");
+    insta::assert_snapshot!(between(&before, &after), @r"
+    example
+      ~ object seat
+          position [-3.0, 0.0, 0.5] m -> [-2.0, 0.0, 0.5] m
+      ~ term tall
+          weight 10 -> 12
+          range 5..20 -> 5..30
+      ~ term still
+          from exp(−10 s/m · com.speed)
+            to exp(−12 s/m · com.speed)
+          numbers -10.0 -> -12.0
+      + term new: weight 3, once(ended)
+      ~ term sunk
+          computes something else, though it is written as before (pelvis.height < low): a name in it means another thing
+          numbers 0.8 -> 0.7
+      ~ ends by fallen
+          from com.height < 0.8 m
+            to com.height < 0.75 m
+          numbers 0.8 -> 0.75
+      + ends by flew: com.height > 2 m
+      ~ success
+          from survived
+            to survived and pelvis.height > 1 m
+          numbers 0.8 -> 0.75, 2.0, 1.0
+      - term high: weight 2, clip(steps_high / 10, 0, 1)
+      ~ order of channels
+          pelvis.height, steps_high -> steps_high, pelvis.height
+    ");
+}
+
+#[test]
+fn a_change_of_one_term_changes_its_section_only() {
+    let (before, after) = (snapshot(BEFORE), snapshot(&BEFORE.replace("-10 s/m", "-12 s/m")));
+    let differing: Vec<String> = before
+        .sections
+        .iter()
+        .zip(&after.sections)
+        .filter(|(before, after)| before != after)
+        .map(|(before, _)| before.title())
+        .collect();
+    assert_eq!(differing, ["term still"]);
+}
+
+#[test]
+fn an_object_more_changes_no_formula() {
+    let scene = |more: &str| {
+        format!(
+            "scene {{ ground\n {more} box seat {{ size [1 m, 1 m, 1 m], at [-3 m, 0, 0.5 m] }} }}\nreward {{\n1 a = seat.height / 1 m\n}}"
+        )
+    };
+    let difference = between(&scene(""), &scene("box other { size [1 m, 1 m, 1 m], at [3 m, 0, 0.5 m] }\n"));
+    let told: Vec<(ChangeKind, &str, &str)> =
+        difference.changes.iter().map(|change| (change.kind, change.section.as_str(), change.name.as_str())).collect();
+    assert_eq!(told, [(ChangeKind::Added, "object", "other")], "{difference}");
+}
+
+#[test]
+fn the_order_of_questions_to_the_ground_does_not_show_in_the_hash() {
+    let (first, second) = ("1 a = ground_height(pelvis) / 1 m", "2 b = ground_height(torso) / 1 m");
+    let with_let = |order: [&str; 2]| {
+        let lets = order.map(|place| format!("let under_{place} = ground_height({place}) / 1 m\n")).concat();
+        format!("{lets}reward {{\n1 a = under_pelvis\n2 b = under_torso\n}}")
+    };
+    assert_eq!(hash(&with_let(["pelvis", "torso"])), hash(&with_let(["torso", "pelvis"])));
+    let finish_first = format!("finish {{\nthere when ground_height(torso) > 1 m\n}}\nreward {{\n{first}\n{second}\n}}");
+    let plain = format!("reward {{\n{first}\n{second}\n}}\nfinish {{\nthere when ground_height(torso) > 1 m\n}}");
+    assert_eq!(hash(&finish_first), hash(&plain));
+    assert_ne!(hash(&plain), hash(&plain.replace("torso", "head")));
+}
+
+#[test]
+fn what_two_terms_swap_is_a_change_of_order() {
+    let difference = between("reward {\n1 a = 1\n2 b = com.height / 1 m\n}", "reward {\n2 b = com.height / 1 m\n1 a = 1\n}");
+    assert_eq!(difference.changes.len(), 1);
+    assert_eq!(difference.changes[0].kind, ChangeKind::Reordered);
+    assert!(difference.to_string().contains("~ order of terms\n      a, b -> b, a"), "{difference}");
+}

@@ -1,0 +1,97 @@
+//! What is told of a task: as text, as data, as tables and as a page.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
+
+#[allow(dead_code)] // The pages have their own tests.
+mod support;
+
+use msk_compiler::explain::{Account, Options, account, html, latex, text};
+use msk_compiler::task::CompiledTask;
+use std::sync::Arc;
+use support::compiling::{compile_text, complete};
+
+fn compiled(source: &str) -> Arc<CompiledTask> {
+    let files = [("lib/terms.msk".to_owned(), include_str!("../../tasks/lib/terms.msk").to_owned())];
+    let compilation = compile_text(&source.replace("../lib/", "lib/"), &files).unwrap_or_else(|report| panic!("{report}"));
+    compilation.tasks[0].clone()
+}
+
+fn told(source: &str) -> Account {
+    account(&compiled(source), &Options::default())
+}
+
+/// The formula of a term that pays for `formula`.
+fn term(formula: &str) -> msk_compiler::explain::FormulaAccount {
+    told(&complete(&format!("reward {{\n1 a = {formula}\n}}"))).phases[0].terms[0].formula.clone()
+}
+
+const STAND: &str = include_str!("../../tasks/stabilization/stand.msk");
+const CATCH: &str = include_str!("../../tasks/interaction/catch.msk");
+
+#[test]
+fn a_task_with_objects_and_chance_is_told_in_full() {
+    insta::assert_snapshot!("catch_explained", text(&compiled(CATCH), &Options::default()));
+}
+
+#[test]
+fn the_account_is_stable_data() {
+    for (name, source) in [("stand", STAND), ("catch", CATCH)] {
+        insta::assert_json_snapshot!(format!("{name}_account"), told(source));
+    }
+}
+
+#[test]
+fn tables_have_the_layout_of_the_paper() {
+    insta::assert_snapshot!("tables", latex(&[told(STAND), told(CATCH)]));
+}
+
+#[test]
+fn a_page_holds_everything_and_asks_for_nothing_from_outside() {
+    let page = html("Tasks", &[told(STAND), told(CATCH)]);
+    for outside in ["http://", "https://", "<script", "<link", "src=", "url("] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    // Every element that is opened is closed.
+    for element in ["math", "mrow", "msub", "msup", "mfrac", "mi", "mo", "mn", "mtext", "table", "tr", "td", "section", "div"] {
+        let opened = page.matches(&format!("<{element}>")).count() + page.matches(&format!("<{element} ")).count();
+        assert_eq!(opened, page.matches(&format!("</{element}>")).count(), "{element}");
+    }
+    insta::assert_snapshot!("page", page);
+}
+
+#[test]
+fn signals_have_the_symbols_of_mechanics() {
+    for (formula, latex) in [
+        ("exp(-10 s/m * com.speed)", r"\exp(- 10\,\mathrm{s\,m^{-1}} \cdot \lVert \mathbf{v}_{\text{CoM}} \rVert)"),
+        ("com.velocity.z / 1 m/s", r"v_{\text{z,CoM}} / \mathrm{m\,s^{-1}}"),
+        ("pelvis.position.x / 2 m", r"x_{\text{pelvis}} / 2\,\mathrm{m}"),
+        ("mean(muscles.activation^2)", r"\operatorname{mean}({a}^{2})"),
+        ("knee_angle_r.qd / 1 rad/s", r"\dot{q}_{\text{knee angle r}} / \mathrm{rad\,s^{-1}}"),
+        (
+            "pelvis.height > 0.6 m and not terminated",
+            r"\mathbb{I}(z_{\text{pelvis}} > 0.6\,\mathrm{m} \land \lnot \mathit{terminated})",
+        ),
+        ("1 when pelvis.height > 0.6 m", r"1 \cdot \mathbb{I}(z_{\text{pelvis}} > 0.6\,\mathrm{m})"),
+        ("pelvis.height / (pelvis.height + 1 m)", r"\frac{z_{\text{pelvis}}}{z_{\text{pelvis}} + 1\,\mathrm{m}}"),
+    ] {
+        assert_eq!(term(formula).latex, latex, "{formula}");
+    }
+}
+
+#[test]
+fn what_formulas_name_is_told_before_its_readers() {
+    let account = told(
+        &complete(
+            "let high = pelvis.height / 1 m
+        fn twice(x) = 2 * x
+        reward {
+        1 a = twice(higher)
+        }
+        let higher = high + 1",
+        )
+        .replacen("fn twice(x) = 2 * x", "", 1)
+        .replacen("task example", "fn twice(x) = 2 * x\ntask example", 1),
+    );
+    let names: Vec<&str> = account.phases[0].definitions.iter().map(|definition| definition.name.as_str()).collect();
+    assert_eq!(names, ["twice", "high", "higher"]);
+}
