@@ -166,7 +166,7 @@ macro_rules! parity {
     )*};
 }
 
-parity!(ball_free, gravity, keyframes, motors, sites, spin, tendons);
+parity!(adhesion, ball_free, gravity, keyframes, motors, sites, spin, tendons, underwater);
 
 #[test]
 fn sensors_read_what_mujocos_read() {
@@ -200,7 +200,7 @@ fn sensors_read_what_mujocos_read() {
 
 #[test]
 fn every_model_survives_writing_and_reading() {
-    for name in ["ball_free", "gravity", "keyframes", "motors", "sites", "spin", "tendons"] {
+    for name in ["adhesion", "ball_free", "gravity", "keyframes", "motors", "sites", "spin", "tendons", "underwater"] {
         let mut model = model(name);
         for (integrator, damping) in [(Integrator::Euler, false), (Integrator::Implicit, true), (Integrator::RungeKutta, true)] {
             model.options.integrator = integrator;

@@ -11,6 +11,10 @@ import numpy as np
 
 from smooth import HERE, SplitMix, draw, write
 
+SEEDS = {
+    "ball_free": 700, "gravity": 701, "keyframes": 702, "motors": 703, "sites": 704, "spin": 705, "tendons": 706,
+    "adhesion": 707, "underwater": 708,
+}
 STATES = ["actuator_length", "actuator_velocity", "actuator_force", "act_dot", "qfrc_actuator", "qfrc_passive", "qacc"]
 KEYS = ["qpos", "qvel", "act", "ctrl", "mocap_pos", "mocap_quat", "xpos", "qacc"]
 INTEGRATORS = {
@@ -121,5 +125,5 @@ def sensors(path, seed, states=40):
 
 if __name__ == "__main__":
     sensors(HERE / "models" / "sensors" / "sensors.xml", 751)
-    for number, path in enumerate(sorted((HERE / "models" / "actuation").glob("*.xml"))):
-        golden(path, 700 + number)
+    for path in sorted((HERE / "models" / "actuation").glob("*.xml")):
+        golden(path, SEEDS[path.stem])

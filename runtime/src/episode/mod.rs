@@ -284,7 +284,7 @@ impl Episode {
         if forces_change || model.actuators.early.contains(&true) {
             physics::forward(model, state, workspace)?;
         } else {
-            physics::actuation::update(model, state, &workspace.kinematics, &workspace.tendons, &mut workspace.actuation);
+            physics::smooth::excite(model, state, workspace);
         }
         for _ in 0..self.substeps {
             physics::integrate(model, state, workspace)?;

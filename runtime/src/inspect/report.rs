@@ -125,7 +125,9 @@ fn actuator_moment(model: &Model, state: &State<f64>, workspace: &Workspace<f64>
     let mut moment = vec![0.0; model.actuators.name.len() * model.nv];
     // No dofs, no columns: `chunks` needs a size of at least one.
     for (actuator, row) in moment.chunks_mut(model.nv.max(1)).enumerate() {
-        actuation::moment(model, state, &workspace.kinematics, &workspace.tendons, actuator, row);
+        if !workspace.actuation.contact_moment(model, actuator, row) {
+            actuation::moment(model, state, &workspace.kinematics, &workspace.tendons, actuator, row);
+        }
     }
     moment
 }

@@ -20,6 +20,9 @@ pub enum Transmission {
         /// What its pose is measured from.
         reference: Option<usize>,
     },
+    /// A body, which is drawn to all that it touches or nearly touches: the force is shared by its contacts and acts along
+    /// their normals.
+    Body(usize),
 }
 
 /// How the activation follows the control u.

@@ -35,7 +35,7 @@ pub use height_field::HeightField;
 pub use keyframes::Keyframe;
 pub use mesh::{Face, Hull, Mesh};
 pub use mjcf::ModelError;
-pub use options::{Cone, Integrator, Options, Switches};
+pub use options::{Cone, Fluid, Integrator, Options, Switches};
 pub use sensors::{Framed, Measure, Sensors};
 pub use tendons::{PathPoint, Tendons};
 

@@ -43,6 +43,17 @@ impl Default for Switches {
     }
 }
 
+/// A medium that fills all space; nothing does where density and viscosity are zero.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Fluid {
+    /// kg/m³.
+    pub density: f64,
+    /// Pa s.
+    pub viscosity: f64,
+    /// Velocity of the medium, m/s.
+    pub wind: Vector3<f64>,
+}
+
 /// Simulation options, MuJoCo's `option` element.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
@@ -54,6 +65,8 @@ pub struct Options {
     pub euler_damping: bool,
     /// Gravity in m/s².
     pub gravity: Vector3<f64>,
+    /// What surrounds all bodies.
+    pub fluid: Fluid,
     /// Solver iterations at most.
     pub iterations: usize,
     /// Line-search iterations at most.
@@ -77,6 +90,7 @@ impl Default for Options {
             integrator: Integrator::Euler,
             euler_damping: true,
             gravity: Vector3::new(0.0, 0.0, -9.81),
+            fluid: Fluid::default(),
             iterations: 100,
             line_search_iterations: 50,
             tolerance: 1e-8,

@@ -157,6 +157,9 @@ fn body_weight(model: &Model, kinematics: &Kinematics<f64>, factor: &[f64], body
     let Some(last) = model.bodies.dofs[weld].clone().next_back() else {
         return [0.0; 2];
     };
+    if only_slides(model, body) {
+        return [1.0 / model.bodies.mass[body].max(MINIMUM), 0.0];
+    }
     let arm = kinematics.inertial_position[body] - kinematics.reference(model, body);
     let mut mean = |force: &dyn Fn(Vector3<f64>) -> [Vector3<f64>; 2]| {
         let mut sum = 0.0;
@@ -171,6 +174,27 @@ fn body_weight(model: &Model, kinematics: &Kinematics<f64>, factor: &[f64], body
     [mean(&|axis| [arm.cross(&axis), axis]), mean(&|axis| [axis, Vector3::zeros()])]
 }
 
+/// Whether a body does nothing but slide along its own axes, with its centre of mass at their origin, on what is fixed, and
+/// carries no other. For such a body MuJoCo takes the mass alone: not the mean over directions, and without rotor inertia.
+fn only_slides(model: &Model, body: usize) -> bool {
+    let (bodies, joints) = (&model.bodies, &model.joints);
+    let along_axis = |joint: usize| {
+        let aligned = joints.axis[joint].iter().any(|part| part.abs() > 1.0 - MINIMUM);
+        joints.kind[joint] == JointKind::Slide && aligned && joints.anchor[joint].norm() < SMALL
+    };
+    let [_, x, y, z] = bodies.inertial_orientation[body];
+    let centred = bodies.inertial_position[body].norm() < SMALL && Vector3::new(x, y, z).norm() < SMALL;
+    body > 0
+        && bodies.weld[bodies.parent[body]] == 0
+        && !bodies.joints[body].is_empty()
+        && bodies.joints[body].clone().all(along_axis)
+        && centred
+        && !bodies.parent.contains(&body)
+}
+
+/// Distances (m) and angles (rad) below this are none where frames are compared.
+const SMALL: f64 = 1e-6;
+
 /// Diagonal of the inverse mass matrix, averaged over a ball's three dofs and a free joint's two triples.
 fn dof_weights(model: &Model, factor: &[f64]) -> Vec<f64> {
     let mut row = vec![0.0; model.nv];
@@ -180,6 +204,9 @@ fn dof_weights(model: &Model, factor: &[f64]) -> Vec<f64> {
             path_response(model, factor, dof, &mut row)
         })
         .collect();
+    for dof in (0..model.nv).filter(|&dof| only_slides(model, model.dofs.body[dof])) {
+        weights[dof] = 1.0 / model.bodies.mass[model.dofs.body[dof]].max(MINIMUM);
+    }
     for joint in 0..model.joints.kind.len() {
         let triples = match model.joints.kind[joint] {
             JointKind::Free => 2,

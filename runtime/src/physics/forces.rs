@@ -2,6 +2,7 @@
 
 use super::{
     Workspace,
+    fluid::Medium,
     inertia::{self, Inertia},
     kinematics::Kinematics,
     rotation::{constant_quaternion, difference, normalize},
@@ -18,7 +19,7 @@ use crate::{
 /// Generalised forces, `nv` entries each: N and N m.
 #[derive(Debug, Clone)]
 pub struct Forces<T: Real> {
-    /// Springs and dampers of joints and tendons (`qfrc_passive`).
+    /// Springs and dampers of joints and tendons, the weight that is compensated, drag (`qfrc_passive`).
     pub passive: Vec<T>,
     /// Coriolis, centrifugal and gravitational forces, on the left-hand side of M a + bias = force (`qfrc_bias`).
     pub bias: Vec<T>,
@@ -35,6 +36,7 @@ pub struct Forces<T: Real> {
     pub(super) body_acceleration: Vec<Spatial<T>>,
     /// Scratch: forces on bodies.
     pub(super) body_force: Vec<Spatial<T>>,
+    pub(super) medium: Medium,
     /// Scratch: a generalised force before it is added to another.
     swept: Vec<T>,
 }
@@ -53,6 +55,7 @@ impl<T: Real> Forces<T> {
             smooth_acceleration: zeros.clone(),
             body_acceleration: bodies.clone(),
             body_force: bodies,
+            medium: Medium::new(model),
             swept: zeros,
         }
     }
@@ -99,12 +102,13 @@ pub fn bias<T: Real>(
     gather(model, kinematics, &mut out.body_force, &mut out.bias);
 }
 
-/// Springs and dampers of joints and tendons.
+/// Springs and dampers of joints and tendons, compensated weight, drag.
 pub fn passive<T: Real>(
     model: &Model,
     state: &State<T>,
     kinematics: &Kinematics<T>,
     tendons: &TendonPaths<T>,
+    velocities: &Velocities<T>,
     out: &mut Forces<T>,
 ) {
     for dof in 0..model.nv {
@@ -116,6 +120,10 @@ pub fn passive<T: Real>(
         }
     }
     compensate(model, kinematics, out);
+    if !out.medium.is_empty() {
+        out.medium.drag(model, kinematics, velocities, &mut out.body_force);
+        add_swept(model, kinematics, out);
+    }
     let elastic = |tendon: &usize| model.tendons.stiffness[*tendon] != 0.0 || model.tendons.damping[*tendon] != 0.0;
     let tendon_count = model.tendons.path.len();
     if !(0..tendon_count).any(|tendon| elastic(&tendon)) {
@@ -125,12 +133,17 @@ pub fn passive<T: Real>(
     for tendon in (0..tendon_count).filter(elastic) {
         tendons.pull(tendon, tendon_force(model, tendons, tendon), &mut out.body_force);
     }
+    add_swept(model, kinematics, out);
+    for tendon in (0..tendon_count).filter(|tendon| tendons.is_fixed(*tendon)).filter(elastic) {
+        tendons.pull_joints(tendon, tendon_force(model, tendons, tendon), &mut out.passive);
+    }
+}
+
+/// Adds the forces on bodies to the passive ones.
+fn add_swept<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Forces<T>) {
     gather(model, kinematics, &mut out.body_force, &mut out.swept);
     for (total, part) in out.passive.iter_mut().zip(&out.swept) {
         *total += *part;
-    }
-    for tendon in (0..tendon_count).filter(|tendon| tendons.is_fixed(*tendon)).filter(elastic) {
-        tendons.pull_joints(tendon, tendon_force(model, tendons, tendon), &mut out.passive);
     }
 }
 

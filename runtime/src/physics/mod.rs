@@ -18,6 +18,7 @@ pub mod constrained;
 pub mod constraint;
 pub mod elastic;
 pub mod fault;
+mod fluid;
 pub mod forces;
 pub mod inertia;
 pub mod integrator;

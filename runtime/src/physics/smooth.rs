@@ -23,13 +23,20 @@ pub fn motions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspa
     velocities::update(model, state, kinematics, velocities);
     tendons::update_velocities(state, velocities, tendons);
     forces::bias(model, state, kinematics, inertia, velocities, forces);
-    forces::passive(model, state, kinematics, tendons, forces);
+    forces::passive(model, state, kinematics, tendons, velocities, forces);
 }
 
-/// Stages that depend on excitations, activations and applied forces too: actuators, total force, acceleration.
+/// Lengths, velocities, activation rates and forces of all actuators. Needs positions, motions and contacts.
+pub fn excite<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    let Workspace { kinematics, tendons, actuation, episodes, .. } = workspace;
+    actuation::update(model, state, kinematics, tendons, episodes, actuation);
+}
+
+/// Stages that depend on excitations, activations and applied forces too: actuators, total force, acceleration. An actuator
+/// that draws a body to what it touches acts on the contacts that were detected last.
 pub fn inputs<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    excite(model, state, workspace);
     let Workspace { kinematics, inertia, tendons, actuation, forces, .. } = workspace;
-    actuation::update(model, state, kinematics, tendons, actuation);
     let Forces { compensation, body_force, actuator, .. } = forces;
     actuation::generalised_force(model, kinematics, tendons, actuation, compensation, body_force, actuator);
     forces::smooth(model, state, kinematics, inertia, forces);

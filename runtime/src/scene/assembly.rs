@@ -6,10 +6,11 @@
 use super::builder::{Built, SceneBuilder};
 use super::check::BuildError;
 use super::elements::{NewBody, NewGeom, NewJoint};
+use super::kept;
 use crate::model::inertia::MassProperties;
 use crate::model::{
     Actuators, Attachment, AttachmentOrigin, Bias, Bodies, ContactPairs, Dofs, Equality, Gain, GeomKind, Geoms, HeightField,
-    JointKind, Joints, Model, PathPoint, Sensors, Sites, Softness, Transmission, rotation, topology,
+    JointKind, Joints, Model, PathPoint, Sites, Softness, Transmission, rotation, topology,
 };
 use crate::physics::constants;
 use nalgebra::Vector3;
@@ -130,9 +131,8 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
         nq: 0,
         nv: 0,
         na: base.na,
-        // States of the body alone say nothing of the scene, and its file's sensors count its own parts.
         keyframes: Vec::new(),
-        sensors: Sensors::default(),
+        sensors: base.sensors.clone(),
         reference_position: Vec::new(),
     };
     move_references(&mut model, [&bodies, &joints, &geoms, &sites]);
@@ -141,6 +141,7 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
     }
     gather_bodies(builder, &order, &bodies, &mut model);
     gather_joints(builder, &order, &bodies, &mut model);
+    model.keyframes = kept::keyframes(builder, &order.joints, &model);
     gather_shapes(builder, &order, &bodies, &mut model);
     add_attachments(builder, &sites, &mut model);
     for &geom in &builder.intangible {
@@ -180,11 +181,14 @@ fn move_references(model: &mut Model, [bodies, joints, geoms, sites]: [&Vec<usiz
         match transmission {
             Transmission::Joint(joint) | Transmission::JointInParent(joint) => *joint = joints[*joint],
             Transmission::Tendon(_) => {}
+            Transmission::Body(body) => *body = bodies[*body],
             Transmission::Site { site, reference } => {
                 (*site, *reference) = (sites[*site], reference.map(|site| sites[site]));
             }
         }
     }
+    let places = [bodies, joints, geoms, sites];
+    model.sensors.measure.iter_mut().for_each(|measure| kept::move_measure(measure, places));
     let couplings = &mut model.couplings;
     couplings.joint.iter_mut().chain(couplings.leader.iter_mut().flatten()).for_each(|joint| *joint = joints[*joint]);
 }

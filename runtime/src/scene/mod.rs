@@ -15,6 +15,7 @@ mod convex;
 mod elements;
 mod footprint;
 pub mod ground;
+mod kept;
 mod objects;
 pub mod radar;
 pub mod terrain;

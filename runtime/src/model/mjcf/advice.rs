@@ -1,7 +1,7 @@
 //! What can be done about a feature that the simulator does not have.
 
 /// The first word in backquotes of a description, and what to do about it.
-const BY_WORD: [(&str, &str); 29] = [
+const BY_WORD: [(&str, &str); 26] = [
     ("composite", DEFORMABLE),
     ("flexcomp", DEFORMABLE),
     ("flex", DEFORMABLE),
@@ -14,9 +14,6 @@ const BY_WORD: [(&str, &str); 29] = [
     ("scale", COMPOSED),
     ("massscale", COMPOSED),
     ("fluidshape", FLUID),
-    ("density", FLUID),
-    ("viscosity", FLUID),
-    ("wind", FLUID),
     ("fusestatic", "set it to false: static bodies then stay apart, which moves the same"),
     ("coordinate", "open and save the file with MuJoCo 2.2 or older, which rewrites it in local coordinates"),
     ("noslip_iterations", "remove it; `cone` elliptic with a larger `impratio` reduces slip too"),
@@ -29,7 +26,7 @@ const BY_WORD: [(&str, &str); 29] = [
     ("gaintype", MOTOR),
     ("cranksite", "make the crank and the slider bodies of their own, joined by a `connect`"),
     ("delay", "remove it, or delay the control before it reaches the simulator"),
-    ("adhesion", "remove it, or hold the bodies together by a weld"),
+    ("adhesion", "remove it, or let an `adhesion` actuator hold the body"),
     ("surfacevel", "remove it, or move the surface by a slide joint of its own"),
 ];
 
@@ -37,7 +34,7 @@ const DEFORMABLE: &str = "only rigid bodies are simulated: replace it by bodies 
 const PLUGIN: &str = "plugins are programs outside the model: replace it by built-in elements, or remove it";
 const MOTOR: &str = "replace it by `position`, `velocity`, `motor` or `muscle`, or another `general` actuator";
 const COMPOSED: &str = "load the file with MuJoCo and save it (`mj_saveLastXML`): the saved file has it resolved";
-const FLUID: &str = "there is no fluid: set it to zero, or remove it";
+const FLUID: &str = "remove it: bodies then drag like boxes of their inertia wherever `option` has a `density` or `viscosity`";
 
 /// Advice where no other is known.
 const GENERAL: &str = "remove it if the motion does not depend on it, or express it by other elements";
@@ -55,8 +52,8 @@ mod tests {
     #[test]
     fn the_first_word_in_backquotes_decides() {
         assert_eq!(advice("element `flexcomp` in `body`"), DEFORMABLE);
-        assert_eq!(advice("attribute `density` of `option` with the value `1`"), FLUID);
-        assert_eq!(advice("attribute `unheard` of `density`"), GENERAL);
+        assert_eq!(advice("attribute `fluidshape` of `geom` with the value `ellipsoid`"), FLUID);
+        assert_eq!(advice("attribute `unheard` of `fluidshape`"), GENERAL);
         assert_eq!(advice("something"), GENERAL);
     }
 }

@@ -74,7 +74,7 @@ const TENDON_SKIPPED: &str = "group width material rgba user";
 const TENDON_NEUTRAL: &[(&str, &str)] = &[("springyield", "0"), ("actuatorfrclimited", "false"), ("actuatorfrcrange", "0")];
 const ACTUATOR_NEUTRAL: &[(&str, &str)] = &[("delay", "0"), ("nsample", "0")];
 const ACTUATOR_SKIPPED: &str = "group user interp input";
-const ACTUATOR: &str = "name class joint jointinparent tendon site refsite ctrllimited ctrlrange forcelimited forcerange \
+const ACTUATOR: &str = "name class joint jointinparent tendon site refsite body ctrllimited ctrlrange forcelimited forcerange \
     actlimited actrange lengthrange gear damping armature actearly actdim inheritrange";
 const MUSCLE: &str = "timeconst tausmooth range force scale lmin lmax vmax fpmax fvmax";
 const GENERAL: &str = "dyntype gaintype biastype dynprm gainprm biasprm";
@@ -84,8 +84,7 @@ const PAIR: &str = "name class geom1 geom2 condim friction solref solreffriction
 const BODY: &str = "name childclass pos quat axisangle xyaxes zaxis euler mocap gravcomp";
 const FRAME: &str = "name childclass pos quat axisangle xyaxes zaxis euler";
 const FRAME_NEUTRAL: &[(&str, &str)] = &[("scale", "1"), ("massscale", "0"), ("scaling", "similar")];
-const OPTION_NEUTRAL: &[(&str, &str)] =
-    &[("noslip_iterations", "0"), ("density", "0"), ("viscosity", "0"), ("actuatorgroupdisable", "")];
+const OPTION_NEUTRAL: &[(&str, &str)] = &[("noslip_iterations", "0"), ("actuatorgroupdisable", "")];
 
 /// Attributes whose value is one of several words, and the words that the simulator knows.
 const CHOICES: [(&str, &str); 4] = [
@@ -102,8 +101,8 @@ const RULES: &[Rule] = &[
         "texturedir usethread discardvisual saveinertial savecompiled savecanonical conflict passthrough fitaabb",
         &[("coordinate", "local"), ("fusestatic", "false")]),
     rule("compiler/lengthrange", "mode useexisting uselimit accel maxforce timeconst timestep inttotal interval tolrange", "", &[]),
-    rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio cone solver",
-        "magnetic wind jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
+    rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio cone solver density viscosity wind",
+        "magnetic jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
          o_margin o_solref o_solimp o_friction", OPTION_NEUTRAL),
     rule("option/flag", "constraint equality frictionloss limit contact refsafe eulerdamp gravity", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
         ("spring", "enable"), ("damper", "enable"), ("clampctrl", "enable"),
@@ -130,6 +129,7 @@ const RULES: &[Rule] = &[
     actuator("default/damper", "kv"),
     actuator("default/cylinder", CYLINDER),
     actuator("default/muscle", MUSCLE),
+    actuator("default/adhesion", "gain"),
     rule("mujoco/worldbody", "", "name", &[]),
     rule("body/body", BODY, "user fuse",
         &[("sleep", "auto"), ("simple", "auto")]),
@@ -164,6 +164,7 @@ const RULES: &[Rule] = &[
     actuator("actuator/damper", "kv"),
     actuator("actuator/cylinder", CYLINDER),
     actuator("actuator/muscle", MUSCLE),
+    actuator("actuator/adhesion", "gain"),
     rule("mujoco/sensor", "", "", &[]),
     sensor("sensor/touch", "site"),
     sensor("sensor/accelerometer", "site"),

@@ -25,13 +25,14 @@ pub(super) struct Shortcut {
 }
 
 /// All shortcuts.
-pub(super) const SHORTCUTS: [Shortcut; 7] = [
+pub(super) const SHORTCUTS: [Shortcut; 8] = [
     Shortcut { tag: "motor", gain: "fixed", named: &[] },
     Shortcut { tag: "position", gain: "fixed", named: &["kp", "kv", "dampratio", "timeconst"] },
     Shortcut { tag: "velocity", gain: "fixed", named: &["kv"] },
     Shortcut { tag: "intvelocity", gain: "fixed", named: &["kp", "kv", "dampratio"] },
     Shortcut { tag: "damper", gain: "affine", named: &["kv"] },
     Shortcut { tag: "cylinder", gain: "fixed", named: &["timeconst", "area", "diameter", "bias"] },
+    Shortcut { tag: "adhesion", gain: "fixed", named: &["gain"] },
     Shortcut {
         tag: "muscle",
         gain: "muscle",
@@ -69,11 +70,12 @@ pub(super) fn expand(
         "position" | "intvelocity" => position(element, &below, shortcut.tag)?,
         "velocity" | "damper" => velocity(element, &below, shortcut.tag)?,
         "cylinder" => cylinder(element, &below)?,
+        "adhesion" => adhesion(element, &below)?,
         _ => Law { types: ["none", "fixed", "none"], dynamics: leading([1.0]), gain: leading([1.0]), bias: [0.0; 10] },
     };
     let own = |name: &str| shortcut.named.contains(&name);
     let mut attributes: Vec<_> = element.attributes.iter().filter(|(name, _)| !own(name)).cloned().collect();
-    if shortcut.tag == "damper" {
+    if ["damper", "adhesion"].contains(&shortcut.tag) {
         attributes.push(("ctrllimited".to_owned(), "true".to_owned()));
     }
     let [dynamics, gain, bias] = law.types.map(str::to_owned);
@@ -136,6 +138,12 @@ fn cylinder(element: &Element, below: &Element) -> Result<Law, ModelError> {
     }
     let bias = element.numbers_over("bias", first::<3>(&figures(below, "biasprm", [0.0])?))?;
     Ok(Law { types: ["filter", "fixed", "affine"], dynamics: leading([time]), gain: leading([area]), bias: leading(bias) })
+}
+
+/// What holds a body to whatever touches it.
+fn adhesion(element: &Element, below: &Element) -> Result<Law, ModelError> {
+    let strength = element.size_or("gain", figures(below, "gainprm", [1.0])?[0])?;
+    Ok(Law { types: ["none", "fixed", "none"], dynamics: leading([1.0]), gain: leading([strength]), bias: [0.0; 10] })
 }
 
 /// A muscle. The passive force takes the parameters of the active one.

@@ -2,7 +2,7 @@
 //!
 //! 1. `muscle`: activation dynamics and the force-length-velocity curves;
 //! 2. `law`: gains, biases and dynamics of motors and servos;
-//! 3. `transmission`: joints and sites as targets;
+//! 3. `transmission`: joints, sites and bodies in contact as targets;
 //! 4. here: what is planned once per model, and one step of all actuators.
 //!
 //! Plain muscles (muscular in all three parts, on a tendon, nothing clamped but the control) have a loop of their own: a
@@ -14,6 +14,7 @@ mod muscle;
 mod transmission;
 
 use super::{
+    constrained::Episode,
     elastic::{Fibres, Paths},
     kinematics::Kinematics,
     spatial::{Spatial, spatial_zero},
@@ -156,6 +157,15 @@ impl<T: Real> Actuation<T> {
         }
     }
 
+    /// Writes the row of `actuator_moment` of an actuator on a body, as the last update found its contacts; whether it is one.
+    pub fn contact_moment(&self, model: &Model, actuator: usize, row: &mut [T]) -> bool {
+        let on_body = matches!(model.actuators.transmission[actuator], Transmission::Body(_));
+        for other in self.plan.others.iter().filter(|other| on_body && other.actuator == actuator) {
+            self.moments.entries(other.moment.clone()).for_each(|(dof, entry)| row[dof] = entry);
+        }
+        on_body
+    }
+
     /// Hands the fibres of the present positions to `state`, which is to move on from these by `step` seconds.
     pub(super) fn keep_fibres(&self, state: &mut State<T>, step: f64) {
         if let Some(fibres) = &self.fibres {
@@ -233,6 +243,7 @@ pub fn update<T: Real>(
     state: &State<T>,
     kinematics: &Kinematics<T>,
     tendons: &TendonPaths<T>,
+    episodes: &[Episode],
     out: &mut Actuation<T>,
 ) {
     let plan = Arc::clone(&out.plan);
@@ -257,7 +268,7 @@ pub fn update<T: Real>(
     for other in &plan.others {
         let [length, velocity] = match other.tendon {
             Some(tendon) => [tendons.length[tendon], tendons.velocity[tendon]].map(|value| value * T::splat(other.gear)),
-            None => out.moments.update(model, state, kinematics, other.actuator, other.moment.clone()),
+            None => out.moments.update(model, state, kinematics, episodes, other.actuator, other.moment.clone()),
         };
         let [gain, bias, force] = other.forces(model, state, length, velocity, &mut out.activation_rate);
         out.length[other.actuator] = length;
@@ -401,7 +412,7 @@ pub(super) fn each_slope<T: Real>(
 }
 
 /// Writes into `row` (`nv` entries) how the length of `actuator` changes with every dof: its row of `actuator_moment`. On
-/// request only.
+/// request only. Without contacts, which an actuator on a body acts on: [`Actuation::contact_moment`] has these.
 pub fn moment<T: Real>(
     model: &Model,
     state: &State<T>,
@@ -419,7 +430,7 @@ pub fn moment<T: Real>(
     row.fill(T::splat(0.0));
     let sides = transmission::entries(model, model.actuators.transmission[actuator]);
     let mut values = vec![T::splat(0.0); sides.len()];
-    transmission::measure(model, state, kinematics, actuator, &sides, &mut values);
+    transmission::measure(model, state, kinematics, &[], actuator, &sides, &mut values);
     for (&(dof, _), value) in sides.iter().zip(values) {
         row[dof] = value;
     }

@@ -1,13 +1,16 @@
-//! What actuators act on besides tendons: joints and sites, and how far and how fast these are.
+//! What actuators act on besides tendons: joints, sites and bodies in contact, and how far and how fast these are.
 //!
 //! The moment of an actuator says how its length changes with every dof. It is kept for the dofs that can have one, which
 //! are known once per model: those of the joint, or those between a site and the root (and its reference and the root,
 //! without the dofs that move both). Site wrenches follow MuJoCo's definition: with a reference, force and torque act in
-//! its axes on the site and are answered at the reference's origin.
+//! its axes on the site and are answered at the reference's origin. An actuator on a body draws it to what it touches: its
+//! moment is the mean over the body's contacts, those in the gap included, of what brings the two sides together along the
+//! normal; it has no length.
 
 use crate::{
     model::{JointKind, Model, Transmission},
     physics::{
+        constrained::Episode,
         jacobian::last_dof,
         kinematics::Kinematics,
         rotation::{MINIMUM, constant_quaternion, difference, matrix, multiply, normalize},
@@ -19,7 +22,8 @@ use crate::{
 use core::ops::Range;
 use nalgebra::Vector3;
 
-/// The dofs that an actuator's length may depend on, and their side: +1 moves the target, -1 what it is measured from.
+/// The dofs that an actuator's length may depend on, and their side: +1 moves the target, -1 what it is measured from. What a
+/// body touches may be moved by any.
 pub(super) fn entries(model: &Model, transmission: Transmission) -> Vec<(usize, f64)> {
     match transmission {
         Transmission::Tendon(_) => Vec::new(),
@@ -32,6 +36,7 @@ pub(super) fn entries(model: &Model, transmission: Transmission) -> Vec<(usize, 
             };
             (first..first + count).map(|dof| (dof, 1.0)).collect()
         }
+        Transmission::Body(_) => (0..model.nv).map(|dof| (dof, 1.0)).collect(),
         Transmission::Site { site, reference } => {
             let mut end = last_dof(model, model.sites.body[site]);
             let mut other = reference.and_then(|site| last_dof(model, model.sites.body[site]));
@@ -69,6 +74,7 @@ pub(super) fn measure<T: Real>(
     model: &Model,
     state: &State<T>,
     kinematics: &Kinematics<T>,
+    episodes: &[Episode],
     actuator: usize,
     sides: &[(usize, f64)],
     moment: &mut [T],
@@ -76,6 +82,10 @@ pub(super) fn measure<T: Real>(
     let gear = model.actuators.gear[actuator].map(T::splat);
     match model.actuators.transmission[actuator] {
         Transmission::Tendon(_) => T::splat(0.0),
+        Transmission::Body(body) => {
+            draw_near(model, kinematics, episodes, body, moment);
+            T::splat(0.0)
+        }
         Transmission::Joint(joint) => of_joint(model, state, joint, &gear, false, moment),
         Transmission::JointInParent(joint) => of_joint(model, state, joint, &gear, true, moment),
         Transmission::Site { site, reference } => of_site(model, kinematics, [Some(site), reference], &gear, sides, moment),
@@ -143,6 +153,28 @@ fn of_site<T: Real>(
     dot(&push, &rotate_back(&axes, &gap)) + dot(&turn, &difference(&orientation(site), &orientation(reference)))
 }
 
+/// The moment of an actuator that draws a body to what it touches.
+fn draw_near<T: Real>(model: &Model, kinematics: &Kinematics<T>, episodes: &[Episode], body: usize, moment: &mut [T]) {
+    moment.fill(T::splat(0.0));
+    for (lane, episode) in episodes.iter().enumerate() {
+        let own = |geom: usize| model.geoms.body[geom] == body;
+        let touching = || episode.constraints.contacts.iter().filter(|contact| contact.geoms.into_iter().any(own));
+        let share = 1.0 / touching().count().max(1) as f64;
+        for contact in touching() {
+            let normal = contact.frame.row(0).transpose();
+            for (geom, sign) in contact.geoms.into_iter().zip([share, -share]) {
+                let body = model.geoms.body[geom];
+                let arm = contact.position - kinematics.reference(model, body).map(|value| value.lane(lane));
+                for dof in core::iter::successors(last_dof(model, body), |&dof| model.dofs.parent[dof]) {
+                    let [angular, linear] = kinematics.dof_axis[dof].map(|part| part.map(|value| value.lane(lane)));
+                    let part = sign * (linear + angular.cross(&arm)).dot(&normal);
+                    moment[dof].set_lane(lane, moment[dof].lane(lane) + part);
+                }
+            }
+        }
+    }
+}
+
 /// The moments of all actuators that do not pull tendons.
 #[derive(Debug, Clone)]
 pub(super) struct Moments<T> {
@@ -170,11 +202,12 @@ impl<T: Real> Moments<T> {
         model: &Model,
         state: &State<T>,
         kinematics: &Kinematics<T>,
+        episodes: &[Episode],
         actuator: usize,
         range: Range<usize>,
     ) -> [T; 2] {
         let (sides, values) = (&self.sides[range.clone()], &mut self.values[range.clone()]);
-        let length = measure(model, state, kinematics, actuator, sides, values);
+        let length = measure(model, state, kinematics, episodes, actuator, sides, values);
         let velocity = self.entries(range).fold(T::splat(0.0), |sum, (dof, entry)| sum + entry * state.velocity[dof]);
         [length, velocity]
     }

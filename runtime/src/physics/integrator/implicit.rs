@@ -1,5 +1,5 @@
 //! Implicit in velocity, without Coriolis forces: (M + h B) a = force, where B holds the slopes over velocity of joint
-//! dampers, tendon dampers and actuators.
+//! dampers, tendon dampers, drag and actuators.
 //!
 //! B keeps the sparsity of the tree, as MuJoCo's does: what a tendon or actuator between two branches adds to pairs of dofs
 //! on different branches is left out. A free body on which no joint hangs is decoupled from the rest; its gyroscopic forces
@@ -60,12 +60,13 @@ fn acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Worksp
     matrix.copy_from_slice(&workspace.inertia.matrix);
     add_joint_damping(model, &mut matrix);
     let step = T::splat(model.options.timestep);
-    let Workspace { kinematics, tendons, actuation, forces, .. } = &*workspace;
+    let Workspace { kinematics, tendons, velocities, actuation, forces, .. } = &*workspace;
     for (tendon, damping) in model.tendons.damping.iter().enumerate().filter(|(_, damping)| **damping != 0.0) {
         moment_arms(model, kinematics, tendons, tendon, &mut scratch.moment);
         add_outer(model, &scratch.moment, step * T::splat(*damping), &mut matrix);
     }
-    let add = |moment: &[T], slope: T| add_outer(model, moment, -step * slope, &mut matrix);
+    let mut add = |moment: &[T], slope: T| add_outer(model, moment, -step * slope, &mut matrix);
+    forces.medium.each_slope(model, kinematics, velocities, &mut scratch.moment, &mut add);
     actuation::each_slope(model, state, kinematics, tendons, actuation, &forces.actuator, &mut scratch.moment, add);
     for (&body, block) in scratch.floating.iter().zip(&mut scratch.blocks) {
         let first = model.dofs.row[model.bodies.dofs[body].start].start;

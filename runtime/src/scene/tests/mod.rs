@@ -1,4 +1,5 @@
 mod ground;
+mod kept;
 
 use super::*;
 use crate::bodies;

@@ -7,7 +7,7 @@ use crate::model::mjcf::error::ModelError;
 use crate::model::{Bias, Dynamics, Gain, JointKind, Transmission};
 
 /// The attributes that say what an actuator acts on, of which it has exactly one.
-const TARGETS: [&str; 4] = ["joint", "jointinparent", "tendon", "site"];
+const TARGETS: [&str; 5] = ["joint", "jointinparent", "tendon", "site", "body"];
 
 impl Compiler<'_> {
     /// Reads the `actuator` sections.
@@ -67,6 +67,7 @@ impl Compiler<'_> {
         Ok(match target {
             "joint" => Transmission::Joint(self.names.required(Kind::Joint, element, target)?),
             "jointinparent" => Transmission::JointInParent(self.names.required(Kind::Joint, element, target)?),
+            "body" => Transmission::Body(self.names.required(Kind::Body, element, target)?),
             "tendon" => Transmission::Tendon(self.names.required(Kind::Tendon, element, target)?),
             _ => Transmission::Site {
                 site: self.names.required(Kind::Site, element, target)?,
@@ -100,7 +101,7 @@ impl Compiler<'_> {
         let target = match transmission {
             Transmission::Joint(joint) | Transmission::JointInParent(joint) => self.model.joints.range[joint],
             Transmission::Tendon(tendon) => self.model.tendons.range[tendon],
-            Transmission::Site { .. } => None,
+            Transmission::Site { .. } | Transmission::Body(_) => None,
         };
         let Some([low, high]) = target else {
             return Err(element.invalid("`inheritrange` needs a joint or tendon with a `range`"));

@@ -142,7 +142,7 @@ impl LengthRanges {
                 model.joints.range[joint].filter(|_| scalar)
             }
             Transmission::Tendon(tendon) => model.tendons.range[tendon],
-            Transmission::Site { .. } => None,
+            Transmission::Site { .. } | Transmission::Body(_) => None,
         };
         limits.filter(|_| self.use_limit)
     }

@@ -170,6 +170,9 @@ pub(super) fn options(root: &Element) -> Result<Options, ModelError> {
                 flag.keyword("eulerdamp", &["disable", "enable"])?.map_or(options.euler_damping, |word| word == 1);
         }
         options.gravity = element.vector_or("gravity", options.gravity)?;
+        options.fluid.density = element.size_or("density", options.fluid.density)?;
+        options.fluid.viscosity = element.size_or("viscosity", options.fluid.viscosity)?;
+        options.fluid.wind = element.vector_or("wind", options.fluid.wind)?;
         options.iterations = count(element, "iterations", options.iterations)?;
         options.line_search_iterations = count(element, "ls_iterations", options.line_search_iterations)?;
         options.tolerance = element.size_or("tolerance", options.tolerance)?;

@@ -136,12 +136,17 @@ pub(super) fn options(options: &Options) -> Row {
     if options.gravity != standard.gravity {
         row = row.numbers("gravity", options.gravity.iter().copied());
     }
+    if options.fluid.wind != standard.fluid.wind {
+        row = row.numbers("wind", options.fluid.wind.iter().copied());
+    }
     match options.integrator {
         Integrator::Euler => {}
         Integrator::Implicit => row = row.word("integrator", "implicitfast"),
         Integrator::RungeKutta => row = row.word("integrator", "RK4"),
     }
     let numbers = [
+        ("density", options.fluid.density, standard.fluid.density),
+        ("viscosity", options.fluid.viscosity, standard.fluid.viscosity),
         ("tolerance", options.tolerance, standard.tolerance),
         ("ls_tolerance", options.line_search_tolerance, standard.line_search_tolerance),
         ("impratio", options.impedance_ratio, standard.impedance_ratio),
@@ -427,6 +432,7 @@ pub(super) fn actuator(model: &Model, actuator: usize) -> Row {
         Transmission::Joint(joint) => row.text("joint", &model.joints.name[joint]),
         Transmission::JointInParent(joint) => row.text("jointinparent", &model.joints.name[joint]),
         Transmission::Tendon(tendon) => row.text("tendon", &model.tendons.name[tendon]),
+        Transmission::Body(body) => row.text("body", &model.bodies.name[body]),
         Transmission::Site { site, reference } => {
             row.text("site", &model.sites.name[site]).text("refsite", reference.map_or("", |site| &model.sites.name[site]))
         }
