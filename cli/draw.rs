@@ -113,7 +113,10 @@ fn posed(body: &Body, model: &Model, pose: &str, activation: f64) -> Result<Stat
 }
 
 /// The body of that name, or the one in a body file.
-fn describe(name: &str, library: &BodyLibrary) -> Result<BodyDescription, Error> {
+///
+/// # Errors
+/// No such body, errors in its file, or a file that holds several.
+pub fn describe(name: &str, library: &BodyLibrary) -> Result<BodyDescription, Error> {
     let path = find(name)?;
     let compilation = compile(&path, &FileLoader, library).map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
     match compilation.bodies.as_slice() {

@@ -12,6 +12,7 @@ mod eval;
 mod explain;
 mod fmt;
 mod help;
+mod motion;
 mod new;
 mod physics;
 mod progress;
@@ -49,6 +50,7 @@ enum Command {
     Vocabulary(vocabulary::Args),
     Weights(weights::Args),
     Draw(draw::Args),
+    Motion(motion::Args),
     Physics(physics::Args),
     Help(help::Args),
 }
@@ -68,6 +70,7 @@ impl Command {
             Self::Vocabulary(args) => vocabulary::run(args),
             Self::Weights(args) => weights::run(args),
             Self::Draw(args) => draw::run(args),
+            Self::Motion(args) => motion::run(args),
             Self::Physics(args) => physics::run(args),
             Self::Help(args) => help::run(args),
         }

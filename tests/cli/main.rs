@@ -10,6 +10,7 @@ mod explain;
 mod fmt;
 mod help;
 mod interrupt;
+mod motion;
 mod new;
 mod project;
 mod run;

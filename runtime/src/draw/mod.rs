@@ -5,13 +5,14 @@
 //! 3. `panel`: one view, painted from far to near;
 //! 4. `forces`: arrows of contact forces on top, the centre of mass, and the legend.
 //!
-//! Apart from these, [`chart`] draws curves over a common axis.
+//! Apart from these, [`chart`] draws curves over a common axis, and [`motion`] a body through a motion.
 //!
 //! The same state gives the same bytes. Units in the file are millimetres.
 
 mod camera;
 pub mod chart;
 mod forces;
+pub mod motion;
 mod muscles;
 mod outline;
 mod palette;
