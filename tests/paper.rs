@@ -183,7 +183,9 @@ impl Comparison<'_> {
         let has = |number: &f64| known.iter().any(|known| (known - number.abs()).abs() < 1e-9);
         let missing: Vec<f64> = numbers.iter().copied().filter(|number| !has(number)).collect();
         if missing != without {
-            self.problem(format!("{what}: of the paper's numbers {numbers:?}, ours lacks {missing:?}, and {without:?} are said to be lacking"));
+            self.problem(format!(
+                "{what}: of the paper's numbers {numbers:?}, ours lacks {missing:?}, and {without:?} are said to be lacking"
+            ));
         }
         if !without.is_empty() && differs.is_empty() {
             self.problem(format!("{what}: numbers are missing for no reason"));
@@ -217,7 +219,9 @@ impl Comparison<'_> {
                 told.push(name);
                 let found = self.section("term", name).and_then(|section| section.get("weight")).map(str::to_owned);
                 if found != Some(weight.to_string()) {
-                    self.problem(format!("the term `{name}`, which the paper does not list, has the weight {found:?}, not {weight}"));
+                    self.problem(format!(
+                        "the term `{name}`, which the paper does not list, has the weight {found:?}, not {weight}"
+                    ));
                 }
             }
             let names: Vec<&str> = extra.ours.keys().map(String::as_str).collect();

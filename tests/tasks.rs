@@ -11,6 +11,9 @@ use std::sync::OnceLock;
 /// The suite, and the tasks that are written but not proven.
 const FILES: [&str; 2] = ["tasks.msk", "tasks/drafts.msk"];
 
+/// What goes beyond the benchmark: tasks of several parts, and the load study.
+const FURTHER: [&str; 2] = ["tasks/composed.msk", "tasks/loads.msk"];
+
 fn bodies() -> &'static BodyLibrary {
     static BODIES: OnceLock<BodyLibrary> = OnceLock::new();
     BODIES.get_or_init(BodyLibrary::default)
@@ -22,7 +25,13 @@ fn compiled(file: &str) -> Compilation {
 }
 
 fn episodes() -> Vec<Episode> {
-    let tasks = FILES.iter().flat_map(|file| compiled(file).tasks);
+    // Of the further files those in their suites: tasks that these are made of begin as they do.
+    let further = FURTHER.iter().map(|file| compiled(file)).flat_map(|compilation| {
+        let named: Vec<String> =
+            compilation.suites.iter().flat_map(|suite| &suite.families).flat_map(|(_, tasks)| tasks.clone()).collect();
+        compilation.tasks.into_iter().filter(move |task| named.contains(&task.name))
+    });
+    let tasks = FILES.iter().flat_map(|file| compiled(file).tasks).chain(further);
     let begin = |task: std::sync::Arc<msk::compiler::task::CompiledTask>| {
         let staged = bodies().stage(&task.body, &task.scene).unwrap_or_else(|error| panic!("{}: {error:?}", task.name));
         Episode::new(staged.model, staged.body, task).unwrap()
@@ -39,6 +48,15 @@ fn tasks_compile_without_a_remark() {
             let named: Vec<&String> = suite.families.iter().flat_map(|(_, tasks)| tasks).collect();
             assert_eq!(named.len(), compilation.tasks.len(), "{file}: every task is in the suite once");
         }
+    }
+}
+
+#[test]
+fn further_tasks_compile_without_a_remark() {
+    for file in FURTHER {
+        let compilation = compiled(file);
+        assert!(compilation.warnings.is_empty(), "{file}: {:#?}", compilation.warnings);
+        assert!(!compilation.suites.is_empty(), "{file} has no suite");
     }
 }
 
