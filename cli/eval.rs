@@ -2,6 +2,7 @@
 
 use crate::condition::Condition;
 use crate::error::{Error, INTERRUPTED};
+use crate::overlays::Overlays;
 use crate::progress::Progress;
 use crate::project::{Project, Settings};
 use msk::runtime::evaluate::{self, Journal, JournalError, Plan, Protocol, RunSettings, Summary, report};
@@ -44,6 +45,11 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
+    overlays: Overlays,
+    /// Read the file of --weights anew before every episode; each episode records the version that paid it
+    #[arg(long, requires = "weights")]
+    live: bool,
+    #[command(flatten)]
     settings: Settings,
 }
 
@@ -56,6 +62,10 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let protocol = protocol(&args, &project);
     let mut trials = project.trials(args.task.as_deref())?;
     args.condition.apply(&mut trials)?;
+    let live = match args.live {
+        true => Some(args.overlays.live(&project, &mut trials)?),
+        false => args.overlays.apply(&project, &mut trials).map(|()| None)?,
+    };
     let plan = Plan { trials, policy: args.policy.clone(), protocol };
     msk::runtime::policy::create(&plan.policy)?;
     let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
@@ -65,13 +75,16 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Some(folder) => folder,
         None => fresh_folder(&plan, &args.file)?,
     };
-    let (journal, done) = Journal::open(&folder, &RunSettings::of(&plan)).map_err(explain)?;
+    let settings = RunSettings::of(&plan);
+    let settings = if args.live { settings.live(args.overlays.file()) } else { settings };
+    let (journal, done) = Journal::open(&folder, &settings).map_err(explain)?;
     if !done.is_empty() {
         writeln!(io::stderr(), "continuing `{}`: {} of {} episodes are there", folder.display(), done.len(), plan.episodes())?;
     }
     let stop = stop_on_interrupt()?;
     let progress = Progress::new(plan.episodes(), done.len() as u64);
-    let outcome = evaluate::run(&plan, done, &journal, threads, &stop, &progress).map_err(|error| match error {
+    let feed = live.as_ref().map(|live| live as &dyn evaluate::Feed);
+    let outcome = evaluate::run_fed(&plan, done, &journal, threads, &stop, &progress, feed).map_err(|error| match error {
         evaluate::EvaluationError::Journal(error) => explain(error),
         error => error.into(),
     })?;

@@ -1,6 +1,7 @@
 //! `msk explain [TASK]`: what was understood of a task, or of all tasks of a file.
 
 use crate::error::{Context, Error};
+use crate::overlays::Overlays;
 use crate::project::{self, Project, Settings};
 use clap::ValueEnum;
 use msk::compiler::explain::{self, Account, Options};
@@ -20,6 +21,8 @@ pub struct Args {
     /// The file to write; without it, standard output
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overlays: Overlays,
     #[command(flatten)]
     settings: Settings,
 }
@@ -42,7 +45,8 @@ enum Format {
 /// Errors in the file, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let named = args.task.as_deref().unwrap_or(project::SUITE);
-    let (_, trials) = Project::select(named, &args.settings.settings)?;
+    let (project, mut trials) = Project::select(named, &args.settings.settings)?;
+    args.overlays.apply(&project, &mut trials)?;
     let text = match args.format {
         Format::Text => {
             let texts: Vec<String> = trials

@@ -1,10 +1,11 @@
 //! MSK: a declarative, statically typed language for full-body motor-control tasks, with its muscle simulator and evaluator.
 //!
-//! This facade re-exports the two crates a user meets: the [`compiler`] (text to compiled tasks) and the [`runtime`]
-//! (bodies, physics, episodes, evaluation).
+//! This facade re-exports the crates a user meets: the [`compiler`] (text to compiled tasks), the [`runtime`] (bodies, physics,
+//! episodes, evaluation), and [`tuning`] (weights that change while tasks run).
 
 pub use msk_compiler as compiler;
 pub use msk_runtime as runtime;
+pub use msk_tuning as tuning;
 
 #[cfg(feature = "insta")]
 pub mod testing;

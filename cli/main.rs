@@ -14,6 +14,7 @@ mod fmt;
 mod help;
 mod motion;
 mod new;
+mod overlays;
 mod physics;
 mod progress;
 mod project;

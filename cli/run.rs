@@ -2,14 +2,15 @@
 
 use crate::condition::Condition;
 use crate::error::{Context, Error};
+use crate::overlays::Overlays;
 use crate::project::{Project, Settings};
 use msk::runtime::episode::EpisodeKey;
-use msk::runtime::evaluate::{EpisodeRecord, Plan, Protocol, Summary, play, report};
+use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, replay, report};
 use msk::runtime::inspect::StateFile;
 use msk::runtime::policy;
 use std::fs;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
@@ -36,6 +37,12 @@ pub struct Args {
     /// Write the state at the end to this file, as `msk draw --state` reads it
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
+    /// Play an episode of an evaluation again, by the weights that paid it, and say whether it is the same to the last bit: the
+    /// folder of its results; with --episode
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["policy", "seed", "weights", "weight", "state"])]
+    again: Option<PathBuf>,
+    #[command(flatten)]
+    overlays: Overlays,
     #[command(flatten)]
     settings: Settings,
 }
@@ -45,8 +52,12 @@ pub struct Args {
 /// # Errors
 /// Errors in the file, a policy that does not exist or cannot act, or a state file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let (_, mut trial) = Project::find(&args.task, &args.settings.settings)?;
+    let (project, mut trial) = Project::find(&args.task, &args.settings.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
+    if let Some(folder) = &args.again {
+        return again(&args, &trial, folder);
+    }
+    args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
     let mut policy = policy::create(&args.policy)?;
     let mut episode = trial.episode()?;
     let key = EpisodeKey { seed: args.seed, episode: args.episode };
@@ -76,6 +87,34 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     }
     writeln!(out, "return {:.3}, {}", record.total, if record.success { "success" } else { "no success" })?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Plays an episode of an evaluation again.
+fn again(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode, Error> {
+    let records = Journal::records(folder)?;
+    let record = records.iter().find(|record| record.task == trial.task.name && record.episode == args.episode);
+    let Some(record) = record else {
+        let message = format!("`{}` holds no episode {} of task `{}`", folder.display(), args.episode, trial.task.name);
+        return Err(Error::new(message).hint("say which with --episode; its journal is episodes.jsonl"));
+    };
+    let played = replay(trial, record)?;
+    let mut out = io::stdout().lock();
+    if args.json {
+        serde_json::to_writer(&mut out, &played)?;
+        writeln!(out)?;
+    } else {
+        writeln!(out, "{}", headline(&played, f64::from(played.steps) / trial.task.control_frequency))?;
+        let paid =
+            if record.weights_version.is_empty() { String::new() } else { format!(", weights {}", record.weights_version) };
+        writeln!(out, "return {:.3}{paid}", played.total)?;
+    }
+    if played.same_as(record) {
+        writeln!(io::stderr(), "the same as in `{}`, bit for bit", folder.display())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let message =
+        format!("this is not the episode that `{}` holds: it paid {}, not {}", folder.display(), played.total, record.total);
+    Err(Error::new(message).hint("another version of the program, or another machine's arithmetic, made it"))
 }
 
 /// What ran and how it ended.

@@ -3,6 +3,8 @@
 //! Every change goes the same way: the file is read, all wishes are checked together, what would change is printed, the file is
 //! replaced in one step, and the change is added to the history from which `reset` can go back.
 
+mod bake;
+mod extract;
 mod history;
 mod list;
 mod normalize;
@@ -12,10 +14,12 @@ mod set;
 
 use crate::error::{Context, Error};
 use crate::{project, texts};
+use msk::compiler::compile;
 use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::weights::{Change, Edit, Weights};
-use msk::runtime::library::FileLoader;
+use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::tuning::store::{Held, Store};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -34,6 +38,8 @@ enum Command {
     Scale(scale::Args),
     Normalize(normalize::Args),
     Reset(reset::Args),
+    Bake(bake::Args),
+    Extract(extract::Args),
 }
 
 /// Runs the chosen subcommand.
@@ -47,6 +53,8 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Command::Scale(args) => scale::run(&args),
         Command::Normalize(args) => normalize::run(&args),
         Command::Reset(args) => reset::run(&args),
+        Command::Bake(args) => bake::run(&args),
+        Command::Extract(args) => extract::run(&args),
     }
 }
 
@@ -68,15 +76,31 @@ struct Opened {
     path: PathBuf,
     text: String,
     weights: Weights,
+    /// Held while it may change, so that nobody's change is lost.
+    _held: Option<Held>,
 }
 
 impl Opened {
+    /// To be changed, unless it is only to be shown what would change.
+    fn open(target: &Target) -> Result<Self, Error> {
+        let held = if target.dry_run { None } else { Some(Store::new(&target.file).hold()?) };
+        Ok(Self { _held: held, ..Self::read(&target.file)? })
+    }
+
     fn read(path: &Path) -> Result<Self, Error> {
         let text = FileLoader.load(path)?;
         let mut sources = SourceMap::default();
         let file = sources.add(path.display().to_string(), text.clone());
         match Weights::of(file, &text) {
-            Ok(weights) => Ok(Self { path: path.into(), text, weights }),
+            Ok(mut weights) => {
+                // Ranges that another task gives are known once both are compiled; a file that cannot be is edited by its text.
+                if weights.inherits
+                    && let Ok(compilation) = compile(path, &FileLoader, &BodyLibrary::default())
+                {
+                    weights.bounded_by(&compilation.tasks);
+                }
+                Ok(Self { path: path.into(), text, weights, _held: None })
+            }
             Err(errors) => Err(Error::told(Report::new(sources, errors).render(project::style(&io::stderr())))),
         }
     }
@@ -95,7 +119,7 @@ impl Opened {
     /// The wish that entry `index` become `value`.
     fn wish(&self, index: usize, value: f64) -> Edit {
         let entry = &self.weights.entries[index];
-        Edit { term: format!("{}.{}", entry.task, entry.term), value }
+        Edit::new(format!("{}.{}", entry.task, entry.term), value)
     }
 
     /// Makes the changes, or shows them.

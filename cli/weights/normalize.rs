@@ -30,7 +30,7 @@ pub struct Args {
 /// # Errors
 /// A file that cannot be read or written, or a weight that may not be so.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
-    let opened = Opened::read(&args.target.file)?;
+    let opened = Opened::open(&args.target)?;
     let entries = &opened.weights.entries;
     let tasks: BTreeSet<&str> = entries.iter().map(|entry| entry.task.as_str()).collect();
     let task = match (&args.task, tasks.iter().collect::<Vec<_>>().as_slice()) {

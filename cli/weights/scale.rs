@@ -21,7 +21,7 @@ pub struct Args {
 /// # Errors
 /// A file that cannot be read or written, or a weight that may not be so.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
-    let opened = Opened::read(&args.target.file)?;
+    let opened = Opened::open(&args.target)?;
     let entries = &opened.weights.entries;
     let edits: Vec<Edit> =
         opened.chosen(&args.terms)?.into_iter().map(|index| opened.wish(index, entries[index].value * args.factor)).collect();

@@ -275,7 +275,7 @@ impl CompiledTask {
         self.channels.iter().map(|channel| channel.size).sum()
     }
 
-    /// The weights as written in the source.
+    /// The weights in force, one for each term.
     pub fn weights(&self) -> Vec<f64> {
         self.terms.iter().map(|term| term.weight).collect()
     }

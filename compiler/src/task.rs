@@ -18,7 +18,8 @@ use std::sync::Arc;
 
 pub use crate::beginning::{Disturbance, Init, ObjectStart, RootPlacement, Setting, Settle, Spread};
 
-/// A task ready to run: a program over a flat frame and a flat state record.
+/// A task ready to run: a program over a flat frame and a flat state record. A copy shares the program.
+#[derive(Clone)]
 pub struct CompiledTask {
     /// Name of the task.
     pub name: String,
@@ -70,7 +71,7 @@ pub struct CompiledTask {
     /// Its tests, if it has any: no part of its meaning.
     pub tests: Option<Arc<TaskTests>>,
     /// One for a task, several for a sequence; never none.
-    pub(crate) phases: Vec<Phase>,
+    pub(crate) phases: Arc<[Phase]>,
 }
 
 /// A task of a sequence; a task that is no sequence has one.
@@ -218,14 +219,40 @@ pub struct Channel {
 pub struct Term {
     /// Label.
     pub name: String,
-    /// Weight in the source.
+    /// Weight in force.
     pub weight: f64,
+    /// Weight in the source.
+    pub written: f64,
+    /// Where the weight in force comes from.
+    pub origin: Origin,
     /// Range a tuner may choose from, if given.
     pub weight_range: Option<[f64; 2]>,
     /// Whether the weight is fixed.
     pub fixed: bool,
     /// The formula as written.
     pub source: String,
+}
+
+/// Where a weight comes from; a later one wins over an earlier.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum Origin {
+    /// The text of the task.
+    #[default]
+    Source,
+    /// A weights file, by its path.
+    Overlay(String),
+    /// The command line.
+    CommandLine,
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(match self {
+            Self::Source => "the source",
+            Self::Overlay(path) => path,
+            Self::CommandLine => "the command line",
+        })
+    }
 }
 
 /// What a task reports of one control step. Allocated once per episode, overwritten every step.

@@ -65,6 +65,7 @@ fn generated_parts_are_those_of_the_compiler() {
         codes::scene::ALL,
         codes::composition::ALL,
         codes::tests::ALL,
+        codes::weights::ALL,
         codes::lints::ALL,
     ]
     .concat();

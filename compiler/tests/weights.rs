@@ -17,7 +17,7 @@ fn weights(text: &str) -> Weights {
 }
 
 fn edit(term: &str, value: f64) -> Edit {
-    Edit { term: term.into(), value }
+    Edit::new(term, value)
 }
 
 #[test]
@@ -41,8 +41,8 @@ fn weights_are_listed_with_their_bounds() {
 fn an_edit_changes_digits_and_nothing_else() {
     let (edited, changes) = weights(TEXT).edit(TEXT, &[edit("a.pose", 11.5), edit("jump", 4.0), edit("effort", -0.5)]).unwrap();
     assert_eq!(edited, TEXT.replace(" 10   pose", " 11.5   pose").replace("3 (1 .. 4)\tjump", "4 (1 .. 4)\tjump"));
-    let change = |term: &str, from, to| Change { task: "a".into(), term: term.into(), from, to };
-    assert_eq!(changes, [change("pose", 10.0, 11.5), change("jump", 3.0, 4.0)]);
+    let change = |term: &str, from, to, was: &str| Change { task: "a".into(), term: term.into(), from, to, was: was.into() };
+    assert_eq!(changes, [change("pose", 10.0, 11.5, "10"), change("jump", 3.0, 4.0, "3")]);
     assert_eq!(changes[0].to_string(), "a.pose: 10 -> 11.5 (+15.0 %)");
 }
 
@@ -85,13 +85,19 @@ fn a_text_with_errors_is_not_edited() {
 fn texts() -> impl Strategy<Value = (String, Vec<f64>)> {
     let blank = prop_oneof![Just(" "), Just("  "), Just("\t")];
     let end = prop_oneof![Just("\n"), Just("\r\n"), Just(" // 7 pose\n"), Just("\n\n// 3 a\n")];
-    let line = (blank.clone(), -1e6..1e6_f64, blank.clone(), blank, end);
+    let digits = (-1e6..1e6_f64, 0..4_u8).prop_map(|(value, style)| match style {
+        0 => format!("{value}"),
+        1 => format!("{value:e}"),
+        2 => format!("{value:.3}00"),
+        _ => format!("{:.0}.0", value * 10.0),
+    });
+    let line = (blank.clone(), digits, blank.clone(), blank, end);
     prop::collection::vec(line, 1..8).prop_map(|lines| {
         let mut text = String::from("//! 10 pose\ntask t {\nreward {\n");
         let mut values = Vec::new();
-        for (index, (before, value, between, after, end)) in lines.into_iter().enumerate() {
-            text += &format!("{before}{value}{between}term{index}{after}={after}1{end}");
-            values.push(value);
+        for (index, (before, digits, between, after, end)) in lines.into_iter().enumerate() {
+            text += &format!("{before}{digits}{between}term{index}{after}={after}1{end}");
+            values.push(digits.parse().unwrap());
         }
         (text + "}\n}\n", values)
     })
@@ -121,8 +127,12 @@ proptest! {
         for (entry, edit) in after.entries.iter().zip(&edits) {
             prop_assert_eq!(entry.value, edit.value);
         }
-        // And back: to the very text.
-        let back: Vec<Edit> = before.entries.iter().map(|entry| edit(&entry.term, entry.value)).collect();
+        // And back: to the very text, digits as they were written.
+        let back: Vec<Edit> = before
+            .entries
+            .iter()
+            .map(|entry| Edit { digits: Some(entry.digits.clone()), ..edit(&entry.term, entry.value) })
+            .collect();
         prop_assert_eq!(after.edit(&edited, &back).unwrap().0, text);
     }
 }

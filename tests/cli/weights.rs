@@ -45,3 +45,159 @@ fn weights_are_normalized_inside_a_scope() {
     let text = project.read("lean.msk");
     assert!(text.contains("20    pose") && text.contains("10    alive") && text.contains("-1    effort"), "{text}");
 }
+
+#[test]
+fn reset_restores_digits_as_they_were_written() {
+    let project = Project::empty();
+    let text = LEAN.replace("10    pose", "10.0  pose").replace("-1    effort", "-1.50 effort");
+    project.write("lean.msk", &text);
+    project.msk(&["weights", "set", "lean.msk", "pose=12", "effort=-2"]).succeeded();
+    project.msk(&["weights", "scale", "lean.msk", "0.5"]).succeeded();
+    project.msk(&["weights", "reset", "lean.msk", "effort"]).succeeded();
+    assert!(project.read("lean.msk").contains("-1.50 effort") && project.read("lean.msk").contains("6  pose"));
+    project.msk(&["weights", "reset", "lean.msk"]).succeeded();
+    assert_eq!(project.read("lean.msk"), text);
+}
+
+#[test]
+fn a_weight_written_alone_keeps_the_range_of_the_task_that_it_extends() {
+    let project = Project::empty();
+    project.write("lean.msk", &LEAN.replace("10    pose", "10 (5..20)   pose"));
+    project.write("more.msk", "use \"lean.msk\"\n\ntask more extends lean {\n    reward { 12 pose }\n}\n");
+    project.msk(&["weights", "set", "more.msk", "pose=21"]).failed(1, &["more.pose may not become 21", "5..20"]);
+    project.msk(&["weights", "set", "more.msk", "pose=20"]).succeeded();
+    assert!(project.read("more.msk").contains("{ 20 pose }"));
+}
+
+const OVERLAY: &str = "# tuned\n[lean]\npose = 11.5  # more\n";
+
+#[test]
+fn the_command_line_wins_over_the_weights_file_and_it_over_the_source() {
+    let project = Project::lean();
+    project.write("weights.toml", OVERLAY);
+    let done = project.msk(&["explain", "lean.msk", "--weights", "weights.toml", "--weight", "alive=6"]).succeeded();
+    for part in [
+        "11.5 pose   (weight from weights.toml; 10 in the source)",
+        "6 alive   (weight from the command line; 5 in",
+        "-1 effort\n",
+    ] {
+        assert!(done.out.contains(part), "no `{part}` in {}", done.out);
+    }
+    let done = project.msk(&["explain", "lean", "--weights", "weights.toml", "--weight", "lean.pose=9"]).succeeded();
+    assert!(done.out.contains("9 pose   (weight from the command line; 10 in the source)"), "{}", done.out);
+}
+
+#[test]
+fn results_say_which_weights_paid_and_where_they_came_from() {
+    let project = Project::lean();
+    project.write("weights.toml", OVERLAY);
+    let eval = ["eval", "lean.msk", "--policy", "zero", "--episodes", "2", "--weights", "weights.toml", "--weight", "alive=6"];
+    project.msk(&[&eval[..], &["--out", "out"]].concat()).succeeded();
+    let run: Value = serde_json::from_str(&project.read("out/run.json")).unwrap();
+    let task = &run["tasks"][0];
+    assert_eq!(task["weights"], serde_json::json!([["pose", 11.5], ["alive", 6.0], ["effort", -1.0]]));
+    assert_eq!(task["overlaid"], serde_json::json!([["pose", "weights.toml"], ["alive", "the command line"]]));
+    let record: Value = serde_json::from_str(project.read("out/episodes.jsonl").lines().next().unwrap()).unwrap();
+    let ratio = record["terms"]["pose"].as_f64().unwrap() / record["values"]["pose"].as_f64().unwrap();
+    assert!((ratio - 11.5).abs() < 1e-9, "{ratio}");
+    // Other weights are another run.
+    project.write("weights.toml", &OVERLAY.replace("11.5", "11"));
+    let done = project.msk(&[&eval[..], &["--out", "out"]].concat());
+    done.failed(1, &["the weight of `pose` in task `lean` is 11.5, not 11"]);
+}
+
+#[test]
+fn all_that_is_wrong_with_a_weights_file_is_told_at_its_place() {
+    let project = Project::lean();
+    project.write("weights.toml", "pose = 1\n[lean]\npsoe = 3\nalive = -5\neffort = \"low\"\n[laen]\npose = 1\n");
+    let done = project.msk(&["run", "lean", "--weights", "weights.toml"]);
+    done.failed(1, &["error[E0461]", "weights.toml:1:1", "`pose` stands outside of any task", "weights.toml:5:10", "not a text"]);
+    project.write("weights.toml", "[lean]\npsoe = 3\nalive = -5\n[laen]\npose = 1\n");
+    let done = project.msk(&["run", "lean", "--weights", "weights.toml"]);
+    done.failed(
+        1,
+        &[
+            "error[E0463]",
+            "weights.toml:2:1",
+            "did you mean `pose`?",
+            "error[E0464]",
+            "weights.toml:3:9",
+            "lean.alive may not become -5: it is 5 and must stay above 0",
+            "error[E0462]",
+            "weights.toml:4:2",
+            "did you mean `lean`?",
+        ],
+    );
+    project.write("weights.toml", "[lean]\npose: 3\n");
+    project.msk(&["eval", "lean.msk", "--weights", "weights.toml", "--live"]).failed(1, &["error[E0460]", "weights.toml:2:"]);
+    project.msk(&["run", "lean", "--weights", "none.toml"]).failed(1, &["none.toml"]);
+    project.msk(&["run", "lean", "--weight", "psoe=3"]).failed(1, &["did you mean `pose`"]);
+    project.msk(&["eval", "lean.msk", "--live"]).failed(2, &["--weights"]);
+}
+
+#[test]
+fn a_weights_file_is_written_baked_and_extracted_and_loses_nothing() {
+    let project = Project::lean();
+    project.write("weights.toml", OVERLAY);
+    let set = ["weights", "set", "lean.msk", "alive=6", "--into", "weights.toml"];
+    project.msk(&[&set[..], &["--dry-run"]].concat()).succeeded();
+    assert_eq!(project.read("weights.toml"), OVERLAY);
+    let done = project.msk(&set).succeeded();
+    assert!(done.out.contains("lean.alive: 5 -> 6"), "{}", done.out);
+    assert_eq!(project.read("weights.toml"), format!("{OVERLAY}alive = 6\n"));
+    project.msk(&["weights", "set", "lean.msk", "alive=-6", "--into", "weights.toml"]).failed(1, &["must stay above 0"]);
+    assert_eq!(project.read("lean.msk"), LEAN);
+
+    project.msk(&["weights", "bake", "lean.msk", "--weights", "weights.toml"]).succeeded();
+    assert_eq!(project.read("lean.msk"), LEAN.replace("10    pose", "11.5    pose").replace(" 5    alive", " 6    alive"));
+    project.msk(&["weights", "reset", "lean.msk"]).succeeded();
+    assert_eq!(project.read("lean.msk"), LEAN);
+
+    let done = project.msk(&["weights", "extract", "lean.msk", "--weights", "weights.toml", "--json"]).succeeded();
+    let report: Value = serde_json::from_str(&done.out).unwrap();
+    assert_eq!(report["changes"].as_array().unwrap().len(), 3, "{report}");
+    assert_eq!(project.read("weights.toml"), "# tuned\n[lean]\npose = 10  # more\nalive = 5\neffort = -1\n");
+}
+
+#[test]
+fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
+    let project = Project::lean();
+    project.write("weights.toml", OVERLAY);
+    let eval = ["eval", "lean.msk", "--policy", "zero", "--episodes", "400", "--threads", "2", "--out", "out"];
+    let child = project.command(&[&eval[..], &["--weights", "weights.toml", "--live"]].concat()).spawn().unwrap();
+    let ended = || std::fs::read_to_string(project.path("out/episodes.jsonl")).map_or(0, |text| text.lines().count());
+    let wait = |episodes: usize| {
+        let start = std::time::Instant::now();
+        while ended() < episodes {
+            assert!(start.elapsed() < std::time::Duration::from_secs(120), "no episode has ended");
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+    };
+    wait(3);
+    project.msk(&["weights", "set", "lean.msk", "pose=12", "--into", "weights.toml"]).succeeded();
+    wait(ended() + 10);
+    // An editor that does not know the rules.
+    project.write("weights.toml", "[lean]\npose = -1\n");
+    wait(ended() + 10);
+    project.write("weights.toml", "[lean]\npose = 13\n");
+    wait(ended() + 10);
+    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let done = crate::project::Done::from(child.wait_with_output().unwrap());
+    assert!(done.err.contains("E0464") && done.err.contains("the weights stay at version"), "{}", done.err);
+    let records: Vec<Value> =
+        project.read("out/episodes.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let paid: Vec<f64> = records.iter().map(|record| record["weights"]["pose"].as_f64().unwrap()).collect();
+    for weight in [11.5, 12.0, 13.0] {
+        assert!(paid.contains(&weight), "nothing was paid by {weight}");
+    }
+    assert!(!paid.contains(&-1.0));
+    let versions: std::collections::BTreeSet<_> = records.iter().map(|record| record["weights_version"].to_string()).collect();
+    assert_eq!(versions.len(), 3);
+    assert!(done.out.contains("Weights while it ran (episodes): "), "{}", done.out);
+    // Any of them is played again from the journal alone.
+    let index = paid.iter().position(|weight| *weight == 12.0).unwrap();
+    let episode = records[index]["episode"].to_string();
+    let again = project.msk(&["run", "lean", "--again", "out", "--episode", &episode]).succeeded();
+    assert!(again.err.contains("the same as in `out`, bit for bit"), "{}", again.err);
+    project.msk(&["run", "lean", "--again", "out", "--episode", "99999"]).failed(1, &["holds no episode 99999"]);
+}

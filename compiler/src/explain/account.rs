@@ -252,6 +252,10 @@ pub struct TermAccount {
     pub name: String,
     /// What it pays, times its value, in every control step.
     pub weight: f64,
+    /// What the source says it pays.
+    pub weight_in_source: f64,
+    /// Where the weight comes from: `the source`, a weights file, or `the command line`.
+    pub weight_from: String,
     /// What a tuner may choose.
     pub weight_range: Option<[f64; 2]>,
     /// Whether the weight is fixed.

@@ -117,6 +117,8 @@ fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepRepor
         TermAccount {
             name: term.name.clone(),
             weight: term.weight,
+            weight_in_source: term.written,
+            weight_from: term.origin.to_string(),
             weight_range: term.weight_range,
             fixed: term.fixed,
             formula: told(&told_of.formula, &term.source, told_of.condition),

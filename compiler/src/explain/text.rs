@@ -151,7 +151,11 @@ fn explain_term(term: &TermAccount, text: &mut String) {
         (_, Some([low, high])) => format!(" ({low}..{high})"),
         _ => String::new(),
     };
-    let _ = writeln!(text, "\n  {:>7}{bounds} {}", short(term.weight), term.name);
+    let from = match term.weight_from == crate::task::Origin::Source.to_string() {
+        true => String::new(),
+        false => format!("   (weight from {}; {} in the source)", term.weight_from, short(term.weight_in_source)),
+    };
+    let _ = writeln!(text, "\n  {:>7}{bounds} {}{from}", short(term.weight), term.name);
     let _ = writeln!(text, "          = {}{}", term.formula.text, if term.per_second { ", per second" } else { "" });
     if !term.docs.is_empty() {
         let _ = writeln!(text, "          {}", term.docs);

@@ -132,7 +132,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
                 frame: frame.clone(),
                 hash: String::new(),
                 tests: None,
-                phases: Vec::new(),
+                phases: [].into(),
             });
         }
         whole.horizon = whole.horizon.saturating_add(checked.timing.horizon);
@@ -154,7 +154,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
     (compiled.terminations, compiled.finishes) = (whole.terminations, whole.finishes);
     (compiled.randoms, compiled.parameters) = (whole.randoms, whole.parameters);
     compiled.motions = whole.motions;
-    compiled.phases = made;
+    compiled.phases = made.into();
     Some(compiled)
 }
 
@@ -211,6 +211,8 @@ impl Whole {
             self.terms.push(Term {
                 name: labelled(self.several, phase, &term.name),
                 weight: term.weight,
+                written: term.weight,
+                origin: crate::task::Origin::Source,
                 weight_range: term.range,
                 fixed: term.fixed,
                 source: if term.per_second { format!("({source}) * dt") } else { source },

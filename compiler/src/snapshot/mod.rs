@@ -36,7 +36,7 @@ impl CompiledTask {
     /// What the task means, section by section: terms, weights, ranges, ends, channels, scene and beginning.
     pub fn snapshot(&self) -> Snapshot {
         let mut sections = self.frame_sections();
-        for phase in &self.phases {
+        for phase in self.phases.iter() {
             let names = Names { task: self, phase };
             self.phase_sections(phase, &names, &mut Ink::Local, &mut sections);
         }
@@ -49,7 +49,7 @@ impl CompiledTask {
         for section in self.frame_sections() {
             meant(&section, &mut text);
         }
-        for phase in &self.phases {
+        for phase in self.phases.iter() {
             let names = Names { task: self, phase };
             let writer = Writer::new(&phase.meaning.graph, &names, &phase.meaning.outputs.updates);
             let (mut ink, mut sections) = (Ink::Shared(Box::new(writer)), Vec::new());

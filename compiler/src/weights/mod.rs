@@ -2,10 +2,12 @@
 //!
 //! 1. [`Weights::of`] lists the weights of a text with their bounds and where their digits stand;
 //! 2. [`Weights::edit`] checks a set of changes as one: all are made, or none;
-//! 3. [`rules`] bounds how far one change may go, and projects proposals onto a fixed sum of sizes.
+//! 3. [`CompiledTask::reweighted`](crate::task::CompiledTask::reweighted) lays other weights over a compiled task;
+//! 4. [`rules`] bounds how far one change may go, and projects proposals onto a fixed sum of sizes.
 //!
 //! An edit of the source replaces the digits of the weights concerned; every other byte stays.
 
+mod applied;
 mod number;
 pub mod rules;
 mod source;
@@ -14,7 +16,7 @@ pub use number::written;
 pub use source::{Change, Edit, Entry, Problem, Refused, Weights};
 
 /// What a tuner may do with a weight.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bounds {
     /// Anything that keeps the sign; nothing stays nothing.

@@ -4,6 +4,8 @@ use super::{Bounds, written};
 use crate::diagnostics::{Diagnostic, FileId, Severity, Span, nearest};
 use crate::syntax::parse;
 use crate::syntax::tree::{self, Item, Task, TaskStatement, walk};
+use crate::task::CompiledTask;
+use std::sync::Arc;
 
 /// A weight of a text.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,9 +16,11 @@ pub struct Entry {
     pub term: String,
     /// Its value.
     pub value: f64,
+    /// Its sign and digits as they stand in the text.
+    pub digits: String,
     /// What a tuner may do with it.
     pub bounds: Bounds,
-    /// The sign and the digits.
+    /// Where the sign and the digits stand.
     pub span: Span,
 }
 
@@ -27,6 +31,15 @@ pub struct Edit {
     pub term: String,
     /// The new weight.
     pub value: f64,
+    /// How it shall be written, where the shortest digits will not do: `10.0`.
+    pub digits: Option<String>,
+}
+
+impl Edit {
+    /// The wish that `term` become `value`.
+    pub fn new(term: impl Into<String>, value: f64) -> Self {
+        Self { term: term.into(), value, digits: None }
+    }
 }
 
 /// A weight that changed.
@@ -40,6 +53,8 @@ pub struct Change {
     pub from: f64,
     /// After.
     pub to: f64,
+    /// Sign and digits before, as they stood in the text: going back restores them.
+    pub was: String,
 }
 
 impl core::fmt::Display for Change {
@@ -102,6 +117,19 @@ pub enum Problem {
     },
 }
 
+impl Problem {
+    /// What is wrong with the wish that the weight of `task` and `term`, which is `now`, become `value`.
+    pub(super) fn of(wished: &str, value: f64, (task, term): (&str, &str), now: f64, bounds: Bounds) -> Option<Self> {
+        if !value.is_finite() {
+            return Some(Self::NotFinite { term: wished.to_owned(), value });
+        }
+        if bounds.allow(now, value) {
+            return None;
+        }
+        Some(Self::OutOfBounds { task: task.to_owned(), term: term.to_owned(), now, wished: value, bounds })
+    }
+}
+
 fn said(nearest: &[String]) -> String {
     match nearest {
         [] => String::new(),
@@ -127,6 +155,8 @@ pub struct Refused(pub Vec<Problem>);
 pub struct Weights {
     /// In the order of the text.
     pub entries: Vec<Entry>,
+    /// Whether a task of the text extends another, whose ranges then hold for weights that are written alone.
+    pub inherits: bool,
 }
 
 impl Weights {
@@ -139,13 +169,24 @@ impl Weights {
         if parsed.has_errors() {
             return Err(parsed.diagnostics.into_iter().filter(|told| told.severity == Severity::Error).collect());
         }
-        let mut entries = Vec::new();
+        let (mut entries, mut inherits) = (Vec::new(), false);
         for item in &parsed.tree.items {
             if let Item::Task(task) = item {
-                entries.extend(weights_of(task));
+                inherits |= task.extends.is_some();
+                entries.extend(weights_of(task, text));
             }
         }
-        Ok(Self { entries })
+        Ok(Self { entries, inherits })
+    }
+
+    /// Takes over the bounds that weights have from the tasks that theirs extend, which the text alone does not show.
+    pub fn bounded_by(&mut self, tasks: &[Arc<CompiledTask>]) {
+        for entry in self.entries.iter_mut().filter(|entry| entry.bounds == Bounds::Free) {
+            let task = tasks.iter().find(|task| task.name == entry.task);
+            if let Some((task, Ok(term))) = task.map(|task| (task, task.find_term(&entry.term))) {
+                entry.bounds = task.weight_bounds(term);
+            }
+        }
     }
 
     /// The entry of `term`, which may be qualified by its task.
@@ -182,15 +223,16 @@ impl Weights {
     /// # Errors
     /// Every wish that cannot be fulfilled.
     pub fn edit(&self, text: &str, edits: &[Edit]) -> Result<(String, Vec<Change>), Refused> {
-        let mut wished: Vec<Option<f64>> = vec![None; self.entries.len()];
+        let mut wished: Vec<Option<(f64, String)>> = vec![None; self.entries.len()];
         let mut problems = Vec::new();
         for edit in edits {
             match self.find(&edit.term) {
                 Err(problem) => problems.push(problem),
                 Ok(index) => {
+                    let digits = self.digits(index, edit);
                     if let Some(problem) = self.problem(index, edit) {
                         problems.push(problem);
-                    } else if wished[index].replace(edit.value).is_some() {
+                    } else if wished[index].replace((edit.value, digits)).is_some() {
                         problems.push(Problem::Twice { term: edit.term.clone() });
                     }
                 }
@@ -203,11 +245,12 @@ impl Weights {
         let mut changes = Vec::new();
         let mut at = 0;
         for (entry, wish) in self.entries.iter().zip(wished) {
-            let Some(to) = wish.filter(|to| *to != entry.value) else { continue };
+            let Some((to, digits)) = wish.filter(|(to, digits)| *to != entry.value || *digits != entry.digits) else { continue };
             edited.push_str(&text[at..entry.span.start as usize]);
-            edited.push_str(&written(to));
+            edited.push_str(&digits);
             at = entry.span.end as usize;
-            changes.push(Change { task: entry.task.clone(), term: entry.term.clone(), from: entry.value, to });
+            let (task, term, was) = (entry.task.clone(), entry.term.clone(), entry.digits.clone());
+            changes.push(Change { task, term, from: entry.value, to, was });
         }
         edited.push_str(&text[at..]);
         Ok((edited, changes))
@@ -215,29 +258,39 @@ impl Weights {
 
     fn problem(&self, index: usize, edit: &Edit) -> Option<Problem> {
         let entry = &self.entries[index];
-        if !edit.value.is_finite() {
-            return Some(Problem::NotFinite { term: edit.term.clone(), value: edit.value });
+        Problem::of(&edit.term, edit.value, (&entry.task, &entry.term), entry.value, entry.bounds)
+    }
+
+    /// How the wish is written: as it says, if that reads as the number; as it is, if nothing changes; else in the shortest way.
+    fn digits(&self, index: usize, edit: &Edit) -> String {
+        let entry = &self.entries[index];
+        match &edit.digits {
+            Some(digits) if digits.parse() == Ok(edit.value) => digits.clone(),
+            _ if edit.value == entry.value => entry.digits.clone(),
+            _ => written(edit.value),
         }
-        if entry.bounds.allow(entry.value, edit.value) {
-            return None;
-        }
-        let (task, term) = (entry.task.clone(), entry.term.clone());
-        Some(Problem::OutOfBounds { task, term, now: entry.value, wished: edit.value, bounds: entry.bounds })
     }
 }
 
-fn weights_of(task: &Task) -> impl Iterator<Item = Entry> + '_ {
+fn weights_of<'a>(task: &'a Task, text: &'a str) -> impl Iterator<Item = Entry> + 'a {
     let rewards = task.statements.iter().filter_map(|statement| match statement {
         TaskStatement::Reward(reward) => Some(reward),
         _ => None,
     });
-    rewards.flat_map(|reward| walk::items(&reward.terms)).filter_map(|term| {
+    rewards.flat_map(|reward| walk::items(&reward.terms)).filter_map(move |term| {
         let weight = term.weight.as_ref()?;
         let bounds = match weight.bounds {
             tree::Bounds::Free => Bounds::Free,
             tree::Bounds::Fixed(_) => Bounds::Fixed,
             tree::Bounds::Range { low, high, .. } => Bounds::Range(low, high),
         };
-        Some(Entry { task: task.name.text.clone(), term: term.name.text.clone(), value: weight.value, bounds, span: weight.span })
+        Some(Entry {
+            task: task.name.text.clone(),
+            term: term.name.text.clone(),
+            value: weight.value,
+            digits: weight.span.of(text).to_owned(),
+            bounds,
+            span: weight.span,
+        })
     })
 }

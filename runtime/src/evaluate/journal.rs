@@ -89,6 +89,14 @@ impl Journal {
         Ok((Self { folder: folder.into(), episodes: Mutex::new(file) }, records))
     }
 
+    /// The episodes of the journal in `folder`, which may still be growing. A last line that is not yet whole is left out.
+    ///
+    /// # Errors
+    /// A folder that holds no journal, or a damaged one.
+    pub fn records(folder: &Path) -> Result<Vec<EpisodeRecord>, JournalError> {
+        Ok(read(&folder.join(EPISODES))?.0)
+    }
+
     /// Appends one episode, whole and at once.
     ///
     /// # Errors
@@ -185,8 +193,15 @@ mod tests {
             condition: Default::default(),
             horizon: 10,
             weights: vec![],
+            overlaid: vec![],
         };
-        RunSettings { version: "1".into(), policy: "zero".into(), protocol: Protocol { episodes: 3, seed }, tasks: vec![task] }
+        RunSettings {
+            version: "1".into(),
+            policy: "zero".into(),
+            protocol: Protocol { episodes: 3, seed },
+            tasks: vec![task],
+            live: None,
+        }
     }
 
     fn record(episode: u64) -> EpisodeRecord {

@@ -4,8 +4,11 @@
 //! 2. A [`Journal`] keeps every ended episode and knows which are already there.
 //! 3. [`run`] plays the others on a pool of workers. An episode depends on its seed and index alone, so the results have the
 //!    same bits on any number of threads and in any order.
-//! 4. A [`Summary`] sums up per task; [`report`] prints it for people.
+//! 4. A [`Feed`] may change the weights between episodes; the record of each says by which it was paid, so that [`replay`] can
+//!    play it again.
+//! 5. A [`Summary`] sums up per task; [`report`] prints it for people.
 
+mod feed;
 mod journal;
 mod record;
 pub mod report;
@@ -13,6 +16,7 @@ mod settings;
 mod statistics;
 mod summary;
 
+pub use feed::{Fed, Feed, ReplayError, replay};
 pub use journal::{Journal, JournalError};
 pub use record::{ByTerm, EpisodeRecord};
 pub use settings::{Protocol, RunSettings, TaskSettings};
@@ -103,8 +107,25 @@ pub fn run(
     stop: &AtomicBool,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, EvaluationError> {
+    run_fed(plan, done, journal, threads, stop, watcher, None)
+}
+
+/// [`run`] with weights that may change at the beginning of every episode.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_fed(
+    plan: &Plan,
+    done: Vec<EpisodeRecord>,
+    journal: &Journal,
+    threads: NonZeroUsize,
+    stop: &AtomicBool,
+    watcher: &dyn Watcher,
+    feed: Option<&dyn Feed>,
+) -> Result<Outcome, EvaluationError> {
     let jobs = plan.missing(&done);
-    let crew = Crew { plan, jobs: &jobs, next: AtomicUsize::new(0), failed: AtomicBool::new(false), journal, stop, watcher };
+    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let crew = Crew { plan, jobs: &jobs, next, failed, journal, stop, watcher, feed };
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.get())
         .build()
@@ -188,6 +209,7 @@ struct Crew<'a> {
     journal: &'a Journal,
     stop: &'a AtomicBool,
     watcher: &'a dyn Watcher,
+    feed: Option<&'a dyn Feed>,
 }
 
 impl Crew<'_> {
@@ -215,9 +237,16 @@ impl Crew<'_> {
             };
             let key = EpisodeKey { seed: self.plan.protocol.seed, episode: index };
             let stepped = || self.watcher.stepped();
-            let Some(record) = play(&self.plan.trials[trial], &mut episode, key, policy.as_mut(), self.stop, stepped)? else {
+            let fed = self.feed.map(|feed| feed.weights(&self.plan.trials[trial].task));
+            if let Some(fed) = &fed {
+                fed.pay(&mut episode);
+            }
+            let Some(mut record) = play(&self.plan.trials[trial], &mut episode, key, policy.as_mut(), self.stop, stepped)? else {
                 break;
             };
+            if let Some(fed) = &fed {
+                fed.note(&self.plan.trials[trial], &mut record);
+            }
             self.journal.append(&record)?;
             self.watcher.ended(&record);
             records.push(record);

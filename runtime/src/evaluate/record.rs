@@ -49,6 +49,21 @@ pub struct EpisodeRecord {
     pub terms: ByTerm,
     /// Sum over the steps of each term's unweighted value.
     pub values: ByTerm,
+    /// Sum over the steps of the square of each term's unweighted value.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub squares: ByTerm,
+    /// Number of steps at which each term was dead: below a hundredth of the largest size that it can have, or nothing.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub dead: ByTerm,
+    /// Number of steps at which each term was saturated: above 99 hundredths of the largest size that it can have.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub saturated: ByTerm,
+    /// Version of the weights that paid it, where they may change while a run goes on; else empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub weights_version: String,
+    /// Those weights.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub weights: ByTerm,
     /// The mean of each metric over the steps at which it was a finite number; of lists and vectors element by element.
     #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
     pub metrics: ByTerm,
@@ -66,12 +81,22 @@ pub struct EpisodeRecord {
     pub wall_time: f64,
 }
 
+/// Part of the largest size below which a term counts as dead.
+const DEAD: f64 = 0.01;
+/// Part of the largest size above which a term counts as saturated.
+const SATURATED: f64 = 0.99;
+
 /// Sums up an episode while it runs.
 #[derive(Debug, Clone)]
 pub struct Tally {
     total: f64,
     pay: Vec<f64>,
     values: Vec<f64>,
+    squares: Vec<f64>,
+    dead: Vec<f64>,
+    saturated: Vec<f64>,
+    /// The largest size that each term can have, infinite where it is not known.
+    largest: Vec<f64>,
     /// Sum of the finite values of each metric, and how many there were.
     metrics: Vec<(f64, u32)>,
     last_metrics: Vec<f64>,
@@ -86,6 +111,10 @@ impl Tally {
             total: 0.0,
             pay: vec![0.0; terms],
             values: vec![0.0; terms],
+            squares: vec![0.0; terms],
+            dead: vec![0.0; terms],
+            saturated: vec![0.0; terms],
+            largest: (0..terms).map(|term| task.term_range(term)).map(|[low, high]| low.abs().max(high.abs())).collect(),
             metrics: vec![(0.0, 0); metrics],
             last_metrics: vec![f64::NAN; metrics],
         }
@@ -99,6 +128,13 @@ impl Tally {
         for ((pay, sum), (value, weight)) in sums.zip(report.terms.iter().zip(episode.weights())) {
             *pay += weight * value;
             *sum += value;
+        }
+        for (index, value) in report.terms.iter().enumerate() {
+            let (size, largest) = (value.abs(), self.largest[index]);
+            self.squares[index] += value * value;
+            let known = largest.is_finite();
+            self.dead[index] += f64::from(u8::from(if known { size < DEAD * largest } else { size == 0.0 }));
+            self.saturated[index] += f64::from(u8::from(known && size > SATURATED * largest));
         }
         for (((sum, count), last), &value) in self.metrics.iter_mut().zip(&mut self.last_metrics).zip(&report.metrics) {
             *last = value;
@@ -142,6 +178,11 @@ impl Tally {
             total: self.total,
             terms: by_term(self.pay),
             values: by_term(self.values),
+            squares: by_term(self.squares),
+            dead: by_term(self.dead),
+            saturated: by_term(self.saturated),
+            weights_version: String::new(),
+            weights: ByTerm::default(),
             metrics,
             last_metrics,
             task_hash: task.hash.clone(),
@@ -164,6 +205,13 @@ fn metric_labels(task: &CompiledTask) -> Vec<String> {
 }
 
 impl EpisodeRecord {
+    /// Whether the other is the same episode with the same bits, the time that it took aside. Two values that are both no
+    /// numbers are the same.
+    pub fn same_as(&self, other: &Self) -> bool {
+        let timeless = |record: &Self| super::journal::json(&Self { wall_time: 0.0, ..record.clone() });
+        timeless(self) == timeless(other)
+    }
+
     /// How the episode ended, in words: the reasons, `horizon`, or `fault`.
     pub fn ended_by(&self) -> String {
         if self.fault.is_some() {
@@ -227,6 +275,11 @@ mod tests {
             total: 0.1 + 0.2,
             terms: ByTerm(vec![("pose".into(), 1.0 / 3.0), ("balance".into(), -2.5e-17)]),
             values: ByTerm(vec![("pose".into(), 1.0 / 30.0), ("balance".into(), 0.0)]),
+            squares: ByTerm(vec![("pose".into(), 1.0 / 90.0), ("balance".into(), 0.0)]),
+            dead: ByTerm(vec![("pose".into(), 0.0), ("balance".into(), 57.0)]),
+            saturated: ByTerm(vec![("pose".into(), 3.0), ("balance".into(), 0.0)]),
+            weights_version: "w".into(),
+            weights: ByTerm(vec![("pose".into(), 10.0), ("balance".into(), -1.0)]),
             metrics: ByTerm(vec![("lean".into(), 0.25)]),
             last_metrics: ByTerm(vec![("lean".into(), 0.5)]),
             task_hash: "t".into(),

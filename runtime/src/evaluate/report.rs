@@ -23,6 +23,10 @@ pub fn markdown(summary: &Summary) -> String {
             terms.row(term_row(term));
         }
         text.push_str(&terms.print());
+        if !task.weights_versions.is_empty() {
+            let paid = task.weights_versions.iter().map(|(version, count)| format!("{version} ({count})"));
+            let _ = write!(text, "\nWeights while it ran (episodes): {}\n", paid.collect::<Vec<_>>().join(", "));
+        }
     }
     for task in summary.tasks.iter().filter(|task| !task.metrics.is_empty()) {
         let _ = write!(text, "\n## {}: metrics\n\n{}", task.task, metrics(&task.metrics));
@@ -189,6 +193,7 @@ mod tests {
                 pay_per_step: Some(9.3),
                 share: Some(0.25),
             }],
+            weights_versions: vec![("0123456789abcdef".into(), 40), ("fedcba9876543210".into(), 10)],
             metrics: vec![MetricSummary { name: "lean".into(), mean: Some(Spread { mean: 0.5, deviation: None }), last: None }],
         };
         let protocol = Protocol { episodes: 50, seed: 0 };
@@ -222,6 +227,7 @@ mod tests {
                 ended_by: vec![],
                 faults: vec![],
                 terms: vec![],
+                weights_versions: vec![],
                 metrics: vec![],
             }],
         });

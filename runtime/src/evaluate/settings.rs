@@ -2,6 +2,7 @@
 
 use super::Plan;
 use crate::condition::MuscleCondition;
+use msk_compiler::task::{CompiledTask, Origin};
 use serde::{Deserialize, Serialize};
 
 /// How many episodes, and from which seed.
@@ -24,6 +25,9 @@ pub struct RunSettings {
     pub protocol: Protocol,
     /// The tasks, in order.
     pub tasks: Vec<TaskSettings>,
+    /// The weights file that is read anew before every episode, if one is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub live: Option<String>,
 }
 
 /// A task of a run.
@@ -44,6 +48,16 @@ pub struct TaskSettings {
     pub horizon: u32,
     /// Weights of the terms, in order.
     pub weights: Vec<(String, f64)>,
+    /// Terms whose weights are not those of the source, with where they come from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub overlaid: Vec<(String, String)>,
+}
+
+impl TaskSettings {
+    /// What decides of results: where weights come from does not.
+    fn decisive(&self) -> Self {
+        Self { overlaid: Vec::new(), ..self.clone() }
+    }
 }
 
 impl RunSettings {
@@ -57,13 +71,22 @@ impl RunSettings {
             condition: trial.body.condition.clone(),
             horizon: trial.task.horizon,
             weights: trial.task.terms.iter().map(|term| (term.name.clone(), term.weight)).collect(),
+            overlaid: overlaid(&trial.task),
         });
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
             policy: plan.policy.clone(),
             protocol: plan.protocol,
             tasks: tasks.collect(),
+            live: None,
         }
+    }
+
+    /// The same run with weights from `file`, read anew before every episode.
+    pub fn live(self, file: impl Into<String>) -> Self {
+        // What the file holds when the run is begun, or begun again, is no part of what is run.
+        let tasks = self.tasks.into_iter().map(|task| TaskSettings { weights: Vec::new(), overlaid: Vec::new(), ..task });
+        Self { tasks: tasks.collect(), live: Some(file.into()), ..self }
     }
 
     /// The first thing in which `other` differs, in words; `None` if they are the same run.
@@ -80,7 +103,19 @@ impl RunSettings {
             .or_else(|| differ("list of tasks", &names(self), &names(other)))
             .or_else(|| differ("program version", &self.version, &other.version))
             .or_else(|| {
-                let changed = self.tasks.iter().zip(&other.tasks).find(|(here, there)| here != there)?;
+                let file = |settings: &Self| settings.live.clone().unwrap_or_else(|| "none".into());
+                differ("live weights file", &file(self), &file(other))
+            })
+            .or_else(|| {
+                let pairs = || self.tasks.iter().zip(&other.tasks);
+                let changed = pairs().find(|(here, there)| here.decisive() != there.decisive())?;
+                let only_weights =
+                    changed.0.decisive() == TaskSettings { weights: changed.0.weights.clone(), ..changed.1.decisive() };
+                if only_weights {
+                    let differs = changed.0.weights.iter().zip(&changed.1.weights).find(|(here, there)| here != there);
+                    let ((term, here), (_, there)) = differs?;
+                    return Some(format!("the weight of `{term}` in task `{}` is {here}, not {there}", changed.0.name));
+                }
                 if changed.0.condition != changed.1.condition {
                     return Some(format!("the condition of the muscles in task `{}` is another", changed.0.name));
                 }
@@ -88,6 +123,12 @@ impl RunSettings {
                 Some(format!("the {what} `{}` has changed since", changed.0.name))
             })
     }
+}
+
+/// Terms whose weights are not those of the source.
+fn overlaid(task: &CompiledTask) -> Vec<(String, String)> {
+    let terms = task.terms.iter().filter(|term| term.origin != Origin::Source);
+    terms.map(|term| (term.name.clone(), term.origin.to_string())).collect()
 }
 
 #[cfg(test)]
@@ -104,9 +145,10 @@ mod tests {
             condition: MuscleCondition::default(),
             horizon: 1000,
             weights: vec![("pose".into(), 10.0)],
+            overlaid: vec![],
         };
         let protocol = Protocol { episodes: 50, seed: 0 };
-        RunSettings { version: "1".into(), policy: "zero".into(), protocol, tasks: vec![task] }
+        RunSettings { version: "1".into(), policy: "zero".into(), protocol, tasks: vec![task], live: None }
     }
 
     #[test]
@@ -127,7 +169,9 @@ mod tests {
         assert_eq!(difference(&|s| s.tasks[0].name = "sit".into()), "its list of tasks is stand, not sit");
         assert_eq!(difference(&|s| s.version = "2".into()), "its program version is 1, not 2");
         assert_eq!(difference(&|s| s.tasks[0].hash = "c".into()), "the task `stand` has changed since");
-        assert_eq!(difference(&|s| s.tasks[0].weights[0].1 = 9.0), "the task `stand` has changed since");
+        assert_eq!(difference(&|s| s.tasks[0].weights[0].1 = 9.0), "the weight of `pose` in task `stand` is 10, not 9");
+        assert_eq!(difference(&|s| s.tasks[0].overlaid.push(("pose".into(), "w.toml".into()))), "");
+        assert_eq!(difference(&|s| s.live = Some("w.toml".into())), "its live weights file is none, not w.toml");
         let weak = Weakness { muscles: None, factor: 0.5 };
         let condition = MuscleCondition { weakness: vec![weak], fatigue: None };
         let found = difference(&|s| s.tasks[0].condition = condition.clone());

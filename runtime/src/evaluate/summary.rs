@@ -42,6 +42,9 @@ pub struct TaskSummary {
     pub faults: Vec<(u64, String)>,
     /// One entry per reward term, in the task's order.
     pub terms: Vec<TermSummary>,
+    /// Versions of weights that paid the episodes, and how many each paid; empty where weights do not change.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub weights_versions: Vec<(String, u64)>,
     /// One entry per number that is logged, in the task's order.
     pub metrics: Vec<MetricSummary>,
 }
@@ -96,6 +99,7 @@ impl Summary {
                 ended_by: endings(&episodes),
                 faults: faults(&episodes),
                 terms: terms(&task.weights, &episodes),
+                weights_versions: versions(&episodes),
                 metrics: metrics(&episodes),
             }
         });
@@ -124,6 +128,7 @@ fn faults(episodes: &[&EpisodeRecord]) -> Vec<(u64, String)> {
 }
 
 fn terms(weights: &[(String, f64)], episodes: &[&EpisodeRecord]) -> Vec<TermSummary> {
+    let weights = in_force(weights, episodes);
     let steps: f64 = episodes.iter().map(|record| f64::from(record.steps)).sum();
     let sum = |index: usize, part: fn(&EpisodeRecord) -> &super::ByTerm| -> f64 {
         episodes.iter().filter_map(|record| part(record).0.get(index)).map(|(_, sum)| sum).sum()
@@ -138,6 +143,30 @@ fn terms(weights: &[(String, f64)], episodes: &[&EpisodeRecord]) -> Vec<TermSumm
         share: (magnitude > 0.0).then(|| pay / magnitude),
     });
     rows.collect()
+}
+
+/// The weight of each term; where they changed while the run went on, their mean over the episodes.
+fn in_force(weights: &[(String, f64)], episodes: &[&EpisodeRecord]) -> Vec<(String, f64)> {
+    let paid: Vec<&EpisodeRecord> = episodes.iter().copied().filter(|record| record.weights.0.len() == weights.len()).collect();
+    let Some(first) = paid.first() else { return weights.to_vec() };
+    let mean = |index: usize| {
+        let same = paid.iter().all(|record| record.weights.0[index].1 == first.weights.0[index].1);
+        let sum: f64 = paid.iter().map(|record| record.weights.0[index].1).sum();
+        if same { first.weights.0[index].1 } else { sum / paid.len() as f64 }
+    };
+    weights.iter().enumerate().map(|(index, (name, _))| (name.clone(), mean(index))).collect()
+}
+
+/// The versions of weights that paid the episodes, in the order of the episodes, and how many each paid.
+fn versions(episodes: &[&EpisodeRecord]) -> Vec<(String, u64)> {
+    let mut versions: Vec<(String, u64)> = Vec::new();
+    for record in episodes.iter().filter(|record| !record.weights_version.is_empty()) {
+        match versions.iter_mut().find(|(version, _)| *version == record.weights_version) {
+            Some((_, count)) => *count += 1,
+            None => versions.push((record.weights_version.clone(), 1)),
+        }
+    }
+    versions
 }
 
 fn metrics(episodes: &[&EpisodeRecord]) -> Vec<MetricSummary> {
@@ -177,6 +206,11 @@ mod tests {
             total: pose + effort,
             terms: by_term(pose, effort),
             values: by_term(pose / 10.0, -effort),
+            squares: ByTerm::default(),
+            dead: ByTerm::default(),
+            saturated: ByTerm::default(),
+            weights_version: String::new(),
+            weights: ByTerm::default(),
             metrics: ByTerm(vec![("lean".into(), pose)]),
             last_metrics: ByTerm(vec![("lean".into(), f64::NAN)]),
             task_hash: String::new(),

@@ -58,10 +58,11 @@ pub mod syntax;
 pub mod tasks;
 pub mod tests;
 pub mod types;
+pub mod weights;
 
 /// Every code, in order.
 pub fn all() -> impl Iterator<Item = &'static Code> {
-    [syntax::ALL, names::ALL, types::ALL, tasks::ALL, scene::ALL, composition::ALL, tests::ALL, lints::ALL]
+    [syntax::ALL, names::ALL, types::ALL, tasks::ALL, scene::ALL, composition::ALL, tests::ALL, weights::ALL, lints::ALL]
         .into_iter()
         .flatten()
         .copied()

@@ -1,0 +1,51 @@
+//! `msk weights bake FILE --weights weights.toml`.
+
+use super::{Opened, Target};
+use crate::error::Error;
+use crate::project::{self, Project};
+use msk::compiler::diagnostics::{Report, SourceMap};
+use msk::compiler::files::Loader;
+use msk::compiler::task::Origin;
+use msk::compiler::weights::Edit;
+use msk::runtime::library::FileLoader;
+use msk::tuning::overlay::Overlay;
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Write the weights of a weights file into the source that it lies over: digits change, nothing else
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    target: Target,
+    /// The weights file
+    #[arg(long, value_name = "FILE")]
+    weights: PathBuf,
+}
+
+/// Writes the weights into the source.
+///
+/// # Errors
+/// A file that cannot be read or written, weights that the tasks do not allow, or terms that another file writes.
+pub fn run(args: &Args) -> Result<ExitCode, Error> {
+    let opened = Opened::open(&args.target)?;
+    let project = Project::open(&args.target.file, &[])?;
+    let text = FileLoader.load(&args.weights)?;
+    let (name, mut sources) = (args.weights.display().to_string(), SourceMap::default());
+    let told = |sources, told| Error::told(Report::new(sources, told).render(project::style(&io::stderr())));
+    let overlay = Overlay::read(&name, &text, &mut sources).map_err(|errors| told(sources.clone(), errors))?;
+    let origin = Origin::Overlay(name.clone());
+    overlay.apply(&project.compilation.tasks, &origin).map_err(|errors| told(sources.clone(), errors))?;
+    let edits: Vec<Edit> =
+        overlay.lines().iter().map(|line| Edit::new(format!("{}.{}", line.task, line.term), line.weight)).collect();
+    for edit in &edits {
+        if opened.weights.find(&edit.term).is_err() {
+            let message = format!("the weight of `{}` is not written in `{}`", edit.term, args.target.file.display());
+            return Err(Error::new(message).hint("bake into the file that writes it: a file that this one uses"));
+        }
+    }
+    if edits.is_empty() {
+        return Err(Error::new(format!("nothing was changed: `{name}` holds no weights")));
+    }
+    opened.change(&edits, &args.target, "bake")
+}

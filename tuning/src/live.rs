@@ -1,0 +1,122 @@
+//! Weights that are read anew at the beginning of every episode.
+
+use crate::overlay::Overlay;
+use crate::store::{Store, StoreError, Version};
+use msk_compiler::diagnostics::{Report, SourceMap};
+use msk_compiler::task::{CompiledTask, Origin};
+use msk_runtime::evaluate::{Fed, Feed};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A weights file in use.
+///
+/// Whoever asks gets one whole version of the file: the newest that could be read and that the tasks allow. A version that is
+/// refused is told once, and the weights before it stay.
+pub struct Live {
+    store: Store,
+    name: String,
+    tasks: Vec<Arc<CompiledTask>>,
+    told: Box<dyn Fn(&str) + Send + Sync>,
+    present: Mutex<Present>,
+}
+
+struct Present {
+    /// The newest version that was looked at, whether it was taken or refused.
+    seen: Option<String>,
+    taken: Arc<InForce>,
+}
+
+/// One version of the weights of all tasks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InForce {
+    /// Its hash.
+    pub version: String,
+    /// The weights of each task, by its name, in the order of its terms.
+    pub tasks: Vec<(String, Vec<f64>)>,
+}
+
+/// Why a weights file cannot be begun with.
+#[derive(Debug, thiserror::Error)]
+pub enum LiveError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// There is none.
+    #[error("there is no weights file `{0}`")]
+    Missing(String),
+    /// It does not fit the tasks.
+    #[error("{0}")]
+    Refused(Box<Report>),
+}
+
+impl Live {
+    /// Begins with the file as it is. `told` gets a message for every later version that is refused.
+    ///
+    /// # Errors
+    /// A file that is not there, cannot be read, or that the tasks do not allow.
+    pub fn open(
+        path: &Path,
+        tasks: Vec<Arc<CompiledTask>>,
+        told: impl Fn(&str) + Send + Sync + 'static,
+    ) -> Result<Self, LiveError> {
+        let store = Store::new(path);
+        let name = path.display().to_string();
+        let version = store.read()?.ok_or_else(|| LiveError::Missing(name.clone()))?;
+        let taken = Arc::new(InForce::of(&name, &version, &tasks).map_err(|report| LiveError::Refused(Box::new(report)))?);
+        let present = Mutex::new(Present { seen: Some(version.hash), taken });
+        Ok(Self { store, name, tasks, told: Box::new(told), present })
+    }
+
+    /// The weights in force now.
+    pub fn current(&self) -> Arc<InForce> {
+        // A thread that panicked here left one version or the next. The file is read under the same lock, so that no thread
+        // goes back to an older version than another has taken.
+        let mut present = self.present.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = self.store.read();
+        let (seen, refused) = match found {
+            Ok(Some(version)) if present.seen.as_ref() == Some(&version.hash) => return present.taken.clone(),
+            Ok(Some(version)) => match InForce::of(&self.name, &version, &self.tasks) {
+                Ok(fresh) => {
+                    *present = Present { seen: Some(version.hash), taken: Arc::new(fresh) };
+                    return present.taken.clone();
+                }
+                Err(report) => (Some(version.hash), report.to_string()),
+            },
+            Ok(None) => (None, format!("there is no weights file `{}` any more\n", self.name)),
+            Err(error) => (None, format!("{error}\n")),
+        };
+        // A file that cannot be read is told once, not before every episode.
+        if seen.is_some() || present.seen.is_some() {
+            (self.told)(&format!("{refused}the weights stay at version {}", present.taken.version));
+        }
+        present.seen = seen;
+        present.taken.clone()
+    }
+}
+
+impl InForce {
+    /// The weights of a version of a file, laid over the source.
+    ///
+    /// # Errors
+    /// All that is wrong with it.
+    pub fn of(name: &str, version: &Version, tasks: &[Arc<CompiledTask>]) -> Result<Self, Report> {
+        let mut sources = SourceMap::default();
+        let laid = Overlay::read(name, &version.text, &mut sources)
+            .and_then(|overlay| overlay.apply(tasks, &Origin::Overlay(name.to_owned())));
+        match laid {
+            Ok(laid) => Ok(Self {
+                version: version.hash.clone(),
+                tasks: laid.iter().map(|task| (task.name.clone(), task.weights())).collect(),
+            }),
+            Err(diagnostics) => Err(Report::new(sources, diagnostics)),
+        }
+    }
+}
+
+impl Feed for Live {
+    fn weights(&self, task: &CompiledTask) -> Fed {
+        let current = self.current();
+        let weights = current.tasks.iter().find(|(name, _)| *name == task.name).map(|(_, weights)| weights.clone());
+        Fed { version: current.version.clone(), weights: weights.unwrap_or_else(|| task.weights()) }
+    }
+}
