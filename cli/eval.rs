@@ -73,7 +73,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 
     let folder = match args.out {
         Some(folder) => folder,
-        None => fresh_folder(&plan, &args.file)?,
+        None => fresh_folder(&name(&plan, &args.file))?,
     };
     let settings = RunSettings::of(&plan);
     let settings = if args.live { settings.live(args.overlays.file()) } else { settings };
@@ -118,15 +118,23 @@ fn protocol(args: &Args, project: &Project) -> Protocol {
     }
 }
 
-/// Makes `results/NAME-POLICY-1`, or the first that does not exist yet: nothing is ever overwritten.
-fn fresh_folder(plan: &Plan, file: &Path) -> Result<PathBuf, Error> {
+/// What a run is called: after its task or its file, and its policy.
+fn name(plan: &Plan, file: &Path) -> String {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let name = if let [trial] = plan.trials.as_slice() { trial.task.name.clone() } else { stem.into_owned() };
+    format!("{name}-{}", plan.policy)
+}
+
+/// Makes `results/NAME-1`, or the first that does not exist yet: nothing is ever overwritten.
+///
+/// # Errors
+/// A folder that cannot be made.
+pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
     let results = Path::new("results");
     let unwritable = |path: &Path, source| explain(JournalError::Unwritable { path: path.into(), source });
     fs::create_dir_all(results).map_err(|source| unwritable(results, source))?;
     for number in 1_u64.. {
-        let folder = results.join(format!("{name}-{}-{number}", plan.policy));
+        let folder = results.join(format!("{name}-{number}"));
         match fs::create_dir(&folder) {
             Ok(()) => return Ok(folder),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -150,7 +158,7 @@ fn explain(error: JournalError) -> Error {
 }
 
 /// Ctrl-C asks the workers to stop; a second one ends the program at once. The journal is valid either way.
-fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
+pub fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     ctrlc::set_handler(move || {

@@ -14,6 +14,7 @@ mod fmt;
 mod help;
 mod motion;
 mod new;
+mod mcp;
 mod overlays;
 mod physics;
 mod progress;
@@ -22,6 +23,7 @@ mod run;
 mod snapshot;
 mod test;
 mod texts;
+mod tune;
 mod vocabulary;
 mod weights;
 
@@ -50,6 +52,8 @@ enum Command {
     Test(test::Args),
     Vocabulary(vocabulary::Args),
     Weights(weights::Args),
+    Tune(tune::Args),
+    Mcp(mcp::Args),
     Draw(draw::Args),
     Motion(motion::Args),
     Physics(physics::Args),
@@ -70,6 +74,8 @@ impl Command {
             Self::Test(args) => test::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),
             Self::Weights(args) => weights::run(args),
+            Self::Tune(args) => tune::run(args),
+            Self::Mcp(args) => mcp::run(args),
             Self::Draw(args) => draw::run(args),
             Self::Motion(args) => motion::run(args),
             Self::Physics(args) => physics::run(args),

@@ -80,7 +80,7 @@ impl Overlays {
     fn wish(&self, trials: &mut [Trial]) -> Result<(), Error> {
         let tasks: Vec<_> = trials.iter().map(|trial| trial.task.clone()).collect();
         let laid = wished(&tasks, &self.weight, &Origin::CommandLine).context(|| "these weights cannot be set".into())?;
-        for (trial, task) in trials.iter_mut().zip(laid.0) {
+        for (trial, task) in trials.iter_mut().zip(laid.tasks) {
             trial.task = task;
         }
         Ok(())

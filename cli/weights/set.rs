@@ -45,7 +45,7 @@ fn into(args: &Args, overlay: &Path) -> Result<ExitCode, Error> {
     let project = Project::open(&args.target.file, &[])?;
     let tasks = &project.compilation.tasks;
     let wishes: Vec<Wish> = args.weights.iter().map(|edit| Wish { term: edit.term.clone(), weight: edit.value }).collect();
-    let (_, places) = wished(tasks, &wishes, &Origin::CommandLine).context(|| "nothing was changed".into())?;
+    let places = wished(tasks, &wishes, &Origin::CommandLine).context(|| "nothing was changed".into())?.places;
     let weights: Vec<(&str, &str, f64)> = wishes
         .iter()
         .zip(places)

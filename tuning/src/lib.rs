@@ -8,4 +8,7 @@
 
 pub mod live;
 pub mod overlay;
+pub mod reasoner;
+pub mod session;
+pub mod statistics;
 pub mod store;

@@ -33,6 +33,12 @@ impl CompiledTask {
         bounds.map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| [bounds.low, bounds.high])
     }
 
+    /// Whether a term is the price of an end: `-100 done = terminated` is paid in one step and outweighs all that is paid step
+    /// by step, so that scopes without such terms are common.
+    pub fn is_terminal(&self, term: usize) -> bool {
+        matches!(self.terms[term].source.trim(), "terminated" | "terminated()")
+    }
+
     /// Whether a weight may be what is wished, by the bounds of its author and the sign that it has in the source.
     ///
     /// # Errors

@@ -37,6 +37,23 @@ pub struct Weight {
     pub in_scope: bool,
 }
 
+/// What a norm counts and a tuner may change: the two readings of the published norm.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Scope {
+    /// All terms that are not fixed.
+    #[default]
+    All,
+    /// Those that are paid while an episode goes on: not the price of its end.
+    Running,
+}
+
+impl Scope {
+    /// Whether a term is in it.
+    pub fn holds(self, bounds: Bounds, terminal: bool) -> bool {
+        bounds != Bounds::Fixed && !(terminal && self == Self::Running)
+    }
+}
+
 /// Why there is no permitted change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RuleError {

@@ -12,7 +12,7 @@ mod edit;
 mod wish;
 
 pub use edit::{EditError, edited};
-pub use wish::{Wish, WishError, wished};
+pub use wish::{Laid, Wish, WishError, wished};
 
 use msk_compiler::diagnostics::{Diagnostic, FileId, SourceMap, Span, codes, nearest};
 use msk_compiler::task::{CompiledTask, Origin};

@@ -19,15 +19,20 @@ pub struct Wish {
 #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct WishError(pub Vec<Problem>);
 
-/// The tasks with the wishes laid over them, in their order, and which (task, term) each wish concerned.
+/// Tasks with wishes laid over them.
+#[derive(Clone)]
+pub struct Laid {
+    /// The tasks, in their order.
+    pub tasks: Vec<Arc<CompiledTask>>,
+    /// Which task and which of its terms each wish concerned.
+    pub places: Vec<(usize, usize)>,
+}
+
+/// Lays wishes over tasks.
 ///
 /// # Errors
 /// A term that no task has or several have, one that is given twice, or a weight that is not allowed.
-pub fn wished(
-    tasks: &[Arc<CompiledTask>],
-    wishes: &[Wish],
-    origin: &Origin,
-) -> Result<(Vec<Arc<CompiledTask>>, Vec<(usize, usize)>), WishError> {
+pub fn wished(tasks: &[Arc<CompiledTask>], wishes: &[Wish], origin: &Origin) -> Result<Laid, WishError> {
     let (mut problems, mut places) = (Vec::new(), Vec::new());
     for wish in wishes {
         match place(tasks, &wish.term) {
@@ -46,7 +51,7 @@ pub fn wished(
     for (wish, &(task, term)) in wishes.iter().zip(&places) {
         laid[task] = Arc::new(laid[task].reweighted(&[(term, wish.weight)], origin).map_err(|refused| WishError(refused.0))?);
     }
-    Ok((laid, places))
+    Ok(Laid { tasks: laid, places })
 }
 
 /// Which task and term a name means: `term`, `task.term`, or the term of a phase with or without its task.

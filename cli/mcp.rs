@@ -1,0 +1,28 @@
+//! `msk mcp`: a server for agents over standard input and output.
+
+use crate::error::{Context, Error};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Serve agents over standard input and output by the Model Context Protocol
+///
+/// Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes within a budget, compare, and
+/// read results; resources hold the reference and the vocabulary. Nothing outside of the project is read as a task or written,
+/// and writing is a dry run unless the agent says otherwise. docs/weights.md shows how to set a client up.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The folder that holds tasks.msk
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    project: PathBuf,
+}
+
+/// Serves until the client closes standard input.
+///
+/// # Errors
+/// A folder that cannot be used, or a client that does not speak the protocol.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    // Models of bodies are found from the folder in which the program stands.
+    std::env::set_current_dir(&args.project).context(|| format!("cannot use the project `{}`", args.project.display()))?;
+    msk_mcp::serve(std::path::Path::new("."))?;
+    Ok(ExitCode::SUCCESS)
+}

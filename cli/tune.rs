@@ -1,0 +1,241 @@
+//! `msk tune TASK`: episodes, statistics, a reasoner, the rules of change, again.
+
+use crate::condition::Condition;
+use crate::error::{Error, FAILURE, INTERRUPTED};
+use crate::eval::stop_on_interrupt;
+use crate::overlays::Overlays;
+use crate::project::{Project, Settings as Parameters};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use msk::compiler::weights::written;
+use msk::runtime::evaluate::EpisodeRecord;
+use msk::tuning::reasoner::{Reasoner, RuleBook, from_file};
+use msk::tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, Settings, Watcher};
+use std::io::{self, Write};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Tune the weights of a task: run episodes, ask a reasoner, apply what the rules allow, keep the best
+///
+/// A round runs episodes until the control steps of all workers together reach the interval. Its statistics go to the reasoner,
+/// whose proposal is projected onto what the rules of change and the bounds in the source allow. Everything is kept in a folder:
+/// rounds.jsonl (statistics, prompt, proposal, what was applied or why not), episodes.jsonl, weights.toml (read anew before
+/// every episode: it may be edited while this runs), best.toml. With --out, a folder that holds part of the same session is
+/// continued.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Name of a task in tasks.msk, or a file with one task
+    task: String,
+    /// Who proposes weights: rules (built in), or a TOML file with kind = "http" (url, model, key_variable), kind = "process"
+    /// (command) or kind = "rules"
+    #[arg(long, default_value = "rules", value_name = "rules | FILE")]
+    reasoner: String,
+    /// What acts: posture, zero, random
+    #[arg(long, default_value = "posture")]
+    policy: String,
+    #[command(flatten)]
+    condition: Condition,
+    /// Control steps of a round, of all workers together
+    #[arg(long, default_value_t = 20_000, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
+    interval: u64,
+    /// Most rounds
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    rounds: u64,
+    /// Most control steps, of all rounds together
+    #[arg(long, value_name = "STEPS")]
+    steps: Option<u64>,
+    /// Largest relative change of a weight in one round
+    #[arg(long, default_value_t = 0.2, value_name = "PART")]
+    step: f64,
+    /// Keep the sum of the sizes of all weights in scope at this number; they are scaled to it first
+    #[arg(long)]
+    norm: Option<f64>,
+    /// What is tuned and counts in the norm: all terms, or only those paid while an episode goes on, not the price of its end
+    #[arg(long, value_enum, default_value_t = Scope::All)]
+    scope: Scope,
+    /// Terms that stay as they are and do not count in the norm, such as the price of a fall; may be repeated
+    #[arg(long, value_name = "TERM")]
+    outside: Vec<String>,
+    /// What makes a round better: success, survival, or a metric of the task, with - before it if less is better
+    #[arg(long, default_value = "success", allow_hyphen_values = true)]
+    objective: String,
+    /// What to do when the reasoner fails or cannot be understood
+    #[arg(long, value_enum, default_value_t = Failure::Keep)]
+    on_failure: Failure,
+    /// Seed of all chance
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Worker threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Folder of the session [default: a new one under results/]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    overlays: Overlays,
+    #[command(flatten)]
+    parameters: Parameters,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Scope {
+    /// All terms that are not fixed
+    All,
+    /// Without terms whose formula is `terminated`
+    Running,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Failure {
+    /// Keep the weights, log it, go on
+    Keep,
+    /// Stop
+    Stop,
+}
+
+/// Runs the session.
+///
+/// # Errors
+/// Errors in the file, a folder or reasoner that cannot be used, or a policy that cannot act.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let (project, mut trial) = Project::find(&args.task, &args.parameters.settings)?;
+    args.condition.apply(std::slice::from_mut(&mut trial))?;
+    args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
+    msk::runtime::policy::create(&args.policy)?;
+    let reasoner: Box<dyn Reasoner> = match args.reasoner.as_str() {
+        "rules" => Box::new(RuleBook),
+        file => from_file(Path::new(file), |name| std::env::var(name).ok())?,
+    };
+    let mut outside = args.outside.clone();
+    if matches!(args.scope, Scope::Running) {
+        let terms = trial.task.terms.iter().enumerate();
+        outside.extend(terms.filter(|(term, _)| trial.task.is_terminal(*term)).map(|(_, term)| term.name.clone()));
+    }
+    let settings = Settings {
+        policy: args.policy.clone(),
+        seed: args.seed,
+        interval: args.interval,
+        rules: KeptRules { step: args.step, norm: args.norm },
+        outside,
+        objective: Objective::parse(&args.objective),
+        rounds: args.rounds,
+        steps: args.steps,
+        on_failure: match args.on_failure {
+            Failure::Keep => OnFailure::Keep,
+            Failure::Stop => OnFailure::Stop,
+        },
+    };
+    let folder = match args.out {
+        Some(folder) => folder,
+        None => crate::eval::fresh_folder(&format!("{}-tune", trial.task.name))?,
+    };
+    let progress = Progress::new(args.interval);
+    let bar = progress.bar.clone();
+    let mut session = Session::open(&folder, settings, trial, move |message| bar.suspend(|| say(message)))?;
+    if !session.rounds().is_empty() {
+        say(&format!("continuing `{}`: {} of {} rounds are there", folder.display(), session.rounds().len(), args.rounds));
+    }
+    let stop = stop_on_interrupt()?;
+    let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
+    let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    let ended = session.run(reasoner.as_ref(), threads, &stop, &progress)?;
+    progress.bar.finish_and_clear();
+    finish(&session, ended)
+}
+
+/// Says what came of it.
+fn finish(session: &Session, ended: Ended) -> Result<ExitCode, Error> {
+    let folder = session.folder().display();
+    let mut out = io::stdout().lock();
+    for round in session.rounds() {
+        writeln!(out, "{}", line(round))?;
+    }
+    if let Some(best) = session.best() {
+        writeln!(out, "\nBest: round {} with score {:.4}: `{folder}/best.toml`", best.round, best.score)?;
+        writeln!(out, "Use it with `--weights {folder}/best.toml`, or write it into the source with `msk weights bake`.")?;
+    }
+    match ended {
+        Ended::Budget => Ok(ExitCode::SUCCESS),
+        Ended::Interrupted => {
+            writeln!(io::stderr(), "interrupted; the same command with `--out {folder}` continues")?;
+            Ok(ExitCode::from(INTERRUPTED))
+        }
+        Ended::Failed => {
+            let why = session.rounds().last().and_then(|round| round.rejected.clone()).unwrap_or_default();
+            writeln!(
+                io::stderr(),
+                "error: {why}\n  hint: the same command with `--out {folder}` goes on, with --on-failure keep also past failures"
+            )?;
+            Ok(ExitCode::from(FAILURE))
+        }
+    }
+}
+
+/// A round in a line: what it came to and what changed after it.
+fn line(round: &Round) -> String {
+    let statistics = &round.statistics;
+    let head = format!(
+        "round {}: score {:.4}, {} episodes, {:.0} % succeeded",
+        round.round,
+        round.score,
+        statistics.episodes,
+        100.0 * statistics.success_rate
+    );
+    let changes = match (&round.rejected, &round.applied) {
+        (Some(why), _) => format!("weights stay: {}", why.lines().next().unwrap_or_default()),
+        (None, None) => return head,
+        (None, Some(next)) => {
+            let changed = round.weights.iter().zip(next).filter(|((_, before), (_, after))| before != after);
+            let changed: Vec<String> = changed
+                .map(|((term, before), (_, after))| format!("{term} {} -> {}", rounded(*before), rounded(*after)))
+                .collect();
+            if changed.is_empty() { "weights stay".into() } else { changed.join(", ") }
+        }
+    };
+    format!("{head}; {changes}")
+}
+
+/// Four digits after the point are enough for the eye.
+fn rounded(weight: f64) -> String {
+    written((weight * 1e4).round() / 1e4)
+}
+
+fn say(message: &str) {
+    // Nothing is left to be done when standard error itself cannot be written.
+    let _ = writeln!(io::stderr(), "{message}");
+}
+
+/// A line that shows how far the round is. Silent unless on a terminal.
+struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    fn new(interval: u64) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(interval), ProgressDrawTarget::stderr_with_hz(10));
+        // The template is a constant of this file; without it the bar has its default look.
+        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} steps  {msg}  {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar }
+    }
+}
+
+impl Watcher for Progress {
+    fn stepped(&self) {
+        self.bar.inc(1);
+    }
+
+    fn ended(&self, _: &EpisodeRecord) {}
+
+    fn asking(&self, reasoner: &str) {
+        self.bar.set_message(format!("asking {reasoner}"));
+    }
+
+    fn round(&self, round: &Round) {
+        self.bar.set_position(0);
+        self.bar.set_message(format!("round {}: score {:.4}", round.round, round.score));
+    }
+}

@@ -1,0 +1,147 @@
+//! A few episodes, within a budget, and results that lie in the project.
+
+use crate::project::{Failure, Project};
+use msk_runtime::episode::EpisodeKey;
+use msk_runtime::evaluate::{Plan, Protocol, Summary, play};
+use msk_runtime::policy;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Most episodes of one call.
+const EPISODES: u64 = 100;
+/// Most control steps of one call.
+const STEPS: u64 = 200_000;
+/// Most seconds of one call.
+const SECONDS: f64 = 600.0;
+/// Largest results that are read, bytes.
+const LARGEST: u64 = 4 << 20;
+/// Most lines of a journal in one answer.
+const LINES: usize = 200;
+
+/// What `evaluate` is asked.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Evaluate {
+    /// Name of the task.
+    pub task: String,
+    /// File with the task, relative to the project; tasks.msk if it is left out.
+    pub file: Option<String>,
+    /// Weights file to lay over it.
+    pub overlay: Option<String>,
+    /// What acts: posture, zero or random; posture if it is left out.
+    pub policy: Option<String>,
+    /// Episodes, at most 100; 5 if it is left out.
+    pub episodes: Option<u64>,
+    /// Seed of all chance; 0 if it is left out.
+    pub seed: Option<u64>,
+    /// Most control steps, at most 200000; 20000 if it is left out.
+    pub max_steps: Option<u64>,
+    /// Most seconds, at most 600; 60 if it is left out.
+    pub max_seconds: Option<f64>,
+}
+
+/// What `read_results` is asked.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct ReadResults {
+    /// A folder of results, relative to the project; without one, the folders below `results` are listed.
+    pub folder: Option<String>,
+    /// Which file of it: summary.json, run.json, report.md, episodes.jsonl, rounds.jsonl, tune.json, best.toml or weights.toml;
+    /// summary.json if it is left out.
+    pub file: Option<String>,
+    /// Of a file of lines, how many of the last ones; 20 if it is left out.
+    pub last: Option<usize>,
+}
+
+/// Plays episodes until they are done or the budget is spent. Nothing is written.
+pub fn evaluate(project: &Project, asked: &Evaluate) -> Result<Value, Failure> {
+    let task = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
+    let trial = project.trial(task)?;
+    let seed = asked.seed.unwrap_or(0);
+    let episodes = asked.episodes.unwrap_or(5).clamp(1, EPISODES);
+    let most = asked.max_steps.unwrap_or(20_000).clamp(1, STEPS);
+    let seconds = asked.max_seconds.filter(|seconds| seconds.is_finite()).unwrap_or(60.0).clamp(0.1, SECONDS);
+    let mut policy = policy::create(asked.policy.as_deref().unwrap_or("posture"))?;
+    let mut episode = trial.episode()?;
+    let (start, stop, steps) = (Instant::now(), AtomicBool::new(false), std::sync::atomic::AtomicU64::new(0));
+    let limit = Duration::from_secs_f64(seconds);
+    let stepped = || {
+        let taken = steps.fetch_add(1, Ordering::Relaxed) + 1;
+        if taken >= most || start.elapsed() > limit {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let mut records = Vec::new();
+    for index in 0..episodes {
+        let key = EpisodeKey { seed, episode: index };
+        match play(&trial, &mut episode, key, policy.as_mut(), &stop, stepped)? {
+            Some(record) => records.push(record),
+            None => break,
+        }
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
+    }
+    let plan = Plan { policy: policy.name().to_owned(), trials: vec![trial], protocol: Protocol { episodes, seed } };
+    let summary = Summary::of(&plan, &records);
+    Ok(json!({
+        "summary": serde_json::to_value(&summary)?,
+        "episodes_asked": episodes,
+        "episodes_done": records.len(),
+        "steps": steps.load(Ordering::Relaxed),
+        "seconds": start.elapsed().as_secs_f64(),
+        "budget_spent": (records.len() as u64) < episodes,
+    }))
+}
+
+/// The files of a run or a session that may be read.
+const FILES: [&str; 8] =
+    ["summary.json", "run.json", "report.md", "episodes.jsonl", "rounds.jsonl", "tune.json", "best.toml", "weights.toml"];
+
+/// Reads what a run has left.
+pub fn read_results(project: &Project, asked: &ReadResults) -> Result<Value, Failure> {
+    let Some(folder) = &asked.folder else {
+        return list(project);
+    };
+    let file = asked.file.as_deref().unwrap_or("summary.json");
+    if !FILES.contains(&file) {
+        return Err(Failure(json!({ "error": format!("`{file}` is no file of results"), "files": FILES })));
+    }
+    let path = project.confined.existing(&Path::new(folder).join(file))?;
+    let size = std::fs::metadata(&path)?.len();
+    if size > LARGEST && !file.ends_with(".jsonl") {
+        return Err(Failure(json!({ "error": format!("`{file}` has {size} bytes, more than {LARGEST}") })));
+    }
+    let text = std::fs::read_to_string(&path)?;
+    Ok(match file {
+        _ if file.ends_with(".jsonl") => {
+            // A last line without its end is still being written.
+            let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+            let lines: Vec<&str> = whole.lines().collect();
+            let last = asked.last.unwrap_or(20).min(LINES);
+            let shown = &lines[lines.len().saturating_sub(last)..];
+            let values: Vec<Value> = shown.iter().map(|line| serde_json::from_str(line)).collect::<Result<_, _>>()?;
+            json!({ "file": file, "lines": lines.len(), "last": values })
+        }
+        _ if file.ends_with(".json") => json!({ "file": file, "content": serde_json::from_str::<Value>(&text)? }),
+        _ => json!({ "file": file, "text": text }),
+    })
+}
+
+/// The folders of results.
+fn list(project: &Project) -> Result<Value, Failure> {
+    let Ok(results) = project.confined.existing(Path::new("results")) else {
+        return Ok(json!({ "results": [] }));
+    };
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(results)? {
+        let entry = entry?;
+        if entry.path().is_dir() {
+            names.push(format!("results/{}", entry.file_name().to_string_lossy()));
+        }
+    }
+    names.sort();
+    Ok(json!({ "results": names }))
+}

@@ -1,0 +1,103 @@
+//! Tasks of the project, compiled.
+
+use crate::confine::{Bodies, Confined};
+use msk_compiler::diagnostics::SourceMap;
+use msk_compiler::files::{LoadError, Loader};
+use msk_compiler::task::{CompiledTask, Origin};
+use msk_compiler::{Compilation, compile};
+use msk_runtime::evaluate::Trial;
+use msk_runtime::library::BodyLibrary;
+use msk_tuning::overlay::Overlay;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The suite at the root of a project.
+pub const SUITE: &str = "tasks.msk";
+
+/// What went wrong, for an agent: words, and diagnostics where the compiler has them.
+#[derive(Debug)]
+pub struct Failure(pub Value);
+
+impl<E: std::fmt::Display> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self(json!({ "error": error.to_string() }))
+    }
+}
+
+/// The project with the bodies that are already bound.
+pub struct Project {
+    pub confined: Confined,
+    pub library: BodyLibrary,
+}
+
+impl Project {
+    /// Compiles a file of the project.
+    pub fn compile(&self, file: &str) -> Result<Compilation, Failure> {
+        self.confined.existing(Path::new(file))?;
+        self.compile_with(file, &self.confined)
+    }
+
+    /// Compiles with another loader: of a text that is no file yet.
+    pub fn compile_with(&self, file: &str, loader: &dyn Loader) -> Result<Compilation, Failure> {
+        let bodies = Bodies { confined: &self.confined, library: &self.library };
+        compile(Path::new(file), loader, &bodies).map_err(|report| {
+            let mut told = report.to_json();
+            told["error"] = "the text has errors".into();
+            told["rendered"] = report.to_string().into();
+            Failure(told)
+        })
+    }
+
+    /// A task by its name, with a weights file laid over it.
+    pub fn task(&self, file: Option<&str>, name: &str, weights: Option<&str>) -> Result<Arc<CompiledTask>, Failure> {
+        let compilation = self.compile(file.unwrap_or(SUITE))?;
+        let tasks = match weights {
+            Some(weights) => self.overlaid(&compilation, weights)?,
+            None => compilation.tasks.clone(),
+        };
+        find(&tasks, name)
+    }
+
+    /// All tasks with a weights file laid over them.
+    pub fn overlaid(&self, compilation: &Compilation, weights: &str) -> Result<Vec<Arc<CompiledTask>>, Failure> {
+        let text = self.confined.load(Path::new(weights))?;
+        let mut sources = SourceMap::default();
+        let laid = Overlay::read(weights, &text, &mut sources)
+            .and_then(|overlay| overlay.apply(&compilation.tasks, &Origin::Overlay(weights.to_owned())));
+        laid.map_err(|told| {
+            let report = msk_compiler::diagnostics::Report::new(sources, told);
+            let mut told = report.to_json();
+            told["error"] = "the weights file has errors".into();
+            told["rendered"] = report.to_string().into();
+            Failure(told)
+        })
+    }
+
+    /// A task on its body.
+    pub fn trial(&self, task: Arc<CompiledTask>) -> Result<Trial, Failure> {
+        let body = self.library.stage(&task.body, &task.scene)?;
+        Ok(Trial { task, body })
+    }
+}
+
+/// The task of that name.
+pub fn find(tasks: &[Arc<CompiledTask>], name: &str) -> Result<Arc<CompiledTask>, Failure> {
+    tasks.iter().find(|task| task.name == name).cloned().ok_or_else(|| {
+        let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
+        Failure(json!({ "error": format!("there is no task `{name}`"), "tasks": known }))
+    })
+}
+
+/// A text that stands for a file, among those of the project.
+pub struct Draft<'a> {
+    pub name: &'a str,
+    pub text: &'a str,
+    pub confined: &'a Confined,
+}
+
+impl Loader for Draft<'_> {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        if path == Path::new(self.name) { Ok(self.text.to_owned()) } else { self.confined.load(path) }
+    }
+}

@@ -1,0 +1,297 @@
+//! The server: its tools, each a thin door to what the other files do.
+
+use crate::confine::{Confined, Outside};
+use crate::evaluation::{self, Evaluate, ReadResults};
+use crate::project::{Draft, Failure, Project, SUITE};
+use crate::resources;
+use crate::weights::{self, Apply, Propose};
+use msk_compiler::diagnostics::Report;
+use msk_compiler::explain;
+use msk_compiler::task::CompiledTask;
+use msk_runtime::library::BodyLibrary;
+use rmcp::handler::server::router::tool::ToolRouter;
+use rmcp::handler::server::wrapper::Parameters;
+use rmcp::model::{
+    CallToolResult, ContentBlock, Implementation, ListResourcesResult, PaginatedRequestParams, ReadResourceRequestParams,
+    ReadResourceResponse, ReadResourceResult, ResourceContents, ServerCapabilities, ServerConfig,
+};
+use rmcp::service::RequestContext;
+use rmcp::{ErrorData, RoleServer, ServerHandler, tool, tool_handler, tool_router};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::sync::Arc;
+
+const INSTRUCTIONS: &str = "MSK tasks describe motor control as text: rewards are sums of weight times term. Begin with list_tasks and \
+    list_terms. Edits of weights are data: propose_weights shows what the rules of change allow, apply_weights writes it (dry run \
+    unless dry_run is false). Paths are relative to the project and stay in it. The resource msk://reference is the language.";
+
+/// The server of one project.
+#[derive(Clone)]
+pub struct Server {
+    project: Arc<Project>,
+    tool_router: ToolRouter<Self>,
+}
+
+/// A file of tasks.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct File {
+    /// File with tasks, relative to the project; tasks.msk if it is left out.
+    pub file: Option<String>,
+}
+
+/// A task.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Task {
+    /// Name of the task.
+    pub task: String,
+    /// File with the task, relative to the project; tasks.msk if it is left out.
+    pub file: Option<String>,
+    /// Weights file to lay over it.
+    pub overlay: Option<String>,
+}
+
+/// What `check` is asked: a text, or a file.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Check {
+    /// The text of a task file, which is not written anywhere.
+    pub text: Option<String>,
+    /// A file of the project instead; with a text, the name under which the text is checked, so that it can use its neighbours.
+    pub file: Option<String>,
+}
+
+/// What `diff` is asked.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Diff {
+    /// Name of the task.
+    pub task: String,
+    /// File with the one version, relative to the project; tasks.msk if it is left out.
+    pub file: Option<String>,
+    /// Weights file over the one version.
+    pub overlay: Option<String>,
+    /// Name of the task in the other version, if it is another.
+    pub other_task: Option<String>,
+    /// File with the other version; the same if it is left out.
+    pub other_file: Option<String>,
+    /// Weights file over the other version.
+    pub other_overlay: Option<String>,
+}
+
+#[tool_router(router = tool_router)]
+impl Server {
+    /// The server of the project in `root`.
+    ///
+    /// # Errors
+    /// A folder that cannot be used.
+    pub fn new(root: &Path) -> Result<Self, Outside> {
+        let project = Project { confined: Confined::new(root)?, library: BodyLibrary::default() };
+        Ok(Self { project: Arc::new(project), tool_router: Self::tool_router() })
+    }
+
+    /// Does something that takes time where it holds up nobody.
+    async fn answer(&self, work: impl FnOnce(&Project) -> Result<Value, Failure> + Send + 'static) -> CallToolResult {
+        let project = self.project.clone();
+        match tokio::task::spawn_blocking(move || work(&project)).await {
+            Ok(Ok(value)) => CallToolResult::structured(value),
+            Ok(Err(Failure(told))) => CallToolResult::structured_error(told),
+            Err(error) => CallToolResult::error(vec![ContentBlock::text(format!("the tool failed: {error}"))]),
+        }
+    }
+
+    /// Lists tasks.
+    #[tool(description = "List the tasks of a file or suite", annotations(read_only_hint = true))]
+    pub async fn list_tasks(&self, Parameters(asked): Parameters<File>) -> CallToolResult {
+        self.answer(move |project| {
+            let compilation = project.compile(asked.file.as_deref().unwrap_or(SUITE))?;
+            let row = |task: &Arc<CompiledTask>| {
+                json!({
+                    "task": task.name, "family": task.family, "summary": task.summary, "horizon_steps": task.horizon,
+                    "terms": task.terms.len(), "hash": task.hash,
+                })
+            };
+            Ok(json!({ "tasks": compilation.tasks.iter().map(row).collect::<Vec<_>>() }))
+        })
+        .await
+    }
+
+    /// Lists terms.
+    #[tool(
+        description = "List the reward terms of a task: weight, where it comes from, what it may be, the term's range and formula",
+        annotations(read_only_hint = true)
+    )]
+    pub async fn list_terms(&self, Parameters(asked): Parameters<Task>) -> CallToolResult {
+        self.answer(move |project| {
+            let task = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
+            let terms: Vec<Value> = (0..task.terms.len()).map(|index| weights::term(&task, index)).collect();
+            Ok(json!({ "task": task.name, "terms": terms }))
+        })
+        .await
+    }
+
+    /// Explains a task.
+    #[tool(
+        description = "Explain a task: formulas, weights, ranges, values at reset, what each term reads, ends, observation",
+        annotations(read_only_hint = true)
+    )]
+    pub async fn explain(&self, Parameters(asked): Parameters<Task>) -> CallToolResult {
+        self.answer(move |project| {
+            let task = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
+            let episode = project.trial(task.clone())?.episode()?;
+            Ok(json!({ "text": explain::text(&task, &explain::Options { reset: Some(episode.frame()) }) }))
+        })
+        .await
+    }
+
+    /// Checks a text.
+    #[tool(
+        description = "Check the text of a task file, or a file: errors and warnings with places, what was expected and found, fixes",
+        annotations(read_only_hint = true)
+    )]
+    pub async fn check(&self, Parameters(asked): Parameters<Check>) -> CallToolResult {
+        self.answer(move |project| {
+            let file = asked.file.as_deref().unwrap_or("draft.msk");
+            let compiled = match &asked.text {
+                Some(text) => project.compile_with(file, &Draft { name: file, text, confined: &project.confined }),
+                None => project.compile(asked.file.as_deref().unwrap_or(SUITE)),
+            };
+            Ok(match compiled {
+                Ok(compilation) => {
+                    let report = Report::new(compilation.sources.clone(), compilation.warnings.clone());
+                    let tasks: Vec<&str> = compilation.tasks.iter().map(|task| task.name.as_str()).collect();
+                    json!({ "ok": true, "tasks": tasks, "diagnostics": report.to_json()["diagnostics"], "rendered": report.to_string() })
+                }
+                Err(Failure(told)) if told["diagnostics"].is_array() => {
+                    json!({ "ok": false, "diagnostics": told["diagnostics"], "rendered": told["rendered"] })
+                }
+                Err(failure) => return Err(failure),
+            })
+        })
+        .await
+    }
+
+    /// Proposes weights.
+    #[tool(
+        description = "What the rules of change make of wished weights: within a step of 20 %, the bounds of the source, signs and \
+                       zeros kept, and a norm if one is given. Writes nothing",
+        annotations(read_only_hint = true)
+    )]
+    pub async fn propose_weights(&self, Parameters(asked): Parameters<Propose>) -> CallToolResult {
+        self.answer(move |project| weights::propose(project, &asked)).await
+    }
+
+    /// Applies weights.
+    #[tool(
+        description = "Write weights within the bounds of the source: into the source, where only digits change, or into a weights \
+                       file over it. A dry run unless dry_run is false",
+        annotations(read_only_hint = false, destructive_hint = false, idempotent_hint = true)
+    )]
+    pub async fn apply_weights(&self, Parameters(asked): Parameters<Apply>) -> CallToolResult {
+        self.answer(move |project| weights::apply(project, &asked)).await
+    }
+
+    /// Runs episodes.
+    #[tool(
+        description = "Run a few episodes of a task under a built-in policy within a budget of steps and seconds, and sum them up",
+        annotations(read_only_hint = true)
+    )]
+    pub async fn evaluate(&self, Parameters(asked): Parameters<Evaluate>) -> CallToolResult {
+        self.answer(move |project| evaluation::evaluate(project, &asked)).await
+    }
+
+    /// Compares two versions.
+    #[tool(
+        description = "What two versions of a task differ in: terms, weights, formulas, ends, horizon; of another file, or under \
+                       another weights file",
+        annotations(read_only_hint = true)
+    )]
+    pub async fn diff(&self, Parameters(asked): Parameters<Diff>) -> CallToolResult {
+        self.answer(move |project| {
+            let one = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
+            let file = asked.other_file.as_deref().or(asked.file.as_deref());
+            let other = project.task(file, asked.other_task.as_deref().unwrap_or(&asked.task), asked.other_overlay.as_deref())?;
+            Ok(difference(&one, &other))
+        })
+        .await
+    }
+
+    /// Reads results.
+    #[tool(
+        description = "List folders of results, or read a file of one: summary, report, journal, rounds of a tuning session",
+        annotations(read_only_hint = true)
+    )]
+    pub async fn read_results(&self, Parameters(asked): Parameters<ReadResults>) -> CallToolResult {
+        self.answer(move |project| evaluation::read_results(project, &asked)).await
+    }
+}
+
+/// What two tasks differ in.
+fn difference(one: &CompiledTask, other: &CompiledTask) -> Value {
+    let mut differences = Vec::new();
+    for (index, term) in one.terms.iter().enumerate() {
+        let Some(at) = other.terms.iter().position(|known| known.name == term.name) else {
+            differences.push(json!({ "term": term.name, "removed": weights::term(one, index) }));
+            continue;
+        };
+        let (before, after) = (weights::term(one, index), weights::term(other, at));
+        for what in ["weight", "weight_may_be", "formula"] {
+            if before[what] != after[what] {
+                differences.push(json!({ "term": term.name, "what": what, "from": before[what], "to": after[what] }));
+            }
+        }
+    }
+    for (index, term) in other.terms.iter().enumerate().filter(|(_, term)| one.terms.iter().all(|known| known.name != term.name))
+    {
+        differences.push(json!({ "term": term.name, "added": weights::term(other, index) }));
+    }
+    // Whatever else a task means shows in its canonical text.
+    let lines = |task: &CompiledTask| -> Vec<String> {
+        let text = task.snapshot();
+        text.lines().filter(|line| !line.starts_with("term ")).map(str::to_owned).collect()
+    };
+    let (before, after) = (lines(one), lines(other));
+    let removed: Vec<&String> = before.iter().filter(|line| !after.contains(line)).collect();
+    let added: Vec<&String> = after.iter().filter(|line| !before.contains(line)).collect();
+    json!({
+        "same": differences.is_empty() && removed.is_empty() && added.is_empty(),
+        "terms": differences,
+        "other_lines_removed": removed,
+        "other_lines_added": added,
+    })
+}
+
+#[tool_handler(router = self.tool_router)]
+impl ServerHandler for Server {
+    fn get_info(&self) -> ServerConfig {
+        let capabilities = ServerCapabilities::builder().enable_tools().enable_resources().build();
+        ServerConfig::new(capabilities)
+            .with_server_info(Implementation::new("msk", env!("CARGO_PKG_VERSION")))
+            .with_instructions(INSTRUCTIONS)
+    }
+
+    async fn list_resources(
+        &self,
+        _: Option<PaginatedRequestParams>,
+        _: RequestContext<RoleServer>,
+    ) -> Result<ListResourcesResult, ErrorData> {
+        Ok(ListResourcesResult::with_all_items(resources::list()))
+    }
+
+    async fn read_resource(
+        &self,
+        request: ReadResourceRequestParams,
+        _: RequestContext<RoleServer>,
+    ) -> Result<ReadResourceResponse, ErrorData> {
+        let (project, uri) = (self.project.clone(), request.uri.clone());
+        let found = tokio::task::spawn_blocking(move || resources::read(&project, &uri)).await;
+        match found {
+            Ok(Ok(Some((text, kind)))) => {
+                let contents = ResourceContents::text(text, request.uri).with_mime_type(kind);
+                Ok(ReadResourceResult::new(vec![contents]).into())
+            }
+            Ok(Ok(None)) => Err(ErrorData::resource_not_found(format!("there is no resource `{}`", request.uri), None)),
+            Ok(Err(Failure(told))) => Err(ErrorData::internal_error(told.to_string(), None)),
+            Err(error) => Err(ErrorData::internal_error(error.to_string(), None)),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! Conversations of a real client with the server.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+use msk_mcp::{Confined, Server};
+use rmcp::model::{CallToolRequestParams, ReadResourceRequestParams, ResourceContents};
+use rmcp::service::RunningService;
+use rmcp::{RoleClient, ServiceExt};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+
+const LEAN: &str = "task lean {
+    body     human
+    control  100 Hz
+    horizon  5 steps
+    init { pose neutral; root { height on ground } }
+    observe { pelvis.height }
+    reward {
+        10 (5..30)  pose  = exp(-norm(independent.q - independent.neutral) / 1 rad)  // the posture
+         5          alive = not terminated
+    }
+    terminate { sunk when pelvis.height < 0.5 m }
+    success survived
+}
+";
+
+struct Talk {
+    folder: tempfile::TempDir,
+    client: RunningService<RoleClient, ()>,
+}
+
+impl Talk {
+    async fn begin() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("tasks.msk"), LEAN).unwrap();
+        let (here, there) = tokio::io::duplex(1 << 16);
+        let server = Server::new(folder.path()).unwrap();
+        tokio::spawn(async move {
+            let running = server.serve(there).await.unwrap();
+            running.waiting().await.unwrap();
+        });
+        let client = ().serve(here).await.unwrap();
+        Self { folder, client }
+    }
+
+    /// What a tool says, and whether it is an error.
+    async fn call(&self, tool: &'static str, arguments: Value) -> (Value, bool) {
+        let Value::Object(arguments) = arguments else { panic!("no object") };
+        let result = self.client.call_tool(CallToolRequestParams::new(tool).with_arguments(arguments)).await.unwrap();
+        (result.structured_content.unwrap(), result.is_error == Some(true))
+    }
+
+    async fn ask(&self, tool: &'static str, arguments: Value) -> Value {
+        let (said, error) = self.call(tool, arguments).await;
+        assert!(!error, "{said}");
+        said
+    }
+
+    async fn refused(&self, tool: &'static str, arguments: Value) -> String {
+        let (said, error) = self.call(tool, arguments).await;
+        assert!(error, "{said}");
+        said.to_string()
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.folder.path().join(name)).unwrap()
+    }
+}
+
+#[tokio::test]
+async fn an_agent_finds_its_way_from_tasks_to_written_weights() {
+    let talk = Talk::begin().await;
+    let names: Vec<String> = talk.client.list_all_tools().await.unwrap().into_iter().map(|tool| tool.name.to_string()).collect();
+    for tool in
+        ["list_tasks", "list_terms", "explain", "check", "propose_weights", "apply_weights", "evaluate", "diff", "read_results"]
+    {
+        assert!(names.iter().any(|name| name == tool), "no {tool} in {names:?}");
+    }
+    let tasks = talk.ask("list_tasks", json!({})).await;
+    assert_eq!((&tasks["tasks"][0]["task"], &tasks["tasks"][0]["terms"]), (&json!("lean"), &json!(2)));
+    let terms = talk.ask("list_terms", json!({ "task": "lean" })).await;
+    let pose = &terms["terms"][0];
+    assert_eq!(
+        (&pose["weight"], &pose["weight_may_be"], &pose["value_range"]),
+        (&json!(10.0), &json!("5..30"), &json!([0.0, 1.0]))
+    );
+    let explained = talk.ask("explain", json!({ "task": "lean" })).await;
+    assert!(explained["text"].as_str().unwrap().contains("at reset"));
+
+    let proposed = talk.ask("propose_weights", json!({ "task": "lean", "weights": { "pose": 20, "alive": -3 } })).await;
+    assert_eq!(proposed["apply"], json!({ "pose": 12.0, "alive": 4.0 }));
+    let wish = json!({ "file": "tasks.msk", "weights": { "pose": 12, "alive": 4 } });
+    let dry = talk.ask("apply_weights", wish.clone()).await;
+    assert_eq!((&dry["written"], dry["changes"].as_array().unwrap().len()), (&json!(false), 2));
+    assert_eq!(talk.read("tasks.msk"), LEAN);
+    let mut wet = wish;
+    wet["dry_run"] = false.into();
+    talk.ask("apply_weights", wet).await;
+    assert_eq!(
+        talk.read("tasks.msk"),
+        LEAN.replace("10 (5..30)", "12 (5..30)").replace(" 5          alive", " 4          alive")
+    );
+    talk.client.cancel().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_weights_file_is_written_beside_the_source_and_compared() {
+    let talk = Talk::begin().await;
+    let wish = json!({ "file": "tasks.msk", "overlay": "weights.toml", "weights": { "lean.pose": 11.5 }, "dry_run": false });
+    let said = talk.ask("apply_weights", wish).await;
+    assert_eq!(said["changes"], json!([{ "task": "lean", "term": "pose", "from": 10.0, "to": 11.5 }]));
+    assert_eq!(talk.read("weights.toml"), "[lean]\npose = 11.5\n");
+    assert_eq!(talk.read("tasks.msk"), LEAN);
+    let terms = talk.ask("list_terms", json!({ "task": "lean", "overlay": "weights.toml" })).await;
+    assert_eq!((&terms["terms"][0]["weight"], &terms["terms"][0]["weight_from"]), (&json!(11.5), &json!("weights.toml")));
+    let diff = talk.ask("diff", json!({ "task": "lean", "other_overlay": "weights.toml" })).await;
+    assert_eq!(diff["terms"], json!([{ "term": "pose", "what": "weight", "from": 10.0, "to": 11.5 }]));
+    assert_eq!(diff["same"], false);
+    assert_eq!(talk.ask("diff", json!({ "task": "lean" })).await["same"], true);
+}
+
+#[tokio::test]
+async fn what_is_wrong_is_told_so_that_it_can_be_mended() {
+    let talk = Talk::begin().await;
+    assert!(talk.refused("list_terms", json!({ "task": "laen" })).await.contains("there is no task `laen`"));
+    let wish = |weights: Value| json!({ "file": "tasks.msk", "weights": weights, "dry_run": false });
+    assert!(talk.refused("apply_weights", wish(json!({ "psoe": 11 }))).await.contains("did you mean `pose`?"));
+    assert!(talk.refused("apply_weights", wish(json!({ "pose": 31 }))).await.contains("may be 5..30"));
+    assert!(talk.refused("apply_weights", wish(json!({ "pose": 12, "alive": -5 }))).await.contains("must stay above 0"));
+    assert_eq!(talk.read("tasks.msk"), LEAN, "all or nothing");
+    let checked = talk.ask("check", json!({ "text": LEAN.replace("pelvis.height < 0.5 m", "pelvis.heigth < 0.5 m") })).await;
+    assert_eq!(checked["ok"], false);
+    assert!(checked["diagnostics"][0]["code"].as_str().unwrap().starts_with('E'), "{checked}");
+    assert!(checked["rendered"].as_str().unwrap().contains("draft.msk"), "{checked}");
+    let checked = talk.ask("check", json!({ "text": LEAN })).await;
+    assert_eq!((&checked["ok"], &checked["tasks"]), (&json!(true), &json!(["lean"])));
+    fs::write(talk.folder.path().join("weights.toml"), "[lean]\npose = 99\n").unwrap();
+    let told = talk.refused("explain", json!({ "task": "lean", "overlay": "weights.toml" })).await;
+    assert!(told.contains("E0464") && told.contains("weights.toml"), "{told}");
+}
+
+#[tokio::test]
+async fn episodes_run_within_a_budget_and_results_are_read() {
+    let talk = Talk::begin().await;
+    let said = talk.ask("evaluate", json!({ "task": "lean", "policy": "zero", "episodes": 2 })).await;
+    assert_eq!((&said["episodes_done"], &said["steps"], &said["budget_spent"]), (&json!(2), &json!(10), &json!(false)));
+    assert_eq!(said["summary"]["tasks"][0]["terms"][0]["name"], "pose");
+    let said = talk.ask("evaluate", json!({ "task": "lean", "policy": "zero", "episodes": 50, "max_steps": 7 })).await;
+    assert_eq!((&said["episodes_done"], &said["steps"], &said["budget_spent"]), (&json!(1), &json!(7), &json!(true)));
+    assert!(talk.refused("evaluate", json!({ "task": "lean", "policy": "genius" })).await.contains("genius"));
+
+    assert_eq!(talk.ask("read_results", json!({})).await, json!({ "results": [] }));
+    let results = talk.folder.path().join("results/one");
+    fs::create_dir_all(&results).unwrap();
+    fs::write(results.join("summary.json"), "{\"policy\": \"zero\"}").unwrap();
+    fs::write(results.join("episodes.jsonl"), "{\"episode\":0}\n{\"episode\":1}\n{\"epi").unwrap();
+    assert_eq!(talk.ask("read_results", json!({})).await["results"], json!(["results/one"]));
+    assert_eq!(talk.ask("read_results", json!({ "folder": "results/one" })).await["content"]["policy"], "zero");
+    let lines = talk.ask("read_results", json!({ "folder": "results/one", "file": "episodes.jsonl", "last": 1 })).await;
+    assert_eq!((&lines["lines"], &lines["last"]), (&json!(2), &json!([{ "episode": 1 }])));
+    assert!(
+        talk.refused("read_results", json!({ "folder": "results/one", "file": "../../tasks.msk" }))
+            .await
+            .contains("no file of results")
+    );
+}
+
+#[tokio::test]
+async fn the_reference_the_vocabulary_and_the_guide_are_resources() {
+    let talk = Talk::begin().await;
+    let listed = talk.client.list_all_resources().await.unwrap();
+    assert_eq!(listed.len(), 3);
+    for (uri, part) in
+        [("msk://reference", "## 3 Numbers and units"), ("msk://vocabulary", "\"landmarks\""), ("msk://weights", "# Weights")]
+    {
+        assert!(listed.iter().any(|resource| resource.uri == uri));
+        let read = talk.client.read_resource(ReadResourceRequestParams::new(uri)).await.unwrap();
+        let ResourceContents::TextResourceContents { text, .. } = &read.contents[0] else { panic!("no text") };
+        assert!(text.contains(part), "no `{part}` in {uri}");
+    }
+    assert!(talk.client.read_resource(ReadResourceRequestParams::new("msk://nothing")).await.is_err());
+}
+
+#[cfg(unix)]
+#[tokio::test]
+async fn nothing_leads_out_of_the_project() {
+    let talk = Talk::begin().await;
+    let outside = tempfile::tempdir().unwrap();
+    let target = outside.path().join("secret.msk");
+    fs::write(&target, LEAN).unwrap();
+    let inside = |name: &str| talk.folder.path().join(name);
+    std::os::unix::fs::symlink(&target, inside("link.msk")).unwrap();
+    std::os::unix::fs::symlink(outside.path(), inside("folder")).unwrap();
+    std::os::unix::fs::symlink(outside.path().join("new.toml"), inside("dangling.toml")).unwrap();
+    let absolute = target.display().to_string();
+    for file in ["link.msk", "folder/secret.msk", "../secret.msk", "a/../../secret.msk", &absolute, "/etc/passwd"] {
+        let told = talk.refused("apply_weights", json!({ "file": file, "weights": { "pose": 12 }, "dry_run": false })).await;
+        assert!(told.contains("leads out of the project"), "{file}: {told}");
+        let told = talk.refused("list_tasks", json!({ "file": file })).await;
+        assert!(told.contains("leads out of the project"), "{file}: {told}");
+    }
+    for overlay in ["dangling.toml", "folder/new.toml", "../new.toml", "/tmp/new.toml", "nowhere/new.toml", "weights.msk", ""] {
+        let wish = json!({ "file": "tasks.msk", "overlay": overlay, "weights": { "pose": 12 }, "dry_run": false });
+        talk.refused("apply_weights", wish).await;
+    }
+    assert!(talk.refused("read_results", json!({ "folder": "folder" })).await.contains("leads out"));
+    // A text may not use what lies outside, neither by climbing nor by a link.
+    for used in ["../secret.msk", "link.msk"] {
+        let text = format!("use \"{used}\"\n{}", LEAN.replace("task lean", "task other"));
+        let checked = talk.ask("check", json!({ "text": text })).await;
+        assert_eq!(checked["ok"], false, "{used}: {checked}");
+    }
+    assert_eq!(fs::read_to_string(&target).unwrap(), LEAN);
+    assert_eq!(fs::read_dir(outside.path()).unwrap().count(), 1, "nothing was written there");
+}
+
+#[test]
+fn paths_are_judged_after_links_are_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("tasks")).unwrap();
+    let confined = Confined::new(folder.path()).unwrap();
+    let whole = confined.root().join("tasks/new.toml");
+    assert_eq!(confined.writable(Path::new("tasks/new.toml")).unwrap(), whole);
+    assert_eq!(confined.writable(&whole).unwrap(), whole);
+    assert!(confined.existing(Path::new("tasks/none.msk")).is_err());
+    assert!(Confined::new(&folder.path().join("none")).is_err());
+}

@@ -1,0 +1,183 @@
+//! A reasoner behind an endpoint for chats, in the form that OpenAI began and most others understand.
+
+use super::{Proposal, Reasoner, ReasonerError, Request, prompt, read, shortened};
+use serde_json::{Value, json};
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use ureq::Agent;
+
+/// Longest answer that is read, bytes.
+const LONGEST: u64 = 1 << 20;
+/// Pause after the first failure; each further one doubles it.
+const PAUSE: Duration = Duration::from_millis(500);
+
+/// An endpoint.
+#[derive(Debug)]
+pub struct Http {
+    /// The address before `/chat/completions`.
+    url: String,
+    model: String,
+    key: Option<Secret>,
+    temperature: f64,
+    attempts: u32,
+    pause: Duration,
+    agent: Agent,
+}
+
+/// A key: it is sent and never shown.
+pub struct Secret(String);
+
+impl fmt::Debug for Secret {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("(a key)")
+    }
+}
+
+impl Secret {
+    /// Of a text.
+    pub fn new(key: impl Into<String>) -> Self {
+        Self(key.into())
+    }
+
+    /// A text without the key, should a server have repeated it.
+    fn out_of(&self, text: &str) -> String {
+        if self.0.is_empty() { text.to_owned() } else { text.replace(&self.0, "(key)") }
+    }
+}
+
+/// One failure.
+enum Failure {
+    /// Worth another try.
+    Passing(ReasonerError),
+    /// The same would come again.
+    Lasting(ReasonerError),
+}
+
+impl Http {
+    /// An endpoint at `url`, such as `https://host/v1`, asked `attempts` times at most, each at most `limit` long.
+    ///
+    /// # Errors
+    /// An address that is none, or a key that would travel in the clear.
+    pub fn new(url: &str, model: &str, key: Option<Secret>, limit: Duration, attempts: u32) -> Result<Self, String> {
+        let url = url.trim_end_matches('/').to_owned();
+        let host = url.split_once("://").map(|(_, rest)| rest.split(['/', '?']).next().unwrap_or_default());
+        let host =
+            host.filter(|host| !host.is_empty()).ok_or_else(|| format!("`{url}` is no address such as https://host/v1"))?;
+        if host.contains('@') {
+            return Err("an address holds no name and password: keys come from the environment".into());
+        }
+        let name = host.trim_start_matches('[').split([']']).next().unwrap_or_default();
+        let name = if host.starts_with('[') { name } else { name.split(':').next().unwrap_or_default() };
+        let here = matches!(name, "localhost" | "127.0.0.1" | "::1");
+        match url.split_once("://").map(|(scheme, _)| scheme) {
+            Some("https") => {}
+            Some("http") if here || key.is_none() => {}
+            Some("http") => return Err(format!("a key is sent over https only, not to `{url}`")),
+            _ => return Err(format!("`{url}` must begin with https:// or http://")),
+        }
+        let config = Agent::config_builder()
+            .timeout_global(Some(limit))
+            .http_status_as_error(false)
+            // A key goes to the address that was given and to no other.
+            .max_redirects(0)
+            .max_redirects_will_error(false);
+        let config = if here { config.proxy(None) } else { config };
+        let agent = config.build().new_agent();
+        let attempts = attempts.max(1);
+        Ok(Self { url, model: model.to_owned(), key, temperature: 0.2, attempts, pause: PAUSE, agent })
+    }
+
+    /// The same with another temperature.
+    pub fn temperature(self, temperature: f64) -> Self {
+        Self { temperature, ..self }
+    }
+
+    /// The same with another pause after the first failure.
+    pub fn pause(self, pause: Duration) -> Self {
+        Self { pause, ..self }
+    }
+
+    fn ask(&self, request: &Request, question: &str) -> Result<Proposal, Failure> {
+        let silent = |reason: String| ReasonerError::Silent { attempts: 1, reason: self.clean(&reason) };
+        let body = json!({
+            "model": self.model,
+            "temperature": self.temperature,
+            "messages": [{ "role": "user", "content": question }],
+        });
+        let mut post = self.agent.post(format!("{}/chat/completions", self.url)).header("content-type", "application/json");
+        if let Some(Secret(key)) = &self.key {
+            post = post.header("authorization", format!("Bearer {key}"));
+        }
+        let mut response = match post.send(body.to_string()) {
+            Ok(response) => response,
+            Err(error @ (ureq::Error::BadUri(_) | ureq::Error::Http(_))) => {
+                return Err(Failure::Lasting(silent(error.to_string())));
+            }
+            Err(error) => return Err(Failure::Passing(silent(error.to_string()))),
+        };
+        let status = response.status().as_u16();
+        let text = response.body_mut().with_config().limit(LONGEST).read_to_string();
+        let text = text.map_err(|error| Failure::Passing(silent(error.to_string())))?;
+        match status {
+            200..=299 => {}
+            408 | 425 | 429 | 500..=599 => {
+                return Err(Failure::Passing(silent(format!("status {status}: {}", shortened(&text)))));
+            }
+            _ => {
+                let told = self.clean(&format!("status {status}: {}", shortened(&text)));
+                return Err(Failure::Lasting(ReasonerError::Refuses(told)));
+            }
+        }
+        self.proposal(&text, request).map_err(Failure::Passing)
+    }
+
+    /// The proposal in the first choice of an answer.
+    fn proposal(&self, text: &str, request: &Request) -> Result<Proposal, ReasonerError> {
+        let wrong = |source, said: &str| ReasonerError::Reply { source, said: self.clean(&shortened(said)) };
+        let none = |reason: &str| super::ReplyError::NoObject(reason.to_owned());
+        let reply: Value = serde_json::from_str(text).map_err(|error| wrong(none(&error.to_string()), text))?;
+        let content = reply["choices"][0]["message"]["content"].as_str();
+        let content = content.ok_or_else(|| wrong(none("the reply has no choices[0].message.content"), text))?;
+        let proposal = read(content, request).map_err(|source| wrong(source, content))?;
+        let by = reply["model"].as_str().unwrap_or(&self.model);
+        Ok(Proposal { by: self.clean(by), reason: self.clean(&proposal.reason), ..proposal })
+    }
+
+    fn clean(&self, text: &str) -> String {
+        self.key.as_ref().map_or_else(|| text.to_owned(), |key| key.out_of(text))
+    }
+}
+
+impl Reasoner for Http {
+    fn name(&self) -> String {
+        format!("http {}", self.model)
+    }
+
+    fn propose(&self, request: &Request, stop: &AtomicBool) -> Result<Proposal, ReasonerError> {
+        let question = prompt(request);
+        let mut pause = self.pause;
+        let mut attempt = 1;
+        loop {
+            if stop.load(Ordering::Relaxed) {
+                return Err(ReasonerError::Interrupted);
+            }
+            let error = match self.ask(request, &question) {
+                Ok(proposal) => return Ok(proposal),
+                Err(Failure::Lasting(error)) => return Err(error),
+                Err(Failure::Passing(error)) => error,
+            };
+            if attempt >= self.attempts {
+                return Err(match error {
+                    ReasonerError::Silent { reason, .. } => ReasonerError::Silent { attempts: attempt, reason },
+                    error => error,
+                });
+            }
+            let begin = Instant::now();
+            while begin.elapsed() < pause && !stop.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            (pause, attempt) = (pause.saturating_mul(2), attempt + 1);
+        }
+    }
+}

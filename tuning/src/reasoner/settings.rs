@@ -1,0 +1,107 @@
+//! Which reasoner, from a file of settings.
+
+use super::http::Secret;
+use super::{Http, Process, Reasoner, RuleBook};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Why a reasoner cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    /// The file cannot be read.
+    #[error("cannot read the reasoner's settings `{}`", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// The file is not what is expected.
+    #[error("`{}` holds no settings of a reasoner: {reason}", path.display())]
+    Wrong {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The key is not in the environment.
+    #[error("the key of the reasoner is not set: expected it in the environment variable `{variable}`")]
+    NoKey {
+        /// The variable.
+        variable: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+enum Settings {
+    Rules,
+    Http {
+        url: String,
+        model: String,
+        key_variable: Option<String>,
+        #[serde(default = "usual_timeout")]
+        timeout_s: f64,
+        #[serde(default = "usual_attempts")]
+        attempts: u32,
+        #[serde(default = "usual_temperature")]
+        temperature: f64,
+    },
+    Process {
+        command: Vec<String>,
+        #[serde(default = "usual_timeout")]
+        timeout_s: f64,
+    },
+}
+
+fn usual_timeout() -> f64 {
+    60.0
+}
+
+fn usual_attempts() -> u32 {
+    3
+}
+
+fn usual_temperature() -> f64 {
+    0.2
+}
+
+/// The reasoner that a file describes. A key is never in the file: it names the environment variable that has it, and
+/// `environment` looks it up.
+///
+/// # Errors
+/// A file that cannot be read or is not understood, or a variable that is not set.
+pub fn from_file(path: &Path, environment: impl Fn(&str) -> Option<String>) -> Result<Box<dyn Reasoner>, SettingsError> {
+    let text = std::fs::read_to_string(path).map_err(|source| SettingsError::Unreadable { path: path.into(), source })?;
+    let wrong = |reason: String| SettingsError::Wrong { path: path.into(), reason };
+    let settings: Settings = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    let limit = |seconds: f64| {
+        let sensible = (0.001..=3600.0).contains(&seconds);
+        if sensible {
+            Ok(Duration::from_secs_f64(seconds))
+        } else {
+            Err(wrong(format!("timeout_s is {seconds}, not 0.001 to 3600")))
+        }
+    };
+    Ok(match settings {
+        Settings::Rules => Box::new(RuleBook),
+        Settings::Process { command, timeout_s } => {
+            if command.is_empty() {
+                return Err(wrong("`command` is empty: expected a program and its arguments".into()));
+            }
+            Box::new(Process { command, limit: limit(timeout_s)? })
+        }
+        Settings::Http { url, model, key_variable, timeout_s, attempts, temperature } => {
+            let key = match key_variable {
+                None => None,
+                Some(variable) => match environment(&variable).filter(|key| !key.is_empty()) {
+                    Some(key) => Some(Secret::new(key)),
+                    None => return Err(SettingsError::NoKey { variable }),
+                },
+            };
+            let http = Http::new(&url, &model, key, limit(timeout_s)?, attempts).map_err(wrong)?;
+            Box::new(http.temperature(temperature))
+        }
+    })
+}
