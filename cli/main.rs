@@ -15,6 +15,7 @@ mod help;
 mod motion;
 mod new;
 mod mcp;
+mod new;
 mod overlays;
 mod physics;
 mod progress;

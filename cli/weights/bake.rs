@@ -3,10 +3,10 @@
 use super::{Opened, Target};
 use crate::error::Error;
 use crate::project::{self, Project};
-use msk::compiler::diagnostics::{Report, SourceMap};
+use msk::compiler::diagnostics::{FileId, Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::task::Origin;
-use msk::compiler::weights::Edit;
+use msk::compiler::weights::{Edit, Weights};
 use msk::runtime::library::FileLoader;
 use msk::tuning::overlay::Overlay;
 use std::io;
@@ -21,6 +21,13 @@ pub struct Args {
     /// The weights file
     #[arg(long, value_name = "FILE")]
     weights: PathBuf,
+}
+
+/// Which of the files that were read writes the weight of a term.
+fn writer(project: &Project, term: &str) -> Option<String> {
+    let sources = &project.compilation.sources;
+    let writes = |file: &FileId| Weights::of(*file, sources.text(*file)).is_ok_and(|weights| weights.find(term).is_ok());
+    sources.files().find(writes).map(|file| sources.path(file).to_owned())
 }
 
 /// Writes the weights into the source.
@@ -41,7 +48,11 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     for edit in &edits {
         if opened.weights.find(&edit.term).is_err() {
             let message = format!("the weight of `{}` is not written in `{}`", edit.term, args.target.file.display());
-            return Err(Error::new(message).hint("bake into the file that writes it: a file that this one uses"));
+            let hint = match writer(&project, &edit.term) {
+                Some(file) => format!("bake into the file that writes it: {file}"),
+                None => "bake the tasks that the file writes itself, and set this one where it is written".into(),
+            };
+            return Err(Error::new(message).hint(hint));
         }
     }
     if edits.is_empty() {

@@ -6,6 +6,7 @@ use crate::project::{Draft, Failure, Project, SUITE};
 use crate::resources;
 use crate::weights::{self, Apply, Propose};
 use msk_compiler::diagnostics::Report;
+use msk_compiler::difference::Difference;
 use msk_compiler::explain;
 use msk_compiler::task::CompiledTask;
 use msk_runtime::library::BodyLibrary;
@@ -210,7 +211,9 @@ impl Server {
             let one = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
             let file = asked.other_file.as_deref().or(asked.file.as_deref());
             let other = project.task(file, asked.other_task.as_deref().unwrap_or(&asked.task), asked.other_overlay.as_deref())?;
-            Ok(difference(&one, &other))
+            let named = asked.other_task.is_none();
+            let difference = Difference::between(&one.snapshot(), &other.snapshot(), named);
+            Ok(json!({ "same": difference.is_empty(), "changes": difference.changes, "text": difference.to_string() }))
         })
         .await
     }
@@ -223,41 +226,6 @@ impl Server {
     pub async fn read_results(&self, Parameters(asked): Parameters<ReadResults>) -> CallToolResult {
         self.answer(move |project| evaluation::read_results(project, &asked)).await
     }
-}
-
-/// What two tasks differ in.
-fn difference(one: &CompiledTask, other: &CompiledTask) -> Value {
-    let mut differences = Vec::new();
-    for (index, term) in one.terms.iter().enumerate() {
-        let Some(at) = other.terms.iter().position(|known| known.name == term.name) else {
-            differences.push(json!({ "term": term.name, "removed": weights::term(one, index) }));
-            continue;
-        };
-        let (before, after) = (weights::term(one, index), weights::term(other, at));
-        for what in ["weight", "weight_may_be", "formula"] {
-            if before[what] != after[what] {
-                differences.push(json!({ "term": term.name, "what": what, "from": before[what], "to": after[what] }));
-            }
-        }
-    }
-    for (index, term) in other.terms.iter().enumerate().filter(|(_, term)| one.terms.iter().all(|known| known.name != term.name))
-    {
-        differences.push(json!({ "term": term.name, "added": weights::term(other, index) }));
-    }
-    // Whatever else a task means shows in its canonical text.
-    let lines = |task: &CompiledTask| -> Vec<String> {
-        let text = task.snapshot();
-        text.lines().filter(|line| !line.starts_with("term ")).map(str::to_owned).collect()
-    };
-    let (before, after) = (lines(one), lines(other));
-    let removed: Vec<&String> = before.iter().filter(|line| !after.contains(line)).collect();
-    let added: Vec<&String> = after.iter().filter(|line| !before.contains(line)).collect();
-    json!({
-        "same": differences.is_empty() && removed.is_empty() && added.is_empty(),
-        "terms": differences,
-        "other_lines_removed": removed,
-        "other_lines_added": added,
-    })
 }
 
 #[tool_handler(router = self.tool_router)]

@@ -148,6 +148,8 @@ fn a_weights_file_is_written_baked_and_extracted_and_loses_nothing() {
     project.msk(&["weights", "set", "lean.msk", "alive=-6", "--into", "weights.toml"]).failed(1, &["must stay above 0"]);
     assert_eq!(project.read("lean.msk"), LEAN);
 
+    let told = project.msk(&["weights", "bake", "tasks.msk", "--weights", "weights.toml"]);
+    told.failed(1, &["is not written in `tasks.msk`", "the file that writes it: lean.msk"]);
     project.msk(&["weights", "bake", "lean.msk", "--weights", "weights.toml"]).succeeded();
     assert_eq!(project.read("lean.msk"), LEAN.replace("10    pose", "11.5    pose").replace(" 5    alive", " 6    alive"));
     project.msk(&["weights", "reset", "lean.msk"]).succeeded();

@@ -46,8 +46,10 @@ impl Watcher for Looker {
     fn asking(&self, _: &str) {}
 }
 
+type Answer = Result<Vec<(&'static str, f64)>, ReasonerError>;
+
 /// Says what it was told to say, round after round.
-struct Says(fn(&Request) -> Result<Vec<(&'static str, f64)>, ReasonerError>);
+struct Says(fn(&Request) -> Answer);
 
 impl Reasoner for Says {
     fn name(&self) -> String {

@@ -1,0 +1,59 @@
+//! `msk tune`.
+
+use crate::project::{LEAN, Project};
+use serde_json::Value;
+
+fn tune(project: &Project, more: &[&str]) -> crate::project::Done {
+    let arguments = ["tune", "lean", "--policy", "random", "--interval", "25", "--rounds", "2", "--out", "out"];
+    project.msk(&[&arguments[..], more].concat())
+}
+
+#[test]
+fn weights_are_tuned_within_the_rules_and_the_source_stays() {
+    let project = Project::lean();
+    let done = tune(&project, &["--threads", "2"]).succeeded();
+    assert!(done.out.contains("round 1: score") && done.out.contains("Best: round"), "{}", done.out);
+    assert_eq!(project.read("lean.msk"), LEAN);
+    let rounds: Vec<Value> = project.read("out/rounds.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(rounds.len(), 2);
+    assert!(rounds[0]["prompt"].as_str().unwrap().contains("Answer with data only"));
+    for (before, after) in rounds[0]["weights"].as_array().unwrap().iter().zip(rounds[0]["applied"].as_array().unwrap()) {
+        let [before, after] = [before, after].map(|weight| weight[1].as_f64().unwrap());
+        assert!((after - before).abs() <= 0.2 * before.abs() + 1e-12 && after.signum() == before.signum());
+    }
+    // What it found can be used, and baked into the source.
+    project.msk(&["explain", "lean", "--weights", "out/best.toml"]).succeeded();
+    // All is there already; a larger budget goes on from there.
+    let log = project.read("out/rounds.jsonl");
+    let done = tune(&project, &[]).succeeded();
+    assert!(done.err.contains("2 of 2 rounds are there"), "{}", done.err);
+    assert_eq!(project.read("out/rounds.jsonl"), log);
+    tune(&project, &["--seed", "9"]).failed(1, &["holds another"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_may_be_the_reasoner_and_its_failure_stops_the_session_if_that_is_wished() {
+    let project = Project::lean();
+    project.write("reasoner.toml", "kind = \"process\"\ncommand = [\"sh\", \"-c\", \"echo '{\\\"pose\\\": 11}'\"]\n");
+    let done = tune(&project, &["--reasoner", "reasoner.toml"]).succeeded();
+    assert!(done.out.contains("pose 10 -> 11"), "{}", done.out);
+    project.write("broken.toml", "kind = \"process\"\ncommand = [\"false\"]\n");
+    let arguments = ["tune", "lean", "--policy", "zero", "--interval", "5", "--out", "other", "--reasoner", "broken.toml"];
+    project.msk(&[&arguments[..], &["--on-failure", "stop"]].concat()).failed(1, &["it ended with code 1"]);
+    assert_eq!(project.read("other/rounds.jsonl").lines().count(), 1);
+}
+
+#[test]
+fn what_makes_no_sense_is_told() {
+    let project = Project::lean();
+    tune(&project, &["--objective", "sway"]).failed(1, &["has no metric `sway`", "success or survival"]);
+    tune(&project, &["--reasoner", "none.toml"]).failed(1, &["none.toml"]);
+    tune(&project, &["--outside", "psoe"]).failed(1, &["did you mean `pose`"]);
+    tune(&project, &["--interval", "0"]).failed(2, &["--interval"]);
+    project.write(
+        "http.toml",
+        "kind = \"http\"\nurl = \"https://example.org/v1\"\nmodel = \"m\"\nkey_variable = \"MSK_NO_SUCH_KEY\"\n",
+    );
+    tune(&project, &["--reasoner", "http.toml"]).failed(1, &["environment variable `MSK_NO_SUCH_KEY`"]);
+}
