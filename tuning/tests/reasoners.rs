@@ -116,8 +116,11 @@ fn the_papers_examples_come_out() {
     assert_eq!(proposal.weights, [("tracking_vel".to_owned(), up(10.0, 0.2)), ("anti_hunch".to_owned(), up(8.0, 0.3))]);
 }
 
+/// What a server does with a question.
+type Answering = fn(&mut std::net::TcpStream);
+
 /// Answers one connection after the other as told, and keeps what was asked.
-fn server(answers: Vec<fn(&mut std::net::TcpStream)>) -> (String, Arc<Mutex<Vec<String>>>) {
+fn server(answers: Vec<Answering>) -> (String, Arc<Mutex<Vec<String>>>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}/v1", listener.local_addr().unwrap());
     let heard = Arc::new(Mutex::new(Vec::new()));
@@ -230,7 +233,7 @@ fn late_wrong_half_busy_and_missing_answers_are_asked_for_again() {
 #[test]
 fn every_failure_says_what_it_was_and_none_shows_the_key() {
     let request = asked();
-    let cases: [(fn(&mut std::net::TcpStream), &str); 7] = [
+    let cases: [(Answering, &str); 7] = [
         (late, "timeout"),
         (wrong, "is no proposal"),
         (half, "no answer after 1"),

@@ -84,8 +84,12 @@ impl RunSettings {
 
     /// The same run with weights from `file`, read anew before every episode.
     pub fn live(self, file: impl Into<String>) -> Self {
-        // What the file holds when the run is begun, or begun again, is no part of what is run.
-        let tasks = self.tasks.into_iter().map(|task| TaskSettings { weights: Vec::new(), overlaid: Vec::new(), ..task });
+        // What the file holds when the run is begun, or begun again, is no part of what is run; what wins over it is.
+        let tasks = self.tasks.into_iter().map(|mut task| {
+            task.overlaid.retain(|(_, origin)| *origin == Origin::CommandLine.to_string());
+            task.weights.retain(|(term, _)| task.overlaid.iter().any(|(name, _)| name == term));
+            task
+        });
         Self { tasks: tasks.collect(), live: Some(file.into()), ..self }
     }
 
@@ -112,9 +116,14 @@ impl RunSettings {
                 let only_weights =
                     changed.0.decisive() == TaskSettings { weights: changed.0.weights.clone(), ..changed.1.decisive() };
                 if only_weights {
-                    let differs = changed.0.weights.iter().zip(&changed.1.weights).find(|(here, there)| here != there);
-                    let ((term, here), (_, there)) = differs?;
-                    return Some(format!("the weight of `{term}` in task `{}` is {here}, not {there}", changed.0.name));
+                    let mut pairs = changed.0.weights.iter().zip(&changed.1.weights);
+                    let name = &changed.0.name;
+                    return Some(match pairs.find(|(here, there)| here != there) {
+                        Some(((term, here), (same, there))) if term == same => {
+                            format!("the weight of `{term}` in task `{name}` is {here}, not {there}")
+                        }
+                        _ => format!("other weights of task `{name}` are set"),
+                    });
                 }
                 if changed.0.condition != changed.1.condition {
                     return Some(format!("the condition of the muscles in task `{}` is another", changed.0.name));
@@ -170,6 +179,7 @@ mod tests {
         assert_eq!(difference(&|s| s.version = "2".into()), "its program version is 1, not 2");
         assert_eq!(difference(&|s| s.tasks[0].hash = "c".into()), "the task `stand` has changed since");
         assert_eq!(difference(&|s| s.tasks[0].weights[0].1 = 9.0), "the weight of `pose` in task `stand` is 10, not 9");
+        assert_eq!(difference(&|s| s.tasks[0].weights.clear()), "other weights of task `stand` are set");
         assert_eq!(difference(&|s| s.tasks[0].overlaid.push(("pose".into(), "w.toml".into()))), "");
         assert_eq!(difference(&|s| s.live = Some("w.toml".into())), "its live weights file is none, not w.toml");
         let weak = Weakness { muscles: None, factor: 0.5 };

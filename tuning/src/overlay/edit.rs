@@ -1,31 +1,52 @@
 //! Changing a weights file: values are replaced, everything else stays as people have written it.
 
+use super::Overlay;
+use msk_compiler::diagnostics::SourceMap;
 use msk_compiler::weights::written;
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
-/// Why a weights file cannot be changed.
+/// Why a weights file cannot be changed: it cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum EditError {
-    /// It is not TOML.
-    #[error("the weights file cannot be read: {0}")]
-    Syntax(String),
-    /// The place of a weight is taken by something else.
-    #[error("`{0}` in the weights file is no table of weights")]
-    NoTable(String),
-}
+#[error("the weights file cannot be changed: {0}")]
+pub struct EditError(pub String);
 
-/// The text with the weights (task, term, weight) in it: in the lines that it has for them, else in new ones.
+/// The text with the weights (task, term, weight) in it: in the lines that it has for them, of which only the digits change,
+/// else in new ones.
 ///
 /// # Errors
-/// A text that is not TOML, or in which the name of a task is no table.
+/// A text that is no weights file.
 pub fn edited(text: &str, weights: &[(&str, &str, f64)]) -> Result<String, EditError> {
-    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| EditError::Syntax(error.to_string()))?;
+    let overlay = Overlay::read("", text, &mut SourceMap::default())
+        .map_err(|told| EditError(told.first().map_or(String::new(), |told| told.message.clone())))?;
+    let (mut replacements, mut fresh) = (Vec::new(), Vec::new());
+    for &(task, term, weight) in weights {
+        match overlay.lines.iter().find(|line| line.task == task && line.term == term) {
+            Some(line) if line.weight == weight => {}
+            Some(line) => replacements.push((line.value.range(), written(weight))),
+            None => fresh.push((task, term, weight)),
+        }
+    }
+    // From the back, so that the places before stay where they are.
+    replacements.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    let mut edited = text.to_owned();
+    for (range, digits) in replacements {
+        edited.replace_range(range, &digits);
+    }
+    if fresh.is_empty() { Ok(edited) } else { added(&edited, &fresh) }
+}
+
+/// The text with further lines.
+fn added(text: &str, weights: &[(&str, &str, f64)]) -> Result<String, EditError> {
+    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| EditError(error.to_string()))?;
     for &(task, term, weight) in weights {
         let item = document.entry(task).or_insert_with(|| Item::Table(Table::new()));
-        let table = item.as_table_like_mut().ok_or_else(|| EditError::NoTable(task.to_owned()))?;
+        let table = item.as_table_like_mut().ok_or_else(|| EditError(format!("`{task}` is no table of weights")))?;
         put(table, term, weight);
     }
-    Ok(document.to_string())
+    let added = document.to_string();
+    // The library knows one kind of line end; a file that has the other throughout keeps it.
+    let lines = |end: &str| text.matches(end).count();
+    Ok(if lines("\r\n") > 0 && lines("\r\n") == lines("\n") { added.replace('\n', "\r\n") } else { added })
 }
 
 /// Puts a weight where its term stands: as one name, or as a phase and a name.
@@ -37,21 +58,9 @@ fn put(table: &mut dyn TableLike, term: &str, weight: f64) {
         return put(inner, own, weight);
     }
     // The digits of a finite number are a number of TOML too.
-    let Ok(mut value) = written(weight).parse::<Value>() else { return };
-    match table.get_mut(term).and_then(Item::as_value_mut) {
-        Some(old) if number(old) == Some(weight) => {}
-        Some(old) => {
-            *value.decor_mut() = old.decor().clone();
-            *old = value;
-        }
-        None => {
-            table.insert(term, Item::Value(value));
-        }
+    if let Ok(value) = written(weight).parse::<Value>() {
+        table.insert(term, Item::Value(value));
     }
-}
-
-fn number(value: &Value) -> Option<f64> {
-    value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
 #[cfg(test)]
@@ -78,8 +87,15 @@ mod tests {
     }
 
     #[test]
+    fn line_ends_stay() {
+        let after = edited("[stand]\r\npose = 1\r\n", &[("stand", "pose", 2.0), ("stand", "effort", -1.0)]).unwrap();
+        assert_eq!(after, "[stand]\r\npose = 2\r\neffort = -1\r\n");
+    }
+
+    #[test]
     fn what_is_no_weights_file_is_not_changed() {
-        assert!(matches!(edited("pose: 1", &[]), Err(EditError::Syntax(_))));
-        assert_eq!(edited("stand = 1", &[("stand", "pose", 1.0)]), Err(EditError::NoTable("stand".into())));
+        assert!(edited("pose: 1", &[]).is_err());
+        let told = edited("stand = 1", &[("stand", "pose", 1.0)]).unwrap_err().to_string();
+        assert!(told.contains("`stand` stands outside of any task"), "{told}");
     }
 }
