@@ -23,13 +23,17 @@ impl Hull {
         let (vertices, triangles) = try_convex_hull(&to).ok()?;
         let vertices: Vec<_> = vertices.iter().map(|vertex| Vector3::new(vertex.x, vertex.y, vertex.z)).collect();
         let triangles: Vec<[usize; 3]> = triangles.iter().map(|triangle| triangle.map(|corner| corner as usize)).collect();
+        // Before parts that are all but flat are joined: on those, a point may lie before the mean plane.
+        if !is_convex(&vertices, &triangles, points) {
+            return None;
+        }
         let mut hull = Self { vertices, ..Self::default() };
         let loops = flat_parts(&hull.vertices, &triangles).or_else(|| Some(triangles.iter().map(|t| t.to_vec()).collect()))?;
         for corners in loops {
             hull.push(&corners)?;
         }
         hull.close();
-        hull.is_convex(points).then_some(hull)
+        Some(hull)
     }
 
     fn push(&mut self, corners: &[usize]) -> Option<()> {
@@ -55,14 +59,6 @@ impl Hull {
         }
     }
 
-    fn is_convex(&self, points: &[Vector3<f64>]) -> bool {
-        let allowed = CONVEX * extent(points);
-        self.faces.iter().all(|face| {
-            let offset = face.normal.dot(&self.vertices[self.corners[face.corners.start]]);
-            points.iter().all(|point| face.normal.dot(point) - offset <= allowed)
-        })
-    }
-
     /// The surface as triangles, counter-clockwise from outside.
     pub(crate) fn triangles(&self) -> Vec<[usize; 3]> {
         let fan = |face: usize| {
@@ -71,6 +67,16 @@ impl Hull {
         };
         (0..self.faces.len()).flat_map(fan).collect()
     }
+}
+
+/// Whether all points lie behind all triangles; needles without a normal hide nothing.
+fn is_convex(vertices: &[Vector3<f64>], triangles: &[[usize; 3]], points: &[Vector3<f64>]) -> bool {
+    let allowed = CONVEX * extent(points);
+    triangles.iter().all(|triangle| {
+        let Some(normal) = area_vector(vertices, triangle).try_normalize(0.0) else { return true };
+        let offset = normal.dot(&vertices[triangle[0]]) + allowed;
+        points.iter().all(|point| normal.dot(point) <= offset)
+    })
 }
 
 /// Largest side of the box around some points.
@@ -179,6 +185,20 @@ mod tests {
         }
         let up = hull.facing(hull.farthest(Vector3::new(0.1, 0.2, 1.0)), Vector3::z()).unwrap();
         assert!((hull.faces[up].normal - Vector3::z()).norm() < 1e-14);
+    }
+
+    #[test]
+    fn a_slightly_domed_plate_has_a_hull() {
+        // Neighbouring facets of the dome tilt by a milliradian: they are joined, and points lie before the joined faces.
+        let corners = |k: i32| {
+            let (x, y) = (f64::from(k % 9 - 4) * 0.1, f64::from(k / 9 - 4) * 0.1);
+            [Vector3::new(x, y, -0.1), Vector3::new(x, y, 0.1 - 0.004 * (x * x + y * y))]
+        };
+        let points: Vec<_> = (0..81).flat_map(corners).collect();
+        let hull = Hull::of(&points).unwrap();
+        let highest = hull.vertices[hull.farthest(Vector3::z())];
+        assert_eq!(highest, Vector3::new(0.0, 0.0, 0.1));
+        assert!(hull.faces.len() < 60, "{} faces", hull.faces.len());
     }
 
     #[test]

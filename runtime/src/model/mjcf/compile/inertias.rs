@@ -46,7 +46,8 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    /// Reads a mesh geom. One that cannot collide only carries mass, and its file is read only if the mass is needed.
+    /// Reads a mesh geom. One that cannot collide and that nothing names only carries mass, and its file is read only if the
+    /// mass is needed.
     pub(super) fn read_mesh_geom(
         &mut self,
         geom: &Element,
@@ -55,7 +56,8 @@ impl Compiler<'_> {
         parts: &mut Parts,
     ) -> Result<(), ModelError> {
         let bits = |attribute| geom.integer_or(attribute, 1, 0, i64::from(u32::MAX));
-        if bits("contype")? != 0 || bits("conaffinity")? != 0 {
+        let named = geom.text("name").is_some_and(|name| self.named_geoms.contains(name));
+        if named || bits("contype")? != 0 || bits("conaffinity")? != 0 {
             self.read_geom(geom, body, frame)?;
         }
         if self.counts(geom.integer_or("group", 0, i64::from(i32::MIN), i64::from(i32::MAX))?) {

@@ -36,7 +36,7 @@ use nalgebra::Vector3;
 use names::Names;
 pub(super) use settings::Settings;
 pub(super) use shapes::GEOM_KINDS;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// Everything that the parts of the compiler share.
@@ -51,6 +51,8 @@ struct Compiler<'a> {
     unsupported: Vec<Unsupported>,
     /// Joints whose spring and damper follow from a time constant (s) and a damping ratio.
     springs: Vec<(usize, [f64; 2])>,
+    /// Geoms that contact pairs and sensors name.
+    named_geoms: BTreeSet<&'a str>,
     /// Volumes of all sites.
     zones: Vec<(GeomKind, Vector3<f64>)>,
     model: Model,
@@ -71,6 +73,7 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
         meshes: BTreeMap::new(),
         unsupported: Vec::new(),
         springs: Vec::new(),
+        named_geoms: named_geoms(root),
         zones: Vec::new(),
         model: Model { name: root.text("model").unwrap_or("MuJoCo Model").to_owned(), ..Model::default() },
     };
@@ -97,4 +100,10 @@ pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
 /// The children of all sections with a name, in order.
 fn section<'a>(root: &'a Element, name: &'static str) -> impl Iterator<Item = &'a Element> {
     root.children.iter().filter(move |child| child.tag == name).flat_map(|section| &section.children)
+}
+
+/// Geoms that matter by their names.
+fn named_geoms(root: &Element) -> BTreeSet<&str> {
+    let elements = section(root, "contact").chain(section(root, "sensor"));
+    elements.flat_map(|element| ["geom1", "geom2", "objname", "refname"].map(|name| element.text(name))).flatten().collect()
 }
