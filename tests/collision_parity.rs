@@ -7,13 +7,16 @@ use msk_runtime::{
     model::{GeomKind, Model},
     physics::{
         State, Workspace,
-        collision::{Contact, Placed, Scratch, distance, ray},
+        collision::{Placed, Scratch, distance, ray},
         constrained, kinematics, step,
     },
 };
 use nalgebra::Vector3;
 use serde_json::Value;
-use support::{SplitMix, golden, numbers, repository};
+use support::{
+    SplitMix, golden, numbers, repository,
+    touching::{Theirs, Verdict, judge},
+};
 
 /// The orientation that `orientation` of the oracle script draws, number for number.
 fn orientation(random: &mut SplitMix, sort: usize) -> [f64; 4] {
@@ -36,44 +39,28 @@ fn draw(random: &mut SplitMix, number: usize, state: &mut State<f64>) {
     }
 }
 
-/// How far our contacts are from MuJoCo's.
+/// How far our contacts are from MuJoCo's, and how often other answers were right for a reason.
 #[derive(Default, Debug, Clone)]
 struct Errors {
     cases: usize,
     contacts: usize,
-    other_count: usize,
-    other_place: usize,
-    distance: f64,
-    position: f64,
-    normal: f64,
+    along: usize,
+    corners: usize,
+    closer: usize,
+    other: usize,
+    worst: [f64; 3],
 }
 
-/// Compares the contacts of one case, each of MuJoCo's with the nearest of ours.
-fn compare(ours: &[Contact], theirs: &[Vec<f64>], errors: &mut Errors) {
-    errors.cases += 1;
-    errors.contacts += theirs.len();
-    if ours.len() != theirs.len() {
-        errors.other_count += 1;
-        return;
+impl Errors {
+    fn add(&mut self, verdict: Verdict) {
+        match verdict {
+            Verdict::Same(errors) => self.worst = core::array::from_fn(|k| self.worst[k].max(errors[k])),
+            Verdict::Along => self.along += 1,
+            Verdict::Corners => self.corners += 1,
+            Verdict::Closer => self.closer += 1,
+            Verdict::Other => self.other += 1,
+        }
     }
-    let mut worst = [0.0_f64; 3];
-    for expected in theirs {
-        let position = Vector3::from_column_slice(&expected[1..4]);
-        let normal = Vector3::from_column_slice(&expected[4..7]);
-        let error = |contact: &Contact| {
-            let normals = (contact.frame.row(0).transpose() - normal).amax();
-            [(contact.distance - expected[0]).abs(), (contact.position - position).amax(), normals]
-        };
-        let nearest = ours.iter().map(error).min_by(|a, b| (a[0] + a[1] + a[2]).total_cmp(&(b[0] + b[1] + b[2]))).unwrap();
-        worst = core::array::from_fn(|k| worst[k].max(nearest[k]));
-    }
-    if worst[1] > 1e-4 || worst[2] > 1e-4 {
-        errors.other_place += 1;
-        return;
-    }
-    errors.distance = errors.distance.max(worst[0]);
-    errors.position = errors.position.max(worst[1]);
-    errors.normal = errors.normal.max(worst[2]);
 }
 
 /// Runs all cases of a pair.
@@ -89,13 +76,19 @@ fn errors(pair: &Value) -> Errors {
         }
         kinematics::update(&model, &state, &mut workspace.kinematics);
         constrained::contacts(&model, &mut workspace);
-        let theirs: Vec<Vec<f64>> = case.as_array().unwrap().iter().map(numbers).collect();
-        let before = (errors.other_count, errors.other_place);
+        let theirs: Vec<Theirs> =
+            case.as_array().unwrap().iter().map(|numbers| Theirs::new(&support::numbers(numbers))).collect();
         let ours = &workspace.episodes[0].constraints.contacts;
-        compare(ours, &theirs, &mut errors);
-        if before != (errors.other_count, errors.other_place) && std::env::args().any(|argument| argument == "--nocapture") {
+        let [first, second] = [0, 1].map(|geom| Placed::of(&model, &workspace.kinematics, 0, geom));
+        let verdict = judge([&first, &second], ours, &theirs, 1e-5);
+        errors.add(verdict);
+        errors.cases += 1;
+        errors.contacts += theirs.len();
+        if verdict == Verdict::Other && std::env::args().any(|argument| argument == "--nocapture") {
             println!("  {} {} case {number}:", pair["first"], pair["second"]);
-            theirs.iter().for_each(|t| println!("    MuJoCo {:.6?}", t));
+            theirs
+                .iter()
+                .for_each(|t| println!("    MuJoCo {:.6} {:.6?} {:.6?}", t.distance, t.position.as_slice(), t.normal.as_slice()));
             ours.iter().for_each(|c| {
                 println!(
                     "    ours   [{:.6}, {:.6?}, {:.6?}]",
@@ -109,38 +102,38 @@ fn errors(pair: &Value) -> Errors {
     errors
 }
 
-/// How far a pair may be from MuJoCo: cases with contacts elsewhere or another number of them (ties that rounding decides),
-/// and the errors of all other cases.
+/// How far a pair may be from MuJoCo in distance, position and normal, and how many cases may be other for no reason but the
+/// order of MuJoCo's search.
 struct Allowed {
-    others: usize,
-    distance: f64,
-    position: f64,
-    normal: f64,
+    other: usize,
+    worst: [f64; 3],
 }
 
 fn check(name: &str, allowed: impl Fn(&str, &str) -> Allowed) {
+    let mut bad = Vec::new();
     for pair in golden(&format!("collision_{name}"))["pairs"].as_array().unwrap() {
         let (first, second) = (pair["first"].as_str().unwrap(), pair["second"].as_str().unwrap());
         let e = errors(pair);
         println!(
-            "{:20} {:3} cases {:4} contacts, other count {:2}, other place {:2}, distance {:.1e}, position {:.1e}, normal {:.1e}",
+            "{:20} {:3} cases {:4} contacts; along {:2}, corners {:2}, closer {:2}, other {:2}; errors {:.1e} {:.1e} {:.1e}",
             format!("{first}-{second}"),
             e.cases,
             e.contacts,
-            e.other_count,
-            e.other_place,
-            e.distance,
-            e.position,
-            e.normal
+            e.along,
+            e.corners,
+            e.closer,
+            e.other,
+            e.worst[0],
+            e.worst[1],
+            e.worst[2],
         );
         let allowed = allowed(first, second);
         assert!(e.contacts > 10, "{first}-{second}: too few contacts to mean anything");
-        assert!(e.other_count + e.other_place <= allowed.others, "{first}-{second}: {e:?}");
-        assert!(
-            e.distance <= allowed.distance && e.position <= allowed.position && e.normal <= allowed.normal,
-            "{first}-{second}: {e:?}"
-        );
+        if e.other > allowed.other || e.worst.iter().zip(allowed.worst).any(|(error, allowed)| *error > allowed) {
+            bad.push(format!("{first}-{second}: {e:?}"));
+        }
     }
+    assert!(bad.is_empty(), "{bad:#?}");
 }
 
 /// Whether one of the two is a mesh: its corners are rounded to single precision in frames that differ in the last bits.
@@ -152,22 +145,21 @@ fn is_mesh(first: &str, second: &str) -> bool {
 fn closed_forms_are_exact() {
     check("closed", |first, second| match (first, second) {
         // MuJoCo iterates here.
-        ("sphere", "ellipsoid") => Allowed { others: 0, distance: 1e-8, position: 1e-5, normal: 1e-4 },
+        ("sphere", "ellipsoid") => Allowed { other: 0, worst: [1e-8, 1e-5, 1e-4] },
         // Where the capsule is as near to two parallel edges, rounding decides from which a second contact is looked for.
-        ("capsule", "slab") => Allowed { others: 1, distance: 1e-8, position: 1e-8, normal: 1e-8 },
-        _ if is_mesh(first, second) => Allowed { others: 0, distance: 5e-8, position: 5e-8, normal: 1e-8 },
-        _ => Allowed { others: 0, distance: 1e-8, position: 1e-8, normal: 1e-8 },
+        ("capsule", "slab") => Allowed { other: 1, worst: [1e-8; 3] },
+        _ if is_mesh(first, second) => Allowed { other: 0, worst: [5e-8, 5e-8, 1e-8] },
+        _ => Allowed { other: 0, worst: [1e-8; 3] },
     });
 }
 
 #[test]
 fn other_convex_shapes_touch_within_the_colliders_precision() {
-    // Polygons with more than four corners, of which either side keeps four, and ties between edges or the faces of prisms.
-    check("convex", |first, _| Allowed {
-        others: if first == "hills" { 8 } else { 5 },
-        distance: 5e-8,
-        position: 1e-5,
-        normal: 1e-4,
+    check("convex", |first, second| match (first, second) {
+        // One case each: the ends of the capsule's line lie half a millimetre elsewhere; of several edges at a corner MuJoCo
+        // takes the first in an order of its own.
+        ("capsule", "cylinder") | ("rock", "rock" | "cube") => Allowed { other: 1, worst: [5e-8, 1e-5, 1e-5] },
+        _ => Allowed { other: 0, worst: [5e-8, 1e-5, 1e-5] },
     });
 }
 

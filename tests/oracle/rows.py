@@ -2,7 +2,8 @@
 
     python tests/oracle/rows.py
 
-writes tests/golden/rows_*.json.gz from tests/oracle/row_models/*.xml, which tests/row_parity.rs reads. States are not stored:
+writes tests/golden/rows_*.json.gz from tests/oracle/row_models/*.xml, which tests/row_parity.rs reads, and
+tests/golden/stages_*.json.gz from tests/oracle/scene_models/*.xml, which tests/scene_stages.rs writes and compares. States are not stored:
 both sides draw them from the same generator, around the reference configuration, and every third of them holds or releases
 equalities at random. Of the Jacobian the golden file holds each row's weighted sum; everything else is stored whole. A
 rollout of a tenth of a second goes on from the next state that the generator gives; half way all equalities change over
@@ -44,7 +45,18 @@ def draw(model, data, random, number):
         data.qacc_warmstart[i] = random.between(-20.0, 20.0) if warm else 0.0
 
 
-def record(model, data):
+def touched(data):
+    """Where shapes meet, and what leads there: for scenes."""
+    contacts = data.contact[: data.ncon]
+    arrays = {
+        "geom_xpos": data.geom_xpos, "bias": data.qfrc_bias,
+        "contact_geoms": [c.geom for c in contacts], "contact_dist": [c.dist for c in contacts],
+        "contact_pos": [c.pos for c in contacts], "contact_normal": [c.frame[:3] for c in contacts],
+    }
+    return {name: np.array(values, dtype=float).ravel().tolist() for name, values in arrays.items()}
+
+
+def record(model, data, scene):
     mujoco.mj_forward(model, data)
     jacobian, mass = dense_jacobian(model, data), mass_matrix(model, data)
     arrays = {
@@ -54,10 +66,10 @@ def record(model, data):
     }
     found = {name: np.array(values).ravel().tolist() for name, values in arrays.items()}
     found["jacobian"] = folded(jacobian.ravel(), model.nv)
-    return found
+    return found | (touched(data) if scene else {})
 
 
-def rows(path, seed):
+def rows(path, name, seed):
     model = mujoco.MjModel.from_xml_path(str(path))
     tighten(model)
     data = mujoco.MjData(model)
@@ -66,7 +78,7 @@ def rows(path, seed):
     for number in range(STATES):
         mujoco.mj_resetData(model, data)
         draw(model, data, random, number)
-        states.append(record(model, data))
+        states.append(record(model, data, name.startswith("stages")))
     mujoco.mj_resetData(model, data)
     draw(model, data, random, 0)
     for number in range(STEPS):
@@ -75,11 +87,13 @@ def rows(path, seed):
         mujoco.mj_step(model, data)
     constants = {name: np.array(getattr(model, name)).ravel().tolist() for name in ("tendon_invweight0", "tendon_length0")}
     end = {"qpos": data.qpos.tolist(), "qvel": data.qvel.tolist()}
-    write(f"rows_{path.stem}", {"seed": seed, "constants": constants, "states": states, "end": end})
+    write(name, {"seed": seed, "constants": constants, "states": states, "end": end})
     seen = sorted({int(kind) for state in states for kind in state["type"]})
-    print(f"{path.stem}: {sum(len(state['type']) for state in states)} rows of types {seen}")
+    print(f"{name}: {sum(len(state['type']) for state in states)} rows of types {seen}")
 
 
 if __name__ == "__main__":
     for number, path in enumerate(sorted((HERE / "row_models").glob("*.xml"))):
-        rows(path, 900 + number)
+        rows(path, f"rows_{path.stem}", 900 + number)
+    for number, path in enumerate(sorted((HERE / "scene_models").glob("*.xml"))):
+        rows(path, f"stages_{path.stem}", 1900 + number)

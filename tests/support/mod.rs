@@ -7,6 +7,9 @@
     reason = "test support: a broken golden file fails the test"
 )]
 
+pub mod rows;
+pub mod touching;
+
 use flate2::read::GzDecoder;
 use msk_runtime::{
     model::{JointKind, Model},

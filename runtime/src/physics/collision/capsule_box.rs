@@ -12,7 +12,8 @@ use nalgebra::Vector3;
 enum Nearest {
     /// One end (sense 1 or -1) is over a face with this axis, or inside the box.
     Face { sense: f64, axis: Option<usize> },
-    /// A corner of the box, by its signs.
+    /// A corner of the box, by its signs; or the inner part of an edge that the search reached over this corner, which counts
+    /// the same in MuJoCo 4.0.0.
     Corner([bool; 3]),
     /// The inner part of an edge along an axis, by the signs of the others; the place on it from -1 to 1.
     Edge { axis: usize, signs: [bool; 3], place: f64 },
@@ -54,17 +55,17 @@ fn nearest(centre: Vector3<f64>, arm: Vector3<f64>, size: Vector3<f64>) -> Optio
             let mut signs: [bool; 3] = core::array::from_fn(|bit| corner >> bit & 1 == 1);
             let mut middle = size.zip_map(&Vector3::from(signs), |half, positive| if positive { half } else { -half });
             middle[axis] = 0.0;
-            let Some([on_edge, on_segment]) = closest(middle - centre, size[axis], axis, arm) else { continue };
+            let Some(Closest { on_edge, on_segment, over }) = closest(middle - centre, size[axis], axis, arm) else { continue };
             let mut point = middle;
             point[axis] = on_edge * size[axis];
             let square = (centre + arm * on_segment - point).norm_squared();
             if best.is_none_or(|(least, ..)| square < least - TINY) {
-                signs[axis] = on_edge > 0.0;
-                let nearest = if on_edge.abs() >= 1.0 {
-                    Nearest::Corner(signs)
-                } else {
-                    signs[axis] = false;
-                    Nearest::Edge { axis, signs, place: on_edge }
+                let nearest = match over {
+                    Some(end) => {
+                        signs[axis] = end > 0.0;
+                        Nearest::Corner(signs)
+                    }
+                    None => Nearest::Edge { axis, signs, place: on_edge },
                 };
                 best = Some((square, on_segment, nearest));
             }
@@ -73,9 +74,17 @@ fn nearest(centre: Vector3<f64>, arm: Vector3<f64>, size: Vector3<f64>) -> Optio
     best.map(|(_, place, nearest)| (place, nearest))
 }
 
-/// Places from -1 to 1 on an edge of half length `half` along `axis`, `from` the segment's centre to its middle, and on the
-/// segment, where the two are nearest; `None` where they are parallel.
-fn closest(from: Vector3<f64>, half: f64, axis: usize, arm: Vector3<f64>) -> Option<[f64; 2]> {
+/// Where an edge and the segment are nearest, from -1 to 1 on each.
+struct Closest {
+    on_edge: f64,
+    on_segment: f64,
+    /// The end at which the edge was cut last, if it was; cutting the segment afterwards may lead back inwards.
+    over: Option<f64>,
+}
+
+/// The nearest places of the segment and an edge of half length `half` along `axis`, `from` the segment's centre to the edge's
+/// middle; `None` where they are parallel.
+fn closest(from: Vector3<f64>, half: f64, axis: usize, arm: Vector3<f64>) -> Option<Closest> {
     let (a, b, c) = (half * half, -half * arm[axis], arm.norm_squared());
     let (u, v) = (-half * from[axis], arm.dot(&from));
     let determinant = a * c - b * b;
@@ -84,15 +93,21 @@ fn closest(from: Vector3<f64>, half: f64, axis: usize, arm: Vector3<f64>) -> Opt
     }
     let mut edge = (c * u - b * v) / determinant;
     let mut segment = (a * v - b * u) / determinant;
+    let mut over = None;
     if edge.abs() > 1.0 {
         edge = edge.signum();
+        over = Some(edge);
         segment = (v - b * edge) / c;
     }
     if segment.abs() > 1.0 {
         segment = segment.signum();
-        edge = ((u - b * segment) / a).clamp(-1.0, 1.0);
+        edge = (u - b * segment) / a;
+        if edge.abs() > 1.0 {
+            edge = edge.signum();
+            over = Some(edge);
+        }
     }
-    Some([edge, segment])
+    Some(Closest { on_edge: edge, on_segment: segment, over })
 }
 
 /// The signed step along the segment, in half lengths, to a second contact.

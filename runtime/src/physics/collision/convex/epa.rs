@@ -2,9 +2,13 @@
 //!
 //! The depth is the distance from the origin to the surface of the cores' difference. A polytope inside the difference grows
 //! where its surface is nearest to the origin, until the difference reaches no farther there.
+//!
+//! On which side of a face a corner lies is decided by exact predicates (Shewchuk 1997): many corners of the difference share
+//! planes and lines up to rounding, and decisions that contradict each other would tear the surface.
 
 use super::solid::{Solid, Vertex, farthest};
 use nalgebra::Vector3;
+use robust::{Coord3D, orient3d};
 
 /// Corners at most: smooth shapes reach the precision with some tens.
 const MOST_VERTICES: usize = 256;
@@ -50,14 +54,36 @@ pub(super) fn depth(first: &Solid<'_>, second: &Solid<'_>, polytope: &mut Polyto
         let Face { normal, offset, .. } = polytope.faces[face];
         let vertex = farthest(first, second, normal);
         let gain = vertex.point.dot(&normal) - offset;
-        if gain <= PRECISION * scale || polytope.vertices.len() >= MOST_VERTICES || !polytope.grow(face, vertex) {
-            return polytope.depth_at(face, scale);
+        if gain <= PRECISION * scale || polytope.vertices.len() >= MOST_VERTICES {
+            return deepest(first, second, polytope.depth_at(face, scale));
+        }
+        if !polytope.grow(face, vertex) {
+            if gain <= LEVEL * scale {
+                return deepest(first, second, polytope.depth_at(face, scale));
+            }
+            // A needle, whose normal is mere rounding: what lies there belongs to its neighbours.
+            polytope.faces[face].offset = f64::INFINITY;
         }
         best = polytope.nearest();
     }
     // Cores without volume, such as two segments in one plane: no face to leave through.
     let points = [first.position, second.position];
     Depth { depth: 0.0, normal: (points[1] - points[0]).try_normalize(0.0).unwrap_or_else(Vector3::z), points }
+}
+
+/// The depth with its points made exact: where only one point of a core is deepest it is known, and the other lies across.
+fn deepest(first: &Solid<'_>, second: &Solid<'_>, found: Depth) -> Depth {
+    let Depth { depth, normal, .. } = found;
+    let points = if first.has_one_farthest(normal) {
+        let point = first.farthest(normal);
+        [point, point - normal * depth]
+    } else if second.has_one_farthest(-normal) {
+        let point = second.farthest(-normal);
+        [point + normal * depth, point]
+    } else {
+        found.points
+    };
+    Depth { points, ..found }
 }
 
 /// Starts with a tetrahedron of farthest points; the index of its nearest face, or `None` if the difference is flat.
@@ -83,7 +109,7 @@ fn begin(first: &Solid<'_>, second: &Solid<'_>, polytope: &mut Polytope) -> Opti
     let corners =
         if volume > 0.0 { [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] } else { [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]] };
     for face in corners {
-        let face = polytope.face(face)?;
+        let face = polytope.face(face);
         polytope.faces.push(face);
     }
     polytope.nearest()
@@ -98,29 +124,42 @@ fn widest(candidates: [Vertex; 4], measure: impl Fn(Vector3<f64>) -> f64) -> Ver
 }
 
 impl Polytope {
-    fn face(&self, corners: [usize; 3]) -> Option<Face> {
+    /// A face between three corners; one whose area vanishes in rounding is never the nearest.
+    fn face(&self, corners: [usize; 3]) -> Face {
         let [a, b, c] = corners.map(|corner| self.vertices[corner].point);
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
+        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else {
+            return Face { corners, normal: Vector3::zeros(), offset: f64::INFINITY };
+        };
         // The corner nearest to the origin gives the offset with the smallest rounding error.
-        let nearest =
-            [a, b, c].into_iter().reduce(|best, next| if next.norm_squared() < best.norm_squared() { next } else { best });
-        Some(Face { corners, normal, offset: normal.dot(&nearest?) })
+        let nearer = |best: Vector3<f64>, next: Vector3<f64>| if next.norm_squared() < best.norm_squared() { next } else { best };
+        Face { corners, normal, offset: normal.dot(&nearer(nearer(a, b), c)) }
     }
 
     /// The face whose plane is nearest to the origin, on its inner side.
     fn nearest(&self) -> Option<usize> {
         let mut best: Option<usize> = None;
         for (index, face) in self.faces.iter().enumerate() {
-            if best.is_none_or(|best| face.offset < self.faces[best].offset) {
+            if face.offset < best.map_or(f64::INFINITY, |best: usize| self.faces[best].offset) {
                 best = Some(index);
             }
         }
         best
     }
 
-    /// Takes in a corner beyond `face`: the faces around it that see the corner give way to faces between it and their rim.
-    /// Leaves everything as it was and returns false where rounding keeps the rim from being one closed line.
+    /// Whether a face looks towards a point: 1 towards it, 0 along itself, -1 away.
+    fn looks(&self, face: usize, point: &Vector3<f64>) -> i8 {
+        let exact = |point: &Vector3<f64>| Coord3D { x: point.x, y: point.y, z: point.z };
+        let [a, b, c] = self.faces[face].corners.map(|corner| exact(&self.vertices[corner].point));
+        let side = orient3d(a, b, c, exact(point));
+        i8::from(side < 0.0) - i8::from(side > 0.0)
+    }
+
+    /// Takes in a corner beyond `face`: the faces around it that see the corner, even along themselves, give way to faces
+    /// between it and their rim. Leaves everything as it was and returns false where the corner is not beyond the face.
     fn grow(&mut self, face: usize, vertex: Vertex) -> bool {
+        if self.looks(face, &vertex.point) < 1 {
+            return false;
+        }
         self.seen.clear();
         self.seen.push(face);
         self.horizon.clear();
@@ -134,8 +173,7 @@ impl Polytope {
                 if self.seen.contains(&across) {
                     continue;
                 }
-                let other = &self.faces[across];
-                if other.normal.dot(&vertex.point) > other.offset {
+                if self.looks(across, &vertex.point) >= 0 {
                     self.seen.push(across);
                 } else {
                     self.horizon.push([from, to]);
@@ -153,17 +191,10 @@ impl Polytope {
         }
         let corner = self.vertices.len();
         self.vertices.push(vertex);
-        let kept = self.faces.len();
         for index in 0..self.horizon.len() {
             let [from, to] = self.horizon[index];
-            match self.face([from, to, corner]) {
-                Some(face) => self.faces.push(face),
-                None => {
-                    self.faces.truncate(kept);
-                    self.vertices.pop();
-                    return false;
-                }
-            }
+            let face = self.face([from, to, corner]);
+            self.faces.push(face);
         }
         let (mut index, seen) = (0, &self.seen);
         self.faces.retain(|_| {

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// Corners that stand for the rim of a cylinder's cap, as many as MuJoCo 4.0.0 takes.
 const RIM_CORNERS: usize = 16;
 /// A direction this close to right angles with an edge or along a face's normal (as a sine) meets all of it.
-const EXACTLY: f64 = 1e-9;
+const EXACTLY: f64 = 1e-7;
 
 /// A cylinder is touched from the side if the direction is this close to right angles with its axis (as a sine): directions
 /// found on round surfaces are no more exact.
@@ -32,24 +32,25 @@ impl Solid<'_> {
         matches!(self.core, Core::Segment(_) | Core::Cylinder(..) | Core::Box(_) | Core::Hull(_))
     }
 
-    /// The flat face that looks most along `direction`, around the core's farthest point that way.
-    pub(in super::super) fn facing(&self, direction: Vector3<f64>) -> Option<Facing> {
+    /// The flat faces around the core's farthest points along `direction`, in the order of their axes: of a box those that
+    /// meet there, of others the one that looks most that way.
+    pub(in super::super) fn facings(&self, direction: Vector3<f64>) -> [Option<Facing>; 3] {
         let d = self.rotation.tr_mul(&direction);
-        let (face, normal) = match self.core {
-            Core::Box(_) => {
-                let (axis, _) = d.abs().argmax();
-                (2 * axis + usize::from(d[axis] < 0.0), Vector3::ith(axis, d[axis].signum()))
-            }
+        let world = |face: usize, normal: Vector3<f64>| Some(Facing { face, normal: self.rotation * normal });
+        match self.core {
+            Core::Box(_) => core::array::from_fn(|axis| {
+                let face = 2 * axis + usize::from(d[axis] < 0.0);
+                if d[axis].abs() > EXACTLY { world(face, Vector3::ith(axis, d[axis].signum())) } else { None }
+            }),
             // Touched from the side, no cap is near.
-            Core::Cylinder(..) if d.z.abs() < SIDEWAYS => return None,
-            Core::Cylinder(..) => (usize::from(d.z < 0.0), Vector3::z() * d.z.signum()),
+            Core::Cylinder(..) if d.z.abs() < SIDEWAYS => [None; 3],
+            Core::Cylinder(..) => [world(usize::from(d.z < 0.0), Vector3::z() * d.z.signum()), None, None],
             Core::Hull(hull) => {
-                let face = hull.facing(hull.farthest(d), d)?;
-                (face, hull.faces[face].normal)
+                let face = hull.facing(hull.farthest(d), d);
+                [face.and_then(|face| world(face, hull.faces[face].normal)), None, None]
             }
-            Core::Point | Core::Segment(_) | Core::Ellipsoid(_) | Core::Prism(_) => return None,
-        };
-        Some(Facing { face, normal: self.rotation * normal })
+            Core::Point | Core::Segment(_) | Core::Ellipsoid(_) | Core::Prism(_) => [None; 3],
+        }
     }
 
     /// Writes the corners of a face, counter-clockwise from outside.
@@ -130,7 +131,11 @@ impl Solid<'_> {
             }
             Core::Point | Core::Ellipsoid(_) | Core::Prism(_) => {}
         }
-        // Of a capsule the line of its surface that lies this way.
-        best.map(|(ends, sine)| (ends.map(|end| self.position + self.rotation * end + direction * self.radius), sine))
+        // Of a capsule the line of its surface that lies this way, as long as its segment.
+        best.map(|(ends, sine)| {
+            let along = self.rotation * (ends[1] - ends[0]);
+            let aside = direction - along * (direction.dot(&along) / along.norm_squared());
+            (ends.map(|end| self.position + self.rotation * end + aside * self.radius), sine)
+        })
     }
 }

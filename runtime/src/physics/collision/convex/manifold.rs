@@ -6,7 +6,12 @@
 //! choices are those that MuJoCo 4.0.0 shows with its `multiccd`.
 
 use super::super::{Touch, frame_of, polygon::widest_four};
-use super::{Scratch, features::Facing, separate, solid::Solid};
+use super::{
+    Scratch,
+    features::Facing,
+    separate,
+    solid::{Core, Solid},
+};
 use nalgebra::Vector3;
 
 /// Two faces face each other if the cosine between one normal and the reverse of the other is above this.
@@ -47,23 +52,30 @@ fn several(
     scratch: &mut Scratch,
     found: &mut Vec<Touch>,
 ) {
-    let faces = [first.facing(normal), second.facing(-normal)];
-    if let [Some(one), Some(two)] = &faces
-        && one.normal.dot(&two.normal) < -FACING
-    {
-        return faces_meet([first, second], [one, two], reach, scratch, found);
+    let faces = [first.facings(normal), second.facings(-normal)];
+    let [ones, twos] = faces.each_ref().map(|faces| faces.iter().flatten());
+    for one in ones.clone() {
+        if let Some(two) = twos.clone().find(|two| one.normal.dot(&two.normal) < -FACING) {
+            return faces_meet([first, second], [one, two], reach, scratch, found);
+        }
     }
-    let shown = [faces[0].is_some_and(|face| face.shows(normal)), faces[1].is_some_and(|face| face.shows(-normal))];
-    let [one, two] = &faces;
-    // A shape that shows a face lies on nothing by an edge.
-    for (shape, carrier, face, direction, other_shown, sense) in
-        [(first, second, two, normal, shown[0], -1.0), (second, first, one, -normal, shown[1], 1.0)]
-    {
-        let Some(face) = face.as_ref().filter(|_| !other_shown) else { continue };
-        let Some((edge, sine)) = shape.edge_across(direction, face.normal) else { continue };
-        if sine < LYING {
-            let corner = shown == [false, false];
-            return edge_meets(edge, carrier, face, (sense, corner), reach, scratch, found);
+    let shown = [ones.clone().any(|face| face.shows(normal)), twos.clone().any(|face| face.shows(-normal))];
+    // A shape that shows a face lies on nothing by an edge; and in MuJoCo nothing lies by one on the cap that a first cylinder
+    // shows.
+    if !shown[0] {
+        for face in twos {
+            let lying = first.edge_across(normal, face.normal).filter(|(_, sine)| *sine < LYING);
+            if let Some((edge, _)) = lying {
+                return edge_meets(edge, second, face, (-1.0, shown == [false, false]), reach, scratch, found);
+            }
+        }
+    }
+    if !shown[1] && !(shown[0] && matches!(first.core, Core::Cylinder(..))) {
+        for face in ones {
+            let lying = second.edge_across(-normal, face.normal).filter(|(_, sine)| *sine < LYING);
+            if let Some((edge, _)) = lying {
+                return edge_meets(edge, first, face, (1.0, shown == [false, false]), reach, scratch, found);
+            }
         }
     }
 }
@@ -132,8 +144,8 @@ fn edge_meets(
     };
     match [place(enter), place(leave)] {
         [Some(a), Some(b)] => found.extend([a, b]),
-        // Where two edges touch and one end is out of reach, MuJoCo counts the other twice.
-        [Some(only), None] | [None, Some(only)] if corner => found.extend([only, only]),
+        // Where the second shape lies by an edge, two edges touch and one end is out of reach, MuJoCo counts the other twice.
+        [Some(only), None] | [None, Some(only)] if corner && sense > 0.0 => found.extend([only, only]),
         ends => found.extend(ends.into_iter().flatten()),
     }
 }

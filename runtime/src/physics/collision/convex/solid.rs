@@ -83,6 +83,20 @@ impl<'a> Solid<'a> {
         self.position + self.rotation * local
     }
 
+    /// Whether a single point of the core lies farthest along `direction`, with some room for the direction's own error.
+    pub fn has_one_farthest(&self, direction: Vector3<f64>) -> bool {
+        /// Sine of the angle with a flat part; directions found on round surfaces are known to some 1e-7.
+        const ASIDE: f64 = 1e-5;
+        let d = self.rotation.tr_mul(&direction);
+        match self.core {
+            Core::Point | Core::Ellipsoid(_) => true,
+            Core::Segment(_) => d.z.abs() > ASIDE,
+            Core::Cylinder(..) => d.z.abs() > ASIDE && libm::hypot(d.x, d.y) > ASIDE,
+            Core::Box(_) => d.amin() > ASIDE,
+            Core::Hull(_) | Core::Prism(_) => false,
+        }
+    }
+
     /// A length to compare rounding errors with, m.
     pub fn scale(&self) -> f64 {
         let size = match self.core {
