@@ -63,7 +63,9 @@ pub(super) fn collide(first: &Placed<'_>, second: &Placed<'_>, reach: f64, polyg
     let (overlap, normal, decider) = match edges {
         Some(edges) if edges.0 < face.0 * (1.0 - 1e-12) => {
             let like_a_face = edges.1.dot(&face.1).abs() > LIKE_A_FACE;
-            if like_a_face && edges.0 >= CLEARLY_LESS * face.0 { face } else { edges }
+            // Of boxes apart, whose overlap is negative, the edges' distance must be as clearly the larger.
+            let bound = face.0 - (1.0 - CLEARLY_LESS) * face.0.abs();
+            if like_a_face && edges.0 >= bound { face } else { edges }
         }
         _ => face,
     };
@@ -83,7 +85,7 @@ fn extent(shape: &Placed<'_>, normal: Vector3<f64>) -> f64 {
 }
 
 /// Half way between the nearest points of an edge along axis `i` of the first box and one along axis `j` of the second, each
-/// the outermost along the normal between them.
+/// the outermost along the normal between them. Of boxes apart the nearest points of the lines may lie beyond the edges' ends.
 fn crossing(first: &Placed<'_>, i: usize, second: &Placed<'_>, j: usize, normal: Vector3<f64>) -> Vector3<f64> {
     let middle = |shape: &Placed<'_>, axis: usize, outward: Vector3<f64>| {
         let mut corner = shape.size.zip_map(&shape.rotation.tr_mul(&outward), f64::copysign);
@@ -94,8 +96,17 @@ fn crossing(first: &Placed<'_>, i: usize, second: &Placed<'_>, j: usize, normal:
     let (u, v) = (first.rotation.column(i).into_owned(), second.rotation.column(j).into_owned());
     let across = u.cross(&v);
     let square = across.norm_squared();
-    let on_first = (q - p).cross(&v).dot(&across) / square;
-    let on_second = (q - p).cross(&u).dot(&across) / square;
+    let mut on_first = (q - p).cross(&v).dot(&across) / square;
+    let mut on_second = (q - p).cross(&u).dot(&across) / square;
+    let [half_first, half_second] = [first.size[i], second.size[j]];
+    if on_first.abs() > half_first {
+        on_first = on_first.clamp(-half_first, half_first);
+        on_second = (p + u * on_first - q).dot(&v);
+    }
+    if on_second.abs() > half_second {
+        on_second = on_second.clamp(-half_second, half_second);
+        on_first = (q + v * on_second - p).dot(&u).clamp(-half_first, half_first);
+    }
     (p + u * on_first + q + v * on_second) * 0.5
 }
 

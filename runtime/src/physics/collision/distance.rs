@@ -29,7 +29,7 @@ pub fn between(first: &Placed<'_>, second: &Placed<'_>, range: f64, scratch: &mu
         (GeomKind::Plane, _) => above(first, second, range),
         (GeomKind::HeightField, _) => height_field::distance(first, second, range, scratch),
         (GeomKind::Sphere | GeomKind::Capsule | GeomKind::Ellipsoid, GeomKind::Ellipsoid) => {
-            let separation = ellipsoid::separate(first, second)?;
+            let separation = ellipsoid::separate(first, second, scratch)?;
             let points = separation.points();
             (separation.distance <= range).then_some(Gap { distance: separation.distance, points })
         }

@@ -13,10 +13,15 @@
 //! * against a point, g is the signed distance of a point to an ellipsoid, one root of a scalar convex function
 //!   (D. Eberly, "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid");
 //! * against a segment, the best normal either belongs to one of its ends or is perpendicular to it, and then the problem
-//!   is that of a point and an ellipse in the plane across the segment;
+//!   is that of a point and an ellipse in the plane across the segment. Inside the ellipsoid an end has several such normals,
+//!   so a segment that reaches inside is left to the search for depth;
 //! * two ellipsoids: Newton's method on the sphere, from several starts when they overlap.
 
-use super::{Placed, Touch, frame_of};
+use super::{
+    Placed, Touch,
+    convex::{self, Scratch, solid::Solid},
+    frame_of,
+};
 use crate::model::GeomKind;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
@@ -125,19 +130,29 @@ impl Stand {
 }
 
 /// A sphere, capsule or ellipsoid against an ellipsoid; `None` for other shapes.
-pub(super) fn separate(shape: &Placed<'_>, ellipsoid: &Placed<'_>) -> Option<Stand> {
+pub(super) fn separate(shape: &Placed<'_>, ellipsoid: &Placed<'_>, scratch: &mut Scratch) -> Option<Stand> {
     let centre = shape.position - ellipsoid.position;
     match shape.kind {
         GeomKind::Sphere => Some(Stand::new(ellipsoid, separate_point(ellipsoid, centre), shape.size.x)),
-        GeomKind::Capsule => Some(Stand::new(ellipsoid, separate_segment(shape, ellipsoid, centre), shape.size.x)),
+        GeomKind::Capsule => {
+            let mut separation = separate_segment(shape, ellipsoid, centre);
+            if separation.distance < 0.0
+                && let [Some(segment), Some(core)] = [shape, ellipsoid].map(|shape| Solid::new(shape, ellipsoid.position))
+                && let Some(found) = convex::separate(&Solid { radius: 0.0, ..segment }, &core, 0.0, scratch)
+                && found.distance > separation.distance
+            {
+                separation = Separation { distance: found.distance, normal: -found.normal };
+            }
+            Some(Stand::new(ellipsoid, separation, shape.size.x))
+        }
         GeomKind::Ellipsoid => Some(Stand::new(ellipsoid, separate_ellipsoids(shape, ellipsoid), 0.0)),
         _ => None,
     }
 }
 
 /// A sphere, capsule or ellipsoid against an ellipsoid.
-pub(super) fn collide(shape: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
-    let near = separate(shape, ellipsoid).filter(|stand| stand.distance <= reach);
+pub(super) fn collide(shape: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, scratch: &mut Scratch, found: &mut Vec<Touch>) {
+    let near = separate(shape, ellipsoid, scratch).filter(|stand| stand.distance <= reach);
     found.extend(near.map(|stand| Touch {
         distance: stand.distance,
         position: stand.middle,

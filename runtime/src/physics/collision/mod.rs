@@ -139,7 +139,7 @@ fn collide(candidate: &Candidate, first: &Placed<'_>, second: &Placed<'_>, scrat
         [Sphere, Box] => round::sphere_box,
         [Capsule, Capsule] => shapes::capsule_capsule,
         [Capsule, Box] => capsule_box::collide,
-        [Sphere | Capsule | Ellipsoid, Ellipsoid] => ellipsoid::collide,
+        [Sphere | Capsule | Ellipsoid, Ellipsoid] => return ellipsoid::collide(first, second, reach, scratch, found),
         [Box, Box] => return box_box::collide(first, second, reach, &mut scratch.polygon, found),
         [HeightField, _] => return height_field::collide(first, second, reach, scratch, found),
         _ => {

@@ -61,8 +61,11 @@ pub(super) fn depth(first: &Solid<'_>, second: &Solid<'_>, polytope: &mut Polyto
             if gain <= LEVEL * scale {
                 return deepest(first, second, polytope.depth_at(face, scale));
             }
-            // A needle, whose normal is mere rounding: what lies there belongs to its neighbours.
-            polytope.faces[face].offset = f64::INFINITY;
+            // A needle, whose normal is mere rounding: it looks where its neighbours do, or what lies there is theirs.
+            let beyond = farthest(first, second, polytope.around(face));
+            if !polytope.grow(face, beyond) {
+                polytope.faces[face].offset = f64::INFINITY;
+            }
         }
         best = polytope.nearest();
     }
@@ -144,6 +147,13 @@ impl Polytope {
             }
         }
         best
+    }
+
+    /// The sum of the normals of a face's neighbours.
+    fn around(&self, face: usize) -> Vector3<f64> {
+        let [a, b, c] = self.faces[face].corners;
+        let across = |edge: [usize; 2]| self.faces.iter().find(move |other| has_edge(other.corners, edge));
+        [[b, a], [c, b], [a, c]].into_iter().filter_map(across).map(|other| other.normal).sum()
     }
 
     /// Whether a face looks towards a point: 1 towards it, 0 along itself, -1 away.

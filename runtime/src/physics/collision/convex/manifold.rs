@@ -144,8 +144,9 @@ fn edge_meets(
     };
     match [place(enter), place(leave)] {
         [Some(a), Some(b)] => found.extend([a, b]),
-        // Where the second shape lies by an edge, two edges touch and one end is out of reach, MuJoCo counts the other twice.
-        [Some(only), None] | [None, Some(only)] if corner && sense > 0.0 => found.extend([only, only]),
+        // MuJoCo counts one end twice where two edges touch and the other is out of reach, but not a first shape's own end.
+        [Some(only), None] if corner && (sense > 0.0 || enter > 0.0) => found.extend([only, only]),
+        [None, Some(only)] if corner => found.extend([only, only]),
         ends => found.extend(ends.into_iter().flatten()),
     }
 }
