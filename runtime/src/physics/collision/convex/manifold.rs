@@ -70,7 +70,8 @@ fn several(
             }
         }
     }
-    if !shown[1] && !(shown[0] && matches!(first.core, Core::Cylinder(..))) {
+    let shows_cap = shown[0] && matches!(first.core, Core::Cylinder(..));
+    if !shown[1] && !shows_cap {
         for face in ones {
             let lying = second.edge_across(-normal, face.normal).filter(|(_, sine)| *sine < LYING);
             if let Some((edge, _)) = lying {
