@@ -192,6 +192,28 @@ pub struct BeginningAccount {
     pub settle: String,
 }
 
+impl BeginningAccount {
+    /// Joints that no coupling slaves, those of both sides that are alike under one name: `knee angle l,r`.
+    pub(super) fn independent_joints(&self) -> Vec<(String, &JointAccount)> {
+        let mut told: Vec<(String, &JointAccount)> = Vec::new();
+        for joint in self.joints.iter().filter(|joint| joint.independent) {
+            let (base, side) = match joint.name.rsplit_once('_') {
+                Some((base, side @ ("l" | "r"))) => (base, side),
+                _ => (joint.name.as_str(), ""),
+            };
+            let twin = told.iter_mut().find(|(_, known)| {
+                let other = known.name.rsplit_once('_').filter(|(_, other)| !side.is_empty() && matches!(*other, "l" | "r"));
+                other.is_some_and(|(known_base, other)| known_base == base && other != side) && known.value == joint.value
+            });
+            match twin {
+                Some((name, _)) => *name = format!("{} l,r", base.replace('_', " ")),
+                None => told.push((joint.name.replace('_', " "), joint)),
+            }
+        }
+        told
+    }
+}
+
 /// A joint away from the neutral pose.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointAccount {
@@ -205,6 +227,16 @@ pub struct JointAccount {
     pub unit: String,
     /// Whether no coupling slaves it.
     pub independent: bool,
+}
+
+impl JointAccount {
+    /// Its coordinate for people: angles in degrees.
+    pub(super) fn angle(&self) -> String {
+        match self.unit.as_str() {
+            "rad" => format!("{:.1}\u{b0}", self.value.to_degrees()),
+            unit => format!("{} {unit}", short(self.value)),
+        }
+    }
 }
 
 /// A force from outside.

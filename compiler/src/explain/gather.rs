@@ -2,7 +2,7 @@
 
 use super::account::*;
 use super::formula::{condition, formula, latex, mathematics, mathml, paid};
-use crate::evaluation::Middle;
+use crate::evaluation::{Draws, Middle};
 use crate::graph::NodeId;
 use crate::graph::operation::{Memory, Operation};
 use crate::snapshot::names;
@@ -261,12 +261,31 @@ fn memory_in_words(memory: Memory) -> &'static str {
     }
 }
 
-/// What of the beginning chance decides, by name.
+/// What of the beginning chance decides, by name. A place of which one component is drawn is computed whole: what comes out the
+/// same from two different draws is not told.
 fn drawn(task: &CompiledTask) -> Vec<String> {
-    let Some(first) = task.phases.first() else { return Vec::new() };
-    let (graph, nodes) = (&first.meaning.graph, &first.meaning.outputs.beginning);
-    // A place of which one component is drawn is computed whole; what is always the same is not drawn.
-    let varies = |index: &usize| nodes.get(*index).is_some_and(|&node| graph.constant_value(node).is_none());
-    let drawn = task.init.drawn.iter().filter(|(_, index)| varies(index));
+    let begun = |share: f64| {
+        let mut state = TaskState::default();
+        task.begin(&mut Share(share), &mut state).ok().map(|()| state)
+    };
+    let (low, high) = (begun(0.25), begun(0.75));
+    let varies = |index: usize| match (&low, &high) {
+        (Some(low), Some(high)) => task.drawn(index, low) != task.drawn(index, high),
+        _ => true,
+    };
+    let drawn = task.init.drawn.iter().filter(|(_, index)| varies(*index));
     drawn.map(|&(setting, _)| names::setting(task, setting)).collect()
+}
+
+/// Always the same share of every distribution.
+struct Share(f64);
+
+impl Draws for Share {
+    fn uniform(&mut self, _: usize) -> f64 {
+        self.0
+    }
+
+    fn normal(&mut self, _: usize) -> f64 {
+        self.0 - 0.5
+    }
 }

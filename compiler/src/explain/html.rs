@@ -220,15 +220,8 @@ fn beginning(task: &Account, text: &mut String) {
     let beginning = &task.beginning;
     let _ = writeln!(text, "<h3>Beginning</h3>");
     let mut lines = vec![beginning.root.clone()];
-    let joints: Vec<String> = beginning
-        .joints
-        .iter()
-        .filter(|joint| joint.independent)
-        .map(|joint| match joint.unit.as_str() {
-            "rad" => format!("{} {:.1}\u{b0}", joint.name, joint.value.to_degrees()),
-            unit => format!("{} {} {unit}", joint.name, short(joint.value)),
-        })
-        .collect();
+    let joints = beginning.independent_joints();
+    let joints: Vec<String> = joints.iter().map(|(name, joint)| format!("{name} {}", joint.angle())).collect();
     lines.extend((!joints.is_empty()).then(|| format!("away from the neutral pose: {}", joints.join(", "))));
     lines.extend(beginning.noise.iter().map(|noise| format!("noise on {noise}")));
     lines.extend(beginning.objects.iter().cloned());

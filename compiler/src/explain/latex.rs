@@ -13,6 +13,7 @@ const PREAMBLE: &str = r"\documentclass[10pt]{article}
 \usepackage{amsmath, amssymb, array, booktabs, longtable}
 \renewcommand{\arraystretch}{1.15}
 \setlength{\emergencystretch}{3em}
+\setlength{\LTcapwidth}{\textwidth}
 \begin{document}
 ";
 
@@ -174,13 +175,9 @@ fn observations(observation: &ObservationAccount) -> String {
 
 fn beginning(beginning: &BeginningAccount) -> String {
     let mut parts = vec![latex_words(&beginning.root)];
-    let joints = beginning.joints.iter().filter(|joint| joint.independent);
-    let joints: Vec<String> = joints
-        .map(|joint| match joint.unit.as_str() {
-            "rad" => format!("{} ${:.0}^\\circ$", latex_words(&joint.name.replace('_', " ")), joint.value.to_degrees()),
-            unit => format!("{} ${}\\,\\mathrm{{{unit}}}$", latex_words(&joint.name.replace('_', " ")), short(joint.value)),
-        })
-        .collect();
+    let joints = beginning.independent_joints();
+    let joints: Vec<String> =
+        joints.iter().map(|(name, joint)| format!("{} {}", latex_words(name), latex_words(&joint.angle()))).collect();
     parts.extend((!joints.is_empty()).then(|| joints.join(", ")));
     parts.extend(beginning.noise.iter().map(|noise| format!("noise on {}", latex_words(noise))));
     parts.extend(beginning.objects.iter().map(|object| latex_words(object)));

@@ -100,10 +100,8 @@ fn scene(account: &Account, text: &mut String) {
 fn beginning(account: &Account, text: &mut String) {
     let beginning = &account.beginning;
     let _ = writeln!(text, "\nBegins {}", beginning.root);
-    let independent: Vec<&JointAccount> = beginning.joints.iter().filter(|joint| joint.independent).collect();
-    for row in independent.chunks(3) {
-        let joints: Vec<String> =
-            row.iter().map(|joint| format!("{} {} {}", joint.name, short(joint.value), joint.unit)).collect();
+    for row in beginning.independent_joints().chunks(4) {
+        let joints: Vec<String> = row.iter().map(|(name, joint)| format!("{name} {}", joint.angle())).collect();
         let _ = writeln!(text, "  {}", joints.join(", "));
     }
     for line in beginning.noise.iter().map(|noise| format!("noise on {noise}")).chain(beginning.objects.iter().cloned()) {

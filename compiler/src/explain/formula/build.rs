@@ -106,9 +106,16 @@ fn path(expr: &Expr) -> Option<Vec<&str>> {
     }
 }
 
+/// Components of vectors and places.
+const COMPONENTS: [&str; 7] = ["x", "y", "z", "xy", "forward", "left", "up"];
+
 fn field(expr: &Expr, base: &Expr, name: &str) -> Formula {
-    match path(expr) {
-        Some(names) => signal(&names).unwrap_or_else(|| {
+    match path(expr).as_deref() {
+        // Of something declared: its name with the component below.
+        Some([owner, component]) if COMPONENTS.contains(component) => {
+            Formula::Below(Box::new(declared(owner)), (*component).to_owned())
+        }
+        Some(names) => signal(names).unwrap_or_else(|| {
             let words: Vec<String> = names.iter().map(|name| readable(name)).collect();
             Formula::Words(words.join("."))
         }),
