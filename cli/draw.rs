@@ -1,13 +1,14 @@
-//! `msk draw`: a picture of a body.
+//! `msk draw`: a picture of a body, or of the beginning of a task.
 
 use crate::error::{Context, Error};
 use crate::physics::read_state;
-use crate::project::style;
+use crate::project::{Project, style};
 use msk::compiler::body::BodyDescription;
 use msk::compiler::compile;
 use msk::compiler::task::RootPlacement;
 use msk::runtime::body::sensors::Snapshot;
 use msk::runtime::draw::{Options, View, svg};
+use msk::runtime::episode::{Ending, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::physics::{self, State, Workspace};
 use msk::runtime::{bodies, body::Body, model::Model};
@@ -15,7 +16,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Draw a body as SVG: shapes, bones, muscles by activation, contact forces
+/// Draw a body, or how a task begins, as SVG: scene, shapes, bones, muscles by activation, contact forces
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of a body (bodies/NAME.msk here or in a folder above, else built in), or a body file
@@ -27,6 +28,15 @@ pub struct Args {
     /// Draw this state instead: JSON with qpos, qvel, act, ctrl
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     state: Option<PathBuf>,
+    /// Draw how this task begins, with its scene: the name of a task in tasks.msk, or a file with one task
+    #[arg(long, value_name = "TASK", conflicts_with_all = ["pose", "state", "body", "model", "activation"])]
+    task: Option<String>,
+    /// Seed of what is drawn for the beginning of a task
+    #[arg(long, default_value_t = 0, requires = "task")]
+    seed: u64,
+    /// Leave out muscles and bones
+    #[arg(long)]
+    plain: bool,
     /// Use this model instead of the body file's, for example a scene with the body in it
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -50,6 +60,8 @@ enum Views {
     Side,
     /// From in front
     Front,
+    /// From behind
+    Back,
     /// Both, side by side
     Both,
 }
@@ -61,6 +73,10 @@ enum Views {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     if !(0.0..=1.0).contains(&args.activation) {
         return Err(Error::usage(format!("an activation lies between 0 and 1, not at {}", args.activation)));
+    }
+    if let Some(task) = &args.task {
+        let picture = beginning(task, &args)?;
+        return write(&args, &picture);
     }
     let library = BodyLibrary::default();
     let mut description = describe(&args.body, &library)?;
@@ -80,8 +96,12 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Some(path) => format!("{}, {}", body.name, path.file_stem().unwrap_or_default().display()),
         None => format!("{}, {}", body.name, args.pose.replace('_', " ")),
     };
-    let options = Options { views: args.view.list(), caption: args.caption.clone().unwrap_or_else(named) };
-    let picture = svg(&snapshot, &options);
+    let caption = args.caption.clone().unwrap_or_else(named);
+    let options = Options { views: args.view.list(), caption, anatomy: !args.plain, ..Options::default() };
+    write(&args, &svg(&snapshot, &options))
+}
+
+fn write(args: &Args, picture: &str) -> Result<ExitCode, Error> {
     match &args.out {
         Some(path) => std::fs::write(path, picture).context(|| format!("cannot write {}", path.display()))?,
         None => io::stdout().lock().write_all(picture.as_bytes())?,
@@ -89,11 +109,25 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// The first moment of a task's episode.
+fn beginning(task: &str, args: &Args) -> Result<String, Error> {
+    let (_, trial) = Project::find(task, &[])?;
+    let mut episode = trial.episode()?;
+    episode.reset(EpisodeKey { seed: args.seed, episode: 0 });
+    if let Some(Ending::Fault(fault)) = episode.ending() {
+        return Err(Error::new(format!("the task `{task}` does not begin: {fault}")));
+    }
+    let caption = args.caption.clone().unwrap_or_else(|| format!("{} begins", trial.task.name.replace('_', " ")));
+    let options = Options { views: args.view.list(), caption, anatomy: !args.plain, markers: episode.markers() };
+    Ok(svg(&episode.context().snapshot(), &options))
+}
+
 impl Views {
     fn list(self) -> Vec<View> {
         match self {
             Self::Side => vec![View::Side],
             Self::Front => vec![View::Front],
+            Self::Back => vec![View::Back],
             Self::Both => vec![View::Side, View::Front],
         }
     }

@@ -4,7 +4,7 @@
 use msk::compiler::compile;
 use msk::compiler::diagnostics::Style;
 use msk::runtime::body::sensors::Snapshot;
-use msk::runtime::draw::{Options, View, svg};
+use msk::runtime::draw::{Options, svg};
 use msk::runtime::episode::{Episode, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::policy;
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (body, model, state, workspace) = (context.body, context.model, context.state, context.workspace);
     let time = f64::from(episode.steps()) * episode.control_period();
     let caption = format!("{}, {time:.2} s", task.name);
-    let picture = svg(&Snapshot { body, model, state, workspace }, &Options { views: vec![View::Side, View::Front], caption });
+    let picture = svg(&Snapshot { body, model, state, workspace }, &Options { caption, ..Options::default() });
     std::fs::write(out, picture)?;
     Ok(())
 }

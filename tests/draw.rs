@@ -58,3 +58,17 @@ fn what_cannot_be_drawn_is_told_in_one_message() {
     assert!(complaint(&["--state", "missing.json"]).starts_with("error: cannot read missing.json"));
     assert!(complaint(&["--out", "missing/folder/human.svg"]).starts_with("error: cannot write missing/folder/human.svg"));
 }
+
+#[test]
+fn a_task_is_drawn_as_it_begins_with_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("chair.msk");
+    let chair = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/chair.msk")).unwrap();
+    std::fs::write(&file, chair.replace("../tasks/lib", concat!(env!("CARGO_MANIFEST_DIR"), "/tasks/lib"))).unwrap();
+    let plain = picture(&["--task", file.to_str().unwrap(), "--plain", "--view", "side"]);
+    assert!(plain.matches(r#"class="scenery""#).count() >= 1 && plain.matches(r#"class="muscle""#).count() == 0);
+    assert!(plain.len() < 60_000, "{} bytes", plain.len());
+    let whole = picture(&["--task", file.to_str().unwrap(), "--view", "side"]);
+    assert_eq!(whole.matches(r#"class="muscle""#).count(), 416);
+    assert!(complaint(&["--task", "nothing.msk"]).contains("nothing.msk"));
+}

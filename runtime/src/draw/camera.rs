@@ -9,14 +9,25 @@ pub enum View {
     Side,
     /// From in front; the body's left is on the right of the picture.
     Front,
+    /// From behind; the body's right is on the right of the picture.
+    Back,
 }
 
 impl View {
+    /// How far to the left and right of the body a picture reaches at most, mm.
+    pub(super) fn window(self) -> [f64; 2] {
+        match self {
+            Self::Side => [1800.0, 3600.0],
+            Self::Front | Self::Back => [1500.0, 1500.0],
+        }
+    }
+
     /// Its name, for captions.
     pub fn name(self) -> &'static str {
         match self {
             Self::Side => "side",
             Self::Front => "front",
+            Self::Back => "back",
         }
     }
 }
@@ -37,6 +48,7 @@ impl Camera {
         let (right, away) = match view {
             View::Side => (Vector3::x(), Vector3::y()),
             View::Front => (Vector3::y(), -Vector3::x()),
+            View::Back => (-Vector3::y(), Vector3::x()),
         };
         Self { right, up: Vector3::z(), away }
     }

@@ -24,6 +24,7 @@ mod skeleton;
 pub use camera::View;
 
 use crate::body::sensors::Snapshot;
+use crate::model::GeomKind;
 use camera::Camera;
 use core::fmt::Write;
 use forces::Arrow;
@@ -38,6 +39,16 @@ pub struct Options {
     pub views: Vec<View>,
     /// Line above the picture; none if empty.
     pub caption: String,
+    /// Whether muscles, bones and small things of the body are drawn; without them a picture is a tenth as large.
+    pub anatomy: bool,
+    /// Places that are shown and never touched: names and world positions, m.
+    pub markers: Vec<(String, [f64; 3])>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { views: vec![View::Side, View::Front], caption: String::new(), anatomy: true, markers: Vec::new() }
+    }
 }
 
 /// Room around and between views, mm.
@@ -48,6 +59,8 @@ const TITLE: f64 = 40.0;
 const NARROWEST: f64 = 1250.0;
 /// Depth of the strip of ground that is shown, mm.
 const GROUND: f64 = 26.0;
+/// What lies deeper under the middle of the body is cut off, mm.
+const DEEPEST: f64 = 2000.0;
 /// Height of the strip under the ground for scale, captions and legend, mm.
 const FOOTER: f64 = 190.0;
 
@@ -55,17 +68,19 @@ const STYLE: &str = "\
 text{font:30px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-serif;fill:#4b4a47}\
 .edge{fill:#a89c8b;stroke:#a89c8b;stroke-width:5;stroke-linejoin:round}\
 .scenery{fill:#cfd3d6;stroke:#8b9399;stroke-width:3}\
+.before{fill-opacity:.3;stroke-opacity:.6}\
 .bone{fill:#fffdf8;stroke:#b3a78f;stroke-width:2}\
 .muscle{fill:none;stroke-linecap:round;stroke-linejoin:round;opacity:.9}\
 .force{fill:#0f7b5f;stroke:#fff;stroke-width:3;stroke-linejoin:round;paint-order:stroke}\
 .force-label{fill:#0b5f4a;font-weight:600}\
 .halo{fill:none;stroke:#fff;stroke-width:9;stroke-linejoin:round;stroke-opacity:.85;font-weight:600}\
+.marker{fill:none;stroke:#c2541b;stroke-width:5}.marked{fill:#9a3f10}\
 .ground{fill:#e6e3dd}.horizon{stroke:#8d8878;stroke-width:3}.rule{stroke:#4b4a47;stroke-width:3;fill:none}\
 .caption{font-size:34px;font-weight:600}.small{font-size:26px}.middle{text-anchor:middle}.end{text-anchor:end}";
 
 /// Draws the body of `snapshot` with its scene.
 pub fn svg(snapshot: &Snapshot<'_>, options: &Options) -> String {
-    let mut views: Vec<Drawing> = options.views.iter().map(|&view| Drawing::new(snapshot, view)).collect();
+    let mut views: Vec<Drawing> = options.views.iter().map(|&view| Drawing::new(snapshot, view, options)).collect();
     let top = views.iter().map(|view| view.bounds.low.y).fold(0.0, f64::min) - MARGIN - TITLE;
     let extent = views.iter().map(|view| view.bounds.high.x - view.bounds.low.x + MARGIN).sum::<f64>() + MARGIN;
     let width = extent.max(NARROWEST);
@@ -76,16 +91,24 @@ pub fn svg(snapshot: &Snapshot<'_>, options: &Options) -> String {
     header(&mut out, options, [width, height]);
     // From here on y = 0 is the ground.
     let _ = writeln!(out, r#"<g transform="translate(0 {})">"#, number(-top));
-    let _ = writeln!(out, r#"<path class="ground" d="M0 0h{}v{}H0z"/>"#, number(width), number(GROUND));
-    let _ = writeln!(out, r#"<path class="horizon" d="M0 0h{}"/>"#, number(width));
+    if has_level_ground(snapshot) {
+        let _ = writeln!(out, r#"<path class="ground" d="M0 0h{}v{}H0z"/>"#, number(width), number(GROUND));
+        let _ = writeln!(out, r#"<path class="horizon" d="M0 0h{}"/>"#, number(width));
+    }
     let mut left = MARGIN + 0.5 * (width - extent);
     for view in &mut views {
         view.write(left, depth, &mut out);
         left += view.bounds.high.x - view.bounds.low.x + MARGIN;
     }
-    legend(&mut out, width, depth);
+    legend(&mut out, width, depth, options.anatomy);
     out.push_str("</g>\n</svg>\n");
     out
+}
+
+/// Whether the level z = 0 is to stand on: a plane of the scene, or what a body without a scene stands on.
+fn has_level_ground(snapshot: &Snapshot<'_>) -> bool {
+    let plane = |shape: &usize| snapshot.model.geoms.kind[*shape] == GeomKind::Plane;
+    snapshot.body.objects.is_empty() || snapshot.body.ground.iter().any(plane)
 }
 
 /// One view with everything in it.
@@ -94,39 +117,64 @@ struct Drawing {
     panel: Panel,
     arrows: Vec<Arrow>,
     com: Vector2<f64>,
+    markers: Vec<(String, Vector2<f64>)>,
     bounds: Bounds,
 }
 
 impl Drawing {
-    fn new(snapshot: &Snapshot<'_>, view: View) -> Self {
+    fn new(snapshot: &Snapshot<'_>, view: View, options: &Options) -> Self {
         let camera = Camera::new(view);
         let mut panel = Panel::default();
         silhouette::add_scenery(snapshot, &camera, &mut panel);
         silhouette::add(snapshot, &camera, &mut panel);
-        skeleton::add(snapshot, &camera, &mut panel);
-        muscles::add(snapshot, &camera, &mut panel);
+        if options.anatomy {
+            skeleton::add(snapshot, &camera, &mut panel);
+            muscles::add(snapshot, &camera, &mut panel);
+        }
         let arrows = forces::arrows(snapshot, &camera);
         let com = camera.project(snapshot.body.centre_of_mass(snapshot.model, &snapshot.workspace.kinematics));
+        let project = |(name, place): &(String, [f64; 3])| (name.clone(), camera.project((*place).into()));
+        let markers: Vec<(String, Vector2<f64>)> = options.markers.iter().map(project).collect();
         let mut bounds = panel.bounds();
         bounds.include(com, 30.0);
+        markers.iter().for_each(|(_, place)| bounds.include(*place, 40.0));
         for arrow in &arrows {
             bounds.join(&arrow.bounds());
         }
-        Self { view, panel, arrows, com, bounds }
+        let window = view.window();
+        bounds.low.x = bounds.low.x.max(com.x - window[0]);
+        bounds.high.x = bounds.high.x.min(com.x + window[1]);
+        bounds.high.y = bounds.high.y.min(com.y + DEEPEST);
+        Self { view, panel, arrows, com, markers, bounds }
     }
 
     /// Writes the view with its left edge at `left` and its name `depth` mm under the ground.
     fn write(&mut self, left: f64, depth: f64, out: &mut String) {
         let name = self.view.name();
         let _ = writeln!(out, r#"<g transform="translate({} 0)">"#, number(left - self.bounds.low.x));
+        // Scenes may reach far beyond what is shown.
+        let Bounds { low, high } = self.bounds;
+        let [x, y, width, height] = [low.x, low.y, high.x - low.x, high.y - low.y].map(number);
+        let _ = writeln!(out, r#"<clipPath id="{name}"><rect x="{x}" y="{y}" width="{width}" height="{height}"/></clipPath>"#);
+        let _ = writeln!(out, r##"<g clip-path="url(#{name})">"##);
         self.panel.write(name, out);
+        out.push_str("</g>\n");
         centre_of_mass(self.com, out);
         self.arrows.iter().for_each(|arrow| arrow.write_shaft(out));
         self.arrows.iter().for_each(|arrow| arrow.write_label(out));
+        self.markers.iter().for_each(|(name, place)| marker(name, *place, out));
         let middle = number(0.5 * (self.bounds.low.x + self.bounds.high.x));
         let _ = writeln!(out, r#"<text class="middle" x="{middle}" y="{}">{name}</text>"#, number(depth + 42.0));
         out.push_str("</g>\n");
     }
+}
+
+/// A ring with a cross, and its name.
+fn marker(name: &str, at: Vector2<f64>, out: &mut String) {
+    let [x, y] = [at.x, at.y].map(number);
+    let _ = writeln!(out, r#"<path class="marker" d="M{x} {y}m-32 0h64m-32-32v64m-22-32a22 22 0 1 0 44 0a22 22 0 1 0-44 0"/>"#);
+    let (x, y) = (number(at.x), number(at.y - 44.0));
+    let _ = writeln!(out, r#"<text class="small middle marked" x="{x}" y="{y}">{}</text>"#, escape(name));
 }
 
 /// The engineer's mark of a centre of mass: a quartered disc.
@@ -161,12 +209,15 @@ fn header(out: &mut String, options: &Options, [width, height]: [f64; 2]) {
 }
 
 /// Scale bar and activation scale in the strip under the ground.
-fn legend(out: &mut String, width: f64, depth: f64) {
+fn legend(out: &mut String, width: f64, depth: f64, anatomy: bool) {
     const BAR: f64 = 300.0;
     let y = depth + 110.0;
     let left = MARGIN;
     let _ = writeln!(out, r#"<path class="rule" d="M{} {}v16m0-8h500m0-8v16"/>"#, number(left), number(y - 8.0));
     let _ = writeln!(out, r#"<text class="small middle" x="{}" y="{}">0.5 m</text>"#, number(left + 250.0), number(y + 36.0));
+    if !anatomy {
+        return;
+    }
     let right = width - MARGIN - BAR;
     let _ = writeln!(
         out,

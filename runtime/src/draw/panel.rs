@@ -13,9 +13,11 @@ pub(super) enum Item {
         path: Path,
         near: f64,
     },
+    /// A thing of the scene; one before the body lets the body shine through.
     Scenery {
         depth: f64,
         path: Path,
+        before: bool,
     },
     Bone {
         depth: f64,
@@ -84,7 +86,10 @@ impl Panel {
                         r##"<g class="edge"><path id="{name}{index}" d="{data}"/></g><use xlink:href="#{name}{index}" fill="{skin}"/>"##
                     )
                 }
-                Item::Scenery { .. } => writeln!(out, r#"<path class="scenery" d="{data}"/>"#),
+                Item::Scenery { before, .. } => {
+                    let class = if *before { "scenery before" } else { "scenery" };
+                    writeln!(out, r#"<path class="{class}" d="{data}"/>"#)
+                }
                 Item::Bone { .. } => writeln!(out, r#"<path class="bone" d="{data}"/>"#),
                 Item::Muscle { spindle, activation, .. } => {
                     let _ = write!(out, r#"<g class="muscle" stroke="{}">"#, palette::activation(*activation));

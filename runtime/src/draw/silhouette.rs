@@ -11,6 +11,9 @@ use crate::model::{GeomKind, Model};
 /// Parts lighter than this share of the body are no limbs of their own.
 const SMALLEST_LIMB: f64 = 0.02;
 
+/// What is nearer to the viewer than the middle of the body by more than this stands before it, m.
+const BEFORE: f64 = 0.25;
+
 /// Distance from the nearest tone to the farthest, m.
 const DEPTH_OF_TONES: f64 = 0.5;
 
@@ -39,12 +42,14 @@ pub(super) fn add(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
     }
 }
 
-/// Adds the solid shapes of the scene, what the body carries among them, other than level ground.
+/// Adds the shapes of the scene, what the body carries among them, other than level ground: what is solid, and every object.
 pub(super) fn add_scenery(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut Panel) {
     let geoms = &snapshot.model.geoms;
+    let nearest = camera.depth(snapshot.workspace.kinematics.subtree_com[snapshot.body.root.body]) - BEFORE;
     for geom in 0..geoms.body.len() {
         let solid = geoms.contact_type[geom] != 0 || geoms.contact_affinity[geom] != 0;
-        if !solid || geoms.kind[geom] == GeomKind::Plane || snapshot.body.owns(geoms.body[geom]) {
+        let shown = solid || snapshot.body.objects.iter().any(|object| object.body == geoms.body[geom]);
+        if !shown || geoms.kind[geom] == GeomKind::Plane || snapshot.body.owns(geoms.body[geom]) {
             continue;
         }
         let shape = shape(snapshot, geom);
@@ -53,7 +58,8 @@ pub(super) fn add_scenery(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut 
             Some(asset) => shape.relief(&snapshot.model.height_fields[asset], camera, &mut path),
             None => shape.outline(camera, &mut path),
         }
-        panel.add(Item::Scenery { depth: camera.depth(shape.centre), path });
+        let depth = camera.depth(shape.centre);
+        panel.add(Item::Scenery { depth, path, before: depth < nearest });
     }
 }
 

@@ -33,7 +33,7 @@ fn crouching() -> (Model, Body, State<f64>, Workspace<f64>) {
 fn picture(views: &[View], caption: &str) -> String {
     let (model, body, state, workspace) = crouching();
     let snapshot = Snapshot { body: &body, model: &model, state: &state, workspace: &workspace };
-    svg(&snapshot, &Options { views: views.to_vec(), caption: caption.into() })
+    svg(&snapshot, &Options { views: views.to_vec(), caption: caption.into(), ..Options::default() })
 }
 
 #[test]

@@ -442,6 +442,13 @@ impl Episode {
         self.present.report.success
     }
 
+    /// Where the task's markers are now: names and world positions, m.
+    pub fn markers(&self) -> Vec<(String, [f64; 3])> {
+        let place = |index: usize| self.task.marker(index, &self.present.frame, &self.present.task);
+        let names = self.task.markers.iter().enumerate();
+        names.filter_map(|(index, name)| Some((name.clone(), place(index)?))).collect()
+    }
+
     /// What a policy may look at.
     pub fn context(&self) -> PolicyContext<'_> {
         PolicyContext {

@@ -12,6 +12,7 @@ pub use random::Random;
 pub use zero::Zero;
 
 use crate::body::Body;
+use crate::body::sensors::Snapshot;
 use crate::episode::EpisodeKey;
 use crate::model::Model;
 use crate::physics::{State, Workspace};
@@ -38,6 +39,13 @@ pub struct PolicyContext<'a> {
     pub state: &'a State<f64>,
     /// Forward pass of that state, contacts and all.
     pub workspace: &'a Workspace<f64>,
+}
+
+impl<'a> PolicyContext<'a> {
+    /// The body in its scene at this moment, as sensors and pictures take it.
+    pub fn snapshot(&self) -> Snapshot<'a> {
+        Snapshot { body: self.body, model: self.model, state: self.state, workspace: self.workspace }
+    }
 }
 
 /// A policy. One value serves one episode at a time; every worker has its own.

@@ -1,0 +1,111 @@
+//! `docs/tasks.md` and its pictures are those of the tasks: `MSK_UPDATE=1 cargo test --test task_pages` writes them anew.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+use msk::compiler::compile;
+use msk::compiler::explain::{Account, EndAccount, Options as Telling, account};
+use msk::compiler::task::CompiledTask;
+use msk::runtime::draw::{Options, View, svg};
+use msk::runtime::episode::Episode;
+use msk::runtime::library::{BodyLibrary, FileLoader};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The suite, and the tasks that are written but not proven.
+const FILES: [&str; 2] = ["tasks.msk", "tasks/drafts.msk"];
+const FAMILIES: [&str; 3] = ["stabilization", "locomotion", "interaction"];
+/// A picture is no larger, bytes.
+const LARGEST: usize = 60_000;
+
+fn at(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// Compares a file with what it should hold, or writes it.
+fn hold(path: &str, expected: &str) {
+    if std::env::var_os("MSK_UPDATE").is_some() {
+        std::fs::create_dir_all(at(path).parent().unwrap()).unwrap();
+        std::fs::write(at(path), expected).unwrap();
+    }
+    let found = std::fs::read_to_string(at(path)).unwrap_or_default();
+    assert!(found == expected, "{path} is not that of the tasks; `MSK_UPDATE=1 cargo test --test task_pages` writes it");
+}
+
+/// The first moment of a task, from the right and from behind or in front, wherever more of it is seen.
+fn picture(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> String {
+    let staged = bodies.stage(&task.body, &task.scene).unwrap();
+    let episode = Episode::new(staged.model, staged.body, task.clone()).unwrap();
+    assert!(episode.ending().is_none(), "{}: {:?}", task.name, episode.ending());
+    let mean = task.scene.objects.iter().map(|object| object.position[0]).sum::<f64>();
+    let views = vec![View::Side, if mean > 0.0 { View::Back } else { View::Front }];
+    let options = Options { views, anatomy: false, markers: episode.markers(), ..Options::default() };
+    svg(&episode.context().snapshot(), &options)
+}
+
+fn code(text: &str) -> String {
+    format!("`{}`", text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|"))
+}
+
+fn ends(text: &mut String, title: &str, ends: &[EndAccount]) {
+    if ends.is_empty() {
+        return;
+    }
+    let reasons: Vec<String> = ends
+        .iter()
+        .map(|end| {
+            let after = if end.after.is_empty() { String::new() } else { format!(" after {}", end.after) };
+            format!("{}{after} when {}", end.name, code(&end.condition.source))
+        })
+        .collect();
+    let _ = writeln!(text, "{title}: {}.\n", reasons.join("; "));
+}
+
+fn section(account: &Account) -> String {
+    let mut text = String::new();
+    let title = account.name.replace('_', " ");
+    let _ = writeln!(text, "### {title}\n\n{}\n", account.summary);
+    let _ = writeln!(text, "![How {title} begins](tasks/{}.svg)\n", account.name);
+    let (seconds, steps, size) = (account.duration, account.horizon, account.observation.size);
+    let _ = writeln!(text, "{steps} steps at {} Hz ({seconds} s), {size} observed numbers.\n", account.control_frequency);
+    for motion in &account.motions {
+        let start = motion.start.map_or("a phase drawn for each episode".to_owned(), |start| format!("phase {start}"));
+        let _ = writeln!(text, "Follows the motion {} of {} s from {start}.\n", motion.title, motion.duration);
+    }
+    for phase in &account.phases {
+        let _ = writeln!(text, "| weight | term | formula |\n|---:|:---|:---|");
+        for term in &phase.terms {
+            let _ = writeln!(text, "| {} | {} | {} |", term.weight, term.name, code(&term.formula.source));
+        }
+        text.push('\n');
+        ends(&mut text, "Fails", &phase.terminations);
+        ends(&mut text, "Ends otherwise", &phase.finishes);
+        if let Some(success) = &phase.success {
+            let _ = writeln!(text, "Succeeds when {}.\n", code(&success.condition.source));
+        }
+    }
+    text
+}
+
+#[test]
+fn the_page_of_the_tasks_is_that_of_the_tasks() {
+    let bodies = BodyLibrary::default();
+    let mut tasks: Vec<Arc<CompiledTask>> = Vec::new();
+    for file in FILES {
+        tasks.extend(compile(&at(file), &FileLoader, &bodies).unwrap_or_else(|report| panic!("{report}")).tasks);
+    }
+    let mut page = "# The tasks\n\nWritten by `MSK_UPDATE=1 cargo test --test task_pages` from the texts in `tasks/`. The pictures show how \
+        an episode begins\n(`msk draw --task NAME --plain`): from the right, and from behind or in front; the quartered disc is the centre \
+        of mass, arrows are\nforces on the body.\n\n".to_owned();
+    for family in FAMILIES {
+        let _ = writeln!(page, "## {}{}\n", family[..1].to_uppercase(), &family[1..]);
+        for task in tasks.iter().filter(|task| task.family == family) {
+            page += &section(&account(task, &Telling::default()));
+            let picture = picture(task, &bodies);
+            assert!(picture.len() < LARGEST, "{}: {} bytes", task.name, picture.len());
+            hold(&format!("docs/tasks/{}.svg", task.name), &picture);
+        }
+    }
+    assert!(tasks.iter().all(|task| FAMILIES.contains(&task.family.as_str())));
+    hold("docs/tasks.md", &(page.trim_end().to_owned() + "\n"));
+}
