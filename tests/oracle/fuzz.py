@@ -309,7 +309,25 @@ def page(worst, counts, pairs, classes, cases, seed, failures, differing, apart)
     if failures:
         lines += ["", "Where rows repeat each other their forces are not unique: `efc_force` may differ while `qacc` agrees. A tendon that all but",
                   "slides off its obstacle turns rounding into more of the same."]
-    return "\n".join(lines).rstrip() + "\n"
+    return "\n".join(lines + [""] + small_models()).rstrip() + "\n"
+
+
+# Folders of small models below tests/oracle, and the test that compares them.
+SMALL = [
+    ("models", "smooth_parity"), ("models/actuation", "actuation_parity"), ("models/sensors", "sensors"), ("models/mjcf", "mjcf_parity"),
+    ("contact_models", "constraint_parity"), ("row_models", "row_parity"), ("scene_models", "scene_stages"),
+]
+
+
+def small_models():
+    """The small models that are compared in every run of the tests."""
+    rows, count = [], 0
+    for folder, test in SMALL:
+        names = sorted(path.stem for path in (ROOT / "tests/oracle" / folder).glob("*.xml"))
+        count += len(names)
+        rows.append(f"| `tests/oracle/{folder}` | `{test}` | {len(names)} | {', '.join(names)} |")
+    head = [f"## {count} small models, compared in every run of the tests", "", "| folder | test | models | |", "|---|---|---:|---|"]
+    return head + rows
 
 
 def main():
