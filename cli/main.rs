@@ -12,6 +12,7 @@ mod eval;
 mod explain;
 mod fmt;
 mod help;
+mod lsp;
 mod mcp;
 mod motion;
 mod new;
@@ -47,6 +48,7 @@ enum Command {
     Diff(diff::Args),
     Snapshot(snapshot::Args),
     Fmt(fmt::Args),
+    Lsp(lsp::Args),
     Run(run::Args),
     Eval(eval::Args),
     Test(test::Args),
@@ -69,6 +71,7 @@ impl Command {
             Self::Diff(args) => diff::run(args),
             Self::Snapshot(args) => snapshot::run(args),
             Self::Fmt(args) => fmt::run(args),
+            Self::Lsp(args) => lsp::run(args),
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
             Self::Test(args) => test::run(args),

@@ -7,9 +7,12 @@
 //!
 //! All errors of all files come in one [`Report`].
 
+mod inspection;
 mod motions;
 mod settings;
 mod units;
+
+pub use inspection::{InspectedFile, Inspection, TaskScope};
 
 use crate::body::BodyDescription;
 use crate::check::scope::FileInSight;
@@ -20,6 +23,7 @@ use crate::syntax;
 use crate::syntax::tree::{self, Item, TaskStatement};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -91,12 +95,26 @@ pub fn compile_with(
     bodies: &dyn BodySource,
     settings: &[Setting],
 ) -> Result<Compilation, Report> {
+    let Inspection { report, tasks, bodies, suites, .. } = run(entry, loader, bodies, settings, false);
+    if report.has_errors() {
+        return Err(report);
+    }
+    Ok(Compilation { tasks, bodies, suites, warnings: report.diagnostics, sources: report.sources })
+}
+
+/// Compiles a file and all that it uses, and keeps what was understood of every place: for editors. Whatever is wrong, the
+/// rest is there.
+pub fn inspect(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource) -> Inspection {
+    run(entry, loader, bodies, &[], true)
+}
+
+fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[Setting], noting: bool) -> Inspection {
     let mut reader = Reader { loader, sources: SourceMap::default(), files: Vec::new(), diagnostics: Vec::new() };
     if let Err(problem) = reader.read_all(entry) {
         let message = problem.to_string();
         let file = reader.sources.add(entry.display().to_string(), "");
         let diagnostic = Diagnostic::new(codes::names::FILE, file, Span::default(), message);
-        return Err(Report::new(reader.sources, vec![diagnostic]));
+        return Inspection { report: Report::new(reader.sources, vec![diagnostic]), ..Inspection::default() };
     }
     reader.read_bodies(entry, bodies);
     let Reader { mut sources, files, mut diagnostics, .. } = reader;
@@ -107,25 +125,27 @@ pub fn compile_with(
     let texts = SourceTexts(&sources);
     let mut units = units::collect(&files, &texts, &mut diagnostics);
     settings::apply(&settings, &mut units, &mut diagnostics);
-    let mut tasks = Vec::new();
+    let (mut tasks, mut scopes) = (Vec::new(), Vec::new());
+    let called = RefCell::default();
     for unit in &units {
-        let compiler = units::Compiler {
-            described: &described,
-            bodies,
-            texts: &texts,
-            motions: &motions,
-            in_sight: in_sight(&files, unit.home),
-        };
-        tasks.extend(compiler.compile(unit, &mut diagnostics).map(Arc::new));
+        let in_sight = in_sight(&files, unit.home);
+        let (described, texts, motions) = (&described, &texts, &motions);
+        let compiler = units::Compiler { described, bodies, texts, motions, in_sight, noting, called: &called };
+        tasks.extend(compiler.compile(unit, &mut scopes, &mut diagnostics).map(Arc::new));
+    }
+    let known: Vec<&Vocabulary> = described.values().filter_map(|body| body.vocabulary.as_ref()).collect();
+    for home in 0..files.len() {
+        let mut sight = in_sight(&files, home);
+        // The file itself comes first.
+        sight.sort_by_key(|one| one.tree.file != files[home].tree.file);
+        check::uncalled::check(&sight, &called.borrow(), &known, &mut diagnostics);
     }
     let suites = suites(&files, &all_tasks, &mut diagnostics);
     drop_consequences(&sources, &files, &mut diagnostics);
     let report = Report::new(sources, diagnostics);
-    if report.has_errors() {
-        return Err(report);
-    }
     let bodies = described.into_values().map(|body| body.description).collect();
-    Ok(Compilation { tasks, bodies, suites, warnings: report.diagnostics, sources: report.sources })
+    let files = files.into_iter().map(|file| InspectedFile { path: file.path, tree: file.tree, uses: file.uses }).collect();
+    Inspection { report, tasks, bodies, suites, files, scopes }
 }
 
 /// Drops complaints about names whose declaration is there, but could not be read: only the declaration is at fault.

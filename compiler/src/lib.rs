@@ -24,5 +24,7 @@ pub mod testing;
 pub mod vocabulary;
 pub mod weights;
 
-pub use compile::{Compilation, Protocol, Suite, compile, compile_with};
+pub use compile::{Compilation, Inspection, Protocol, Suite, compile, compile_with, inspect};
 pub use evaluation::{Draws, Middle};
+#[cfg(feature = "interpreter")]
+pub use lower::{PlainTask, Snapshot};

@@ -16,6 +16,11 @@ fn pages_about_meaning_tell_the_truth() {
 }
 
 #[test]
+fn mistakes_of_beginners_are_answered() {
+    check_pages("mistakes", &Compiling);
+}
+
+#[test]
 fn known_defects_are_caught() {
     check_pages("defects", &Compiling);
 }
@@ -26,8 +31,15 @@ const ELSEWHERE: [&str; 7] = ["E0208", "E0434", "E0436", "E0437", "E0438", "E043
 #[test]
 fn examples_of_codes_cause_them_and_fixes_do_not() {
     let mut wrong = Vec::new();
-    let pages =
-        [codes::names::ALL, codes::types::ALL, codes::tasks::ALL, codes::scene::ALL, codes::composition::ALL, codes::lints::ALL];
+    let pages = [
+        codes::names::ALL,
+        codes::types::ALL,
+        codes::tasks::ALL,
+        codes::scene::ALL,
+        codes::composition::ALL,
+        codes::lints::ALL,
+        codes::intent::ALL,
+    ];
     for code in pages.into_iter().flatten().filter(|code| !ELSEWHERE.contains(&code.id)) {
         let found = |statements: &str| -> Vec<&str> {
             Compiling.read(&complete(statements), &[]).diagnostics.iter().map(|told| told.code.id).collect()

@@ -140,6 +140,34 @@ proptest! {
     }
 }
 
+/// Signs that stand for several of the language, or for one of another length: found by fuzzing, where a place in the middle of
+/// one was told.
+#[test]
+fn places_beside_foreign_signs_lie_between_characters() {
+    use msk_compiler::syntax::tree::walk::{Visitor, walk_expression, walk_file};
+    use msk_compiler::syntax::tree::{Expr, ExprKind};
+    struct Places<'t>(&'t str, usize);
+    impl<'a> Visitor<'a> for Places<'_> {
+        fn expression(&mut self, expression: &'a Expr) {
+            assert!(self.0.get(expression.span.range()).is_some(), "{:?} in {:?}", expression.span, self.0);
+            if let ExprKind::Binary { operator_span, .. } = &expression.kind {
+                assert!(self.0.get(operator_span.range()).is_some(), "{operator_span:?} in {:?}", self.0);
+            }
+            self.1 += 1;
+            walk_expression(self, expression);
+        }
+    }
+    for text in
+        ["x\u{b2} * y", "a \u{2212} b\u{b3}", "a \u{2265} b && !c", "\u{bd} * x\u{b2}\u{b3}", "a\u{d7}b\u{b2}", "2\u{b2}^x"]
+    {
+        let text = format!("task t {{ let v = {text} }}");
+        let parsed = parse(FileId::default(), &text);
+        let mut places = Places(&text, 0);
+        walk_file(&mut places, &parsed.tree);
+        check(&text);
+    }
+}
+
 #[test]
 fn nesting_is_bounded_on_a_small_stack() {
     on_small_stack(|| {

@@ -270,7 +270,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Warns of a thing that is compared with, subtracted from or joined to itself.
-    fn warn_identical(&mut self, left: NodeId, right: NodeId, span: Span) {
+    pub(crate) fn warn_identical(&mut self, left: NodeId, right: NodeId, span: Span) {
         // The same thing at two moments is what tests compare.
         if left == right
             && self.in_tests.is_none()

@@ -36,6 +36,8 @@ impl<'a> Checker<'a> {
                 );
                 return Err(self.report(diagnostic));
             };
+            self.note_docs(self.place.file, name.span, callee.docs.as_ref());
+            self.names.called.borrow_mut().insert((declared.file, name.text.clone()));
             let values = self.bind_arguments(callee, declared.file, arguments, span)?;
             self.enter(Step { name: name.text.clone(), file: self.place.file, span, call: true }, declared)?;
             let value = self.deeper(span, |checker| {
@@ -50,7 +52,10 @@ impl<'a> Checker<'a> {
             return value;
         }
         match functions::find(&name.text) {
-            Some(function) => function.call(self, arguments, span).map(Value::Data),
+            Some(function) => {
+                self.note_function(name.span, function);
+                function.call(self, arguments, span).map(Value::Data)
+            }
             None if functions::is_later(&name.text) => {
                 let message = format!("`{}` belongs to the language, but is not supported yet", name.text);
                 Err(self.error(codes::names::NOT_YET, name.span, message))

@@ -1,6 +1,7 @@
 //! What the checker knows while it walks through one task.
 
 use super::inherit::Placed;
+use super::notes::Taken;
 use super::random::KnownRandom;
 use super::reference::{KnownReference, Motions};
 use super::scene::Surroundings;
@@ -128,6 +129,8 @@ pub(crate) struct Checker<'a> {
     pub in_tests: Option<super::tests::InTests>,
     /// Queries of the terrain, to which sensors refer.
     pub queries: Vec<Query>,
+    /// What is understood of each place, where an editor asks for it.
+    pub notes: Option<Taken>,
     depth: usize,
     budget: usize,
     /// Whether it is told that nothing is left of the budget.
@@ -165,6 +168,7 @@ impl<'a> Checker<'a> {
             repeated: Vec::new(),
             in_tests: None,
             queries: Vec::new(),
+            notes: names.notes.as_ref().map(|_| Taken::default()),
             depth: 0,
             budget: BUDGET,
             spent: false,

@@ -10,7 +10,7 @@ use super::value::{Data, Form, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
-use crate::syntax::tree::{Clock, Ends, Entry, Expr, Ident, Reason, TaskStatement};
+use crate::syntax::tree::{Clock, Ends, Entry, Expr, ExprKind, Ident, Reason, TaskStatement};
 
 /// Failures, or ends that are none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -217,6 +217,11 @@ impl<'a> Checker<'a> {
                     .diagnostic(codes::types::DURATION, expr.span, "a duration is wanted here")
                     .expected("a duration: `25 steps` or `0.25 s`")
                     .found(found);
+                let written = matches!(&expr.kind, ExprKind::Number(number) if number.whole && number.unit.is_none());
+                let diagnostic = match known.filter(|_| written) {
+                    Some(number) => diagnostic.suggest(format!("write `{number} steps`"), expr.span, format!("{number} steps")),
+                    None => diagnostic,
+                };
                 Err(self.report(diagnostic))
             }
         }

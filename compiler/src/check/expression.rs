@@ -15,7 +15,9 @@ impl<'a> Checker<'a> {
     /// # Errors
     /// Whatever is wrong in it; both sides of an operator are looked at before giving up.
     pub(crate) fn value(&mut self, expr: &'a Expr) -> Checked<Value> {
-        self.deeper(expr.span, |checker| checker.value_here(expr))
+        let value = self.deeper(expr.span, |checker| checker.value_here(expr))?;
+        self.note_value(expr.span, &value);
+        Ok(value)
     }
 
     fn value_here(&mut self, expr: &'a Expr) -> Checked<Value> {
@@ -275,7 +277,9 @@ impl<'a> Checker<'a> {
     }
 
     fn choose(&mut self, condition: &Data, yes: (Data, &'a Expr), no: (Data, &'a Expr)) -> Checked<Data> {
+        let span = yes.1.span.to(no.1.span);
         let (left, right, kind) = self.agree("choose between", yes, no)?;
+        self.warn_identical(left, right, span);
         let node = self.graph.add(Operation::Choose, &[condition.node, left, right]);
         Ok(Data::new(node, kind))
     }

@@ -1,5 +1,9 @@
 //! Lints: what compiles, but is probably not what was meant. Each can be allowed in place by its name.
 
+mod folded;
+mod pay;
+mod sight;
+
 use super::context::{Checker, End};
 use super::ranges::{Standing, Working};
 use super::reward::PaidTerm;
@@ -15,22 +19,37 @@ use crate::task::RootPlacement;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every lint by the name under which it is allowed.
-const LINTS: [&str; 14] = [
+const LINTS: [&str; 24] = [
+    "constant_channel",
     "constant_term",
     "dead_at_reset",
     "dead_term",
     "decided",
     "doubled_sign",
+    "ending_pays",
     "factor_in_term",
+    "fleeting",
+    "folded",
     "hidden_sign",
     "holds_at_reset",
     "identical",
     "idle_mass",
+    "one_side",
+    "outweighs",
+    "paid_every_step",
     "repeats_scene",
+    "spike",
+    "timed_failure",
     "twice_observed",
     "unobserved",
+    "unseen",
     "unused",
 ];
+
+/// The names of all lints, in the order of the alphabet.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    LINTS.into_iter()
+}
 
 impl<'a> Checker<'a> {
     /// The lint that an `allow` names; one that does not exist is an error, or the next slip would go unseen.
@@ -87,6 +106,12 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
     twice_observed(checker, task, diagnostics);
     states(checker, task, diagnostics);
     at_reset(checker, task, &bounds, diagnostics);
+    pay::amounts(checker, task, &bounds, diagnostics);
+    sight::constant_channels(checker, task, &bounds, diagnostics);
+    sight::timed_failures(checker, task, &bounds, diagnostics);
+    sight::fleeting(checker, task, diagnostics);
+    sight::unseen(checker, task, diagnostics);
+    sight::one_side(checker, task, diagnostics);
     task.terms.iter().map(|term| interval::of_scalar(&bounds, term.node)).collect()
 }
 
@@ -139,15 +164,27 @@ fn factor_in_term(checker: &Checker<'_>, term: &PaidTerm<'_>, diagnostics: &mut 
     loop {
         match &expr.kind {
             ExprKind::Paren(inner) => expr = inner,
+            ExprKind::Binary { operator: BinaryOperator::Multiply, right, .. } if is_plain_number(right) => {
+                expr = right;
+                break;
+            }
             ExprKind::Binary { operator: BinaryOperator::Multiply | BinaryOperator::Divide, left, .. } => expr = left,
             ExprKind::Number(number) if number.unit.is_none() && !std::ptr::eq(expr, term.formula) => break,
             _ => return,
         }
     }
-    let message = format!("the term `{}` begins with a plain factor", term.name);
+    let message = format!("the term `{}` has a plain factor", term.name);
     let diagnostic = Diagnostic::new(codes::lints::FACTOR_IN_TERM, term.file, expr.span, message)
         .help("it belongs in the weight, where people and tuners look for it");
     push_term(checker, term, "factor_in_term", diagnostic, diagnostics);
+}
+
+fn is_plain_number(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Paren(inner) => is_plain_number(inner),
+        ExprKind::Number(number) => number.unit.is_none(),
+        _ => false,
+    }
 }
 
 /// Every condition that ends an episode or tells its success: in words, its node, its place.

@@ -91,7 +91,10 @@ impl<'a> Checker<'a> {
             return Ok(Value::Data(data));
         }
         if let Some((declared, place)) = self.names.find(self.place, text) {
-            return self.declared(text, declared, place, span);
+            let value = self.declared(text, declared, place, span)?;
+            self.note_docs(self.place.file, span, declared.definition.docs());
+            self.note_declared(declared.file, declared.definition.span(), &value, declared.definition.docs());
+            return Ok(value);
         }
         if let Some(thing) = self.body_element(text) {
             self.used.insert(text.to_owned());
@@ -99,6 +102,7 @@ impl<'a> Checker<'a> {
         }
         for owner in [Owner::Time, Owner::WholeBody] {
             if let Some(signal) = signals::find(owner, text) {
+                self.note_signal(span, signal);
                 return self.single_signal(signal, span).map(Value::Data);
             }
         }

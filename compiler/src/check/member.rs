@@ -74,6 +74,7 @@ impl<'a> Checker<'a> {
             return Err(self.unknown_property(things[0], owner, name));
         };
         self.must_be_supported(signal, name.span)?;
+        self.note_signal(name.span, signal);
         self.spend(things.len(), span)?;
         match owner {
             Owner::Joint => self.joint_property(things, list, signal.read, span),

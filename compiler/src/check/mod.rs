@@ -25,6 +25,7 @@ mod init;
 mod lints;
 mod lookup;
 mod member;
+pub mod notes;
 pub(crate) mod observe;
 mod parameters;
 mod random;
@@ -38,8 +39,10 @@ pub(crate) mod suite;
 pub(crate) mod task;
 mod tests;
 mod types;
+pub(crate) mod uncalled;
 pub mod unit;
 mod value;
 
+pub use lints::names as lints;
 pub(crate) use observe::{Texts, written};
 pub(crate) use tests::CheckedTests;

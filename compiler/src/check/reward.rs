@@ -114,6 +114,12 @@ impl<'a> Checker<'a> {
                 if low.is_finite() && high.is_finite() && low <= weight.value && weight.value <= high {
                     return Ok((weight.value, Some([low, high]), false));
                 }
+                if low > high {
+                    let message = format!("the range of `{}` is empty: its lower end lies above its upper", term.name.text);
+                    let diagnostic = self.diagnostic(codes::tasks::WEIGHT, span, message);
+                    let swapped = format!("({high}..{low})");
+                    return Err(self.report(diagnostic.suggest(format!("write `{swapped}`"), span, swapped)));
+                }
                 let message = format!("the weight of `{}` lies outside its own range", term.name.text);
                 let diagnostic = self
                     .diagnostic(codes::tasks::WEIGHT, weight.span, message)

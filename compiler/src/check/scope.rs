@@ -4,11 +4,13 @@
 //! task declares. Local names come first, then declarations, then the body and the signals.
 
 use super::inherit::WholeTask;
+use super::notes::Notebook;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::syntax::tree::{
-    Binding, Clock, Entry, Function, Item, Observation, Random, Reference, StateDeclaration, TaskParameter, TaskStatement,
+    Binding, Clock, Docs, Entry, Function, Item, Observation, Random, Reference, StateDeclaration, TaskParameter, TaskStatement,
 };
-use std::collections::{BTreeMap, HashMap};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Where a formula stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -33,7 +35,21 @@ pub(crate) enum Definition<'a> {
     Reference(&'a Reference),
 }
 
-impl Definition<'_> {
+impl<'a> Definition<'a> {
+    /// What its documentation comment says.
+    pub(crate) fn docs(&self) -> Option<&'a Docs> {
+        match self {
+            Self::Const(binding) | Self::Let(binding) => binding.docs.as_ref(),
+            Self::Function(function) => function.docs.as_ref(),
+            Self::Observation(observation) => observation.docs.as_ref(),
+            Self::State(state) => state.docs.as_ref(),
+            Self::Clock(clock) => clock.docs.as_ref(),
+            Self::Parameter(parameter) => parameter.docs.as_ref(),
+            Self::Random(random) => random.docs.as_ref(),
+            Self::Reference(reference) => reference.docs.as_ref(),
+        }
+    }
+
     pub(crate) fn span(&self) -> Span {
         match self {
             Self::Const(binding) | Self::Let(binding) => binding.name.span,
@@ -60,6 +76,10 @@ pub(crate) struct Declared<'a> {
 pub(crate) struct Names<'a> {
     task: BTreeMap<&'a str, Declared<'a>>,
     files: HashMap<FileId, BTreeMap<&'a str, Declared<'a>>>,
+    /// What is understood of each place, where an editor asks for it.
+    pub notes: Option<Notebook>,
+    /// Functions that were called, and so checked.
+    pub called: RefCell<BTreeSet<(FileId, String)>>,
 }
 
 /// A file with the files that it uses directly.

@@ -126,6 +126,8 @@ pub(crate) fn check<'a>(
     let checked = checker.task(task, texts, sequence).ok();
     let broken = checker.diagnostics.iter().any(|diagnostic| diagnostic.severity == crate::diagnostics::Severity::Error);
     let mut diagnostics = std::mem::take(&mut checker.diagnostics);
+    let graph = std::mem::take(&mut checker.graph);
+    checker.hand_over_notes(checked.as_ref().map_or(&graph, |checked| &checked.graph));
     let mut checked = checked.filter(|_| !broken);
     if let Some(checked) = &mut checked {
         // A task is looked at by itself; as a phase it would only be told of again.

@@ -1,8 +1,9 @@
 //! What becomes a compiled task: a task with what it inherits, or a sequence with its phases.
 
-use super::{Described, SourceFile};
+use super::{Described, SourceFile, TaskScope};
 use crate::body::BodyDescription;
 use crate::check::inherit::{self, Find, InFile, Placed, WholeTask};
+use crate::check::notes::{Note, Notebook};
 use crate::check::reference::{Motions, Tables};
 use crate::check::scope::{FileInSight, Names};
 use crate::check::task::{Around, InSequence, body_of};
@@ -16,7 +17,8 @@ use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, TaskStatement};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A task, or a sequence of tasks.
@@ -174,6 +176,15 @@ fn same_body(tasks: &[PhaseTask<'_>], own: &[Placed], file: FileId, texts: &dyn 
     }
 }
 
+/// The notes of all phases, one for each place.
+fn gathered(all_names: &[Names<'_>]) -> Vec<Note> {
+    let books = all_names.iter().filter_map(|names| names.notes.as_ref());
+    let mut notes: Vec<Note> = books.flat_map(|book| book.take()).collect();
+    notes.sort_by_key(|note| (note.file, note.span));
+    notes.dedup_by_key(|note| (note.file, note.span));
+    notes
+}
+
 /// Compiles units.
 pub(super) struct Compiler<'a> {
     pub described: &'a BTreeMap<String, Described>,
@@ -181,13 +192,25 @@ pub(super) struct Compiler<'a> {
     pub texts: &'a dyn Texts,
     pub motions: &'a Tables,
     pub in_sight: Vec<FileInSight<'a>>,
+    /// Whether what is understood is kept.
+    pub noting: bool,
+    /// Functions that were called.
+    pub called: &'a RefCell<BTreeSet<(FileId, String)>>,
 }
 
 impl Compiler<'_> {
-    pub(super) fn compile(&self, unit: &Unit<'_>, diagnostics: &mut Vec<Diagnostic>) -> Option<CompiledTask> {
+    pub(super) fn compile(
+        &self,
+        unit: &Unit<'_>,
+        scopes: &mut Vec<TaskScope>,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<CompiledTask> {
         let first = &unit.phases.first()?.task;
-        let all_names: Vec<Names<'_>> =
+        let mut all_names: Vec<Names<'_>> =
             unit.phases.iter().map(|phase| Names::collect(&self.in_sight, Some(&phase.task), diagnostics)).collect();
+        if self.noting {
+            all_names.iter_mut().for_each(|names| names.notes = Some(Notebook::default()));
+        }
         let (description, vocabulary) = self.body(first, all_names.first()?, diagnostics)?;
         let phase_names: Vec<String> = match &unit.sequence {
             Some(_) => unit.phases.iter().map(|phase| phase.task.task.name.text.clone()).collect(),
@@ -227,6 +250,13 @@ impl Compiler<'_> {
                 let definitions = definitions(&phase.task, names, until.into_iter().chain(success));
                 CheckedPhase { source: &phase.task, checked, until, definitions }
             }));
+        }
+        for names in &all_names {
+            self.called.borrow_mut().append(&mut names.called.borrow_mut());
+        }
+        if self.noting {
+            let (name, span) = (unit.name.text.clone(), unit.name.span);
+            scopes.push(TaskScope { name, file: unit.file, span, notes: gathered(&all_names), vocabulary: vocabulary.clone() });
         }
         if broken || checked.len() != unit.phases.len() {
             return None;

@@ -1,13 +1,22 @@
 //! A plain interpreter of graphs: no slots, no views, no order of instructions. The program must compute the same bits.
+//!
+//! It is there for tests and for fuzzing (feature `interpreter`), and is as slow as it is plain.
 
-use super::{Outputs, assemble, layout};
 use crate::frame::{FrameLayout, Sensor};
 use crate::graph::fold::evaluate;
-use crate::graph::operation::{Binary, Memory, Operation, Reduction, Unary};
+use crate::graph::operation::{Memory, Operation};
 use crate::graph::{Graph, NodeId};
-use proptest::prelude::*;
 use std::collections::BTreeMap;
 
+#[cfg(feature = "interpreter")]
+mod plain;
+#[cfg(test)]
+mod tests;
+
+#[cfg(feature = "interpreter")]
+pub use plain::{PlainTask, Snapshot};
+
+/// A graph with what it remembers.
 struct Interpreter<'a> {
     graph: &'a Graph,
     memories: BTreeMap<NodeId, Vec<f64>>,
@@ -37,7 +46,7 @@ impl Interpreter<'_> {
             Operation::Sensors(sensors) => lanes = sensors.iter().flat_map(|&sensor| measured(moment, sensor)).collect(),
             Operation::Step => lanes[0] = f64::from(moment.step),
             Operation::Memory(memory) => self.remember(id, *memory, &inputs, moment.step, &mut lanes),
-            Operation::StateBefore(index) if moment.step == 0 => {
+            Operation::StateBefore(index) | Operation::StateAfter(index) if moment.step == 0 => {
                 lanes.clone_from(&inputs[0]);
                 self.states[*index as usize].clone_from(&lanes);
             }
@@ -66,84 +75,8 @@ impl Interpreter<'_> {
 }
 
 fn measured(moment: &Moment<'_>, sensor: Sensor) -> Vec<f64> {
-    let (_, offset) = moment.layout.entries().iter().find(|(known, _)| *known == sensor).unwrap();
-    moment.frame[*offset..offset + sensor.size()].to_vec()
-}
-
-/// One node more: which operation, and which of the nodes so far it reads.
-type Choice = (u8, prop::sample::Index, prop::sample::Index, prop::sample::Index);
-
-fn grow(graph: &mut Graph, nodes: &mut Vec<NodeId>, (operation, a, b, c): Choice) {
-    let [a, b, c] = [a, b, c].map(|index| *index.get(nodes));
-    let widths = [a, b, c].map(|id| graph.width(id));
-    let fits = |x: usize, y: usize| x == y || x == 1 || y == 1;
-    let node = match operation % 16 {
-        0 => graph.unary(Unary::HyperbolicTangent, a),
-        1 => graph.unary(Unary::Absolute, a),
-        2 if fits(widths[0], widths[1]) => graph.binary(Binary::Add, a, b),
-        3 if fits(widths[0], widths[1]) => graph.binary(Binary::Multiply, a, b),
-        4 if fits(widths[0], widths[1]) => graph.binary(Binary::Less, a, b),
-        5 if fits(widths[0], widths[1]) => graph.binary(Binary::Maximum, a, b),
-        6 if widths[0] == 1 && fits(widths[1], widths[2]) => graph.add(Operation::Choose, &[a, b, c]),
-        7 => graph.select((0..widths[0]).rev(), a),
-        8 => graph.select(widths[0] / 2..widths[0], a),
-        9 if widths[0] + widths[1] <= 24 => graph.join(&[a, b]),
-        10 => graph.reduce(Reduction::Sum, widths[0], a),
-        11 => graph.reduce(Reduction::Norm, widths[0], a),
-        12 => graph.memory(Memory::Delay(3), &[a]),
-        13 => graph.memory(Memory::Accumulate, &[a]),
-        14 if widths[1] == 1 => graph.memory(Memory::Sampled, &[a, b]),
-        15 => graph.memory(Memory::Highest, &[a]),
-        _ => graph.unary(Unary::Negate, a),
-    };
-    nodes.push(node);
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
-
-    #[test]
-    fn the_program_computes_what_the_graph_says(
-        choices in prop::collection::vec(any::<Choice>(), 1..40),
-        roots in prop::collection::vec(any::<prop::sample::Index>(), 1..6),
-        numbers in prop::collection::vec(-2.0_f64..2.0, 64),
-    ) {
-        let mut graph = Graph::default();
-        let sensors = vec![Sensor::ComVelocity, Sensor::JointPosition(3), Sensor::JointPosition(1), Sensor::JointPosition(2)];
-        let first = graph.constant(0.5);
-        let mut nodes = vec![graph.sensors(sensors), graph.sensors(vec![Sensor::Time]), graph.add(Operation::Step, &[])];
-        nodes.push(graph.add(Operation::StateBefore(0), &[first]));
-        nodes.push(graph.add(Operation::StateAfter(0), &[first]));
-        choices.into_iter().for_each(|choice| grow(&mut graph, &mut nodes, choice));
-        // The new value of a state reads nothing that comes after its update.
-        let scalar = graph.reduce(Reduction::Norm, 3, nodes[0]);
-        let update = graph.select([0], scalar);
-        let channels = roots.iter().map(|root| *root.get(&nodes)).collect();
-        let outputs = Outputs { channels, updates: vec![update], ..Outputs::default() };
-        let layout = layout(std::iter::once((&graph, &outputs)), &[]);
-        let program = assemble(&graph, &outputs, &layout);
-
-        let mut plain = Interpreter { graph: &graph, memories: BTreeMap::new(), states: vec![vec![0.5]] };
-        let (mut cells, mut registers) = (Vec::new(), Vec::new());
-        for step in 0..6_u32 {
-            let frame: Vec<f64> = (0..layout.size()).map(|lane| numbers[(lane + 7 * step as usize) % numbers.len()]).collect();
-            if step == 0 {
-                program.prepare(&[], &mut cells, &mut registers);
-                program.reset(&frame, &mut cells, &mut registers, &|_| false, &mut |_, _| 0.5).unwrap();
-            } else {
-                program.step(step, &frame, &mut cells, &mut registers, &mut |_, _| 0.5).unwrap();
-            }
-            let before = plain.states.clone();
-            let mut moment = Moment { step, layout: &layout, frame: &frame, values: BTreeMap::new(), before };
-            let updated = plain.value(update, &mut moment);
-            if step > 0 {
-                plain.states = vec![updated];
-            }
-            for (&node, &operand) in outputs.channels.iter().zip(&program.channels) {
-                let expected: Vec<u64> = plain.value(node, &mut moment).into_iter().map(f64::to_bits).collect();
-                let found: Vec<u64> = program.read(operand, &frame, &registers).iter().map(|lane| lane.to_bits()).collect();
-                prop_assert_eq!(found, expected, "step {}, node {:?}", step, node);
-            }
-        }
-    }
+    let found = moment.layout.entries().iter().find(|(known, _)| *known == sensor);
+    // Every sensor of a task's graph that is wanted has a place in its frame.
+    let offset = found.map_or(0, |(_, offset)| *offset);
+    moment.frame[offset..offset + sensor.size()].to_vec()
 }

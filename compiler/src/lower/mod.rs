@@ -8,12 +8,14 @@
 
 mod assemble;
 mod finish;
-#[cfg(test)]
+#[cfg(any(test, feature = "interpreter"))]
 mod interpret;
 mod program;
 mod run;
 
 pub(crate) use assemble::{DrawOutput, Outputs, assemble, layout};
 pub(crate) use finish::{CheckedPhase, Heading, finish};
+#[cfg(feature = "interpreter")]
+pub use interpret::{PlainTask, Snapshot};
 pub(crate) use program::Program;
 pub(crate) use run::NoneTaken;

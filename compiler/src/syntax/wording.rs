@@ -350,7 +350,18 @@ pub(super) fn unexpected(file: FileId, span: Span, expected: &[String], found: &
         "" => ("the statement is not complete".to_owned(), "the end of the statement".to_owned()),
         found => (format!("`{found}` cannot stand here"), format!("`{found}`")),
     };
-    let diagnostic = Diagnostic::new(codes::UNEXPECTED, file, span, message);
+    let mut diagnostic = Diagnostic::new(codes::UNEXPECTED, file, span, message);
+    // What is written elsewhere for what is wanted here.
+    let meant =
+        [("`=`", ["==", ":", ":="], "="), ("`when`", ["if", ":", "="], "when"), ("`becomes`", ["=", "->", "then"], "becomes")];
+    for (wanted, slips, word) in meant {
+        if expected.iter().any(|choice| choice == wanted) && slips.contains(&found.trim_matches('`')) {
+            diagnostic = diagnostic.suggest(format!("write `{word}`"), span, word);
+        }
+    }
+    if found == "`,`" {
+        diagnostic = diagnostic.help("numbers have a decimal point; lines of a list end without a sign");
+    }
     if expected.is_empty() { diagnostic } else { diagnostic.expected(choices(expected.iter().cloned())).found(found) }
 }
 

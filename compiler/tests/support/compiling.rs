@@ -10,6 +10,7 @@ use msk_compiler::vocabulary::Vocabulary;
 use msk_compiler::{Compilation, compile};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// Texts by path.
 pub struct Texts(BTreeMap<PathBuf, String>);
@@ -34,9 +35,24 @@ impl BodySource for Bodies {
     }
 }
 
+/// The same with a body file as short as can be: pages are compiled by the hundred, and say nothing of that file.
+struct Brief;
+
+impl BodySource for Brief {
+    fn find(&self, name: &str) -> Option<(PathBuf, String)> {
+        let text = "body human {\n    model \"human.xml\"\n    root pelvis { forward x, up z }\n}\n";
+        (name == "human").then(|| (PathBuf::from("bodies/human.msk"), text.to_owned()))
+    }
+
+    fn vocabulary(&self, _: &BodyDescription) -> Result<Vocabulary, String> {
+        Ok(vocabulary())
+    }
+}
+
 /// The fixture.
 pub fn vocabulary() -> Vocabulary {
-    serde_json::from_str(include_str!("../fixtures/human_vocabulary.json")).unwrap()
+    static HUMAN: OnceLock<Vocabulary> = OnceLock::new();
+    HUMAN.get_or_init(|| serde_json::from_str(include_str!("../fixtures/human_vocabulary.json")).unwrap()).clone()
 }
 
 /// Compiles a text beside the library and other files.
@@ -107,7 +123,7 @@ impl Reading for Compiling {
     }
 
     fn read(&self, entry: &str, files: &[(String, String)]) -> Report {
-        match compile_text(entry, files) {
+        match compile(Path::new(ENTRY), &texts(entry, files), &Brief) {
             Ok(compilation) => Report::new(compilation.sources, compilation.warnings),
             Err(report) => report,
         }

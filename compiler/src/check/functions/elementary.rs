@@ -73,6 +73,7 @@ fn any_number<'a>(checker: &mut Checker<'a>, call: &Call<'a>, expr: &'a Expr) ->
 pub(super) fn abs<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
     let [x] = call.take(checker, ["x"])?;
     let (data, _) = any_number(checker, call, x)?;
+    checker.warn_folded(data.node, call.span);
     let node = checker.graph.unary(Unary::Absolute, data.node);
     Ok(Data::new(node, data.kind))
 }

@@ -225,13 +225,22 @@ impl<'a> Checker<'a> {
             .expected(wanted.described())
             .found(data.kind.element().described(self.vocabulary));
         let factor = found.and_then(|found| found.per(wanted));
+        let inverse = found.and_then(|found| found.times(wanted)).is_some_and(Dimension::is_none);
         let diagnostic = match factor {
+            _ if inverse && !wanted.is_none() => {
+                diagnostic.help(format!("this is its inverse: write `1 / x`, or the number in `{}`", preferred(wanted)))
+            }
             Some(_) if found.is_some_and(Dimension::is_none) => diagnostic.help(format!("give it the unit `{wanted}`")),
             Some(factor) => divide_by(diagnostic, expr, factor),
             None => diagnostic,
         };
         Err(self.report(diagnostic))
     }
+}
+
+/// The unit in which a dimension is usually written.
+fn preferred(dimension: Dimension) -> String {
+    if dimension == Dimension::FREQUENCY { "Hz".to_owned() } else { dimension.to_string() }
 }
 
 /// Advises to divide `expr` by a quantity; offers to write it where that needs no brackets.

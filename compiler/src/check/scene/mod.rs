@@ -143,6 +143,8 @@ pub(crate) fn surroundings<'a>(
     }
     let (stage, known) = checker.stage(&statements);
     let (scene, fixed, starts, used) = (stage.scene, stage.fixed, stage.starts, std::mem::take(&mut checker.used));
+    let graph = std::mem::take(&mut checker.graph);
+    checker.hand_over_notes(&graph);
     let surroundings = Surroundings { scene, fixed, known, starts, used, statements, file };
     (surroundings, checker.diagnostics)
 }

@@ -51,6 +51,7 @@ macro_rules! codes {
 }
 
 pub mod composition;
+pub mod intent;
 pub mod lints;
 pub mod names;
 pub mod scene;
@@ -62,10 +63,21 @@ pub mod weights;
 
 /// Every code, in order.
 pub fn all() -> impl Iterator<Item = &'static Code> {
-    [syntax::ALL, names::ALL, types::ALL, tasks::ALL, scene::ALL, composition::ALL, tests::ALL, weights::ALL, lints::ALL]
-        .into_iter()
-        .flatten()
-        .copied()
+    [
+        syntax::ALL,
+        names::ALL,
+        types::ALL,
+        tasks::ALL,
+        scene::ALL,
+        composition::ALL,
+        tests::ALL,
+        weights::ALL,
+        lints::ALL,
+        intent::ALL,
+    ]
+    .into_iter()
+    .flatten()
+    .copied()
 }
 
 /// The page of a code such as `E0103`, whatever the case of its letter.

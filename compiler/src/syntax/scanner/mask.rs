@@ -13,12 +13,20 @@ pub(crate) struct Masked {
     pub(crate) text: String,
     /// Where the two drift apart: (byte of the mask, byte of the source), from there on in step.
     drifts: Vec<(usize, usize)>,
+    /// What stands for something of another length, or for signs of several bytes: bytes `start..end` of the mask, and where that begins in the source. A byte
+    /// within has no counterpart, and the same number of bytes further on could be within a character.
+    exchanged: Vec<(usize, usize, usize)>,
     source_length: usize,
 }
 
 impl Masked {
     /// The byte of the source that a byte of the mask stands for.
     pub(crate) fn to_source(&self, byte: usize) -> usize {
+        let within =
+            self.exchanged.partition_point(|(start, ..)| *start < byte).checked_sub(1).map(|index| self.exchanged[index]);
+        if let Some((_, _, source)) = within.filter(|(_, end, _)| byte < *end) {
+            return source;
+        }
         let next = self.drifts.partition_point(|(masked, _)| *masked <= byte);
         let (masked, source) = next.checked_sub(1).map_or((0, 0), |index| self.drifts[index]);
         let limit = self.drifts.get(next).map_or(self.source_length, |(_, source)| *source);
@@ -34,7 +42,12 @@ impl Masked {
 
 /// Builds the mask.
 pub(super) fn mask(source: &str, tokens: &[Token], masked_newlines: &[bool], brackets: &Brackets) -> Masked {
-    let mut masked = Masked { text: String::with_capacity(source.len()), drifts: Vec::new(), source_length: source.len() };
+    let mut masked = Masked {
+        text: String::with_capacity(source.len()),
+        drifts: Vec::new(),
+        exchanged: Vec::new(),
+        source_length: source.len(),
+    };
     let mut insertions = brackets.insertions.iter().peekable();
     let mut replaced = brackets.replaced.iter().peekable();
     let mut at = 0;
@@ -44,7 +57,7 @@ pub(super) fn mask(source: &str, tokens: &[Token], masked_newlines: &[bool], bra
         let instead = replaced.next_if(|(replaced, _)| *replaced == index).map(|(_, text)| *text);
         match instead.or(token.replacement.as_deref()) {
             _ if masked_newlines[index] => masked.blank(token.end - token.start),
-            Some(text) => masked.replace(text, token),
+            Some(text) => masked.replace(text, token, &source[token.start..token.end]),
             None => masked.text.push_str(&source[token.start..token.end]),
         }
         while let Some(insertion) = insertions.next_if(|insertion| insertion.after == index) {
@@ -61,8 +74,12 @@ impl Masked {
         self.text.extend(std::iter::repeat_n(' ', length));
     }
 
-    fn replace(&mut self, text: &str, token: &Token) {
+    fn replace(&mut self, text: &str, token: &Token, original: &str) {
+        let start = self.text.len();
         self.text.push_str(text);
+        if text.len() != original.len() || !original.is_ascii() {
+            self.exchanged.push((start, self.text.len(), token.start));
+        }
         if text.len() != token.end - token.start || token.kind == TokenKind::Text {
             self.drifts.push((self.text.len(), token.end));
         }

@@ -1,0 +1,40 @@
+//! `msk lsp`: the language server, for editors.
+
+use crate::error::{Error, FAILURE};
+use crate::texts;
+use lsp_server::Connection;
+use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk_lsp::Ended;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Serve an editor: diagnostics while typing, hovers, completion, definitions, renaming, layout
+///
+/// Speaks the Language Server Protocol over standard input and output. Editors start it themselves; how to tell them is in
+/// grammar/editors/README.md. Exit code 0 if the editor ended the conversation as the protocol demands, 1 if not.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Accepted because clients say so; there is no other way
+    #[arg(long)]
+    stdio: bool,
+}
+
+/// Serves until the editor ends the conversation.
+///
+/// # Errors
+/// The client does not speak the protocol.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let Args { stdio: _ } = args;
+    let (connection, threads) = Connection::stdio();
+    let bodies = BodyLibrary::default();
+    // A folder that cannot be read holds no file that could be changed.
+    let list = |folder: &Path| -> Vec<PathBuf> { texts::find(&[folder.to_path_buf()]).unwrap_or_default() };
+    let ended = msk_lsp::serve(&connection, &FileLoader, &bodies, &list);
+    drop(connection);
+    let ended = ended?;
+    if ended == Ended::Properly {
+        threads.join()?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    Ok(ExitCode::from(FAILURE))
+}

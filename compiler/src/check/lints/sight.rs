@@ -1,0 +1,258 @@
+//! Lints on what is looked at: by the policy, by ends, by success, and on both sides of the body.
+
+use super::{at, push, push_term};
+use crate::check::context::Checker;
+use crate::check::scope::Definition;
+use crate::check::task::CheckedTask;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::explain::short;
+use crate::frame::Sensor;
+use crate::graph::interval::Bounds;
+use crate::graph::operation::{Binary, Memory, Operation, Unary};
+use crate::graph::{Graph, NodeId};
+use crate::scene::{Motion, Object, Parent};
+use crate::syntax::tree::TaskStatement;
+use std::collections::BTreeSet;
+
+/// Channels whose numbers never change.
+pub(super) fn constant_channels(
+    checker: &Checker<'_>,
+    task: &CheckedTask<'_>,
+    bounds: &[Vec<Bounds>],
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let parameter = |name: &str| {
+        checker.names.of_task().any(|(known, declared)| known == name && matches!(declared.definition, Definition::Parameter(_)))
+    };
+    for channel in &task.channels {
+        let words = channel.source.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
+        // What is set from outside is constant within a task only.
+        if bounds[channel.node.index()].iter().all(|lane| lane.single().is_some()) && !words.into_iter().any(parameter) {
+            let message = format!("the channel `{}` never changes", channel.name);
+            let diagnostic = Diagnostic::new(codes::intent::CONSTANT_CHANNEL, channel.file, channel.span, message)
+                .help("it tells the policy nothing: look for a quantity that stands still, or leave it out");
+            push(checker, "constant_channel", diagnostic, diagnostics);
+        }
+    }
+}
+
+/// Failures that time alone decides.
+pub(super) fn timed_failures(
+    checker: &Checker<'_>,
+    task: &CheckedTask<'_>,
+    bounds: &[Vec<Bounds>],
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    for end in &task.terminations {
+        let decided = bounds[end.node.index()].iter().all(|lane| lane.single().is_some());
+        let by_time = |id: &NodeId| {
+            !matches!(
+                task.graph.node(*id).operation,
+                Operation::Sensors(_)
+                    | Operation::StateBefore(_)
+                    | Operation::StateAfter(_)
+                    | Operation::Drawn(_)
+                    | Operation::DrawnAfter(_)
+                    | Operation::PhaseSuccess(_)
+            )
+        };
+        if !decided && task.graph.reachable([end.node]).iter().all(by_time) {
+            let message = format!("time alone ends the episode as the failure `{}`", end.name);
+            let diagnostic = Diagnostic::new(codes::intent::TIMED_FAILURE, end.file, end.span, message)
+                .help("reaching the end of the time is no failure: say `horizon`, or put the reason into `finish`");
+            push(checker, "timed_failure", diagnostic, diagnostics);
+        }
+    }
+}
+
+/// A success that one step of a speed or of a contact settles for good.
+pub(super) fn fleeting(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let graph = &task.graph;
+    let settled = graph.reachable([task.success]).into_iter().find(|&id| {
+        let node = graph.node(id);
+        node.operation == Operation::Memory(Memory::Highest)
+            && node.inputs.iter().any(|&input| is_condition(graph, input) && momentary(graph, input))
+    });
+    if settled.is_some() {
+        let (file, span) = task.success_at;
+        let message = "one step of a speed or of a contact settles the success for the whole episode";
+        let diagnostic = Diagnostic::new(codes::intent::FLEETING, file, span, message)
+            .help("say for how long it must last: `ever(held(c, 0.5 s))`");
+        push(checker, "fleeting", diagnostic, diagnostics);
+    }
+}
+
+fn is_condition(graph: &Graph, node: NodeId) -> bool {
+    match &graph.node(node).operation {
+        Operation::Binary(function) => {
+            matches!(function, Binary::Less | Binary::LessEqual | Binary::Equal | Binary::And | Binary::Or)
+        }
+        Operation::Unary(function) => *function == Unary::Not,
+        Operation::Sensors(sensors) => {
+            sensors.iter().all(|sensor| matches!(sensor, Sensor::Touching(..) | Sensor::GroundContact(_)))
+        }
+        _ => false,
+    }
+}
+
+/// Whether a node reads a speed or a contact, and nothing in it lasts.
+fn momentary(graph: &Graph, node: NodeId) -> bool {
+    let read = graph.reachable([node]);
+    let lasts = |id: &NodeId| matches!(graph.node(*id).operation, Operation::Memory(Memory::Streak | Memory::Accumulate));
+    let fast = |id: &NodeId| match &graph.node(*id).operation {
+        Operation::Sensors(sensors) => sensors.iter().any(|sensor| {
+            use Sensor as S;
+            let speeds =
+                matches!(sensor, S::LandmarkVelocity(_) | S::ComVelocity | S::JointVelocity(_) | S::RootVelocity | S::Slip(..));
+            speeds || matches!(sensor, S::Touching(..) | S::GroundContact(_) | S::ContactForce(..) | S::ContactCount(..))
+        }),
+        _ => false,
+    };
+    read.iter().any(fast) && !read.iter().any(lasts)
+}
+
+/// The parts whose sensors nodes read.
+fn parts(graph: &Graph, roots: impl Iterator<Item = NodeId>) -> BTreeSet<Sensor> {
+    let mut found = BTreeSet::new();
+    for id in graph.reachable(roots) {
+        if let Operation::Sensors(sensors) = &graph.node(id).operation {
+            found.extend(sensors.iter().copied());
+        }
+    }
+    found
+}
+
+/// The landmark that a sensor measures.
+fn landmark_of(sensor: Sensor) -> Option<usize> {
+    use Sensor as S;
+    match sensor {
+        S::LandmarkPosition(index)
+        | S::LandmarkVelocity(index)
+        | S::LandmarkAcceleration(index)
+        | S::LandmarkAxes(index)
+        | S::LandmarkAngularVelocity(index)
+        | S::LandmarkClearance(index) => Some(index),
+        _ => None,
+    }
+}
+
+/// Objects that move and decide the pay, of which no channel tells anything.
+pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let landmarks = &checker.vocabulary.landmarks;
+    let first = landmarks.iter().position(|landmark| landmark.of_scene).unwrap_or(landmarks.len());
+    let channels = task.channels.iter().map(|channel| channel.node);
+    let seen: BTreeSet<usize> = parts(&task.graph, channels).into_iter().filter_map(landmark_of).collect();
+    let mut told = BTreeSet::new();
+    for term in &task.terms {
+        for index in parts(&task.graph, std::iter::once(term.node)).into_iter().filter_map(landmark_of) {
+            let moves = index.checked_sub(first).is_some_and(|object| moves(&task.scene.objects, object));
+            if moves && !seen.contains(&index) && told.insert(index) {
+                let name = &landmarks[index].name;
+                let message = format!("the pay depends on where `{name}` is, which the policy cannot observe");
+                let diagnostic = at(checker, codes::intent::UNSEEN, term, message)
+                    .help(format!("add it to `observe`: `{name}.position - pelvis.position`"));
+                push_term(checker, term, "unseen", diagnostic, diagnostics);
+            }
+        }
+    }
+}
+
+/// Whether an object moves, by itself or with what carries it.
+fn moves(objects: &[Object], index: usize) -> bool {
+    let Some(object) = objects.get(index) else { return false };
+    object.motion != Motion::Fixed
+        || match &object.parent {
+            Parent::World => false,
+            // Parents stand before what they carry.
+            Parent::Object(parent) => *parent < index && moves(objects, *parent),
+            Parent::Landmark(_) => true,
+        }
+}
+
+/// In a task that says that it is symmetric: parts of one side that are read, while those of the other are not.
+pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    if !task.symmetric {
+        return;
+    }
+    lopsided(checker, task, diagnostics);
+    let names = |roots: &[NodeId]| -> BTreeSet<&str> {
+        parts(&task.graph, roots.iter().copied()).into_iter().flat_map(|sensor| names_of(checker, sensor)).collect()
+    };
+    let paid: Vec<NodeId> = task.terms.iter().map(|term| term.node).collect();
+    let ends: Vec<NodeId> = task.terminations.iter().chain(&task.finishes).map(|end| end.node).collect();
+    for (roots, what) in [(paid, "the pay"), (ends, "what ends the episode")] {
+        let read = names(&roots);
+        let other = |name: &str| match (name.strip_suffix("_l"), name.strip_suffix("_r")) {
+            (Some(stem), _) => Some(format!("{stem}_r")),
+            (_, Some(stem)) => Some(format!("{stem}_l")),
+            _ => None,
+        };
+        let alone = read.iter().find_map(|name| Some((*name, other(name)?)).filter(|(_, other)| !read.contains(other.as_str())));
+        let Some((name, missing)) = alone else { continue };
+        let place = task.terms.iter().map(|term| (term.node, term.file, term.formula.span));
+        let place = place.chain(task.terminations.iter().chain(&task.finishes).map(|end| (end.node, end.file, end.span)));
+        let mut place = place.filter(|(node, ..)| roots.contains(node) && names(&[*node]).contains(name));
+        let Some((_, file, span)) = place.next() else { continue };
+        let message = format!("the task is `symmetric`, but {what} reads `{name}` and never `{missing}`");
+        let diagnostic = Diagnostic::new(codes::intent::ONE_SIDE, file, span, message)
+            .help(format!("read both, `{}`, or leave out `symmetric`", pair(name)));
+        push(checker, "one_side", diagnostic, diagnostics);
+    }
+}
+
+/// A beginning in which one side is posed otherwise than the other.
+fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let joints = &checker.vocabulary.joints;
+    let posed = |index: usize| task.init.coordinates.get(index).copied();
+    for (index, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.independent && !joint.of_scene) {
+        let Some(stem) = joint.name.strip_suffix("_l") else { continue };
+        let Some(other) = joints.iter().position(|known| known.name.strip_suffix("_r") == Some(stem)) else { continue };
+        // Joints that stand alike have axes that mirror each other.
+        let (Some(left), Some(right)) = (posed(index), posed(other)) else { continue };
+        if joint.neutral == joints[other].neutral && (left - right).abs() > 1e-9 {
+            let (name, unlike) = (&joint.name, &joints[other].name);
+            let message = format!(
+                "the task is `symmetric`, but begins with `{name}` at {} and `{unlike}` at {}",
+                short(left),
+                short(right)
+            );
+            let place = task.success_at;
+            let span = checker.statements.iter().find_map(|placed| match &placed.statement {
+                TaskStatement::Init(block) => Some((placed.file, block.keyword)),
+                _ => None,
+            });
+            let (file, span) = span.unwrap_or(place);
+            let diagnostic = Diagnostic::new(codes::intent::ONE_SIDE, file, span, message)
+                .help(format!("pose both alike, `{} = ...`, or leave out `symmetric`", pair(name)));
+            push(checker, "one_side", diagnostic, diagnostics);
+            return;
+        }
+    }
+}
+
+fn pair(name: &str) -> String {
+    format!("{}{{l,r}}", &name[..name.len() - 1])
+}
+
+/// The names of what a sensor measures, as tasks call them.
+fn names_of<'a>(checker: &Checker<'a>, sensor: Sensor) -> Vec<&'a str> {
+    use Sensor as S;
+    let body = checker.vocabulary;
+    let joint = |index: usize| body.joints.get(index).map(|joint| joint.name.as_str());
+    let muscle = |index: usize| body.muscles.get(index).map(|muscle| muscle.name.as_str());
+    let part = |part: crate::scene::Part| match part {
+        crate::scene::Part::Landmark(index) => body.landmarks.get(index).map(|landmark| landmark.name.as_str()),
+        _ => None,
+    };
+    let names: Vec<Option<&str>> = match sensor {
+        S::JointPosition(index) | S::JointVelocity(index) | S::JointAcceleration(index) | S::JointTorque(index) => {
+            vec![joint(index)]
+        }
+        S::MuscleActivation(index) | S::MuscleForce(index) | S::MuscleLength(index) | S::MuscleExcitation(index) => {
+            vec![muscle(index)]
+        }
+        S::Touching(a, b) | S::ContactForce(a, b) | S::ContactCount(a, b) | S::SurfaceDistance(a, b) => vec![part(a), part(b)],
+        other => vec![landmark_of(other).and_then(|index| body.landmarks.get(index)).map(|landmark| landmark.name.as_str())],
+    };
+    names.into_iter().flatten().collect()
+}

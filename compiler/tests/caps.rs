@@ -1,0 +1,87 @@
+//! What bounds a text: depth on a small stack, size, what unrolls, and what a task may remember.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+#[allow(dead_code, reason = "the pages have their own tests")]
+mod support;
+
+use msk_compiler::diagnostics::Report;
+use std::time::{Duration, Instant};
+use support::compiling::{compile_text, complete};
+
+/// The codes of what is said to a text, in order, each once.
+fn codes(text: &str) -> Vec<&'static str> {
+    let told = match compile_text(text, &[]) {
+        Ok(compilation) => compilation.warnings,
+        Err(Report { diagnostics, .. }) => diagnostics,
+    };
+    let mut codes: Vec<&str> = told.iter().map(|told| told.code.id).collect();
+    codes.dedup();
+    codes
+}
+
+/// Runs on a thread with a stack of 1 MB, as a guest of another program might.
+fn on_small_stack(run: impl FnOnce() + Send + 'static) {
+    std::thread::Builder::new().stack_size(1 << 20).spawn(run).unwrap().join().unwrap();
+}
+
+/// Functions that call each other, `count` deep.
+fn chain(count: usize) -> String {
+    let functions = (1..count).map(|index| format!("fn f{index}(x) = f{}(x) + 1\n", index - 1));
+    let functions: String = std::iter::once("fn f0(x) = x\n".to_owned()).chain(functions).collect();
+    format!("{functions}{}", complete(&format!("reward {{ 1 a = f{}(torso.up.z) }}", count - 1)))
+}
+
+#[test]
+fn depth_is_bounded_on_a_small_stack() {
+    on_small_stack(|| {
+        assert!(codes(&chain(20)).is_empty());
+        assert_eq!(codes(&chain(400)), ["E0410"]);
+        let lets: String = (1..400).map(|index| format!("let a_{index} = a_{} + 1\n", index - 1)).collect();
+        let named = complete(&format!("let a_0 = torso.up.z\n{lets}reward {{ 1 a = a_399 }}"));
+        assert_eq!(codes(&named), ["E0410"]);
+        for (open, close) in
+            [("(", ")"), ("tanh(", ")"), ("[", "][0]"), ("-(", ")"), ("(if com.height > 1 m then (", ") else 1)")]
+        {
+            for depth in [5, 20, 30, 100, 2000] {
+                let formula = format!("{}torso.up.z{}", open.repeat(depth), close.repeat(depth));
+                let told = codes(&complete(&format!("reward {{ 1 a = {formula} }}")));
+                assert!(
+                    told.iter().all(|code| matches!(*code, "E0121" | "E0122" | "E0410" | "W0508")),
+                    "{open} {depth}: {told:?}"
+                );
+            }
+        }
+        // What is handed to a function is computed before it, not within it.
+        let nested = format!("fn deep(x) = {}x{}\n", "tanh(".repeat(30), ")".repeat(30));
+        let called =
+            format!("{nested}{}", complete(&format!("reward {{ 1 a = {}torso.up.z{} }}", "deep(".repeat(30), ")".repeat(30))));
+        assert!(codes(&called).is_empty());
+    });
+}
+
+#[test]
+fn what_unrolls_is_bounded_and_takes_no_time() {
+    let cases = [
+        ("reward { 1 a = sum([i for i in 0..1000000000]) * torso.up.z }", "E0410"),
+        ("reward { 1 a = sum([[j for j in 0..1000] for i in 0..1000]) * torso.up.z }", "E0410"),
+        ("reward { 1 a = sum(pole_{0..4000000000}.height) / 1 m }", "E0410"),
+        ("reward { 1 a = sum([sum([k * torso.up.z for k in 0..300]) for i in 0..1000]) }", "E0410"),
+        ("scene { ground\n repeat i in 0..4000000000 { box b_{i} { size [1 m, 1 m, 1 m], at [3 m, 0, 1 m] } } }", "E0410"),
+    ];
+    for (statements, code) in cases {
+        let started = Instant::now();
+        assert_eq!(codes(&complete(statements)), [code], "{statements}");
+        assert!(started.elapsed() < Duration::from_secs(20), "{statements}");
+    }
+    let doubling: String = (1..40).map(|index| format!("fn f{index}(x) = f{}(x) + f{}(x + 1)\n", index - 1, index - 1)).collect();
+    let text = format!("fn f0(x) = x\n{doubling}{}", complete("reward { 1 a = f39(torso.up.z) }"));
+    assert_eq!(codes(&text), ["E0410"]);
+}
+
+#[test]
+fn what_a_task_remembers_is_bounded() {
+    assert_eq!(codes(&complete("reward { 1 a = delay(torso.up.z, 100001 steps) }")), ["E0310"]);
+    let many: String = (0..40).map(|index| format!("1 a_{index} = delay(torso.up.z, {} steps)\n", 99_000 - index)).collect();
+    assert!(codes(&complete(&format!("reward {{\n{many}}}"))).contains(&"E0410"));
+}

@@ -1,0 +1,39 @@
+//! Programs grown from bytes: most compile, all are answered, and their layout says what they say.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+#[path = "support/generate.rs"]
+mod generate;
+#[allow(dead_code, reason = "the pages have their own tests")]
+mod support;
+
+use msk_compiler::diagnostics::FileId;
+use msk_compiler::format::format;
+use proptest::prelude::*;
+use std::cell::Cell;
+use support::compiling::compile_text;
+
+#[test]
+fn programs_grown_from_bytes_are_answered_and_laid_out() {
+    let (compiled, all) = (Cell::new(0), Cell::new(0));
+    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) };
+    proptest!(config, |(bytes in prop::collection::vec(any::<u8>(), 20..300))| {
+        let text = generate::program(&bytes);
+        let tidy = format(FileId::default(), &text).unwrap_or_else(|error| panic!("{error:?} in\n{text}"));
+        let again = format(FileId::default(), &tidy).unwrap();
+        prop_assert_eq!(&again, &tidy);
+        all.set(all.get() + 1);
+        match compile_text(&tidy, &[]) {
+            Ok(_) => compiled.set(compiled.get() + 1),
+            Err(report) => prop_assert!(report.has_errors()),
+        }
+    });
+    // A generator whose programs were refused would test nothing behind the checker.
+    assert!(compiled.get() * 10 > all.get(), "{} of {}", compiled.get(), all.get());
+}
+
+#[test]
+fn the_shortest_program_compiles() {
+    let text = generate::program(&[]);
+    assert!(compile_text(&text, &[]).is_ok(), "{}\n{text}", compile_text(&text, &[]).err().unwrap());
+}

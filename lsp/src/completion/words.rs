@@ -1,0 +1,139 @@
+//! The words with which statements begin, and what they are for.
+
+/// Words with a sentence each.
+pub type Table = &'static [(&'static str, &'static str)];
+
+/// At the top of a file.
+pub const FILE: Table = &[
+    ("use", "use \"PATH\": bring in another file"),
+    ("const", "const NAME = FORMULA: a value known while compiling"),
+    ("fn", "fn NAME(a, b) = FORMULA: a pure function"),
+    ("observation", "observation NAME { CHANNELS }: a block of channels"),
+    ("task", "task NAME { ... }"),
+    ("sequence", "sequence NAME { ... }: tasks one after the other in one episode"),
+    ("suite", "suite NAME { ... }: families of tasks and their protocol"),
+    ("body", "body NAME { ... }: names for the parts of a model"),
+];
+
+/// In a task.
+pub const TASK: Table = &[
+    ("family", "family NAME"),
+    ("body", "body NAME: on which body"),
+    ("control", "control 100 Hz: how often the policy acts"),
+    ("horizon", "horizon 1000 steps: the length of an episode"),
+    ("symmetric", "mirroring left and right must not change the pay"),
+    ("params", "params { NAME: TYPE = VALUE (LOW..HIGH) }: numbers that may be set from outside"),
+    ("let", "let NAME = FORMULA"),
+    ("state", "state NAME = INITIAL becomes VALUE when CONDITION"),
+    ("clock", "clock NAME at FREQUENCY: an angle that turns"),
+    ("random", "random NAME = DRAW where CONDITION redraw when CONDITION"),
+    ("reference", "reference NAME = motion \"NAME\" start WHERE: a motion to follow"),
+    ("scene", "scene { ... }: what surrounds the body"),
+    ("init", "init { ... }: how an episode begins"),
+    ("observe", "observe { ... }: what the policy sees"),
+    ("reward", "reward { WEIGHT NAME = FORMULA }: what it is paid for"),
+    ("metrics", "metrics { ... }: logged, never paid"),
+    ("terminate", "terminate { REASON when CONDITION }: failures"),
+    ("finish", "finish { REASON when CONDITION }: ends that are no failures"),
+    ("success", "success CONDITION: read at the last step"),
+    ("disturb", "disturb PART { force, torque, at, for }"),
+    ("phase", "phase TASK until CONDITION: of a sequence"),
+    ("test", "test \"TITLE\" { ... }"),
+    ("cheat", "cheat \"TITLE\" { ... }: what must not succeed"),
+    ("allow", "allow LINT \"REASON\""),
+];
+
+/// In a scene, beside the elements.
+pub const SCENE: Table = &[
+    ("weld", "weld A to B: holds place and turn"),
+    ("connect", "connect A to B: holds the place"),
+    ("group", "group NAME = LIST: objects that count as one thing in contacts"),
+    ("marker", "marker NAME at PLACE: shown, never touched"),
+    ("repeat", "repeat NAME in LOW..HIGH { ... }"),
+    ("remove", "remove NAME"),
+];
+
+/// In a beginning.
+pub const INIT: Table = &[
+    ("pose", "pose NAME { JOINT = VALUE }"),
+    ("root", "root { height on ground, at [x, y], heading 0 deg, velocity [x, y, z] }"),
+    ("noise", "noise joints normal(0, DEVIATION)"),
+    ("settle", "settle DURATION with activation VALUE at rest"),
+];
+
+/// In `root { }` of a beginning.
+pub const ROOT: Table = &[
+    ("height", "height on ground, or a length"),
+    ("at", "at [x, y]"),
+    ("heading", "turn about the vertical"),
+    ("pitch", "nose down"),
+    ("roll", "right side down"),
+    ("velocity", "velocity [x, y, z], world axes"),
+    ("so", "so PLACE at PLACE: moved until they meet"),
+];
+
+/// Where an object starts.
+pub const START: Table =
+    &[("at", "where"), ("turned", "how it is turned"), ("velocity", "how fast"), ("spin", "how fast it turns")];
+
+/// In a suite.
+pub const SUITE: Table = &[("family", "family NAME { TASKS }"), ("protocol", "protocol { episodes 50, seed 0 }")];
+
+/// In a protocol.
+pub const PROTOCOL: Table = &[("episodes", "episodes of each task"), ("seed", "seed of the first episode")];
+
+/// In a body file.
+pub const BODY: Table = &[
+    ("model", "model \"PATH\""),
+    ("root", "root NAME { forward AXIS, up AXIS }"),
+    ("excitation", "excitation linear, or sigmoid"),
+    ("tendons", "tendons rigid, or elastic"),
+    ("landmark", "landmark NAME { on BODY, at [x, y, z], forward AXIS, up AXIS, segment [GEOMS] }"),
+    ("landmarks", "landmarks NAME = LIST"),
+    ("joint", "joint NAME = NAME"),
+    ("joints", "joints NAME = LIST"),
+    ("muscles", "muscles NAME = LIST"),
+    ("family", "family NAME \"Title\" = LIST"),
+    ("pose", "pose NAME { JOINT = VALUE }"),
+];
+
+/// In a disturbance.
+pub const DISTURB: Table =
+    &[("force", "force [x, y, z]"), ("torque", "torque [x, y, z]"), ("at", "from when"), ("for", "how long")];
+
+/// In a test.
+pub const TEST: Table = &[
+    ("pose", "pose NAME { JOINT = VALUE }"),
+    ("at", "at TIME pose NAME"),
+    ("repeat", "repeat NAME in LOW..HIGH { ... }: copies of moments"),
+    ("play", "play motion \"FILE\" from TIME: a table of motion"),
+    ("given", "given RANDOM = VALUE: instead of chance"),
+    ("until", "until TIME: when it ends if the task does not end it"),
+    ("moment", "moment NAME { ... }: an episode of its own, read at its end"),
+    ("run", "run POLICY for DURATION"),
+    ("expect", "expect CONDITION"),
+];
+
+/// Words within formulas.
+pub const FORMULA: Table = &[
+    ("if", "if CONDITION then VALUE else VALUE"),
+    ("not", "not CONDITION"),
+    ("true", ""),
+    ("false", ""),
+    ("ended", "ended by REASON"),
+    ("muscle", "muscle \"NAME\": a muscle whose name needs quotes"),
+    ("joint", "joint \"NAME\""),
+    ("landmark", "landmark \"NAME\""),
+];
+
+/// Sets of every body.
+pub const SETS: Table = &[
+    ("com", "the centre of mass of the body"),
+    ("joints", "all joints"),
+    ("hinges", "joints that turn"),
+    ("slides", "joints that slide"),
+    ("independent", "hinges that follow no other joint"),
+    ("muscles", "all muscles"),
+    ("robot", "all shapes of the body"),
+    ("ground", "the ground and everything walkable"),
+];

@@ -1,0 +1,141 @@
+//! What stands at a place: its type, unit, range and documentation.
+
+use crate::hints::share;
+use crate::positions::{Encoding, Lines};
+use crate::workspace::Workspace;
+use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
+use msk_compiler::check::notes::Note;
+use msk_compiler::check::scene::elements;
+use msk_compiler::check::unit;
+use msk_compiler::compile::Inspection;
+use msk_compiler::diagnostics::{FileId, Span};
+use msk_compiler::graph::interval::Bounds;
+use std::path::Path;
+
+/// What there is to say at a byte of a file.
+pub fn hover(workspace: &Workspace<'_>, path: &Path, byte: usize, encoding: Encoding) -> Option<Hover> {
+    let text = workspace.text(path)?;
+    let inspections = workspace.inspections_of(path);
+    let noted = inspections.iter().find_map(|(file, whole)| noted(whole, *file, byte));
+    let (span, said) = unit(&text, byte)
+        .or(noted)
+        .or_else(|| inspections.iter().find_map(|(file, whole)| term(whole, *file, path, byte)))
+        .or_else(|| named(workspace, path, byte))
+        .or_else(|| word(&text, byte))?;
+    let contents = HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value: said });
+    Some(Hover { contents, range: Some(Lines::new(&text, encoding).range(span)) })
+}
+
+fn holds(span: Span, byte: usize) -> bool {
+    span.start as usize <= byte && byte <= span.end as usize
+}
+
+/// From the checker's notes: the smallest expression around, and what is known of it as a part of a larger one.
+fn noted(whole: &Inspection, file: FileId, byte: usize) -> Option<(Span, String)> {
+    let notes: Vec<&Note> =
+        whole.scopes.iter().flat_map(|scope| &scope.notes).filter(|note| note.file == file && holds(note.span, byte)).collect();
+    let size = |note: &&&Note| note.span.end - note.span.start;
+    let smallest = notes.iter().min_by_key(size).filter(|note| !note.kind.is_empty() || !note.docs.is_empty())?;
+    // `height` in `pelvis.height`: the word is the signal, the value is that of the whole.
+    let around = notes.iter().filter(|note| note.span.end == smallest.span.end && note.span.start < smallest.span.start);
+    let value = around.min_by_key(size).filter(|_| smallest.range.is_none() && smallest.kind.starts_with('`'));
+    let source = whole.report.sources.text(file);
+    let mut said = String::new();
+    for note in [Some(smallest), value].into_iter().flatten() {
+        let written = note.span.of(source).lines().next().unwrap_or_default();
+        let head = if note.kind.starts_with('`') { note.kind.clone() } else { format!("`{written}`: {}", note.kind) };
+        if note.kind.is_empty() {
+            continue;
+        }
+        said += &format!("{head}\n\n");
+        if let Some(range) = note.range {
+            said += &format!("Stays within {}.\n\n", within(range));
+        }
+    }
+    for note in [Some(smallest), value].into_iter().flatten().filter(|note| !note.docs.is_empty()) {
+        said += &format!("{}\n\n", note.docs);
+    }
+    Some((smallest.span, said.trim_end().to_owned())).filter(|(_, said)| !said.is_empty())
+}
+
+/// Bounds in words.
+fn within(range: Bounds) -> String {
+    let number = |value: f64| {
+        let rounded = format!("{value:.4}");
+        let short = if rounded.contains('.') { rounded.trim_end_matches('0').trim_end_matches('.') } else { &rounded };
+        if value != 0.0 && value.abs() < 1e-3 { format!("{value:.2e}") } else { short.to_owned() }
+    };
+    match (range.low.is_finite(), range.high.is_finite()) {
+        (true, true) if range.low == range.high => format!("the one value {}", number(range.low)),
+        (true, true) => format!("{} .. {} (SI)", number(range.low), number(range.high)),
+        (true, false) => format!("{} and above (SI)", number(range.low)),
+        _ => format!("{} and below (SI)", number(range.high)),
+    }
+}
+
+/// The name of a term: what it pays.
+fn term(whole: &Inspection, file: FileId, path: &Path, byte: usize) -> Option<(Span, String)> {
+    use msk_compiler::syntax::tree::{Item, TaskStatement, walk};
+    let tree = &whole.files.iter().find(|known| known.path == path)?.tree;
+    debug_assert_eq!(tree.file, file);
+    for item in &tree.items {
+        let Item::Task(task) = item else { continue };
+        for statement in &task.statements {
+            let TaskStatement::Reward(reward) = statement else { continue };
+            let Some(found) = walk::items(&reward.terms).find(|term| holds(term.name.span, byte)) else { continue };
+            let compiled = whole.tasks.iter().find(|known| known.name == task.name.text)?;
+            let total: f64 = compiled.terms.iter().map(|term| term.weight.abs()).sum();
+            let paid = compiled.terms.iter().find(|term| term.name == found.name.text)?;
+            let docs = found.docs.as_ref().map_or("", |docs| docs.text.as_str());
+            let share = share(paid.weight.abs() / total);
+            let per = if reward.per_second { "per second" } else { "per control step" };
+            let said =
+                format!("`{}`: a term of the reward\n\nWeight {}, {share} of all, paid {per}.\n\n{docs}", paid.name, paid.weight);
+            return Some((found.name.span, said.trim_end().to_owned()));
+        }
+    }
+    None
+}
+
+/// What a text declares, where the checker has nothing to say.
+fn named(workspace: &Workspace<'_>, path: &Path, byte: usize) -> Option<(Span, String)> {
+    let index = workspace.index();
+    let here = index.at(index.file(path)?, byte)?;
+    let symbol = &index.symbols[here.symbol];
+    let said = format!("`{}`: {}\n\n{}", symbol.name, symbol.what, symbol.docs);
+    Some((here.span, said.trim_end().to_owned()))
+}
+
+/// The word at a byte, with what stands before it.
+fn word_at(text: &str, byte: usize) -> Option<(Span, &str, &str)> {
+    let inside = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '%';
+    let start = text.get(..byte)?.rfind(|c| !inside(c)).map_or(0, |at| at + text[at..].chars().next().map_or(1, char::len_utf8));
+    let end = text.get(byte..)?.find(|c| !inside(c)).map_or(text.len(), |at| byte + at);
+    Some((Span::new(start, end), text.get(start..end)?, text.get(..start)?))
+}
+
+/// A unit stands behind a number or behind another unit.
+fn unit(text: &str, byte: usize) -> Option<(Span, String)> {
+    let (span, word, before) = word_at(text, byte)?;
+    let found = unit::find(word)?;
+    let last = before.chars().next_back()?;
+    let number = last == ' ' && before.trim_end_matches(' ').ends_with(|c: char| c.is_ascii_digit());
+    let said = || format!("`{}`: {}, {}", found.name, found.description, found.dimension.described());
+    (number || matches!(last, '*' | '/' | '(')).then(|| (span, said()))
+}
+
+/// Elements and their fields: words of the language that stand for something.
+fn word(text: &str, byte: usize) -> Option<(Span, String)> {
+    let (span, word, _) = word_at(text, byte)?;
+    let kind = elements::KINDS.iter().chain(elements::JOINTS).find(|kind| kind.name == word);
+    let field = elements::FIELDS.iter().find(|field| field.name == word);
+    let said = match (kind, field) {
+        (Some(kind), _) => {
+            let (required, optional) = (kind.required.join(" "), kind.optional.join(" "));
+            format!("`{}`: {}\n\nMust say: {required}. May say: {optional}.", kind.name, kind.description)
+        }
+        (_, Some(field)) => format!("`{}`\n\n{}", field.form, field.description),
+        _ => return None,
+    };
+    Some((span, said))
+}

@@ -1,0 +1,393 @@
+//! The conversation: messages come in, answers go out, one after the other.
+
+use crate::positions::{Encoding, Lines};
+use crate::report::Reporter;
+use crate::workspace::{Document, Workspace};
+use crate::{ServeError, actions, completion, hints, hover, layout, navigation, paths, rename, symbols};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
+use lsp_types::notification::{self as told, Notification as _};
+use lsp_types::request::{self as asked, Request as _};
+use lsp_types::{
+    CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions, CompletionResponse, DocumentChanges,
+    DocumentSymbolResponse, GotoDefinitionResponse, HoverProviderCapability, InitializeParams, OneOf,
+    OptionalVersionedTextDocumentIdentifier, PrepareRenameResponse, RenameOptions, SaveOptions, ServerCapabilities,
+    TextDocumentContentChangeEvent, TextDocumentEdit, TextDocumentPositionParams, TextDocumentSyncCapability,
+    TextDocumentSyncKind, TextDocumentSyncOptions, TextDocumentSyncSaveOptions, TextEdit, Uri, WorkspaceEdit,
+};
+use msk_compiler::diagnostics::{FileId, Span};
+use msk_compiler::files::{BodySource, Loader};
+use msk_compiler::syntax::parse;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+
+/// How a conversation ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// After `shutdown`, with `exit`.
+    Properly,
+    /// With `exit` or the end of the input, without `shutdown`.
+    Abruptly,
+}
+
+/// How the client wants changes of texts.
+pub struct Edits {
+    /// How positions are counted.
+    pub encoding: Encoding,
+    /// Whether they may name the version of the text that they change.
+    versioned: bool,
+}
+
+impl Edits {
+    /// Changes of several files as the client wants them; nothing if one of them cannot be addressed.
+    #[allow(clippy::mutable_key_type, reason = "what may change in an address is not what it is compared by")]
+    pub fn workspace_edit(&self, workspace: &Workspace<'_>, changes: Vec<(PathBuf, Span, String)>) -> Option<WorkspaceEdit> {
+        let mut by_file: BTreeMap<PathBuf, Vec<TextEdit>> = BTreeMap::new();
+        for (path, span, new_text) in changes {
+            let text = workspace.text(&path)?;
+            let range = Lines::new(&text, self.encoding).range(span);
+            by_file.entry(path).or_default().push(TextEdit { range, new_text });
+        }
+        let mut edits = Vec::new();
+        for (path, changes) in by_file {
+            let document = workspace.document(&path);
+            let uri = document.map(|document| document.uri.clone()).or_else(|| paths::uri(&path))?;
+            edits.push((uri, document.map(|document| document.version), changes));
+        }
+        if !self.versioned {
+            let changes = edits.into_iter().map(|(uri, _, changes)| (uri, changes)).collect();
+            return Some(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() });
+        }
+        let edit = |(uri, version, changes): (Uri, Option<i32>, Vec<TextEdit>)| TextDocumentEdit {
+            text_document: OptionalVersionedTextDocumentIdentifier { uri, version },
+            edits: changes.into_iter().map(OneOf::Left).collect(),
+        };
+        let edits = edits.into_iter().map(edit).collect();
+        Some(WorkspaceEdit { document_changes: Some(DocumentChanges::Edits(edits)), ..WorkspaceEdit::default() })
+    }
+}
+
+/// Begins, answers and ends.
+pub fn serve(
+    connection: &Connection,
+    loader: &dyn Loader,
+    bodies: &dyn BodySource,
+    list: &dyn Fn(&Path) -> Vec<PathBuf>,
+) -> Result<Ended, ServeError> {
+    let (id, client) = match first(connection)? {
+        Some(begun) => begun,
+        None => return Ok(Ended::Abruptly),
+    };
+    let edits = Edits {
+        encoding: Encoding::negotiated(&client.capabilities),
+        versioned: client.capabilities.workspace.as_ref().and_then(|it| it.workspace_edit.as_ref()?.document_changes)
+            == Some(true),
+    };
+    let information = serde_json::json!({
+        "capabilities": capabilities(edits.encoding),
+        "serverInfo": { "name": "msk", "version": env!("CARGO_PKG_VERSION") },
+    });
+    let mut workspace = Workspace::new(loader, bodies, list);
+    workspace.roots = roots(&client);
+    let mut server = Server { connection, workspace, edits, reporter: Reporter::default(), down: false };
+    server.answer(Response::new_ok(id, information));
+    Ok(server.run())
+}
+
+/// The request with which a conversation begins. Others are refused, `exit` ends it.
+fn first(connection: &Connection) -> Result<Option<(RequestId, InitializeParams)>, ServeError> {
+    while let Ok(message) = connection.receiver.recv() {
+        match message {
+            Message::Request(request) if request.method == asked::Initialize::METHOD => {
+                let client = serde_json::from_value(request.params).map_err(|error| ServeError::Protocol(error.to_string()))?;
+                return Ok(Some((request.id, client)));
+            }
+            Message::Request(request) => {
+                let refusal = "the server waits for `initialize`".to_owned();
+                let _ =
+                    connection.sender.send(Response::new_err(request.id, ErrorCode::ServerNotInitialized as i32, refusal).into());
+            }
+            Message::Notification(notification) if notification.method == told::Exit::METHOD => return Ok(None),
+            Message::Notification(_) | Message::Response(_) => {}
+        }
+    }
+    Ok(None)
+}
+
+#[allow(deprecated, reason = "clients that know no folders give a root")]
+fn roots(client: &InitializeParams) -> Vec<PathBuf> {
+    let folders = client.workspace_folders.iter().flatten().map(|folder| &folder.uri);
+    let mut roots: Vec<PathBuf> = folders.map(paths::path).collect();
+    if roots.is_empty() {
+        roots.extend(client.root_uri.iter().map(paths::path));
+    }
+    roots.retain(|root| root.is_absolute());
+    roots
+}
+
+fn capabilities(encoding: Encoding) -> ServerCapabilities {
+    ServerCapabilities {
+        position_encoding: Some(encoding.kind()),
+        text_document_sync: Some(TextDocumentSyncCapability::Options(TextDocumentSyncOptions {
+            open_close: Some(true),
+            change: Some(TextDocumentSyncKind::INCREMENTAL),
+            save: Some(TextDocumentSyncSaveOptions::SaveOptions(SaveOptions { include_text: Some(false) })),
+            ..TextDocumentSyncOptions::default()
+        })),
+        hover_provider: Some(HoverProviderCapability::Simple(true)),
+        completion_provider: Some(CompletionOptions {
+            trigger_characters: Some(vec![".".to_owned(), " ".to_owned()]),
+            ..CompletionOptions::default()
+        }),
+        definition_provider: Some(OneOf::Left(true)),
+        references_provider: Some(OneOf::Left(true)),
+        document_highlight_provider: Some(OneOf::Left(true)),
+        document_symbol_provider: Some(OneOf::Left(true)),
+        document_formatting_provider: Some(OneOf::Left(true)),
+        code_action_provider: Some(CodeActionProviderCapability::Options(CodeActionOptions {
+            code_action_kinds: Some(vec![CodeActionKind::QUICKFIX, actions::FIX_ALL]),
+            ..CodeActionOptions::default()
+        })),
+        rename_provider: Some(OneOf::Right(RenameOptions {
+            prepare_provider: Some(true),
+            work_done_progress_options: lsp_types::WorkDoneProgressOptions::default(),
+        })),
+        inlay_hint_provider: Some(OneOf::Left(true)),
+        ..ServerCapabilities::default()
+    }
+}
+
+struct Server<'a> {
+    connection: &'a Connection,
+    workspace: Workspace<'a>,
+    edits: Edits,
+    reporter: Reporter,
+    /// Whether `shutdown` was asked for.
+    down: bool,
+}
+
+/// What an answer is, or why there is none.
+type Answer = Result<Value, (ErrorCode, String)>;
+
+impl Server<'_> {
+    fn run(&mut self) -> Ended {
+        let mut waiting: VecDeque<Message> = VecDeque::new();
+        loop {
+            if waiting.is_empty() {
+                // Nothing is being typed: time to say what is wrong.
+                self.publish();
+                match self.connection.receiver.recv() {
+                    Ok(message) => waiting.push_back(message),
+                    Err(_) => return Ended::Abruptly,
+                }
+            }
+            waiting.extend(self.connection.receiver.try_iter());
+            self.cancel(&mut waiting);
+            match waiting.pop_front() {
+                Some(Message::Request(request)) => self.request(request),
+                Some(Message::Notification(notification)) if notification.method == told::Exit::METHOD => {
+                    return if self.down { Ended::Properly } else { Ended::Abruptly };
+                }
+                Some(Message::Notification(notification)) => self.notification(notification),
+                Some(Message::Response(_)) | None => {}
+            }
+        }
+    }
+
+    /// Requests that nobody waits for any more are refused without work.
+    fn cancel(&self, waiting: &mut VecDeque<Message>) {
+        let cancelled = |message: &Message| match message {
+            Message::Notification(n) if n.method == told::Cancel::METHOD => Some(n.params.get("id")?.clone()),
+            _ => None,
+        };
+        let ids: Vec<Value> = waiting.iter().filter_map(cancelled).collect();
+        if ids.is_empty() {
+            return;
+        }
+        waiting.retain(|message| {
+            let Message::Request(request) = message else { return cancelled(message).is_none() };
+            let unwanted = serde_json::to_value(&request.id).is_ok_and(|id| ids.contains(&id));
+            if unwanted {
+                let message = "cancelled by the client".to_owned();
+                self.answer(Response::new_err(request.id.clone(), ErrorCode::RequestCanceled as i32, message));
+            }
+            !unwanted
+        });
+    }
+
+    fn answer(&self, response: Response) {
+        // A client that no longer listens ends the conversation at the next read.
+        let _ = self.connection.sender.send(response.into());
+    }
+
+    fn publish(&mut self) {
+        if self.down {
+            return;
+        }
+        for news in self.reporter.news(&self.workspace, self.edits.encoding) {
+            let notification = Notification::new(told::PublishDiagnostics::METHOD.to_owned(), news);
+            let _ = self.connection.sender.send(notification.into());
+        }
+    }
+
+    fn request(&mut self, request: Request) {
+        let Request { id, method, params } = request;
+        let answer = if self.down {
+            Err((ErrorCode::InvalidRequest, "the server is shut down".to_owned()))
+        } else {
+            self.answer_to(&method, params)
+        };
+        self.answer(match answer {
+            Ok(value) => Response::new_ok(id, value),
+            Err((code, message)) => Response::new_err(id, code as i32, message),
+        });
+    }
+
+    fn answer_to(&mut self, method: &str, params: Value) -> Answer {
+        match method {
+            asked::Shutdown::METHOD => {
+                self.down = true;
+                Ok(Value::Null)
+            }
+            asked::Initialize::METHOD => Err((ErrorCode::InvalidRequest, "the server is initialised already".to_owned())),
+            asked::HoverRequest::METHOD => self.with::<asked::HoverRequest>(params, |server, params| {
+                let (path, byte) = server.place(&params.text_document_position_params)?;
+                hover::hover(&server.workspace, &path, byte, server.edits.encoding)
+            }),
+            asked::Completion::METHOD => self.with::<asked::Completion>(params, |server, params| {
+                let (path, byte) = server.place(&params.text_document_position)?;
+                let items = completion::complete(&server.workspace, &path, byte, server.edits.encoding);
+                Some(CompletionResponse::Array(items))
+            }),
+            asked::GotoDefinition::METHOD => self.with::<asked::GotoDefinition>(params, |server, params| {
+                let (path, byte) = server.place(&params.text_document_position_params)?;
+                let found = navigation::definitions(&server.workspace, &path, byte, server.edits.encoding);
+                Some(GotoDefinitionResponse::Array(found))
+            }),
+            asked::References::METHOD => self.with::<asked::References>(params, |server, params| {
+                let (path, byte) = server.place(&params.text_document_position)?;
+                let declared = params.context.include_declaration;
+                Some(navigation::references(&server.workspace, &path, byte, declared, server.edits.encoding))
+            }),
+            asked::DocumentHighlightRequest::METHOD => self.with::<asked::DocumentHighlightRequest>(params, |server, params| {
+                let (path, byte) = server.place(&params.text_document_position_params)?;
+                Some(navigation::highlights(&server.workspace, &path, byte, server.edits.encoding))
+            }),
+            asked::DocumentSymbolRequest::METHOD => self.with::<asked::DocumentSymbolRequest>(params, |server, params| {
+                let text = server.workspace.text(&paths::path(&params.text_document.uri))?;
+                let lines = Lines::new(&text, server.edits.encoding);
+                Some(DocumentSymbolResponse::Nested(symbols::outline(&parse(FileId::default(), &text).tree, &lines)))
+            }),
+            asked::Formatting::METHOD => self.with::<asked::Formatting>(params, |server, params| {
+                let text = server.workspace.text(&paths::path(&params.text_document.uri))?;
+                layout::layout(&text, server.edits.encoding)
+            }),
+            asked::CodeActionRequest::METHOD => self.with::<asked::CodeActionRequest>(params, |server, params| {
+                let path = paths::path(&params.text_document.uri);
+                let only = params.context.only.as_deref();
+                Some(actions::actions(&server.workspace, &server.edits, &path, params.range, only))
+            }),
+            asked::InlayHintRequest::METHOD => self.with::<asked::InlayHintRequest>(params, |server, params| {
+                let path = paths::path(&params.text_document.uri);
+                let text = server.workspace.text(&path)?;
+                let lines = Lines::new(&text, server.edits.encoding);
+                let whole = server.workspace.inspect(&path);
+                let tree = &whole.files.iter().find(|file| file.path == path)?.tree;
+                Some(hints::shares(tree, &whole, &lines, lines.span(params.range)))
+            }),
+            asked::PrepareRenameRequest::METHOD => {
+                let position: TextDocumentPositionParams = read(params)?;
+                let (path, byte) = self.place(&position).ok_or_else(unreadable)?;
+                let range = rename::prepare(&self.workspace, &path, byte, self.edits.encoding).map_err(refused)?;
+                written(PrepareRenameResponse::Range(range))
+            }
+            asked::Rename::METHOD => {
+                let params: lsp_types::RenameParams = read(params)?;
+                let (path, byte) = self.place(&params.text_document_position).ok_or_else(unreadable)?;
+                let edit = rename::rename(&self.workspace, &self.edits, &path, byte, &params.new_name).map_err(refused)?;
+                written(edit)
+            }
+            _ => Err((ErrorCode::MethodNotFound, format!("`{method}` is not answered here"))),
+        }
+    }
+
+    fn with<R: asked::Request>(&self, params: Value, answer: impl FnOnce(&Self, R::Params) -> R::Result) -> Answer
+    where
+        R::Params: DeserializeOwned,
+        R::Result: Serialize,
+    {
+        written(answer(self, read(params)?))
+    }
+
+    /// The file and the byte of a position; nothing of a file that cannot be read.
+    fn place(&self, position: &TextDocumentPositionParams) -> Option<(PathBuf, usize)> {
+        let path = paths::path(&position.text_document.uri);
+        let text = self.workspace.text(&path)?;
+        let byte = Lines::new(&text, self.edits.encoding).byte(position.position);
+        Some((path, byte))
+    }
+
+    /// What cannot be read, or is about a text that is not open, changes nothing: notifications are never answered.
+    fn notification(&mut self, notification: Notification) {
+        let Notification { method, params } = notification;
+        match method.as_str() {
+            told::DidOpenTextDocument::METHOD => {
+                let Ok(params) = read::<lsp_types::DidOpenTextDocumentParams>(params) else { return };
+                let document = params.text_document;
+                let path = paths::path(&document.uri);
+                self.workspace.put(path, Document { uri: document.uri, version: document.version, text: document.text });
+            }
+            told::DidChangeTextDocument::METHOD => {
+                let Ok(params) = read::<lsp_types::DidChangeTextDocumentParams>(params) else { return };
+                let path = paths::path(&params.text_document.uri);
+                let Some(document) = self.workspace.document(&path) else { return };
+                let version = params.text_document.version;
+                // A change that comes late would be made to another text than it was meant for.
+                if version < document.version {
+                    return;
+                }
+                let mut text = document.text.clone();
+                for change in params.content_changes {
+                    apply(&mut text, change, self.edits.encoding);
+                }
+                let uri = document.uri.clone();
+                self.workspace.put(path, Document { uri, version, text });
+            }
+            told::DidCloseTextDocument::METHOD => {
+                let Ok(params) = read::<lsp_types::DidCloseTextDocumentParams>(params) else { return };
+                self.workspace.close(&paths::path(&params.text_document.uri));
+            }
+            told::DidSaveTextDocument::METHOD | told::DidChangeWatchedFiles::METHOD => self.workspace.forget_all(),
+            _ => {}
+        }
+    }
+}
+
+/// Makes one change.
+fn apply(text: &mut String, change: TextDocumentContentChangeEvent, encoding: Encoding) {
+    match change.range {
+        None => *text = change.text,
+        Some(range) => {
+            let span = Lines::new(text, encoding).span(range);
+            text.replace_range(span.range(), &change.text);
+        }
+    }
+}
+
+fn read<P: DeserializeOwned>(params: Value) -> Result<P, (ErrorCode, String)> {
+    serde_json::from_value(params).map_err(|error| (ErrorCode::InvalidParams, error.to_string()))
+}
+
+fn written(answer: impl Serialize) -> Answer {
+    serde_json::to_value(answer).map_err(|error| (ErrorCode::InternalError, error.to_string()))
+}
+
+fn refused(reason: String) -> (ErrorCode, String) {
+    (ErrorCode::RequestFailed, reason)
+}
+
+fn unreadable() -> (ErrorCode, String) {
+    (ErrorCode::InvalidParams, "this text cannot be read".to_owned())
+}
