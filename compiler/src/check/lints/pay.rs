@@ -14,7 +14,7 @@ use crate::graph::{Graph, NodeId};
 /// How many times as much as all others a term may pay.
 const MOST: f64 = 100.0;
 /// The share of what can be paid that costs may have, if ending early ends them.
-const SMALL: f64 = 0.05;
+const SMALL: f64 = 0.5;
 
 /// Lints on the amounts of all terms.
 pub(super) fn amounts(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
