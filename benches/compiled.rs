@@ -1,0 +1,117 @@
+//! What compiled tasks cost: beside the same formulas by hand, beside the physics, and to compile.
+//!
+//!     cargo bench --bench compiled
+//!
+//! For three tasks of different kind it prints the time of one control step's observation, reward, terminations and success as
+//! compiled and by hand (`benches/hand`), their ratio, and the share of the whole control step that the compiled task takes. Then
+//! the time to read, check and lower every task of the suite, cold and with bodies known, and one task after an edit; and the time
+//! to put the body into a scene. Times are the least of several rounds; `tests/hand_written.rs` holds that both ways come to the same numbers.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a program for whoever measures")]
+
+mod hand;
+
+use hand::{Hand, Outcome, TASKS};
+use msk::compiler::task::{CompiledTask, StepReport, TaskState};
+use msk::compiler::{Middle, compile};
+use msk::runtime::episode::{Episode, EpisodeKey};
+use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::runtime::scene::stage;
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+const ROUNDS: usize = 40;
+
+fn main() {
+    let bodies = BodyLibrary::default();
+    println!("{:<12} {:>12} {:>10} {:>7} {:>14} {:>7}", "task", "compiled, us", "hand, us", "ratio", "whole step, us", "share");
+    for (file, by_hand) in TASKS {
+        let task = compile(&path(file), &FileLoader, &bodies).unwrap().tasks[0].clone();
+        let (frames, whole) = record(&bodies, &task);
+        let [compiled, hand] = compare(&task, &mut *by_hand(&task), &frames);
+        let name = &task.name;
+        println!(
+            "{name:<12} {compiled:>12.2} {hand:>10.2} {:>7.2} {whole:>14.1} {:>6.2}%",
+            compiled / hand,
+            100.0 * compiled / whole
+        );
+    }
+    let suite = path("tasks.msk");
+    let count = compile(&suite, &FileLoader, &bodies).unwrap().tasks.len();
+    let cold = least(5, || {
+        let bodies = BodyLibrary::default();
+        let begun = Instant::now();
+        black_box(compile(&suite, &FileLoader, &bodies).unwrap());
+        begun.elapsed().as_secs_f64()
+    });
+    let known = least(20, || time(|| drop(black_box(compile(&suite, &FileLoader, &bodies).unwrap()))));
+    let (file, _) = TASKS[2];
+    let edited = least(20, || time(|| drop(black_box(compile(&path(file), &FileLoader, &bodies).unwrap()))));
+    let task = compile(&path(file), &FileLoader, &bodies).unwrap().tasks[0].clone();
+    let alone = bodies.stage(&task.body, &Default::default()).unwrap();
+    let staged = least(20, || time(|| drop(black_box(stage(&alone.model, &alone.body, &task.scene).unwrap()))));
+    println!("\nread, check and lower {count} tasks: {:.1} ms cold, {:.1} ms with the body known", 1e3 * cold, 1e3 * known);
+    println!("the file of one task after an edit: {:.2} ms", 1e3 * edited);
+    println!("the body put among the {} objects of that task: {:.1} ms", task.scene.objects.len(), 1e3 * staged);
+}
+
+fn path(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(file)
+}
+
+fn time(work: impl FnOnce()) -> f64 {
+    let begun = Instant::now();
+    work();
+    begun.elapsed().as_secs_f64()
+}
+
+fn least(rounds: usize, mut round: impl FnMut() -> f64) -> f64 {
+    (0..rounds).map(|_| round()).fold(f64::INFINITY, f64::min)
+}
+
+/// Records of an episode, and the least time of a whole control step in microseconds.
+fn record(bodies: &BodyLibrary, task: &Arc<CompiledTask>) -> (Vec<Vec<f64>>, f64) {
+    let staged = bodies.stage(&task.body, &task.scene).unwrap();
+    let mut episode = Episode::new(staged.model, staged.body, Arc::clone(task)).unwrap();
+    let muscles = episode.context().body.muscles.len();
+    let (mut frames, mut whole) = (Vec::new(), f64::INFINITY);
+    for number in 0..4 {
+        episode.reset(EpisodeKey { seed: 1, episode: number });
+        for step in 0..16 {
+            let action: Vec<f64> =
+                (0..muscles).map(|muscle| f64::from(((muscle * 7 + step * 3) % 11) as u8) / 5.0 - 1.0).collect();
+            whole = whole.min(time(|| drop(black_box(episode.step(&action).map(|report| report.reward)))));
+            frames.push(episode.frame().to_vec());
+        }
+    }
+    (frames, 1e6 * whole)
+}
+
+/// Least time of a control step, compiled and by hand in turn, in microseconds.
+fn compare(task: &CompiledTask, hand: &mut dyn Hand, frames: &[Vec<f64>]) -> [f64; 2] {
+    let weights = task.weights();
+    let (mut state, mut report, mut outcome) = (TaskState::default(), StepReport::default(), Outcome::default());
+    let mut observation = vec![0.0; task.observation_size()];
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..ROUNDS {
+        task.reset(&frames[0], &mut Middle, &mut state).unwrap();
+        let compiled = time(|| {
+            for frame in frames {
+                task.step(black_box(frame), &weights, &mut Middle, &mut state, &mut report).unwrap();
+                task.observe(frame, &state, &mut observation);
+                black_box((&report, &observation));
+            }
+        });
+        hand.reset(&frames[0]);
+        let by_hand = time(|| {
+            for frame in frames {
+                hand.step(black_box(frame), &weights, &mut outcome);
+                hand.observe(frame, &mut observation);
+                black_box((&outcome, &observation));
+            }
+        });
+        best = [best[0].min(compiled), best[1].min(by_hand)];
+    }
+    best.map(|time| 1e6 * time / frames.len() as f64)
+}
