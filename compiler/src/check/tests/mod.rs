@@ -245,9 +245,8 @@ impl<'a> Checker<'a> {
             }
             TestStatement::Until { time, span } => {
                 let step = self.script_step(time)?;
-                let last = draft.keys.last().map_or(0, |(last, _)| *last);
-                if draft.until.replace(step).is_some() || draft.run.is_some() || step < last.max(1) {
-                    let message = "`until` is said once, behind the last `at`, and not beside `run`";
+                if draft.until.replace(step).is_some() || draft.run.is_some() || step == 0 {
+                    let message = "`until` is said once, behind every `at`, and not beside `run`";
                     return Err(self.error(codes::tests::TEST_ORDER, *span, message));
                 }
                 Ok(())

@@ -10,7 +10,7 @@ codes! {
     }
     TEST_ORDER = "E0441" {
         title: "a script that does not run forwards",
-        explanation: "The times of `at` increase, `until` and `run` come behind the last of them, and nothing is said twice: a \
+        explanation: "The times of `at` increase, `until` and `run` stand behind the last of them, and neither is said twice: a \
             motion has one order, and a test one end.",
         example: "test \"down\" { at 2 s pose squatting\n at 1 s pose neutral\n expect not success }",
         fix: "test \"down\" { at 1 s pose squatting\n at 2 s pose neutral\n expect not success }",
