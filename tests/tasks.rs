@@ -1,15 +1,16 @@
-//! The benchmark's tasks: each compiles without a remark, begins with nothing inside anything else, and runs.
+//! The benchmark's tasks: each compiles without a remark, begins with nothing inside anything else, runs, and passes its tests.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::{Compilation, compile};
 use msk::runtime::episode::{Ending, Episode, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::runtime::testing;
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// The suite, and the tasks that are written but not proven.
-const FILES: [&str; 2] = ["tasks.msk", "tasks/drafts.msk"];
+/// The suite.
+const FILE: &str = "tasks.msk";
 
 /// What goes beyond the benchmark: tasks of several parts, and the load study.
 const FURTHER: [&str; 2] = ["tasks/composed.msk", "tasks/loads.msk"];
@@ -31,7 +32,7 @@ fn episodes() -> Vec<Episode> {
             compilation.suites.iter().flat_map(|suite| &suite.families).flat_map(|(_, tasks)| tasks.clone()).collect();
         compilation.tasks.into_iter().filter(move |task| named.contains(&task.name))
     });
-    let tasks = FILES.iter().flat_map(|file| compiled(file).tasks).chain(further);
+    let tasks = compiled(FILE).tasks.into_iter().chain(further);
     let begin = |task: std::sync::Arc<msk::compiler::task::CompiledTask>| {
         let staged = bodies().stage(&task.body, &task.scene).unwrap_or_else(|error| panic!("{}: {error:?}", task.name));
         Episode::new(staged.model, staged.body, task).unwrap()
@@ -41,13 +42,11 @@ fn episodes() -> Vec<Episode> {
 
 #[test]
 fn tasks_compile_without_a_remark() {
-    for file in FILES {
-        let compilation = compiled(file);
-        assert!(compilation.warnings.is_empty(), "{file}: {:#?}", compilation.warnings);
-        for suite in &compilation.suites {
-            let named: Vec<&String> = suite.families.iter().flat_map(|(_, tasks)| tasks).collect();
-            assert_eq!(named.len(), compilation.tasks.len(), "{file}: every task is in the suite once");
-        }
+    let compilation = compiled(FILE);
+    assert!(compilation.warnings.is_empty(), "{:#?}", compilation.warnings);
+    for suite in &compilation.suites {
+        let named: Vec<&String> = suite.families.iter().flat_map(|(_, tasks)| tasks).collect();
+        assert_eq!(named.len(), compilation.tasks.len(), "every task is in the suite once");
     }
 }
 
@@ -103,4 +102,59 @@ fn every_task_runs_without_a_fault() {
         }
     }
     assert!(problems.is_empty(), "\n{problems}");
+}
+
+/// Plays the tests of all tasks of a family.
+fn passes_its_tests(family: &str) {
+    let tasks: Vec<_> = compiled(FILE).tasks.into_iter().filter(|task| task.family == family).collect();
+    let mut jobs = Vec::new();
+    for task in &tasks {
+        let staged = bodies().stage(&task.body, &task.scene).unwrap();
+        let tests = task.tests.as_ref().unwrap_or_else(|| panic!("{} has no tests", task.name));
+        jobs.extend((0..tests.tests.len()).map(|place| (tests.as_ref(), staged.clone(), place)));
+    }
+    let failed: Vec<_> = testing::run_all(&jobs).unwrap().into_iter().filter(|report| !report.passed()).collect();
+    assert!(!jobs.is_empty() && failed.is_empty(), "{failed:#?}");
+}
+
+#[test]
+fn stabilization_passes_its_tests() {
+    passes_its_tests("stabilization");
+}
+
+#[test]
+fn locomotion_passes_its_tests() {
+    passes_its_tests("locomotion");
+}
+
+#[test]
+fn interaction_passes_its_tests() {
+    passes_its_tests("interaction");
+}
+
+/// A task shows how it succeeds, how it does not, every way in which it ends, and for every term two situations of which one is
+/// paid more.
+#[test]
+fn every_task_has_its_witnesses() {
+    let mut missing = String::new();
+    for task in compiled(FILE).tasks {
+        let tests = &task.tests.as_ref().unwrap().tests;
+        let written: Vec<&str> =
+            tests.iter().flat_map(|test| &test.expectations).map(|expectation| expectation.source.as_str()).collect();
+        let mut wanted = |what: String, there: bool| {
+            if !there {
+                let _ = writeln!(missing, "{}: {what}", task.name);
+            }
+        };
+        wanted("succeeds".into(), written.contains(&"success"));
+        wanted("is cheated".into(), tests.iter().any(|test| test.cheat));
+        for reason in task.terminations.iter().chain(&task.finishes) {
+            wanted(format!("ends by {reason}"), written.iter().any(|text| text.starts_with(&format!("ended by {reason}"))));
+        }
+        for term in &task.terms {
+            let pay = format!("reward.{} at ", term.name);
+            wanted(format!("pays {} in order", term.name), written.iter().any(|text| text.matches(&pay).count() == 2));
+        }
+    }
+    assert!(missing.is_empty(), "\n{missing}");
 }

@@ -15,5 +15,6 @@ mod motion;
 mod new;
 mod project;
 mod run;
+mod test;
 mod tune;
 mod weights;

@@ -1,0 +1,45 @@
+//! `msk test`.
+
+use crate::project::{LEAN, Project};
+use serde_json::Value;
+
+/// The lean task with tests.
+fn tested(tests: &str) -> Project {
+    let project = Project::empty();
+    let end = LEAN.rfind('}').unwrap();
+    project.write("tested.msk", &format!("{}{tests}\n}}\n", &LEAN[..end]));
+    project
+}
+
+#[test]
+fn tests_are_told_one_by_one() {
+    let project = tested("test \"high\" { pose neutral; expect pelvis.height > 0.5 m }\ncheat \"short\" { until 0.1 s }");
+    let done = project.msk(&["test", "tested.msk"]).succeeded();
+    for part in ["ok    high", "ok    cheat short", "2 passed, 0 failed"] {
+        assert!(done.out.contains(part), "no `{part}` in {}", done.out);
+    }
+    let one = project.msk(&["test", "tested.msk", "--filter", "short"]).succeeded();
+    assert!(one.out.contains("1 passed") && !one.out.contains("high"), "{}", one.out);
+}
+
+#[test]
+fn what_does_not_hold_is_told_and_fails() {
+    let project = tested("test \"low\" { moment there { pose neutral }; expect pelvis.height at there < 0.5 m }");
+    let done = project.msk(&["test", "tested.msk"]);
+    assert_eq!(done.code, Some(1));
+    for part in
+        ["FAIL  low", "expected pelvis.height at there < 0.5 m", "found pelvis.height at there = 0.9", "0 passed, 1 failed"]
+    {
+        assert!(done.out.contains(part), "no `{part}` in {}", done.out);
+    }
+    let json = project.msk(&["test", "tested.msk", "--format", "json"]).out;
+    let report: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&report["test"], &report["passed"]), (&Value::from("low"), &Value::from(false)));
+    assert!(report["failures"][0]["sides"][0]["value"].as_f64().unwrap() > 0.9, "{report}");
+}
+
+#[test]
+fn a_file_without_tests_says_so() {
+    let done = Project::lean().msk(&["test", "lean.msk"]).succeeded();
+    assert!(done.out.contains("without tests: lean") && done.out.contains("0 passed, 0 failed"), "{}", done.out);
+}
