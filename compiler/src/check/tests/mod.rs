@@ -207,6 +207,9 @@ impl<'a> Checker<'a> {
                     _ => self.placement(placement, &mut beginning),
                 };
                 (draft.begins.init, *drawn) = (beginning.init, beginning.drawn);
+                if placement.object.text == "root" {
+                    placement.fields.iter().for_each(|field| situation::unfollow_field(&mut draft.begins.init, &field.name.text));
+                }
                 placed
             }
             TestStatement::Keyframe { time, situation, label, span } => {

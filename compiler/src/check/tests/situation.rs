@@ -5,6 +5,7 @@ use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
+use crate::motion::RootPart;
 use crate::scene::Motion;
 use crate::syntax::tree::{Assignment, Change, Expr, ExprKind, Name, Situation};
 use crate::task::{Init, Setting};
@@ -51,7 +52,13 @@ impl<'a> Checker<'a> {
             ExprKind::Field { base, name } if ["at", "turned"].contains(&name.text.as_str()) => {
                 self.assign_object(base, name, &assignment.value, &mut scene.init)
             }
-            _ => self.adjust(assignment, &mut scene.init.coordinates, set),
+            _ => {
+                let before = set.to_vec();
+                self.adjust(assignment, &mut scene.init.coordinates, set)?;
+                let fresh = set.iter().zip(before).enumerate().filter(|(_, (now, before))| **now && !before);
+                fresh.for_each(|(joint, _)| unfollow(&mut scene.init, Setting::Coordinate(joint)));
+                Ok(())
+            }
         }
     }
 
@@ -61,6 +68,7 @@ impl<'a> Checker<'a> {
             "height" => {
                 init.root.meets.clear();
                 init.drawn.retain(|(setting, _)| *setting != Setting::RootHeight);
+                unfollow(init, Setting::RootHeight);
                 init.root.height = match &value.kind {
                     ExprKind::Name(word) if word.text == "ground" => None,
                     _ => Some(self.fixed_number(value, Dimension::LENGTH, "`root.height`")?),
@@ -124,8 +132,37 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Sets a number that may have been drawn.
+/// Sets a number that may have been drawn, or followed a motion.
 fn decide(init: &mut Init, setting: Setting, value: f64) {
     init.drawn.retain(|(known, _)| *known != setting);
+    unfollow(init, setting);
     init.set(setting, value);
+}
+
+/// What a test decides no longer follows the motion on which the task begins.
+pub(super) fn unfollow(init: &mut Init, setting: Setting) {
+    let Some(following) = &mut init.follows else { return };
+    let part = match setting {
+        Setting::Coordinate(joint) => return following.parts.joints.retain(|(known, _)| *known != joint),
+        Setting::RootPosition(0) => RootPart::X,
+        Setting::RootPosition(_) => RootPart::Y,
+        Setting::RootHeight => RootPart::Height,
+        Setting::RootHeading => RootPart::Heading,
+        Setting::RootPitch => RootPart::Pitch,
+        Setting::RootRoll => RootPart::Roll,
+        _ => return,
+    };
+    following.parts.root.retain(|known| *known != part);
+}
+
+/// The same for a field of `root { ... }`.
+pub(super) fn unfollow_field(init: &mut Init, field: &str) {
+    let setting = match field {
+        "height" => Setting::RootHeight,
+        "heading" => Setting::RootHeading,
+        "pitch" => Setting::RootPitch,
+        "roll" => Setting::RootRoll,
+        _ => return,
+    };
+    unfollow(init, setting);
 }
