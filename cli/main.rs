@@ -15,6 +15,7 @@ mod help;
 mod lsp;
 mod mcp;
 mod motion;
+mod mutate;
 mod new;
 mod overlays;
 mod physics;
@@ -52,6 +53,7 @@ enum Command {
     Run(run::Args),
     Eval(eval::Args),
     Test(test::Args),
+    Mutate(mutate::Args),
     Vocabulary(vocabulary::Args),
     Weights(weights::Args),
     Tune(tune::Args),
@@ -75,6 +77,7 @@ impl Command {
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
             Self::Test(args) => test::run(args),
+            Self::Mutate(args) => mutate::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),
             Self::Weights(args) => weights::run(args),
             Self::Tune(args) => tune::run(args),

@@ -16,6 +16,7 @@ pub mod frame;
 pub mod graph;
 mod lower;
 pub mod motion;
+pub mod mutation;
 pub mod scene;
 pub mod snapshot;
 pub mod syntax;

@@ -1,0 +1,269 @@
+//! One-token changes of a task, as a slip of the hand makes them: what neither checks nor tests notice could be wrong already.
+//!
+//! Changed are the formulas that decide what a task means: values, terms with their weights, ends, success. What is seen
+//! and where things stand is left as it is, and so are changes that cannot matter: measured numbers are never exactly
+//! equal, so `<` does not become `<=`.
+
+mod swaps;
+
+use crate::diagnostics::{FileId, Span};
+use crate::syntax::scanner::{self, Token, TokenKind};
+use crate::syntax::tree::{Entry, File, Item, TaskStatement};
+use crate::syntax::{self};
+use swaps::{AXES, DERIVATIVES, FUNCTIONS, LOGIC, UNITS};
+
+/// What sort of slip a change is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Class {
+    /// `a + b` for `a - b`, a minus lost
+    Sign,
+    /// `<` for `>`
+    Comparison,
+    /// `cm` for `m`
+    Unit,
+    /// Left for right.
+    Side,
+    /// `.x` for `.y`
+    Axis,
+    /// A rate for the value.
+    Derivative,
+    /// A number doubled, halved, or a tenth more.
+    Number,
+    /// The weight of a term: its sign, or its size.
+    Weight,
+    /// `or` for `and`, a `not` lost
+    Logic,
+    /// `max` for `min`
+    Function,
+}
+
+impl Class {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 10] = [
+        Self::Sign,
+        Self::Comparison,
+        Self::Unit,
+        Self::Side,
+        Self::Axis,
+        Self::Derivative,
+        Self::Number,
+        Self::Weight,
+        Self::Logic,
+        Self::Function,
+    ];
+
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sign => "sign",
+            Self::Comparison => "comparison",
+            Self::Unit => "unit",
+            Self::Side => "side",
+            Self::Axis => "axis",
+            Self::Derivative => "derivative",
+            Self::Number => "number",
+            Self::Weight => "weight",
+            Self::Logic => "logic",
+            Self::Function => "function",
+        }
+    }
+}
+
+/// A change of a text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mutant {
+    /// What sort of slip.
+    pub class: Class,
+    /// What is replaced.
+    pub span: Span,
+    /// By what.
+    pub replacement: String,
+}
+
+impl Mutant {
+    /// The text with the change.
+    pub fn apply(&self, text: &str) -> String {
+        format!("{}{}{}", &text[..self.span.start as usize], self.replacement, &text[self.span.end as usize..])
+    }
+}
+
+/// The tasks of a text, in its order.
+pub fn tasks(text: &str) -> Vec<String> {
+    let names = syntax::parse(FileId::default(), text).tree.items.into_iter();
+    names.filter_map(|item| if let Item::Task(task) = item { Some(task.name.text) } else { None }).collect()
+}
+
+/// All changes of a task of a text, in the order of the text; none where there is no such task.
+pub fn mutants(text: &str, task: &str) -> Vec<Mutant> {
+    let file = FileId::default();
+    let parsed = syntax::parse(file, text);
+    let (formulas, weights) = regions(&parsed.tree, task);
+    let (tokens, _) = scanner::tokens(file, text);
+    let tokens: Vec<Token> = tokens.into_iter().filter(|token| token.kind != TokenKind::Newline).collect();
+    let mut mutants = Vec::new();
+    for (place, token) in tokens.iter().enumerate() {
+        let within =
+            |spans: &[Span]| spans.iter().any(|span| span.start as usize <= token.start && token.end <= span.end as usize);
+        if within(&weights) {
+            if token.kind == TokenKind::Number {
+                weight(text, &tokens, place, &mut mutants);
+            }
+        } else if within(&formulas) {
+            formula(text, &tokens, place, &mut mutants);
+        }
+    }
+    mutants
+}
+
+/// Where formulas stand, and where weights.
+fn regions(tree: &File, name: &str) -> (Vec<Span>, Vec<Span>) {
+    let (mut formulas, mut weights) = (Vec::new(), Vec::new());
+    let task = tree.items.iter().find_map(|item| match item {
+        Item::Task(task) if task.name.text == name => Some(task),
+        _ => None,
+    });
+    for statement in task.into_iter().flat_map(|task| &task.statements) {
+        match statement {
+            TaskStatement::Reward(reward) => {
+                let terms = reward.terms.iter().filter_map(|entry| if let Entry::Item(term) = entry { Some(term) } else { None });
+                for term in terms {
+                    formulas.extend(term.formula.as_ref().map(|formula| formula.span));
+                    weights.extend(term.weight.as_ref().map(|weight| weight.span));
+                }
+            }
+            TaskStatement::Terminate(ends) | TaskStatement::Finish(ends) => {
+                let reasons = ends.reasons.iter();
+                formulas.extend(reasons.filter_map(|entry| match entry {
+                    Entry::Item(reason) => Some(reason.condition.span),
+                    _ => None,
+                }));
+                formulas.extend(ends.after.as_ref().map(|after| after.span));
+            }
+            TaskStatement::Success(expr) => formulas.push(expr.span),
+            TaskStatement::Let(binding) => formulas.push(binding.value.span),
+            TaskStatement::Clock(clock) => formulas.push(clock.frequency.span),
+            TaskStatement::State(state) => {
+                formulas.push(state.initial.span);
+                formulas.extend(state.updates.iter().map(|update| update.span));
+            }
+            _ => {}
+        }
+    }
+    (formulas, weights)
+}
+
+/// A weight of another sign or size.
+fn weight(text: &str, tokens: &[Token], place: usize, mutants: &mut Vec<Mutant>) {
+    let token = &tokens[place];
+    let sign = place.checked_sub(1).map(|before| &tokens[before]).filter(|before| before.text(text) == "-");
+    let (span, flipped) = match sign {
+        Some(sign) => (sign.span(), String::new()),
+        None => (token.span(), format!("-{}", token.text(text))),
+    };
+    mutants.push(Mutant { class: Class::Weight, span, replacement: flipped });
+    sizes(text, token, Class::Weight, mutants);
+}
+
+/// A number of another size.
+fn sizes(text: &str, token: &Token, class: Class, mutants: &mut Vec<Mutant>) {
+    let written = token.text(text);
+    let Ok(value) = written.parse::<f64>() else { return };
+    if value == 0.0 {
+        return;
+    }
+    let whole = !written.contains(['.', 'e', 'E']);
+    // A whole number stays one; a tenth of a small one is one more.
+    let slight = if whole { value + (value / 10.0).round().max(1.0) } else { 1.1 * value };
+    let half = if whole { (value / 2.0).floor() } else { value / 2.0 };
+    for changed in [half, slight, 2.0 * value] {
+        let replacement = tidy(changed);
+        let known = mutants.iter().any(|known| known.span == token.span() && known.replacement == replacement);
+        if changed != value && !known {
+            mutants.push(Mutant { class, span: token.span(), replacement });
+        }
+    }
+}
+
+/// A decimal without the tail of binary roundings.
+fn tidy(value: f64) -> String {
+    format!("{}", (value * 1e9).round() / 1e9)
+}
+
+/// Changes of a token in a formula.
+fn formula(text: &str, tokens: &[Token], place: usize, mutants: &mut Vec<Mutant>) {
+    let token = &tokens[place];
+    let written = token.text(text);
+    let before = place.checked_sub(1).map(|before| &tokens[before]);
+    let mut push = |class, replacement: &str| {
+        mutants.push(Mutant { class, span: token.span(), replacement: replacement.to_owned() });
+    };
+    match token.kind {
+        TokenKind::Number => sizes(text, token, Class::Number, mutants),
+        TokenKind::Mark => {
+            let value_before = before.is_some_and(|before| {
+                matches!(before.kind, TokenKind::Number | TokenKind::Close(_))
+                    || before.kind == TokenKind::Word && !swaps::OPENS.contains(&before.text(text))
+            });
+            match written {
+                "+" => push(Class::Sign, "-"),
+                "-" if value_before => push(Class::Sign, "+"),
+                "-" => push(Class::Sign, ""),
+                "*" if value_before && !in_unit(text, tokens, place) => push(Class::Sign, "/"),
+                "<" => push(Class::Comparison, ">"),
+                ">" => push(Class::Comparison, "<"),
+                "<=" => push(Class::Comparison, ">="),
+                ">=" => push(Class::Comparison, "<="),
+                "==" => push(Class::Comparison, "!="),
+                "!=" => push(Class::Comparison, "=="),
+                _ => {}
+            }
+        }
+        TokenKind::Word => {
+            let member = before.is_some_and(|before| before.text(text) == "." && before.end == token.start);
+            let calls = tokens.get(place + 1).is_some_and(|next| next.kind == TokenKind::Open(b'(') && next.start == token.end);
+            let other = |table: &[(&'static str, &'static str)]| {
+                table.iter().find(|(known, _)| *known == written).map(|(_, other)| *other)
+            };
+            if member {
+                other(AXES).into_iter().for_each(|axis| push(Class::Axis, axis));
+                other(DERIVATIVES).into_iter().for_each(|rate| push(Class::Derivative, rate));
+            } else if in_unit(text, tokens, place) {
+                other(UNITS).into_iter().for_each(|unit| push(Class::Unit, unit));
+            } else if calls {
+                other(FUNCTIONS).into_iter().for_each(|function| push(Class::Function, function));
+            }
+            other(LOGIC).into_iter().for_each(|word| push(Class::Logic, word));
+            other_side(written).into_iter().for_each(|side| push(Class::Side, &side));
+        }
+        _ => {}
+    }
+}
+
+/// Whether a token belongs to the unit of a number: words and marks without blanks between, behind the number and a blank.
+fn in_unit(text: &str, tokens: &[Token], place: usize) -> bool {
+    let mut first = place;
+    while first > 0 && tokens[first - 1].end == tokens[first].start && tokens[first - 1].kind != TokenKind::Number {
+        first -= 1;
+    }
+    // `30 m^-2`: the exponent is a number, too, but no blank stands before it.
+    while first > 1 && tokens[first - 1].kind == TokenKind::Number && tokens[first - 2].end == tokens[first - 1].start {
+        first -= 1;
+        while first > 0 && tokens[first - 1].end == tokens[first].start && tokens[first - 1].kind != TokenKind::Number {
+            first -= 1;
+        }
+    }
+    let number = first.checked_sub(1).is_some_and(|before| tokens[before].kind == TokenKind::Number);
+    number && tokens[first].kind == TokenKind::Word && syntax::UNITS.contains(&tokens[first].text(text))
+}
+
+/// The name of the other side; of both sides, the left one twice.
+fn other_side(name: &str) -> Option<String> {
+    if let Some(stem) = name.strip_suffix("_l") {
+        return Some(format!("{stem}_r"));
+    }
+    if let Some(stem) = name.strip_suffix("_r") {
+        return Some(format!("{stem}_l"));
+    }
+    name.contains("{l,r}").then(|| name.replace("{l,r}", "{l,l}"))
+}

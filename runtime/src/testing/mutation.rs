@@ -1,0 +1,152 @@
+//! How many one-token changes of a task its checks and tests notice.
+
+use super::Stage;
+use crate::library::BodyLibrary;
+use msk_compiler::compile;
+use msk_compiler::diagnostics::Diagnostic;
+use msk_compiler::files::{LoadError, Loader};
+use msk_compiler::mutation::{Class, Mutant, mutants};
+use msk_compiler::task::CompiledTask;
+use msk_compiler::testing::{TaskTest, TaskTests};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Who notices a change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Notice {
+    /// It does not compile.
+    Checks,
+    /// It compiles with a warning more.
+    Lints,
+    /// A test fails.
+    Tests,
+    /// Nobody.
+    Unseen,
+    /// It means the same.
+    Same,
+}
+
+/// What came of a change.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// The change.
+    pub mutant: Mutant,
+    /// Who notices it.
+    pub notice: Notice,
+    /// The code of the error or warning, or the title of the test.
+    pub by: String,
+}
+
+/// The row of a class in the table.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Count {
+    /// Changes of this class that mean something else.
+    pub all: usize,
+    /// Noticed by checks.
+    pub checks: usize,
+    /// Noticed by lints.
+    pub lints: usize,
+    /// Noticed by tests.
+    pub tests: usize,
+    /// Noticed by nobody.
+    pub unseen: usize,
+}
+
+impl Count {
+    /// Of those verdicts that `wanted` names.
+    pub fn of<'a>(verdicts: impl Iterator<Item = &'a Verdict>, wanted: impl Fn(Class) -> bool) -> Self {
+        let mut count = Self::default();
+        for verdict in verdicts.filter(|verdict| wanted(verdict.mutant.class)) {
+            let slot = match verdict.notice {
+                Notice::Checks => &mut count.checks,
+                Notice::Lints => &mut count.lints,
+                Notice::Tests => &mut count.tests,
+                Notice::Unseen => &mut count.unseen,
+                Notice::Same => continue,
+            };
+            *slot += 1;
+            count.all += 1;
+        }
+        count
+    }
+}
+
+/// A file with another text.
+struct Changed<'a> {
+    path: PathBuf,
+    text: String,
+    loader: &'a dyn Loader,
+}
+
+impl Loader for Changed<'_> {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        if path == self.path { Ok(self.text.clone()) } else { self.loader.load(path) }
+    }
+}
+
+/// Makes every change of a task in the text of its file and sees who notices; in the order of the text, whatever the number of
+/// threads. `task` is what the file compiles to, `warnings` what is told of it.
+pub fn mutate(
+    path: &Path,
+    text: &str,
+    task: &CompiledTask,
+    warnings: &[Diagnostic],
+    loader: &(dyn Loader + Sync),
+    bodies: &BodyLibrary,
+) -> Vec<Verdict> {
+    let all = mutants(text, &task.name);
+    let judge = |mutant: Mutant| {
+        let changed = Changed { path: path.to_path_buf(), text: mutant.apply(text), loader };
+        let (notice, by) = notice(&changed, task, warnings, bodies);
+        Verdict { mutant, notice, by }
+    };
+    all.into_par_iter().map(judge).collect()
+}
+
+fn notice(changed: &Changed<'_>, task: &CompiledTask, warnings: &[Diagnostic], bodies: &BodyLibrary) -> (Notice, String) {
+    let compilation = match compile(&changed.path, changed, bodies) {
+        Ok(compilation) => compilation,
+        Err(report) => {
+            let code = report.diagnostics.first().map_or(String::new(), |told| told.code.id.to_owned());
+            return (Notice::Checks, code);
+        }
+    };
+    let Some(found) = compilation.tasks.iter().find(|found| found.name == task.name) else {
+        return (Notice::Checks, "the task is gone".to_owned());
+    };
+    let count = |told: &[Diagnostic], code: &str| told.iter().filter(|told| told.code.id == code).count();
+    let more = |told: &&Diagnostic| count(&compilation.warnings, told.code.id) > count(warnings, told.code.id);
+    if let Some(lint) = compilation.warnings.iter().find(more) {
+        return (Notice::Lints, lint.code.id.to_owned());
+    }
+    if found.hash == task.hash {
+        return (Notice::Same, String::new());
+    }
+    let Some(tests) = &found.tests else { return (Notice::Unseen, String::new()) };
+    match first_failure(tests, found, bodies) {
+        Some(title) => (Notice::Tests, title),
+        None => (Notice::Unseen, String::new()),
+    }
+}
+
+/// The title of the first test that fails, the short ones played first.
+fn first_failure(tests: &TaskTests, task: &CompiledTask, bodies: &BodyLibrary) -> Option<String> {
+    let Ok(body) = bodies.stage(&task.body, &task.scene) else { return Some("the scene cannot be built".to_owned()) };
+    let Ok(mut stage) = Stage::new(tests, &body) else { return Some("the task does not fit its body".to_owned()) };
+    let mut order: Vec<usize> = (0..tests.tests.len()).collect();
+    order.sort_by_key(|&place| length(&tests.tests[place]));
+    let failed = order.into_iter().find(|&place| !stage.play(place).passed())?;
+    Some(tests.tests[failed].title.clone())
+}
+
+/// How long a test moves, in control steps; physics counts a hundredfold.
+fn length(test: &TaskTest) -> u32 {
+    let long = |take: &msk_compiler::testing::Take| {
+        let moved = take.script.last().map_or(0, |key| key.step);
+        let run = take.run.as_ref().map_or(0, |run| take.until.unwrap_or(10_000).saturating_sub(run.from));
+        moved.saturating_add(run.saturating_mul(100)).saturating_add(1)
+    };
+    test.takes.iter().map(long).fold(0, u32::saturating_add)
+}
