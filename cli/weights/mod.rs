@@ -5,7 +5,6 @@
 
 mod bake;
 mod extract;
-mod history;
 mod list;
 mod normalize;
 mod reset;
@@ -13,12 +12,13 @@ mod scale;
 mod set;
 
 use crate::error::{Context, Error};
-use crate::{project, texts};
+use crate::project;
 use msk::compiler::compile;
 use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::weights::{Change, Edit, Weights};
 use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::tuning::history;
 use msk::tuning::store::{Held, Store};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -77,14 +77,17 @@ struct Opened {
     text: String,
     weights: Weights,
     /// Held while it may change, so that nobody's change is lost.
-    _held: Option<Held>,
+    held: Option<(Store, Held)>,
 }
 
 impl Opened {
     /// To be changed, unless it is only to be shown what would change.
     fn open(target: &Target) -> Result<Self, Error> {
-        let held = if target.dry_run { None } else { Some(Store::new(&target.file).hold()?) };
-        Ok(Self { _held: held, ..Self::read(&target.file)? })
+        // A file that cannot be edited is told before anything is made beside it.
+        Self::read(&target.file)?;
+        let store = Store::new(&target.file);
+        let held = if target.dry_run { None } else { Some(store.hold()?) };
+        Ok(Self { held: held.map(|held| (store, held)), ..Self::read(&target.file)? })
     }
 
     fn read(path: &Path) -> Result<Self, Error> {
@@ -99,7 +102,7 @@ impl Opened {
                 {
                     weights.bounded_by(&compilation.tasks);
                 }
-                Ok(Self { path: path.into(), text, weights, _held: None })
+                Ok(Self { path: path.into(), text, weights, held: None })
             }
             Err(errors) => Err(Error::told(Report::new(sources, errors).render(project::style(&io::stderr())))),
         }
@@ -125,10 +128,8 @@ impl Opened {
     /// Makes the changes, or shows them.
     fn change(&self, edits: &[Edit], target: &Target, by: &str) -> Result<ExitCode, Error> {
         let (text, changes) = self.weights.edit(&self.text, edits).context(|| "nothing was changed".into())?;
-        if !target.dry_run && !changes.is_empty() {
-            // First the history: a change that is not in it could not be taken back.
-            history::append(&self.path, by, &changes)?;
-            texts::replace(&self.path, &text)?;
+        if let (false, Some((store, held))) = (target.dry_run, &self.held) {
+            history::commit(store, held, by, &text, &changes)?;
         }
         print(&changes, target)
     }

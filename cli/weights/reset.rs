@@ -1,8 +1,9 @@
 //! `msk weights reset FILE [TERM...]`.
 
-use super::{Opened, Target, history};
+use super::{Opened, Target};
 use crate::error::Error;
 use msk::compiler::weights::Edit;
+use msk::tuning::history;
 use std::process::ExitCode;
 
 /// Take changes back: the weights as they were before the first change in the history

@@ -7,8 +7,9 @@ use msk_compiler::task::{CompiledTask, Origin};
 use msk_compiler::weights::rules::{Rules, Weight};
 use msk_compiler::weights::{Bounds, Edit, Weights};
 use msk_runtime::library::FileLoader;
+use msk_tuning::history;
 use msk_tuning::overlay::{EditError, Wish, edited, wished};
-use msk_tuning::store::{Outcome, Store, StoreError};
+use msk_tuning::store::{Store, StoreError};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -164,12 +165,12 @@ fn into_source(project: &Project, compilation: &Compilation, asked: &Apply, dry_
         weights.bounded_by(&compilation.tasks);
         Ok::<_, WriteError>(weights.edit(text, &edits)?)
     };
-    let changes = if dry_run {
-        edit(&FileLoader.load(&path)?)?.1
-    } else {
-        match Store::new(&path).change("mcp", |version| edit(&version.text))? {
-            Outcome::Changed(_, changes) | Outcome::Same(_, changes) => changes,
-        }
-    };
+    if dry_run {
+        return Ok(json!(edit(&FileLoader.load(&path)?)?.1));
+    }
+    let store = Store::new(&path);
+    let held = store.hold()?;
+    let (text, changes) = edit(&FileLoader.load(&path)?)?;
+    history::commit(&store, &held, "mcp", &text, &changes)?;
     Ok(json!(changes))
 }

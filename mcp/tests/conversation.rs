@@ -98,6 +98,9 @@ async fn an_agent_finds_its_way_from_tasks_to_written_weights() {
         talk.read("tasks.msk"),
         LEAN.replace("10 (5..30)", "12 (5..30)").replace(" 5          alive", " 4          alive")
     );
+    // In the history from which `msk weights reset` goes back.
+    let first = msk_tuning::history::first(&talk.folder.path().join("tasks.msk")).unwrap();
+    assert_eq!(first.iter().map(|change| change.was.as_str()).collect::<Vec<_>>(), ["10", "5"]);
     talk.client.cancel().await.unwrap();
 }
 

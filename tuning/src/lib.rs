@@ -6,6 +6,7 @@
 //! 4. [`statistics`] says of episodes what each term did in them;
 //! 5. a [`reasoner::Reasoner`] proposes other weights from that, and [`session`] is the loop around it.
 
+pub mod history;
 pub mod live;
 pub mod overlay;
 pub mod reasoner;

@@ -128,29 +128,35 @@ fn server(answers: Vec<Answering>) -> (String, Arc<Mutex<Vec<String>>>) {
     std::thread::spawn(move || {
         for answer in answers {
             let (mut stream, _) = listener.accept().unwrap();
-            let (mut bytes, mut part) = (Vec::new(), [0; 4096]);
-            loop {
-                let count = stream.read(&mut part).unwrap_or(0);
-                bytes.extend_from_slice(&part[..count]);
-                let text = String::from_utf8_lossy(&bytes).into_owned();
-                let length = text
-                    .to_lowercase()
-                    .split("content-length: ")
-                    .nth(1)
-                    .and_then(|rest| rest.lines().next()?.trim().parse().ok());
-                let body = text.find("\r\n\r\n").map(|at| bytes.len() - at - 4);
-                if count == 0 || (body.is_some() && body >= length) {
-                    notes.lock().unwrap().push(text);
-                    break;
-                }
-            }
-            answer(&mut stream);
+            let notes = notes.clone();
+            // A thread for each, so that a late answer does not hold up the next.
+            std::thread::spawn(move || {
+                let heard = hear(&mut stream);
+                notes.lock().unwrap().push(heard);
+                answer(&mut stream);
+            });
         }
         // Further connections stay without an answer while the test lasts.
         std::thread::sleep(Duration::from_secs(60));
         drop(listener);
     });
     (url, heard)
+}
+
+/// A whole question.
+fn hear(stream: &mut std::net::TcpStream) -> String {
+    let (mut bytes, mut part) = (Vec::new(), [0; 4096]);
+    loop {
+        let count = stream.read(&mut part).unwrap_or(0);
+        bytes.extend_from_slice(&part[..count]);
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let lower = text.to_lowercase();
+        let length = lower.split("content-length: ").nth(1).and_then(|rest| rest.lines().next()?.trim().parse().ok());
+        let body = text.find("\r\n\r\n").map(|at| bytes.len() - at - 4);
+        if count == 0 || (body.is_some() && body >= length) {
+            return text;
+        }
+    }
 }
 
 fn send(stream: &mut std::net::TcpStream, status: &str, body: &str) {
@@ -170,7 +176,7 @@ fn well(stream: &mut std::net::TcpStream) {
     send(stream, "200 OK", &chat("{\"weights\": {\"pose\": 11.5}, \"reason\": \"it is low\"}"));
 }
 fn late(stream: &mut std::net::TcpStream) {
-    std::thread::sleep(Duration::from_millis(1500));
+    std::thread::sleep(Duration::from_secs(8));
     well(stream);
 }
 fn wrong(stream: &mut std::net::TcpStream) {
@@ -202,7 +208,7 @@ fn http(url: &str, attempts: u32) -> Http {
     std::fs::write(&file, text).unwrap();
     assert!(from_file(&file, |name| (name == "THE_KEY").then(|| KEY.into())).is_ok());
     let key = msk_tuning::reasoner::Secret::new(KEY);
-    Http::new(url, "thinker", Some(key), Duration::from_millis(1000), attempts).unwrap().pause(Duration::from_millis(10))
+    Http::new(url, "thinker", Some(key), Duration::from_secs(4), attempts).unwrap().pause(Duration::from_millis(10))
 }
 
 fn propose(reasoner: &dyn Reasoner, request: &Request) -> Result<msk_tuning::reasoner::Proposal, ReasonerError> {

@@ -159,6 +159,15 @@ impl Store {
         Ok(Held { _lock: self.lock()? })
     }
 
+    /// Replaces the file in one move, with the lock held, past the history of versions: for files that have another one.
+    ///
+    /// # Errors
+    /// A file that cannot be written; it is then what it was.
+    pub fn replace(&self, _: &Held, text: &str) -> Result<(), StoreError> {
+        self.prepare(text)?;
+        self.commit()
+    }
+
     /// All changes in order, the first first. A line whose writing was cut short is not among them: it changed nothing.
     ///
     /// # Errors
