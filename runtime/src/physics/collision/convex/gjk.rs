@@ -59,7 +59,10 @@ pub(super) fn distance(first: &Solid<'_>, second: &Solid<'_>, limit: f64) -> Out
         let mut next = simplex;
         next.vertices[next.size] = vertex;
         next.size += 1;
-        let Some(point) = next.reduce() else { return Outcome::Overlapping };
+        // A plane through the last farthest point keeps the difference from the origin: no simplex holds it, whatever rounding
+        // says of a flat one.
+        let apart = along > 0.0;
+        let Some(point) = next.reduce(apart) else { return Outcome::Overlapping };
         if point.norm_squared() >= square {
             break;
         }
@@ -72,15 +75,15 @@ pub(super) fn distance(first: &Solid<'_>, second: &Solid<'_>, limit: f64) -> Out
 
 impl Simplex {
     /// Keeps the smallest face that holds the point nearest to the origin and returns that point; `None` if the origin is
-    /// inside.
-    fn reduce(&mut self) -> Option<Vector3<f64>> {
+    /// inside, which it is not where it is known to be `apart`.
+    fn reduce(&mut self, apart: bool) -> Option<Vector3<f64>> {
         match self.size {
             2 => self.keep(&self.segment([0, 1])),
             3 => self.keep(&self.triangle([0, 1, 2])),
             4 => {
                 let mut best: Option<Nearest> = None;
                 for [a, b, c, d] in [[0, 1, 2, 3], [0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0]] {
-                    if self.hides(a, b, c, d) {
+                    if !apart && self.hides(a, b, c, d) {
                         continue;
                     }
                     let candidate = self.triangle([a, b, c]);
