@@ -8,6 +8,7 @@
 //! [`parse`] never fails and never panics: it returns the tree of everything that could be read, and all errors of the rest.
 
 mod build;
+mod consequences;
 mod grammar;
 mod recovery;
 pub(crate) mod scanner;
@@ -67,6 +68,7 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
         }
     };
     diagnostics.sort_by_key(|diagnostic| (diagnostic.span(), diagnostic.code.id));
+    consequences::forget(text, &mut diagnostics);
     if let Some(next) = diagnostics.get(MAXIMUM_ERRORS) {
         let more = wording::more_errors(file, next.span(), MAXIMUM_ERRORS);
         diagnostics.truncate(MAXIMUM_ERRORS);
