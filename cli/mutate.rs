@@ -1,7 +1,7 @@
 //! `msk mutate [FILES]`: one-token changes that nothing notices.
 
 use crate::error::{Error, FAILURE};
-use crate::project::Project;
+use crate::project::{Project, style};
 use clap::ValueEnum;
 use msk::compiler::mutation::{self, Class};
 use msk::runtime::library::FileLoader;
@@ -53,9 +53,11 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         for source in compilation.sources.files() {
             let (path, text) = (compilation.sources.path(source), compilation.sources.text(source));
             for name in mutation::tasks(text) {
-                let wanted = args.task.as_ref().is_none_or(|task| *task == name);
-                let Some(task) = compilation.tasks.iter().find(|task| task.name == name && wanted) else { continue };
-                let verdicts = mutate(Path::new(path), text, task, &compilation.warnings, &FileLoader, &project.bodies);
+                if args.task.as_ref().is_some_and(|task| *task != name) {
+                    continue;
+                }
+                let verdicts = mutate(Path::new(path), text, &name, &FileLoader, &project.bodies)
+                    .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
                 for verdict in &verdicts {
                     tell(&mut out, args.format, &name, path, text, verdict)?;
                 }

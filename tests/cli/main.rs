@@ -12,6 +12,7 @@ mod help;
 mod interrupt;
 mod mcp;
 mod motion;
+mod mutate;
 mod new;
 mod project;
 mod run;

@@ -3,7 +3,7 @@
 use super::Stage;
 use crate::library::BodyLibrary;
 use msk_compiler::compile;
-use msk_compiler::diagnostics::Diagnostic;
+use msk_compiler::diagnostics::{Diagnostic, Report};
 use msk_compiler::files::{LoadError, Loader};
 use msk_compiler::mutation::{Class, Mutant, mutants};
 use msk_compiler::task::CompiledTask;
@@ -87,22 +87,26 @@ impl Loader for Changed<'_> {
 }
 
 /// Makes every change of a task in the text of its file and sees who notices; in the order of the text, whatever the number of
-/// threads. `task` is what the file compiles to, `warnings` what is told of it.
+/// threads. Empty where the file has no such task.
+///
+/// # Errors
+/// The text does not compile as it is.
 pub fn mutate(
     path: &Path,
     text: &str,
-    task: &CompiledTask,
-    warnings: &[Diagnostic],
+    name: &str,
     loader: &(dyn Loader + Sync),
     bodies: &BodyLibrary,
-) -> Vec<Verdict> {
-    let all = mutants(text, &task.name);
+) -> Result<Vec<Verdict>, Report> {
+    let with = |text: String| Changed { path: path.to_path_buf(), text, loader };
+    // Compiled by itself even if a suite uses it: the changed file is, too, and warnings of other files are none of its own.
+    let plain = compile(path, &with(text.to_owned()), bodies)?;
+    let Some(task) = plain.tasks.iter().find(|task| task.name == name) else { return Ok(Vec::new()) };
     let judge = |mutant: Mutant| {
-        let changed = Changed { path: path.to_path_buf(), text: mutant.apply(text), loader };
-        let (notice, by) = notice(&changed, task, warnings, bodies);
+        let (notice, by) = notice(&with(mutant.apply(text)), task, &plain.warnings, bodies);
         Verdict { mutant, notice, by }
     };
-    all.into_par_iter().map(judge).collect()
+    Ok(mutants(text, name).into_par_iter().map(judge).collect())
 }
 
 fn notice(changed: &Changed<'_>, task: &CompiledTask, warnings: &[Diagnostic], bodies: &BodyLibrary) -> (Notice, String) {

@@ -1,0 +1,131 @@
+//! Which one-token changes are made of a task, and which are not.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
+
+use msk_compiler::mutation::{Class, Mutant, mutants, tasks};
+
+/// `class: from -> to` of every change, in order.
+fn told(text: &str) -> Vec<String> {
+    let all = mutants(text, "small").into_iter();
+    all.map(|mutant| format!("{}: {} -> {}", mutant.class.name(), mutant.span.of(text), mutant.replacement)).collect()
+}
+
+/// A task with one end.
+fn end(condition: &str) -> String {
+    format!("task small {{\n    terminate {{ over when {condition} }}\n}}\n")
+}
+
+#[test]
+fn signs_comparisons_axes_and_units_are_taken_for_others() {
+    assert_eq!(
+        told(&end("com.velocity.x - 1 m/s < -0.5 m/s")),
+        [
+            "derivative: velocity -> position",
+            "axis: x -> y",
+            "sign: - -> +",
+            "number: 1 -> 0",
+            "number: 1 -> 2",
+            "unit: m -> cm",
+            "unit: s -> ms",
+            "comparison: < -> >",
+            "sign: - -> ",
+            "number: 0.5 -> 0.25",
+            "number: 0.5 -> 0.55",
+            "number: 0.5 -> 1",
+            "unit: m -> cm",
+            "unit: s -> ms",
+        ]
+    );
+}
+
+#[test]
+fn sides_words_of_logic_and_functions_are_taken_for_others() {
+    assert_eq!(
+        told(&end("not touching(sole_l, ground) and min(pelvis.up.z, a_{l,r}.q) >= b")),
+        [
+            "logic: not -> ",
+            "side: sole_l -> sole_r",
+            "logic: and -> or",
+            "function: min -> max",
+            "axis: up -> forward",
+            "axis: z -> x",
+            "side: a_{l,r} -> a_{l,l}",
+            "derivative: q -> qd",
+            "comparison: >= -> <=",
+        ]
+    );
+}
+
+#[test]
+fn whole_numbers_stay_whole_and_nought_stays() {
+    assert_eq!(told(&end("a > 0")), ["comparison: > -> <"]);
+    assert_eq!(told(&end("a > 30")), ["comparison: > -> <", "number: 30 -> 15", "number: 30 -> 33", "number: 30 -> 60"]);
+    // A tenth more than one is two, as is its double: told once.
+    assert_eq!(told(&end("a > 1")), ["comparison: > -> <", "number: 1 -> 0", "number: 1 -> 2"]);
+}
+
+#[test]
+fn weights_change_in_sign_and_size_and_their_ranges_do_not() {
+    let text = "task small {\n    reward {\n        10 (5..20) tall = high\n        -0.5 effort = much\n    }\n}\n";
+    assert_eq!(
+        told(text),
+        [
+            "weight: 10 -> -10",
+            "weight: 10 -> 5",
+            "weight: 10 -> 11",
+            "weight: 10 -> 20",
+            "weight: - -> ",
+            "weight: 0.5 -> 0.25",
+            "weight: 0.5 -> 0.55",
+            "weight: 0.5 -> 1",
+        ]
+    );
+}
+
+#[test]
+fn what_is_seen_and_where_things_stand_stays_as_it_is() {
+    let text = "task small {
+    body human
+    control 100 Hz
+    horizon 300 steps
+    init { pose neutral { root.height = 1 m } }
+    observe { pelvis.height - 1 m }
+    test \"low\" { moment a { pose neutral { root.height = 0.3 m } }
+        expect pelvis.height < 0.5 m at a
+    }
+}
+";
+    assert_eq!(told(text), [""; 0]);
+}
+
+#[test]
+fn values_and_success_are_changed_only_in_the_task_that_is_named() {
+    let text = "task small {\n    let a = 3 < b\n    success a or b\n}\ntask other {\n    let c = 4\n    success not c\n}\n";
+    assert_eq!(tasks(text), ["small", "other"]);
+    let known = ["number: 3 -> 1", "number: 3 -> 4", "number: 3 -> 6", "comparison: < -> >", "logic: or -> and"];
+    assert_eq!(told(text), known);
+    assert_eq!(mutants(text, "other").len(), 4);
+    assert_eq!(mutants(text, "none"), []);
+    assert_eq!(mutants("", "small"), []);
+}
+
+#[test]
+fn a_change_replaces_one_place_and_nothing_else() {
+    let text = end("a < 2 m");
+    let changed: Vec<String> = mutants(&text, "small").iter().map(|mutant| mutant.apply(&text)).collect();
+    assert_eq!(changed, [end("a > 2 m"), end("a < 1 m"), end("a < 3 m"), end("a < 4 m"), end("a < 2 cm")]);
+}
+
+#[test]
+fn changes_come_in_the_order_of_the_text_whenever_asked() {
+    let text = include_str!("../../tasks/stabilization/stand.msk");
+    let all = mutants(text, "stand");
+    assert!(all.len() > 50, "{}", all.len());
+    assert!(all.is_sorted_by_key(|mutant: &Mutant| mutant.span.start));
+    assert_eq!(mutants(text, "stand"), all);
+    for class in Class::ALL {
+        // Standing compares nothing with a rate and says no `and`.
+        let known = class != Class::Derivative;
+        assert_eq!(all.iter().any(|mutant| mutant.class == class), known, "{class:?}");
+    }
+}
