@@ -124,8 +124,6 @@ fn changes_come_in_the_order_of_the_text_whenever_asked() {
     assert!(all.is_sorted_by_key(|mutant: &Mutant| mutant.span.start));
     assert_eq!(mutants(text, "stand"), all);
     for class in Class::ALL {
-        // Standing compares nothing with a rate and says no `and`.
-        let known = class != Class::Derivative;
-        assert_eq!(all.iter().any(|mutant| mutant.class == class), known, "{class:?}");
+        assert!(all.iter().any(|mutant| mutant.class == class), "{class:?}");
     }
 }

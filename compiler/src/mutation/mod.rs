@@ -246,8 +246,9 @@ fn in_unit(text: &str, tokens: &[Token], place: usize) -> bool {
     while first > 0 && tokens[first - 1].end == tokens[first].start && tokens[first - 1].kind != TokenKind::Number {
         first -= 1;
     }
-    // `30 m^-2`: the exponent is a number, too, but no blank stands before it.
-    while first > 1 && tokens[first - 1].kind == TokenKind::Number && tokens[first - 2].end == tokens[first - 1].start {
+    // `30 m^-2/s`: the exponent is a number, too, but no blank stands before or behind it, as in `-0.5 m`.
+    let touches = |place: usize| tokens[place].end == tokens[place + 1].start;
+    while first > 1 && tokens[first - 1].kind == TokenKind::Number && touches(first - 2) && touches(first - 1) {
         first -= 1;
         while first > 0 && tokens[first - 1].end == tokens[first].start && tokens[first - 1].kind != TokenKind::Number {
             first -= 1;
