@@ -7,13 +7,15 @@ use clap::ValueEnum;
 use msk::compiler::diagnostics::Report;
 use msk::compiler::{compile, compile_with};
 use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::runtime::probe;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Check files: syntax, names, dimensions, meaning
 ///
-/// Prints every error and warning with its place and what to do. Exit code 0 if there is no error, 1 if there is.
+/// Prints every error and warning with its place and what to do. A task without errors is also begun a few times on its body:
+/// what begins inside each other or apart, and what ends or succeeds at the first step, is told. Exit code 0 if there is no error, 1 if there is.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files to check, with all that they use
@@ -25,6 +27,9 @@ pub struct Args {
     /// First apply the fixes that are surely meant; what remains is printed
     #[arg(long)]
     fix: bool,
+    /// Do not begin the tasks on their bodies
+    #[arg(long)]
+    no_probe: bool,
     #[command(flatten)]
     settings: Settings,
 }
@@ -50,7 +55,13 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             mend(file, &bodies)?;
         }
         let (report, tasks) = match compile_with(file, &FileLoader, &bodies, &args.settings.settings) {
-            Ok(compilation) => (Report::new(compilation.sources, compilation.warnings), compilation.tasks.len()),
+            Ok(compilation) => {
+                let mut told = compilation.warnings;
+                if !args.no_probe {
+                    told.extend(probe::new_of(&compilation.tasks, &bodies, &told));
+                }
+                (Report::new(compilation.sources, told), compilation.tasks.len())
+            }
             Err(report) => (report, 0),
         };
         sound &= !report.has_errors();

@@ -4,6 +4,7 @@
 //! [`TaskState`], plain data that can be snapshot and restored bit for bit.
 
 use crate::body::BodyDescription;
+use crate::diagnostics::{FileId, Span};
 use crate::frame::FrameLayout;
 use crate::graph::Graph;
 use crate::graph::interval::Bounds;
@@ -13,6 +14,7 @@ use crate::scene::SceneDescription;
 use crate::syntax::tree::Expr;
 use crate::testing::TaskTests;
 use crate::vocabulary::Vocabulary;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -70,8 +72,25 @@ pub struct CompiledTask {
     pub hash: String,
     /// Its tests, if it has any: no part of its meaning.
     pub tests: Option<Arc<TaskTests>>,
+    /// Where it stands in the texts: no part of its meaning.
+    pub places: Places,
     /// One for a task, several for a sequence; never none.
     pub(crate) phases: Arc<[Phase]>,
+}
+
+/// Where the parts of a task stand in the texts, for what is told of it once its model is at hand.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Places {
+    /// The word `init`.
+    pub init: (FileId, Span),
+    /// The condition of success.
+    pub success: (FileId, Span),
+    /// The conditions of the reasons that end an episode as a failure, in order.
+    pub terminations: Vec<(FileId, Span)>,
+    /// The conditions of the reasons that end an episode without being failures, in order.
+    pub finishes: Vec<(FileId, Span)>,
+    /// Lints that the task allows.
+    pub allowed: BTreeSet<String>,
 }
 
 /// A task of a sequence; a task that is no sequence has one.

@@ -11,8 +11,15 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// What may be said of a defect, from what is best to what is worst.
-const VERDICTS: [&str; 6] =
-    ["impossible to express", "compile error", "lint", "left to probing", "shown by the task's own test", "not caught"];
+const VERDICTS: [&str; 7] = [
+    "impossible to express",
+    "compile error",
+    "lint",
+    "caught by probing",
+    "left to probing",
+    "shown by the task's own test",
+    "not caught",
+];
 
 /// The least number of wrong programs.
 const WRONG_PROGRAMS: usize = 300;
@@ -65,7 +72,7 @@ fn what_is_said_of_a_defect_is_what_the_compiler_says() {
             let holds = match defect.verdict {
                 "compile error" => error,
                 "lint" => warning,
-                "not caught" | "left to probing" | "shown by the task's own test" => !error,
+                "not caught" | "caught by probing" | "left to probing" | "shown by the task's own test" => !error,
                 _ => true,
             };
             if !holds {
@@ -120,8 +127,8 @@ fn hundreds_of_wrong_programs_and_every_code_among_them() {
             }
         }
     }
-    // Files of weights are no programs; their own tests hold what is said of them.
-    let programs = codes::all().filter(|code| !codes::weights::ALL.contains(code));
+    // Files of weights are no programs, and probing takes the model at hand: their own tests hold what is said of them.
+    let programs = codes::all().filter(|code| !codes::weights::ALL.contains(code) && !codes::probing::ALL.contains(code));
     let seldom: Vec<String> = programs
         .filter(|code| !LARGE.contains(&code.id) && by_code.get(code.id).is_none_or(|count| *count < 2))
         .map(|code| format!("{} {}: {}", code.id, code.title, by_code.get(code.id).unwrap_or(&0)))

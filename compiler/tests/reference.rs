@@ -67,6 +67,7 @@ fn generated_parts_are_those_of_the_compiler() {
         codes::tests::ALL,
         codes::weights::ALL,
         codes::lints::ALL,
+        codes::probing::ALL,
         codes::intent::ALL,
     ]
     .concat();

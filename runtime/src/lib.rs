@@ -12,6 +12,7 @@ pub mod library;
 pub mod model;
 pub mod physics;
 pub mod policy;
+pub mod probe;
 pub mod scalar;
 pub mod scene;
 pub mod testing;

@@ -58,3 +58,13 @@ fn fixes_that_are_surely_meant_are_applied() {
     assert_eq!(project.msk(&["check", "--fix", "lean.msk"]).code, Some(1));
     assert!(project.read("lean.msk").contains("pelvi.height"));
 }
+
+#[test]
+fn tasks_are_begun_on_their_bodies_unless_they_shall_not_be() {
+    let project = Project::lean();
+    project.write("deep.msk", &LEAN.replace("height on ground", "height 0.85 m").replace("task lean", "task deep"));
+    let probed = project.msk(&["check", "deep.msk"]).succeeded();
+    assert!(probed.out.contains("warning[W0530]") && probed.out.contains("mm inside"), "{}", probed.out);
+    let unprobed = project.msk(&["check", "--no-probe", "deep.msk"]).succeeded();
+    assert!(unprobed.out.contains("nothing to remark"), "{}", unprobed.out);
+}

@@ -19,7 +19,8 @@ use crate::task::RootPlacement;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every lint by the name under which it is allowed.
-const LINTS: [&str; 24] = [
+const LINTS: [&str; 27] = [
+    "cannot_begin",
     "constant_channel",
     "constant_term",
     "dead_at_reset",
@@ -39,6 +40,8 @@ const LINTS: [&str; 24] = [
     "paid_every_step",
     "repeats_scene",
     "spike",
+    "starts_apart",
+    "starts_inside",
     "timed_failure",
     "twice_observed",
     "unobserved",

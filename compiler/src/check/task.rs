@@ -21,6 +21,7 @@ use crate::scene::SceneDescription;
 use crate::syntax::tree::{Block, BodyUse, Docs, Expr, InitStatement, StateDeclaration, TaskStatement, Test};
 use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
+use std::collections::BTreeSet;
 
 /// A task whose every formula is checked and in the graph.
 #[derive(Clone)]
@@ -47,6 +48,10 @@ pub(crate) struct CheckedTask<'a> {
     pub success: NodeId,
     /// Where the condition of success stands.
     pub success_at: (FileId, Span),
+    /// Where the word `init` stands.
+    pub init_at: (FileId, Span),
+    /// Lints that the task allows as a whole.
+    pub allowed: BTreeSet<String>,
     pub randoms: Vec<KnownRandom>,
     pub references: Vec<KnownReference>,
     pub parameters: Vec<Parameter>,
@@ -134,6 +139,7 @@ pub(crate) fn check<'a>(
         let mut warnings = Vec::new();
         lints::unused(&checker, &mut warnings);
         checked.term_bounds = lints::task(&checker, checked, &mut warnings);
+        checked.allowed.clone_from(&checker.allowed);
         if sequence.phases.is_empty() {
             diagnostics.append(&mut warnings);
         }
@@ -209,6 +215,8 @@ impl<'a> Checker<'a> {
             finishes: finishes?,
             success: success.node,
             success_at: success_at.unwrap_or((self.task_place.file, task.task.name.span)),
+            init_at: parts.init.map_or((self.task_place.file, task.task.name.span), |(block, file)| (file, block.keyword)),
+            allowed: BTreeSet::new(),
             randoms: std::mem::take(&mut self.randoms),
             references: self.references.clone(),
             parameters: parameters?,

@@ -11,8 +11,8 @@ use crate::diagnostics::FileId;
 use crate::explain::names_in;
 use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
 use crate::task::{
-    Channel, ChannelMeaning, CompiledTask, ConditionMeaning, Definition, FollowedMotion, Meaning, Phase, RandomValue, Term,
-    TermMeaning,
+    Channel, ChannelMeaning, CompiledTask, ConditionMeaning, Definition, FollowedMotion, Meaning, Phase, Places, RandomValue,
+    Term, TermMeaning,
 };
 use crate::testing::{TaskTest, TaskTests};
 use crate::vocabulary::Vocabulary;
@@ -132,8 +132,12 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
                 frame: frame.clone(),
                 hash: String::new(),
                 tests: None,
+                places: Places { init: checked.init_at, ..Places::default() },
                 phases: [].into(),
             });
+        }
+        if let Some(compiled) = &mut compiled {
+            compiled.places.add(&checked);
         }
         whole.horizon = whole.horizon.saturating_add(checked.timing.horizon);
         let horizon = checked.timing.horizon;
@@ -156,6 +160,16 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
     compiled.motions = whole.motions;
     compiled.phases = made.into();
     Some(compiled)
+}
+
+impl Places {
+    /// Adds what a phase says; success is that of the last.
+    fn add(&mut self, checked: &CheckedTask<'_>) {
+        self.success = checked.success_at;
+        self.terminations.extend(checked.terminations.iter().map(|end| (end.file, end.span)));
+        self.finishes.extend(checked.finishes.iter().map(|end| (end.file, end.span)));
+        self.allowed.extend(checked.allowed.iter().cloned());
+    }
 }
 
 fn labelled(several: bool, phase: &str, name: &str) -> String {

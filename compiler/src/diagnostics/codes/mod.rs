@@ -54,6 +54,7 @@ pub mod composition;
 pub mod intent;
 pub mod lints;
 pub mod names;
+pub mod probing;
 pub mod scene;
 pub mod syntax;
 pub mod tasks;
@@ -73,6 +74,7 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
         tests::ALL,
         weights::ALL,
         lints::ALL,
+        probing::ALL,
         intent::ALL,
     ]
     .into_iter()
