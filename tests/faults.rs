@@ -135,6 +135,20 @@ proptest! {
     }
 }
 
+/// Once a step as long as eleven days ended with activations of 1e15.
+#[test]
+fn an_activation_that_leaves_all_measure_is_named() {
+    let mut model = models().swap_remove(0);
+    model.options.timestep = 1e6;
+    for integrator in INTEGRATORS {
+        model.options.integrator = integrator;
+        for seed in 0..20 {
+            let mut state = draw(&model, &mut SplitMix(seed));
+            run(&model, &mut state, &mut Workspace::new(&model), 40).expect("a fault");
+        }
+    }
+}
+
 #[test]
 fn a_massless_body_is_named_with_its_joint_and_the_time() {
     let mut model = models().remove(3);

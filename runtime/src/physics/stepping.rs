@@ -91,10 +91,20 @@ fn all_sound<T: Real>(value: &T) -> bool {
     (0..T::LANES).all(|lane| is_sound(value.lane(lane)))
 }
 
-/// Refuses a step that would end in a state that is not sound, from the accelerations, the rates of positions and the rates of
-/// activations that it would take: found before anything is written.
-pub(super) fn check_end<T: Real>(model: &Model, state: &State<T>, accelerations: &[T], rates: Option<&[T]>) -> Result<(), Fault> {
+/// Refuses a step that would end in a state that is not sound, from the accelerations, the rates of positions and the
+/// activations (by actuator) that it would take: found before anything is written.
+pub(super) fn check_end<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    accelerations: &[T],
+    rates: Option<&[T]>,
+    mut activations: impl Iterator<Item = (usize, T)>,
+) -> Result<(), Fault> {
     let step = T::splat(model.options.timestep);
+    let beyond = |(actuator, after): (usize, T)| unsound(&[after]).map(|(_, value)| (actuator, value));
+    if let Some((actuator, value)) = activations.find_map(beyond) {
+        return Err(Fault::of_input(model, state.time, "activation", actuator, value));
+    }
     if let Some((dof, value)) = unsound(accelerations) {
         return Err(Fault::of_dof(model, state.time, Quantity::Acceleration, dof, value));
     }

@@ -355,12 +355,40 @@ pub fn generalised_force<T: Real>(
 /// Advances all activations by `step` seconds at the given rates, clamped to their ranges.
 pub fn advance<T: Real>(actuation: &Actuation<T>, rates: &[T], step: f64, activations: &mut [T]) {
     for muscle in &actuation.plan.muscles {
-        activations[muscle.activation] += T::splat(step) * rates[muscle.activation];
+        activations[muscle.activation] = muscle.advanced(rates, step, activations);
     }
     for other in &actuation.plan.others {
         if let Some(slot) = other.activation {
-            activations[slot] = other.law.next(activations[slot], rates[slot], actuation.length[other.actuator], step);
+            activations[slot] = other.advanced(slot, actuation, rates, step, activations);
         }
+    }
+}
+
+/// Actuators with the activations that [`advance`] would give them.
+pub(super) fn advanced<'a, T: Real>(
+    actuation: &'a Actuation<T>,
+    rates: &'a [T],
+    step: f64,
+    activations: &'a [T],
+) -> impl Iterator<Item = (usize, T)> + 'a {
+    let muscles = actuation.plan.muscles.iter();
+    let muscles = muscles.map(move |muscle| (muscle.actuator, muscle.advanced(rates, step, activations)));
+    let others =
+        actuation.plan.others.iter().filter_map(move |other| {
+            Some((other.actuator, other.advanced(other.activation?, actuation, rates, step, activations)))
+        });
+    muscles.chain(others)
+}
+
+impl PlainMuscle {
+    fn advanced<T: Real>(&self, rates: &[T], step: f64, activations: &[T]) -> T {
+        activations[self.activation] + T::splat(step) * rates[self.activation]
+    }
+}
+
+impl Other {
+    fn advanced<T: Real>(&self, slot: usize, actuation: &Actuation<T>, rates: &[T], step: f64, activations: &[T]) -> T {
+        self.law.next(activations[slot], rates[slot], actuation.length[self.actuator], step)
     }
 }
 

@@ -29,10 +29,11 @@ pub fn euler<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Works
 
 /// Advances `state` by one step at the activation rates and the damped acceleration in `workspace`.
 fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &Workspace<T>) -> Result<(), Fault> {
-    stepping::check_end(model, state, &workspace.damped_acceleration, None)?;
     let time = model.options.timestep;
     let step = T::splat(time);
     let actuation = &workspace.actuation;
+    let activations = actuation::advanced(actuation, &actuation.activation_rate, time, &state.activation);
+    stepping::check_end(model, state, &workspace.damped_acceleration, None, activations)?;
     actuation::advance(actuation, &actuation.activation_rate, time, &mut state.activation);
     actuation.keep_fibres(state, time);
     for (velocity, acceleration) in state.velocity.iter_mut().zip(&workspace.damped_acceleration) {

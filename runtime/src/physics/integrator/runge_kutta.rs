@@ -103,10 +103,13 @@ impl<T: Real> RungeKutta<T> {
 /// As for [`forward`](stepping::forward), at any stage; `state` is then what it was before.
 pub fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     let Some(mut method) = workspace.runge_kutta.take() else { return Ok(()) };
-    let ends = |method: &RungeKutta<T>| stepping::check_end(model, state, &method.sums.velocity, Some(&method.sums.position));
-    let outcome = stages(model, state, workspace, &mut method).and_then(|()| ends(&method));
+    let time = model.options.timestep;
+    let outcome = stages(model, state, workspace, &mut method).and_then(|()| {
+        let sums = &method.sums;
+        let activations = actuation::advanced(&workspace.actuation, &sums.activation, time, &state.activation);
+        stepping::check_end(model, state, &sums.velocity, Some(&sums.position), activations)
+    });
     if outcome.is_ok() {
-        let time = model.options.timestep;
         let step = T::splat(time);
         let sums = &method.sums;
         actuation::advance(&workspace.actuation, &sums.activation, time, &mut state.activation);
