@@ -18,14 +18,14 @@ use crate::body::BodyDescription;
 use crate::check::scope::FileInSight;
 use crate::check::{self, Texts};
 use crate::diagnostics::{Diagnostic, FileId, Report, Severity, SourceMap, Span, codes};
-use crate::files::{BodySource, LoadError, Loader};
+use crate::files::{BodySource, LoadError, Loader, plain};
 use crate::syntax;
 use crate::syntax::tree::{self, Item, TaskStatement};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What a compilation gives.
@@ -270,20 +270,6 @@ impl Reader<'_> {
             self.add(path, text);
         }
     }
-}
-
-/// A path without `.` and, where that is possible, without `..`.
-fn plain(path: &Path) -> PathBuf {
-    let mut plain = PathBuf::new();
-    for component in path.components() {
-        let climbs = component == Component::ParentDir;
-        if climbs && matches!(plain.components().next_back(), Some(Component::Normal(_))) {
-            plain.pop();
-        } else if component != Component::CurDir {
-            plain.push(component);
-        }
-    }
-    plain
 }
 
 /// A body with what tasks on it may name.

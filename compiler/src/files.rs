@@ -3,7 +3,7 @@
 use crate::body::BodyDescription;
 use crate::motion::Motion;
 use crate::vocabulary::Vocabulary;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Size from which on a file is refused, bytes.
 pub const LARGEST_FILE: u64 = 256 * 1024;
@@ -60,4 +60,18 @@ pub enum LoadError {
         /// Its reason.
         reason: String,
     },
+}
+
+/// A path without `.` and, where that is possible, without `..`.
+pub fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for component in path.components() {
+        let climbs = component == Component::ParentDir;
+        if climbs && matches!(plain.components().next_back(), Some(Component::Normal(_))) {
+            plain.pop();
+        } else if component != Component::CurDir {
+            plain.push(component);
+        }
+    }
+    plain
 }

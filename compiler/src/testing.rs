@@ -8,6 +8,8 @@ use crate::diagnostics::{FileId, Span};
 use crate::task::{CompiledTask, Init};
 use std::sync::Arc;
 
+pub use crate::syntax::tree::CompareOperator as Comparison;
+
 /// The tests of a task.
 pub struct TaskTests {
     /// The task with what the tests look at among its metrics.
@@ -122,23 +124,6 @@ pub struct Side {
     pub reading: Reading,
     /// Its value if it is the same in every episode: no more need be told of it.
     pub constant: bool,
-}
-
-/// A comparison of two numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Comparison {
-    /// `<`
-    Less,
-    /// `<=`
-    LessEqual,
-    /// `>`
-    Greater,
-    /// `>=`
-    GreaterEqual,
-    /// `==`
-    Equal,
-    /// `!=`
-    NotEqual,
 }
 
 impl Comparison {

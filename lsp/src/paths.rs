@@ -1,7 +1,8 @@
 //! Between the addresses of the protocol and the paths of files.
 
 use lsp_types::Uri;
-use std::path::{Component, Path, PathBuf};
+use msk_compiler::files::plain;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use url::Url;
 
@@ -19,21 +20,6 @@ pub fn uri(path: &Path) -> Option<Uri> {
     let text = path.to_str()?;
     text.split_once(':').filter(|(scheme, _)| scheme.len() > 1)?;
     Uri::from_str(text).ok()
-}
-
-/// A path without `.` and `..`, as the compiler writes it.
-fn plain(path: &Path) -> PathBuf {
-    let mut plain = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::ParentDir => {
-                plain.pop();
-            }
-            Component::CurDir => {}
-            other => plain.push(other),
-        }
-    }
-    plain
 }
 
 #[cfg(test)]

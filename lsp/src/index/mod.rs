@@ -8,11 +8,11 @@ mod declare;
 mod refer;
 
 use msk_compiler::diagnostics::{FileId, SourceMap, Span};
-use msk_compiler::files::Loader;
+use msk_compiler::files::{Loader, plain};
 use msk_compiler::syntax;
 use msk_compiler::syntax::tree::{self, Item};
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 /// Names of different spaces do not clash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -190,18 +190,4 @@ fn span_of(item: &Item) -> Option<Span> {
         Item::Sequence(sequence) => Some(sequence.span),
         _ => None,
     }
-}
-
-/// A path without `.` and, where that is possible, without `..`, as the compiler makes them.
-fn plain(path: &Path) -> PathBuf {
-    let mut plain = PathBuf::new();
-    for component in path.components() {
-        let climbs = component == Component::ParentDir;
-        if climbs && matches!(plain.components().next_back(), Some(Component::Normal(_))) {
-            plain.pop();
-        } else if component != Component::CurDir {
-            plain.push(component);
-        }
-    }
-    plain
 }

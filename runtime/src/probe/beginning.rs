@@ -1,7 +1,7 @@
 //! The beginning of a task: overlaps, what does not hold together, ends that hold at the first step.
 
 use crate::episode::{Ending, Episode, EpisodeKey, Penetration, REST, Residual};
-use crate::library::BodyLibrary;
+use crate::library::{BodyLibrary, in_words};
 use msk_compiler::diagnostics::codes::{lints, probing};
 use msk_compiler::diagnostics::{Code, Diagnostic, FileId, Span};
 use msk_compiler::task::CompiledTask;
@@ -45,22 +45,22 @@ const STARTS_APART: &str = "starts_apart";
 const HOLDS_AT_RESET: &str = "holds_at_reset";
 
 fn found(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<Found, String> {
-    let staged = bodies.stage(&task.body, &task.scene).map_err(chain)?;
-    let mut episode = Episode::new(staged.model, staged.body, task.clone()).map_err(chain)?;
+    let staged = bodies.stage(&task.body, &task.scene).map_err(|error| in_words(&error))?;
+    let mut episode = Episode::new(staged.model, staged.body, task.clone()).map_err(|error| in_words(&error))?;
     let rest = vec![REST; episode.context().body.muscles.len()];
     let mut found =
         Found { terminations: vec![0; task.terminations.len()], finishes: vec![0; task.finishes.len()], ..Found::default() };
     for seed in 0..SEEDS {
         let key = EpisodeKey { seed, episode: 0 };
-        let start = episode.inspect_start(key).map_err(chain)?;
+        let start = episode.inspect_start(key).map_err(|error| in_words(&error))?;
         start.penetrations.into_iter().for_each(|overlap| found.overlap(overlap));
         start.residuals.into_iter().for_each(|gap| found.gap(gap));
         episode.reset(key);
         if episode.ending().is_none() {
-            episode.step(&rest).map_err(chain)?;
+            episode.step(&rest).map_err(|error| in_words(&error))?;
         }
         if let Some(Ending::Fault(fault)) = episode.ending() {
-            return Err(format!("at step {} of seed {seed}: {}", episode.steps(), chain(fault)));
+            return Err(format!("at step {} of seed {seed}: {}", episode.steps(), in_words(fault)));
         }
         let report = episode.report();
         let count =
@@ -152,15 +152,4 @@ fn others(diagnostic: Diagnostic, all: impl ExactSizeIterator<Item = String>) ->
 
 fn at(code: &'static Code, (file, span): (FileId, Span), message: String) -> Diagnostic {
     Diagnostic::new(code, file, span, message)
-}
-
-/// An error with all its causes.
-fn chain(error: impl std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(next) = cause {
-        text = format!("{text}: {next}");
-        cause = next.source();
-    }
-    text
 }

@@ -6,8 +6,8 @@ use crate::check::observe::{ObservedChannel, Texts, unit_of, written};
 use crate::check::types::Type;
 use crate::check::value::Data;
 use crate::diagnostics::{codes, nearest};
-use crate::syntax::tree::{BinaryOperator, CompareOperator, Expr, ExprKind, Ident, Test};
-use crate::testing::{Check, Comparison, Expectation, Reading, Side};
+use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, Ident, Test};
+use crate::testing::{Check, Expectation, Reading, Side};
 
 impl<'a> Checker<'a> {
     /// Checks the expectations of a test; a cheat expects at least that it does not succeed.
@@ -113,7 +113,7 @@ impl<'a> Checker<'a> {
         if let Some(reading) = told.iter().find(|side| !side.constant).map(|side| side.reading) {
             told.iter_mut().filter(|side| side.constant).for_each(|side| side.reading = reading);
         }
-        let comparisons = operators.iter().map(|(operator, _)| comparison(*operator)).collect();
+        let comparisons = operators.iter().map(|(operator, _)| *operator).collect();
         Ok(Some(Check::Order { sides: told, comparisons }))
     }
 
@@ -162,17 +162,6 @@ fn conjuncts<'a>(expr: &'a Expr, parts: &mut Vec<&'a Expr>) {
         }
         ExprKind::Paren(inner) => conjuncts(inner, parts),
         _ => parts.push(expr),
-    }
-}
-
-fn comparison(operator: CompareOperator) -> Comparison {
-    match operator {
-        CompareOperator::Less => Comparison::Less,
-        CompareOperator::LessEqual => Comparison::LessEqual,
-        CompareOperator::Greater => Comparison::Greater,
-        CompareOperator::GreaterEqual => Comparison::GreaterEqual,
-        CompareOperator::Equal => Comparison::Equal,
-        CompareOperator::NotEqual => Comparison::NotEqual,
     }
 }
 
