@@ -4,6 +4,10 @@
 //! itself gives behind `ours:`; nothing else may differ. `docs/paper.md` lists it; `MSK_UPDATE=1` writes it anew.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
+#[path = "paper/beginning.rs"]
+mod beginning;
+
+use beginning::Beginning;
 use msk::compiler::compile;
 use msk::compiler::snapshot::{Section, Snapshot};
 use msk::compiler::task::CompiledTask;
@@ -32,7 +36,7 @@ struct Paper {
     #[serde(default)]
     extra_terms: Vec<Extra>,
     observations: Channels,
-    beginning: Saying,
+    beginning: Beginning,
     scene: Option<Saying>,
     ends: Vec<EndRow>,
     #[serde(default)]
@@ -243,6 +247,14 @@ impl Comparison<'_> {
         }
     }
 
+    fn beginning(&mut self, task: &CompiledTask) {
+        let paper = self.paper;
+        self.differs("beginning", &paper.beginning.paper, &paper.beginning.differs);
+        let (problems, mut rows) = beginning::compare(&paper.beginning, &self.snapshot, &task.vocabulary);
+        problems.into_iter().for_each(|problem| self.problem(problem));
+        self.listed.append(&mut rows);
+    }
+
     fn ends(&mut self) {
         let paper = self.paper;
         let mut told: Vec<&str> = paper.extra_ends.iter().map(String::as_str).collect();
@@ -314,7 +326,7 @@ fn compared() -> (Vec<String>, String) {
         };
         comparison.terms();
         comparison.channels(task);
-        comparison.differs("beginning", &paper.beginning.paper, &paper.beginning.differs);
+        comparison.beginning(task);
         if let Some(scene) = &paper.scene {
             comparison.differs("scene", &scene.paper, &scene.differs);
         }
@@ -333,7 +345,9 @@ fn compared() -> (Vec<String>, String) {
 const HEAD: &str = "# Where our tasks differ from the paper's tables
 
 Written by `MSK_UPDATE=1 cargo test --test paper`, which compares every row of the tables (typed into `tests/paper/*.toml`) with the
-compiled tasks: weights, constants, observations, ends and success. What is not listed here is as the paper says.
+compiled tasks: weights, constants, observations, beginnings, ends and success. What is not listed here is as the paper says; where
+the paper abbreviates a beginning, the figures of its published code stand for it (rad, m, m/s; `noise` as standard deviations).
+Wherever a body begins on the ground, so do its soles, hands or knees, whatever height of the root was published.
 ";
 
 #[test]
