@@ -33,7 +33,7 @@ pub struct Snapshot {
 impl<'a> PlainTask<'a> {
     /// A task, if the interpreter can compute it.
     pub fn of(task: &'a CompiledTask) -> Option<Self> {
-        let [only] = task.phases.as_slice() else { return None };
+        let [only] = &*task.phases else { return None };
         let (graph, outputs) = (&only.meaning.graph, &only.meaning.outputs);
         if !outputs.draws.is_empty() {
             return None;
