@@ -239,3 +239,79 @@ fn a_test_is_the_same_played_twice() {
     assert!(!first.passed());
     assert_eq!(stage.play(0), first);
 }
+
+/// The only test of a sequence of two phases, the second of which wants a squat.
+fn in_sequence(statements: &str) -> TestReport {
+    let text = format!(
+        "task up {{
+            body human; control 100 Hz; horizon 100 steps
+            scene {{ ground }}
+            init {{ pose neutral }}
+            observe {{ pelvis.height }}
+            reward {{ 1 tall = pelvis.height / 1 m }}
+            terminate {{ fallen when pelvis.height < 0.3 m }}
+            success pelvis.height > 0.9 m
+        }}
+        task low extends up {{
+            horizon 200 steps
+            reward {{ remove tall; 2 deep = 1 - pelvis.height / 1 m }}
+            success ever(pelvis.height < 0.8 m)
+        }}
+        sequence both {{
+            random wait: time = uniform(0.2 s .. 0.8 s)
+            phase up until t > wait
+            phase low
+            success up.success and low.success
+            {statements}
+        }}"
+    );
+    let compilation = compile(Path::new("example.msk"), &Text(text), bodies()).unwrap_or_else(|report| panic!("{report}"));
+    let task = compilation.tasks.iter().find(|task| task.name == "both").unwrap();
+    let tests = task.tests.clone().unwrap();
+    let mut stage = Stage::new(&tests, &bodies().stage(&task.body, &task.scene).unwrap()).unwrap();
+    stage.play(0)
+}
+
+#[test]
+fn a_test_of_a_sequence_goes_through_its_phases() {
+    let report = in_sequence(
+        "test \"stands, then squats\" {
+            given wait = 0.5 s
+            at 0.4 s pose neutral as standing
+            at 0.51 s pose neutral as last_of_up
+            at 0.52 s pose neutral as first_of_low
+            at 1.5 s pose squatting as down
+            at 2 s { root.height = 0.2 m }
+            expect up.present and not low.present and not success at standing
+            expect up.present at last_of_up
+            expect low.present and up.success and not success and t < 0.02 s at first_of_low
+            expect low.present and success at down
+            expect 0.9 < reward.tall < 1 at standing
+            expect reward.deep at first_of_low < reward.deep at down
+            expect ended by fallen and low.present
+        }",
+    );
+    assert!(report.passed(), "{report:#?}");
+    // What is not found wrong says nothing unless the same machinery finds something.
+    assert!(in_sequence("cheat \"standing\" { pose neutral }").passed());
+    let caught = in_sequence("cheat \"squatting\" { at 2 s pose squatting }");
+    assert_eq!(caught.failures[0].expected, "not success");
+}
+
+#[test]
+fn what_another_phase_has_is_told_as_such() {
+    let report = in_sequence(
+        "test \"too late\" {
+            given wait = 0.5 s
+            at 0.4 s pose neutral as early
+            until 1 s
+            expect reward.deep at early < 1
+            expect reward.tall > 0
+        }",
+    );
+    let told: Vec<&str> = report.failures.iter().map(|failure| failure.found.as_str()).collect();
+    assert_eq!(
+        told,
+        ["at 0.40 s the phase is `up`; this is known in `low`", "at its end the phase is `low`; this is known in `up`"]
+    );
+}

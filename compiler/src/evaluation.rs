@@ -188,6 +188,7 @@ impl CompiledTask {
         let program = &phase.program;
         let lane = |operand| program.read(operand, frame, &state.values).first().copied().unwrap_or(0.0);
         let holds = |operand| lane(operand) != 0.0;
+        report.phase = state.phase;
         refill(&mut report.terms, self.terms.len(), 0.0);
         for (value, &operand) in report.terms[phase.terms.clone()].iter_mut().zip(&program.terms) {
             *value = lane(operand);
@@ -273,6 +274,11 @@ impl CompiledTask {
     /// Number of values of the observation.
     pub fn observation_size(&self) -> usize {
         self.channels.iter().map(|channel| channel.size).sum()
+    }
+
+    /// Names of the phases of a sequence; a task by itself is one.
+    pub fn phases(&self) -> Vec<&str> {
+        self.phases.iter().map(|phase| phase.name.as_str()).collect()
     }
 
     /// The weights in force, one for each term.

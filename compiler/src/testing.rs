@@ -14,10 +14,11 @@ pub use crate::syntax::tree::CompareOperator as Comparison;
 pub struct TaskTests {
     /// The task with what the tests look at among its metrics.
     pub task: Arc<CompiledTask>,
-    /// Place in [`StepReport::metrics`] of the first number that tests look at.
+    /// For each phase (a task by itself has one): the place in [`StepReport::metrics`] of the first number that tests look at
+    /// there.
     ///
     /// [`StepReport::metrics`]: crate::task::StepReport::metrics
-    pub first: usize,
+    pub first: Vec<usize>,
     /// In the order of the text.
     pub tests: Vec<TaskTest>,
 }
@@ -72,6 +73,10 @@ pub struct Run {
     pub from: u32,
 }
 
+/// A number that tests look at: for each phase its place among those of that phase, or `None` where the phase has no such
+/// thing. A task by itself is one phase.
+pub type Probe = Vec<Option<usize>>;
+
 /// Where a number is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reading {
@@ -97,8 +102,8 @@ pub struct Expectation {
 pub enum Check {
     /// A condition, given as one of the numbers that tests look at: it holds unless that is 0.
     Holds {
-        /// Its place among them.
-        probe: usize,
+        /// Which of them.
+        probe: Probe,
         /// Where it is read.
         reading: Reading,
     },
@@ -118,8 +123,8 @@ pub struct Side {
     pub source: String,
     /// Unit, empty for plain numbers.
     pub unit: String,
-    /// Its place among the numbers that tests look at.
-    pub probe: usize,
+    /// Which of the numbers that tests look at.
+    pub probe: Probe,
     /// Where it is read.
     pub reading: Reading,
     /// Its value if it is the same in every episode: no more need be told of it.
@@ -152,7 +157,25 @@ impl Comparison {
     }
 }
 
+impl TaskTest {
+    /// Leaves out the test's own episode, which is the last, where nothing looks at it.
+    pub(crate) fn drop_unread(&mut self) {
+        let Some(own) = self.takes.len().checked_sub(1) else { return };
+        if !self.expectations.iter().flat_map(Expectation::readings).any(|reading| reading.take == own) {
+            self.takes.pop();
+        }
+    }
+}
+
 impl Expectation {
+    /// What is the same in every episode is read wherever another side is.
+    pub(crate) fn settle(&mut self) {
+        let Check::Order { sides, .. } = &mut self.check else { return };
+        if let Some(reading) = sides.iter().find(|side| !side.constant).map(|side| side.reading) {
+            sides.iter_mut().filter(|side| side.constant).for_each(|side| side.reading = reading);
+        }
+    }
+
     /// Every place where it reads something.
     pub fn readings(&self) -> Vec<Reading> {
         match &self.check {

@@ -85,6 +85,8 @@ pub(crate) struct InSequence<'a> {
     pub until: Option<(&'a Expr, FileId)>,
     /// What the sequence calls success, if it says so.
     pub success: Option<(&'a Expr, FileId)>,
+    /// Whether its tests are checked as well.
+    pub tests: bool,
 }
 
 /// Something of a task with the file in which it stands.
@@ -228,7 +230,7 @@ impl<'a> Checker<'a> {
         })
     }
 
-    /// The tests of a task by itself; a sequence has none.
+    /// The tests of a task, or of the sequence whose phase it is.
     fn own_tests(
         &mut self,
         sequence: InSequence<'a>,
@@ -242,17 +244,13 @@ impl<'a> Checker<'a> {
             .iter()
             .filter_map(|placed| if let TaskStatement::Test(test) = &placed.statement { Some((test, placed.file)) } else { None })
             .collect();
-        if sequence.phases.is_empty() {
-            return self.tests(&tests, init, terms, success, texts);
+        if !sequence.tests {
+            return Ok(None);
         }
-        // Every phase has the statements of the sequence; it is told once.
-        for (test, file) in tests.iter().filter(|_| sequence.index == 0) {
-            let message = "a sequence has no tests of its own";
-            let diagnostic = Diagnostic::new(codes::tests::TEST_OF_SEQUENCE, *file, test.title.span, message)
-                .help("move it into the task that it is about: a test looks at the terms and reasons of one task");
-            self.report(diagnostic);
-        }
-        Ok(None)
+        // A sequence has succeeded in its last phase, or not yet.
+        let last = sequence.index + 1 >= sequence.phases.len();
+        let success = if last { success } else { self.graph.constant(0.0) };
+        self.tests(&tests, init, terms, success, texts, sequence)
     }
 
     /// When a phase gives way, and whether it has then succeeded.

@@ -7,11 +7,12 @@ use crate::check::notes::{Note, Notebook};
 use crate::check::reference::{Motions, Tables};
 use crate::check::scope::{FileInSight, Names};
 use crate::check::task::{Around, InSequence, body_of};
-use crate::check::{self, Texts, written};
+use crate::check::{self, CheckedTests, Texts, written};
 use crate::diagnostics::{Diagnostic, FileId, Severity, codes};
 use crate::explain::definitions;
 use crate::files::BodySource;
-use crate::lower::{CheckedPhase, Heading, finish};
+use crate::frame::Query;
+use crate::lower::{CheckedPhase, Heading, Tested, finish};
 use crate::motion::Motion;
 use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, TaskStatement};
 use crate::task::CompiledTask;
@@ -185,6 +186,55 @@ fn gathered(all_names: &[Names<'_>]) -> Vec<Note> {
     notes
 }
 
+/// Checks all phases of a unit, or the one that a task is. Each knows which `queries` of the ground those before it make.
+fn phases_of<'a>(
+    unit: &'a Unit<'_>,
+    all_names: &'a [Names<'a>],
+    around: Around<'a>,
+    whole: InSequence<'a>,
+    mut queries: Vec<Query>,
+) -> (Vec<CheckedPhase<'a>>, Vec<Diagnostic>) {
+    let (mut checked, mut diagnostics) = (Vec::new(), Vec::new());
+    for (index, (phase, names)) in unit.phases.iter().zip(all_names).enumerate() {
+        let until = phase.phase.and_then(|phase| phase.until.as_ref()).map(|until| (until, unit.file));
+        let sequence = InSequence { index, until, ..whole };
+        let (found, told) = check::task::check(&phase.task, names, around, sequence, queries.clone());
+        diagnostics.extend(told);
+        if let Some(found) = &found {
+            queries.clone_from(
+                found.tests.as_ref().filter(|_| !whole.phases.is_empty()).map_or(&found.queries, |tests| &tests.queries),
+            );
+        }
+        checked.extend(found.map(|checked| {
+            let definitions = definitions(&phase.task, names, until.into_iter().chain(whole.success));
+            CheckedPhase { source: &phase.task, checked, until, definitions }
+        }));
+    }
+    (checked, diagnostics)
+}
+
+fn is_test(placed: &Placed) -> bool {
+    matches!(placed.statement, TaskStatement::Test(_))
+}
+
+/// The tests of a task by itself, with what they look at.
+fn tests_taken<'a>(checked: &mut [CheckedPhase<'a>]) -> Option<Tested<'a>> {
+    let tests = checked.first_mut()?.checked.tests.take()?;
+    Some(Tested { phases: vec![checked.first()?.clone()], tests: vec![tests] })
+}
+
+/// The tests of a sequence, put together from all its phases. `None` if they are broken, which is reported.
+fn tests_of<'a>(mut phases: Vec<CheckedPhase<'a>>, diagnostics: &mut Vec<Diagnostic>) -> Option<Option<Tested<'a>>> {
+    let mut tests: Vec<CheckedTests> = phases.iter_mut().filter_map(|phase| phase.checked.tests.take()).collect();
+    match CheckedTests::gather(&mut tests.iter_mut().collect::<Vec<_>>()) {
+        Ok(()) => Some(Some(Tested { phases, tests })),
+        Err(told) => {
+            diagnostics.extend(told);
+            None
+        }
+    }
+}
+
 /// Compiles units.
 pub(super) struct Compiler<'a> {
     pub described: &'a BTreeMap<String, Described>,
@@ -232,25 +282,22 @@ impl Compiler<'_> {
             texts: self.texts,
             motions: Motions { tables: self.motions, trace: &trace },
         };
-        let mut queries = Vec::new();
-        let mut checked = Vec::new();
-        for (index, (phase, names)) in unit.phases.iter().zip(&all_names).enumerate() {
-            let until = phase.phase.and_then(|phase| phase.until.as_ref()).map(|until| (until, unit.file));
-            let sequence = InSequence { phases: &phase_names, index, until, success };
-            let (found, mut told) = check::task::check(&phase.task, names, around, sequence, queries.clone());
-            if broken {
-                // What formulas do not find may be what is broken in the scene: only the scene is at fault.
-                told.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
-            }
-            diagnostics.extend(told);
-            if let Some(found) = &found {
-                queries.clone_from(&found.queries);
-            }
-            checked.extend(found.map(|checked| {
-                let definitions = definitions(&phase.task, names, until.into_iter().chain(success));
-                CheckedPhase { source: &phase.task, checked, until, definitions }
-            }));
+        let whole = InSequence { phases: &phase_names, success, tests: phase_names.is_empty(), ..InSequence::default() };
+        let (mut checked, mut told) = phases_of(unit, &all_names, around, whole, Vec::new());
+        if broken {
+            // What formulas do not find may be what is broken in the scene: only the scene is at fault.
+            told.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
         }
+        diagnostics.extend(told);
+        let complete = !broken && checked.len() == unit.phases.len();
+        let tested = match (&unit.sequence, checked.last()) {
+            (Some(statements), Some(last)) if complete && statements.iter().any(is_test) => {
+                // The tests of a sequence in a pass of their own: they may ask for more of the ground than all phases do.
+                let known = last.checked.queries.clone();
+                tests_of(phases_of(unit, &all_names, around, InSequence { tests: true, ..whole }, known).0, diagnostics)?
+            }
+            _ => tests_taken(&mut checked),
+        };
         for names in &all_names {
             self.called.borrow_mut().append(&mut names.called.borrow_mut());
         }
@@ -258,7 +305,7 @@ impl Compiler<'_> {
             let (name, span) = (unit.name.text.clone(), unit.name.span);
             scopes.push(TaskScope { name, file: unit.file, span, notes: gathered(&all_names), vocabulary: vocabulary.clone() });
         }
-        if broken || checked.len() != unit.phases.len() {
+        if !complete {
             return None;
         }
         let shared = unit.sequence.iter().flatten().filter_map(|placed| match &placed.statement {
@@ -274,7 +321,7 @@ impl Compiler<'_> {
             success,
             shared: shared.collect(),
         };
-        finish(heading, checked, self.texts)
+        finish(heading, checked, tested, self.texts)
     }
 
     /// The body that a task runs on, with what the task changes on it.

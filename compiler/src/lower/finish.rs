@@ -43,10 +43,20 @@ pub(crate) struct Heading<'a> {
     pub shared: Vec<String>,
 }
 
+/// Phases as their tests see them, with those tests: one for each phase, and the first of them knows of all expectations.
+pub(crate) struct Tested<'a> {
+    pub phases: Vec<CheckedPhase<'a>>,
+    pub tests: Vec<CheckedTests>,
+}
+
 /// Lowers checked tasks: one for a task by itself, several for a sequence; with their tests. `None` if there is none.
-pub(crate) fn finish(heading: Heading<'_>, mut phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts) -> Option<CompiledTask> {
-    let tests = phases.first_mut().and_then(|phase| phase.checked.tests.take());
-    let probed = tests.zip(phases.first()).and_then(|(tests, phase)| with_probes(&heading, phase, tests, texts));
+pub(crate) fn finish(
+    heading: Heading<'_>,
+    phases: Vec<CheckedPhase<'_>>,
+    tested: Option<Tested<'_>>,
+    texts: &dyn Texts,
+) -> Option<CompiledTask> {
+    let probed = tested.and_then(|tested| with_probes(&heading, tested, texts));
     let mut task = lower(heading, phases, texts)?;
     task.hash = task.content_hash();
     task.tests = probed.map(|(mut probed, first, tests)| {
@@ -56,21 +66,25 @@ pub(crate) fn finish(heading: Heading<'_>, mut phases: Vec<CheckedPhase<'_>>, te
     Some(task)
 }
 
-/// The task that tests run: it has all that they look at behind its metrics. Also where that begins, and the tests.
+/// The task that tests run: each phase has all that they look at behind its metrics. Also where that begins, and the tests.
 fn with_probes(
     heading: &Heading<'_>,
-    phase: &CheckedPhase<'_>,
-    tests: CheckedTests,
+    tested: Tested<'_>,
     texts: &dyn Texts,
-) -> Option<(CompiledTask, usize, Vec<TaskTest>)> {
-    let CheckedTests { graph, queries, beginning, probes, tests } = tests;
-    let mut phase = phase.clone();
-    let own = phase.checked.metrics.len();
-    phase.checked.metrics.extend(probes);
-    let checked = CheckedTask { graph, queries, beginning, ..phase.checked };
-    let task = lower(heading.clone(), vec![CheckedPhase { checked, ..phase }], texts)?;
-    let first = task.metrics.get(own).map_or(0, |probe| probe.offset);
-    Some((task, first, tests))
+) -> Option<(CompiledTask, Vec<usize>, Vec<TaskTest>)> {
+    let (mut phases, mut all, mut places, mut count) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    for (mut phase, tests) in tested.phases.into_iter().zip(tested.tests) {
+        let CheckedTests { graph, queries, beginning, probes, tests, .. } = tests;
+        places.push(count + phase.checked.metrics.len());
+        phase.checked.metrics.extend(probes);
+        count += phase.checked.metrics.len();
+        let checked = CheckedTask { graph, queries, beginning, ..phase.checked };
+        phases.push(CheckedPhase { checked, ..phase });
+        all.push(tests);
+    }
+    let task = lower(heading.clone(), phases, texts)?;
+    let first = places.into_iter().map(|place| task.metrics.get(place).map_or(0, |probe| probe.offset)).collect();
+    Some((task, first, all.into_iter().next()?))
 }
 
 /// Lowers checked tasks.

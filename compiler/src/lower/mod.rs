@@ -14,7 +14,7 @@ mod program;
 mod run;
 
 pub(crate) use assemble::{DrawOutput, Outputs, assemble, layout};
-pub(crate) use finish::{CheckedPhase, Heading, finish};
+pub(crate) use finish::{CheckedPhase, Heading, Tested, finish};
 #[cfg(feature = "interpreter")]
 pub use interpret::{PlainTask, Snapshot};
 pub(crate) use program::Program;

@@ -5,7 +5,7 @@ use super::take::Played;
 use crate::episode::Ending;
 use msk_compiler::diagnostics::{FileId, Span};
 use msk_compiler::task::CompiledTask;
-use msk_compiler::testing::{Check, Comparison, Expectation, Side, TaskTest, TaskTests};
+use msk_compiler::testing::{Check, Comparison, Expectation, Reading, Side, TaskTest, TaskTests};
 use serde::Serialize;
 
 /// What came of a test.
@@ -86,22 +86,19 @@ impl Judge<'_> {
             return Some(Failure { expected, found: fault, at, sides: Vec::new() });
         }
         let (found, sides) = match &expectation.check {
-            Check::Holds { probe, reading } => {
-                let side = Side { source: String::new(), unit: String::new(), probe: *probe, reading: *reading, constant: false };
-                match self.value(&side) {
-                    Some(value) if value != 0.0 => return None,
-                    Some(_) => (self.state_of(reading.take, reading.step), Vec::new()),
-                    None => (self.not_reached(reading.take, reading.step), Vec::new()),
-                }
-            }
+            Check::Holds { probe, reading } => match self.value(probe, *reading) {
+                Some(value) if value != 0.0 => return None,
+                Some(_) => (self.state_of(reading.take, reading.step), Vec::new()),
+                None => (self.not_there(probe, *reading), Vec::new()),
+            },
             Check::Order { sides, comparisons } => {
-                let values: Vec<Option<f64>> = sides.iter().map(|side| self.value(side)).collect();
+                let values: Vec<Option<f64>> = sides.iter().map(|side| self.value(&side.probe, side.reading)).collect();
                 if holds(&values, comparisons) {
                     return None;
                 }
                 let missing = sides.iter().zip(&values).find(|(_, value)| value.is_none());
                 let found = match missing {
-                    Some((side, _)) => self.not_reached(side.reading.take, side.reading.step),
+                    Some((side, _)) => self.not_there(&side.probe, side.reading),
                     None => in_words(sides, &values),
                 };
                 let told = sides.iter().zip(&values);
@@ -112,16 +109,17 @@ impl Judge<'_> {
         Some(Failure { expected: expectation.source.clone(), found, at: expectation.at, sides })
     }
 
-    fn value(&self, side: &Side) -> Option<f64> {
-        let played = self.played.get(side.reading.take)?;
-        played.metrics(side.reading.step)?.get(self.tests.first + side.probe).copied()
+    fn value(&self, probe: &[Option<usize>], reading: Reading) -> Option<f64> {
+        let seen = self.played.get(reading.take)?.seen(reading.step)?;
+        let place = self.tests.first.get(seen.phase)? + (*probe.get(seen.phase)?)?;
+        seen.metrics.get(place).copied()
     }
 
     fn fault(&self, expectation: &Expectation) -> Option<String> {
         expectation.readings().into_iter().find_map(|reading| {
             let played = self.played.get(reading.take)?;
             let Some(Ending::Fault(fault)) = &played.ending else { return None };
-            let reached = reading.step.is_some_and(|step| played.metrics(Some(step)).is_some());
+            let reached = reading.step.is_some_and(|step| played.seen(Some(step)).is_some());
             (!reached).then(|| format!("{}the episode was stopped by a fault: {fault}", self.prefix(reading.take)))
         })
     }
@@ -139,7 +137,17 @@ impl Judge<'_> {
         }
     }
 
-    fn not_reached(&self, take: usize, step: Option<u32>) -> String {
+    /// Why there is no number: its moment was not reached, or what is looked at belongs to other phases.
+    fn not_there(&self, probe: &[Option<usize>], Reading { take, step }: Reading) -> String {
+        let phases = self.tests.task.phases();
+        if let Some(seen) = self.played.get(take).and_then(|played| played.seen(step)) {
+            let name = |phase: usize| phases.get(phase).copied().unwrap_or_default();
+            let of: Vec<String> =
+                (0..probe.len()).filter(|&phase| probe[phase].is_some()).map(|phase| format!("`{}`", name(phase))).collect();
+            let moment = step.map_or("its end".to_owned(), |step| self.time(step));
+            let (prefix, present) = (self.prefix(take), name(seen.phase));
+            return format!("{prefix}at {moment} the phase is `{present}`; this is known in {}", of.join(", "));
+        }
         let moment = step.map_or("its end".to_owned(), |step| self.time(step));
         format!("{}{moment} was not reached: {}", self.prefix(take), self.end_of(take))
     }

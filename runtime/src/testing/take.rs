@@ -11,24 +11,40 @@ use std::collections::BTreeSet;
 /// What an episode of a test has shown.
 #[derive(Debug, Clone)]
 pub(super) struct Played {
-    /// Metrics at the steps that were asked for, as far as they were reached.
-    kept: Vec<(u32, Vec<f64>)>,
-    /// Metrics at the last step.
-    last: Vec<f64>,
+    /// What was seen at the steps that were asked for, as far as they were reached.
+    kept: Vec<(u32, Seen)>,
+    /// What was seen at the last step.
+    last: Seen,
     /// Its number.
     pub steps: u32,
     /// How it ended; `None` where the take was over before the task.
     pub ending: Option<Ending>,
 }
 
+/// What was seen at a step.
+#[derive(Debug, Clone)]
+pub(super) struct Seen {
+    /// Which phase of a sequence was present; 0 in a task by itself.
+    pub phase: usize,
+    /// Empty where a fault came before.
+    pub metrics: Vec<f64>,
+}
+
+impl Seen {
+    fn now(episode: &Episode) -> Self {
+        let report = episode.report();
+        Self { phase: report.phase as usize, metrics: report.metrics.clone() }
+    }
+}
+
 impl Played {
-    /// Metrics at a step, or at the last; `None` if it was not reached or a fault came before.
-    pub(super) fn metrics(&self, step: Option<u32>) -> Option<&[f64]> {
+    /// What was seen at a step, or at the last; `None` if it was not reached or a fault came before.
+    pub(super) fn seen(&self, step: Option<u32>) -> Option<&Seen> {
         let found = match step {
             None => Some(&self.last),
-            Some(step) => self.kept.iter().find(|(known, _)| *known == step).map(|(_, metrics)| metrics),
+            Some(step) => self.kept.iter().find(|(known, _)| *known == step).map(|(_, seen)| seen),
         };
-        found.map(Vec::as_slice).filter(|metrics| !metrics.is_empty())
+        found.filter(|seen| !seen.metrics.is_empty())
     }
 }
 
@@ -42,11 +58,11 @@ pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>) ->
     let until = take.until.unwrap_or(horizon);
     let script_ends = take.run.as_ref().map_or(until, |run| run.from);
     if wanted.contains(&0) && episode.ending().is_none() {
-        kept.push((0, episode.report().metrics.clone()));
+        kept.push((0, Seen::now(episode)));
     }
     let mut keep = |episode: &Episode| {
         if wanted.contains(&episode.steps()) && !episode.report().metrics.is_empty() {
-            kept.push((episode.steps(), episode.report().metrics.clone()));
+            kept.push((episode.steps(), Seen::now(episode)));
         }
     };
     while episode.ending().is_none() && episode.steps() < script_ends {
@@ -73,7 +89,7 @@ pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>) ->
             keep(episode);
         }
     }
-    Ok(Played { kept, last: episode.report().metrics.clone(), steps: episode.steps(), ending: episode.ending().cloned() })
+    Ok(Played { kept, last: Seen::now(episode), steps: episode.steps(), ending: episode.ending().cloned() })
 }
 
 /// Begins with the script, or as the task does where there is none.

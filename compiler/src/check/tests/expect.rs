@@ -1,39 +1,46 @@
 //! What a test expects.
 
-use super::{Draft, Reader, Wanted};
+use super::{Draft, Found, Reader, Wanted};
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::observe::{ObservedChannel, Texts, unit_of, written};
 use crate::check::types::Type;
 use crate::check::value::Data;
 use crate::diagnostics::{codes, nearest};
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, Ident, Test};
-use crate::testing::{Check, Expectation, Reading, Side};
+use crate::testing::{Check, Expectation, Probe, Reading, Side};
 
 impl<'a> Checker<'a> {
-    /// Checks the expectations of a test; a cheat expects at least that it does not succeed.
+    /// Checks the expectations of a test; a cheat expects at least that it does not succeed. What a phase of a sequence cannot
+    /// say is kept, for another may.
     pub(super) fn expectations(
         &mut self,
         test: &'a Test,
         reader: &Reader<'a>,
         probes: &mut Vec<ObservedChannel>,
         texts: &dyn Texts,
-    ) -> Checked<Vec<Expectation>> {
-        let mut found = Vec::new();
+    ) -> Checked<Vec<Found>> {
+        let mut found: Vec<Found> = Vec::new();
         let mut broken = false;
         if test.cheat
             && let Some(success) = self.test_name("success")
         {
             let node = self.graph.unary(crate::graph::operation::Unary::Not, success.node);
             let probe = self.probe(&Data::new(node, Type::Bool), test.title.span, probes);
-            found.push(Expectation {
+            found.push(Ok(vec![Expectation {
                 source: "not success".to_owned(),
                 at: (self.place.file, test.title.span),
                 check: Check::Holds { probe, reading: Reading { take: 0, step: None } },
-            });
+            }]));
         }
         for wanted in &reader.wanted {
             let locals = std::mem::replace(&mut self.locals, wanted.locals.clone());
-            broken |= self.expectation(wanted, &reader.drafts, probes, texts, &mut found).is_err();
+            let told = self.diagnostics.len();
+            let mut parts = Vec::new();
+            match self.expectation(wanted, &reader.drafts, probes, texts, &mut parts) {
+                Ok(()) => found.push(Ok(parts)),
+                Err(Reported) if self.in_sequence() => found.push(Err(self.diagnostics.split_off(told))),
+                Err(Reported) => broken = true,
+            }
             self.locals = locals;
         }
         if broken { Err(Reported) } else { Ok(found) }
@@ -109,25 +116,21 @@ impl<'a> Checker<'a> {
                 constant,
             });
         }
-        // What is the same in every episode is read wherever another side is.
-        if let Some(reading) = told.iter().find(|side| !side.constant).map(|side| side.reading) {
-            told.iter_mut().filter(|side| side.constant).for_each(|side| side.reading = reading);
-        }
         let comparisons = operators.iter().map(|(operator, _)| *operator).collect();
         Ok(Some(Check::Order { sides: told, comparisons }))
     }
 
     /// Has a number reported at every step; gives its place.
-    fn probe(&mut self, data: &Data, span: crate::diagnostics::Span, probes: &mut Vec<ObservedChannel>) -> usize {
+    fn probe(&mut self, data: &Data, span: crate::diagnostics::Span, probes: &mut Vec<ObservedChannel>) -> Probe {
         if let Some(known) = probes.iter().position(|known| known.node == data.node) {
-            return known;
+            return vec![Some(known)];
         }
         let name = format!("test {}", probes.len());
         let (unit, source, docs, block) = (unit_of(&data.kind), String::new(), String::new(), String::new());
         // Nobody is told of a probe, so it needs no formula.
         let formula = Expr { kind: ExprKind::Error, span };
         probes.push(ObservedChannel { name, node: data.node, unit, source, formula, docs, block, file: self.place.file, span });
-        probes.len() - 1
+        vec![Some(probes.len() - 1)]
     }
 
     /// Where a moment is.

@@ -2,26 +2,29 @@
 //!
 //! 1. Statements are read in their order: those that say how it begins change a [`Scene`], each keyframe takes the one before it
 //!    and changes it (`situation`);
-//! 2. expectations are checked once all moments are known (`expect`): every number that they look at is a node of the graph.
+//! 2. expectations are checked once all moments are known (`expect`): every number that they look at is a node of the graph;
+//! 3. the tests of a sequence are checked in each of its phases and put together (`phases`).
 //!
 //! All of it happens on a graph of its own, so that a task is the same with its tests and without.
 
 mod expect;
+mod phases;
 mod situation;
 
 use super::context::{Checked, Checker, Reported};
 use super::init::Beginning;
 use super::observe::{ObservedChannel, Texts};
 use super::reward::PaidTerm;
+use super::task::InSequence;
 use super::types::Type;
 use super::value::{Data, Value};
-use crate::diagnostics::{FileId, Span, codes};
+use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
 use crate::frame::Query;
 use crate::graph::operation::{Binary, Memory};
 use crate::graph::{Graph, NodeId};
 use crate::syntax::tree::{Expr, Ident, Test, TestStatement};
 use crate::task::Spread;
-use crate::testing::{Keyframe, Run, Take, TaskTest};
+use crate::testing::{Expectation, Keyframe, Run, Take, TaskTest};
 
 /// The tests of a task, and what they need computed.
 #[derive(Debug, Clone)]
@@ -32,8 +35,16 @@ pub(crate) struct CheckedTests {
     pub beginning: Vec<NodeId>,
     /// What expectations look at.
     pub probes: Vec<ObservedChannel>,
+    /// In a sequence without expectations until they are gathered.
     pub tests: Vec<TaskTest>,
+    /// What a phase of a sequence knows of the expectations of each test.
+    pub found: Vec<Vec<Found>>,
+    /// What is wrong with the scripts of a sequence's tests.
+    pub told: Vec<Diagnostic>,
 }
+
+/// What an `expect` comes to in a phase of a sequence, or why it means nothing there.
+pub(crate) type Found = Result<Vec<Expectation>, Vec<Diagnostic>>;
 
 /// What names mean in tests only.
 #[derive(Debug, Clone)]
@@ -41,6 +52,9 @@ pub(crate) struct InTests {
     /// What each term pays in a step, by name.
     pays: Vec<(String, NodeId)>,
     success: NodeId,
+    /// The phases of the sequence, and which of them is being checked; empty for a task by itself.
+    phases: Vec<String>,
+    phase: usize,
 }
 
 /// What a script shows at a time.
@@ -91,24 +105,34 @@ impl<'a> Checker<'a> {
         terms: &[PaidTerm<'_>],
         success: NodeId,
         texts: &dyn Texts,
+        sequence: InSequence<'a>,
     ) -> Checked<Option<CheckedTests>> {
         if tests.is_empty() {
             return Ok(None);
         }
+        let errors = self.diagnostics.len();
         let before = (self.graph.clone(), self.queries.clone(), self.used.clone(), self.memo.clone());
         let beginning = std::mem::replace(&mut self.beginning, true);
         let pays = terms.iter().map(|term| {
             let weight = self.graph.constant(term.weight);
             (term.name.clone(), self.graph.binary(Binary::Multiply, weight, term.node))
         });
-        self.in_tests = Some(InTests { pays: pays.collect(), success });
+        let (pays, phases) = (pays.collect(), sequence.phases.to_vec());
+        self.in_tests = Some(InTests { pays, success, phases, phase: sequence.index });
         let (mut probes, mut drawn) = (Vec::new(), init.drawn.clone());
-        let mut compiled = Vec::new();
+        let (mut compiled, mut all_found) = (Vec::new(), Vec::new());
         let mut broken = false;
         for &(test, file) in tests {
             match self.in_file(file, |checker| checker.test(test, init, &mut drawn, &mut probes, texts)) {
-                Ok(test) => compiled.push(test),
-                Err(Reported) => broken = true,
+                Ok((test, found)) => {
+                    compiled.push(test);
+                    all_found.push(found);
+                }
+                Err(Reported) => {
+                    // The tests of a sequence keep their places in all phases.
+                    all_found.push(Vec::new());
+                    broken = true;
+                }
             }
         }
         self.beginning = beginning;
@@ -116,7 +140,13 @@ impl<'a> Checker<'a> {
         let graph = std::mem::replace(&mut self.graph, before.0);
         let queries = std::mem::replace(&mut self.queries, before.1);
         (self.used, self.memo) = (before.2, before.3);
-        if broken { Err(Reported) } else { Ok(Some(CheckedTests { graph, queries, beginning: drawn, probes, tests: compiled })) }
+        // What is wrong in a script is so in every phase; told once, when the tests are gathered.
+        let mut told = if sequence.phases.is_empty() { Vec::new() } else { self.diagnostics.split_off(errors) };
+        told.retain(|told| told.severity == Severity::Error);
+        if broken && sequence.phases.is_empty() {
+            return Err(Reported);
+        }
+        Ok(Some(CheckedTests { graph, queries, beginning: drawn, probes, tests: compiled, found: all_found, told }))
     }
 
     fn test(
@@ -126,7 +156,7 @@ impl<'a> Checker<'a> {
         drawn: &mut Vec<NodeId>,
         probes: &mut Vec<ObservedChannel>,
         texts: &dyn Texts,
-    ) -> Checked<TaskTest> {
+    ) -> Checked<(TaskTest, Vec<Found>)> {
         let mut begins = init.init.clone();
         let exact = |spreads: &mut Vec<Spread>| spreads.fill(Spread::None);
         exact(&mut begins.coordinate_noise);
@@ -148,24 +178,27 @@ impl<'a> Checker<'a> {
         if broken {
             return Err(Reported);
         }
-        let mut expectations = expectations?;
-        let own = expectations.iter().flat_map(crate::testing::Expectation::readings).any(|reading| reading.take == 0);
+        let mut found = expectations?;
         // The test's own episode comes last, if anything looks at it.
         let count = reader.drafts.len();
         let renumbered = |take: usize| if take == 0 { count - 1 } else { take - 1 };
-        expect::renumber(&mut expectations, renumbered);
+        found.iter_mut().flatten().for_each(|expectations| expect::renumber(expectations, renumbered));
         let mut takes: Vec<Take> = reader.drafts.into_iter().map(Draft::finish).collect();
         takes.rotate_left(1);
-        if !own {
-            takes.pop();
+        let (title, at) = (test.title.value.clone(), (self.place.file, test.title.span));
+        let mut test = TaskTest { title, cheat: test.cheat, at, takes, expectations: Vec::new() };
+        if self.in_sequence() {
+            return Ok((test, found));
         }
-        Ok(TaskTest {
-            title: test.title.value.clone(),
-            cheat: test.cheat,
-            at: (self.place.file, test.title.span),
-            takes,
-            expectations,
-        })
+        test.expectations = found.into_iter().flatten().flatten().collect();
+        test.expectations.iter_mut().for_each(Expectation::settle);
+        test.drop_unread();
+        Ok((test, Vec::new()))
+    }
+
+    /// Whether the tests being checked are those of a sequence.
+    fn in_sequence(&self) -> bool {
+        self.in_tests.as_ref().is_some_and(|in_tests| !in_tests.phases.is_empty())
     }
 
     fn test_statements(
@@ -240,6 +273,8 @@ impl<'a> Checker<'a> {
                 Ok(())
             }
             TestStatement::Play { span, .. } => Err(self.not_yet(*span, "play motion")),
+            // What is given is drawn where the episode begins: in the first phase of a sequence.
+            TestStatement::Given { .. } if self.in_tests.as_ref().is_some_and(|in_tests| in_tests.phase > 0) => Ok(()),
             TestStatement::Given { name, value, .. } => {
                 let given = self.given(name, value)?;
                 draft.given.retain(|known| known.0 != given.0);
@@ -374,10 +409,15 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// `reward.pose`: what a term pays in a step, weight and all; `paid.pose`: in all steps so far.
+    /// `reward.pose`: what a term pays in a step, weight and all; `paid.pose`: in all steps so far. `walk.present`: whether
+    /// that phase of a sequence is the present one.
     pub(crate) fn test_field(&mut self, base: &Expr, name: &crate::syntax::tree::Name) -> Option<Checked<Data>> {
         let in_tests = self.in_tests.as_ref()?;
         let crate::syntax::tree::ExprKind::Name(word) = &base.kind else { return None };
+        if let ("present", Some(phase)) = (name.text.as_str(), in_tests.phases.iter().position(|known| *known == word.text)) {
+            let present = if phase == in_tests.phase { 1.0 } else { 0.0 };
+            return Some(Ok(Data::new(self.graph.constant(present), Type::Bool)));
+        }
         if !["reward", "paid"].contains(&word.text.as_str()) {
             return None;
         }

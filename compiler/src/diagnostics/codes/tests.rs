@@ -35,11 +35,4 @@ codes! {
         example: "random side = uniform(0.1 m .. 0.5 m)\nobserve { side }\ntest \"left\" { given side = 2 s\n expect not success }",
         fix: "random side = uniform(0.1 m .. 0.5 m)\nobserve { side }\ntest \"left\" { given side = 0.2 m\n expect not success }",
     }
-    TEST_OF_SEQUENCE = "E0445" {
-        title: "a test of a sequence",
-        explanation: "What a test looks at belongs to one task: its terms, reasons and values. Tests stand in the tasks that a sequence \
-            is made of.",
-        example: "sequence two { phase a until t > 1 s\n phase b\n test \"x\" { expect success } }",
-        fix: "",
-    }
 }

@@ -1,0 +1,88 @@
+//! The tests of a sequence: every phase checks them by its own names, here they become one.
+//!
+//! Scripts mean the same in every phase, since scene and beginning are shared: they are the first's. An expectation is read in
+//! the phase that is present at its moment, so each phase says which number that is, if it has any; one that no phase can say
+//! is an error.
+
+use super::{CheckedTests, Found};
+use crate::diagnostics::Diagnostic;
+use crate::testing::{Check, Expectation, Probe};
+
+impl CheckedTests {
+    /// Puts what all phases know of the tests into those of the first phase.
+    ///
+    /// # Errors
+    /// What no phase of the sequence can read, as the first phase tells it.
+    pub(crate) fn gather(phases: &mut [&mut Self]) -> Result<(), Vec<Diagnostic>> {
+        let known: Vec<Vec<Vec<Found>>> = phases.iter_mut().map(|phase| std::mem::take(&mut phase.found)).collect();
+        let Some(first) = phases.first_mut() else { return Ok(()) };
+        let mut told = std::mem::take(&mut first.told);
+        for (place, test) in first.tests.iter_mut().enumerate() {
+            for row in 0..known[0].get(place).map_or(0, Vec::len) {
+                let of_row = |phase: &Vec<Vec<Found>>| phase.get(place)?.get(row).cloned();
+                match together(known.iter().map(of_row).collect()) {
+                    Ok(expectations) => test.expectations.extend(expectations),
+                    Err(why) => told.extend(why),
+                }
+            }
+            test.drop_unread();
+        }
+        if told.is_empty() { Ok(()) } else { Err(told) }
+    }
+}
+
+/// What the phases know of one `expect`.
+fn together(found: Vec<Option<Found>>) -> Result<Vec<Expectation>, Vec<Diagnostic>> {
+    let phases = found.len();
+    let mut whole: Option<Vec<Expectation>> = None;
+    let mut why = None;
+    for (phase, found) in found.into_iter().enumerate() {
+        match found {
+            Some(Ok(parts)) => {
+                let whole = whole.get_or_insert_with(|| parts.iter().map(|part| part.clone().of_none(phases)).collect());
+                for (whole, part) in whole.iter_mut().zip(&parts) {
+                    whole.learn(part, phase);
+                }
+            }
+            Some(Err(told)) => {
+                why.get_or_insert(told);
+            }
+            None => {}
+        }
+    }
+    let mut whole = whole.ok_or_else(|| why.unwrap_or_default())?;
+    whole.iter_mut().for_each(Expectation::settle);
+    Ok(whole)
+}
+
+impl Expectation {
+    /// The same, read in no phase yet.
+    fn of_none(mut self, phases: usize) -> Self {
+        let none = |probe: &mut Probe| *probe = vec![None; phases];
+        match &mut self.check {
+            Check::Holds { probe, .. } => none(probe),
+            Check::Order { sides, .. } => sides.iter_mut().for_each(|side| none(&mut side.probe)),
+        }
+        self
+    }
+
+    /// Takes from a phase what it reads there, if the expectation has the same form in it.
+    fn learn(&mut self, of_phase: &Self, phase: usize) {
+        let copy = |mine: &mut Probe, theirs: &Probe| {
+            if let Some(slot) = mine.get_mut(phase) {
+                *slot = theirs.first().copied().flatten();
+            }
+        };
+        match (&mut self.check, &of_phase.check) {
+            (Check::Holds { probe, .. }, Check::Holds { probe: theirs, .. }) => copy(probe, theirs),
+            (Check::Order { sides, .. }, Check::Order { sides: theirs, .. }) if sides.len() == theirs.len() => {
+                for (mine, theirs) in sides.iter_mut().zip(theirs) {
+                    copy(&mut mine.probe, &theirs.probe);
+                    // What differs from phase to phase is worth telling.
+                    mine.constant &= theirs.constant;
+                }
+            }
+            _ => {}
+        }
+    }
+}
