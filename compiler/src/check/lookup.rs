@@ -4,8 +4,8 @@ use super::context::{Checked, Checker, Reported, Step};
 use super::scope::{Declared, Definition, Place};
 use super::signals::{self, Owner};
 use super::value::{Thing, Value};
-use crate::diagnostics::nearest;
 use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::diagnostics::{nearest, synonyms};
 use crate::syntax::tree::{Ident, Name, NamePart, Text};
 use crate::vocabulary::{GroupKind, JointKind};
 
@@ -114,8 +114,11 @@ impl<'a> Checker<'a> {
     pub(crate) fn unknown_name(&mut self, text: &str, span: Span, candidates: Vec<String>) -> Reported {
         let near = nearest(text, candidates.iter().map(String::as_str));
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, format!("there is nothing called `{text}`"));
+        let meant = synonyms(text, |name| candidates.iter().any(|known| known == name));
         if super::functions::find(text).is_some() {
             diagnostic = diagnostic.help(format!("`{text}` is a function: `{text}(...)`"));
+        } else if !meant.is_empty() {
+            diagnostic = diagnostic.help(format!("here it is `{}`", meant.join("`, `")));
         } else if near.is_empty() && (1..=12).contains(&candidates.len()) {
             diagnostic = diagnostic.help(format!("there is {}", candidates.join(", ")));
         } else if near.is_empty() {

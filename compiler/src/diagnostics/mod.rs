@@ -12,12 +12,14 @@ mod json;
 mod nearest;
 mod render;
 mod source;
+mod synonyms;
 
 pub use codes::Code;
 pub use fix::fixed;
 pub use nearest::nearest;
 pub use render::Style;
 pub use source::{FileId, SourceMap, Span};
+pub use synonyms::synonyms;
 
 use serde::Serialize;
 

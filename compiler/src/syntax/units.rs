@@ -22,6 +22,26 @@ pub(super) fn meant(word: &str) -> Option<&'static str> {
     })
 }
 
+/// A unit that the language leaves out, because its letter stands for something else or it is of another system, in those it has.
+pub(super) fn instead(word: &str) -> Option<&'static str> {
+    Some(match word {
+        "g" | "gram" | "grams" => "a gram is `0.001 kg`, the acceleration of a fall `9.81 m/s^2`",
+        "t" | "ton" | "tons" => "a ton is `1000 kg`",
+        "min" | "minute" | "minutes" => "a minute is `60 s`",
+        "h" | "hour" | "hours" => "an hour is `3600 s`",
+        "rpm" => "a turn per minute is `6 deg/s`",
+        "turn" | "turns" | "rev" => "a turn is `360 deg`",
+        "kph" | "kmh" => "a kilometre per hour is `0.2778 m/s`",
+        "mph" => "a mile per hour is `0.447 m/s`",
+        "in" | "inch" | "inches" => "an inch is `2.54 cm`",
+        "ft" | "foot" | "feet" => "a foot is `0.3048 m`",
+        "lb" | "lbs" => "a pound is `0.4536 kg`",
+        "l" | "L" | "litre" => "a litre is `0.001 m^3`",
+        "bar" => "a bar is `100 kPa`",
+        _ => return None,
+    })
+}
+
 /// `Nm` to `N*m`: two units written as one word.
 pub(super) fn product(word: &str) -> Option<String> {
     let cuts = (1..word.len()).filter(|cut| word.is_char_boundary(*cut));

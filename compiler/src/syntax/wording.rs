@@ -218,6 +218,9 @@ pub(super) fn bare_unit(file: FileId, span: Span, unit: &str, meant: Option<(Spa
 pub(super) fn unknown_unit(file: FileId, span: Span, word: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(codes::UNKNOWN_UNIT, file, span, format!("`{word}` is not a unit"));
     let near = || nearest(word, units::UNITS.into_iter().filter(|unit| unit.len() > 2)).first().map(|near| (*near).to_owned());
+    if let Some(instead) = units::instead(word) {
+        return diagnostic.help(instead);
+    }
     match units::meant(word).map(str::to_owned).or_else(|| units::product(word)).or_else(near) {
         Some(unit) => diagnostic.suggest(format!("write `{unit}`"), span, unit),
         None => diagnostic
