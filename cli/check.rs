@@ -14,8 +14,9 @@ use std::process::ExitCode;
 
 /// Check files: syntax, names, dimensions, meaning
 ///
-/// Prints every error and warning with its place and what to do. A task without errors is also begun a few times on its body:
-/// what begins inside each other or apart, and what ends or succeeds at the first step, is told. Exit code 0 if there is no error, 1 if there is.
+/// Prints every error and warning with its place and what to do. A task without errors is also begun a few times on its body
+/// and put into many poses: what begins inside each other or apart, what ends or succeeds at the first step, and what no pose
+/// reaches or pays, is told. Exit code 0 if there is no error, 1 if there is.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files to check, with all that they use
@@ -27,7 +28,7 @@ pub struct Args {
     /// First apply the fixes that are surely meant; what remains is printed
     #[arg(long)]
     fix: bool,
-    /// Do not begin the tasks on their bodies
+    /// Do not try the tasks on their bodies
     #[arg(long)]
     no_probe: bool,
     #[command(flatten)]

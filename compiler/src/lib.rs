@@ -19,6 +19,7 @@ pub mod motion;
 pub mod mutation;
 pub mod scene;
 pub mod snapshot;
+pub mod survey;
 pub mod syntax;
 pub mod task;
 pub mod testing;

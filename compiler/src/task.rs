@@ -4,6 +4,7 @@
 //! [`TaskState`], plain data that can be snapshot and restored bit for bit.
 
 use crate::body::BodyDescription;
+use crate::check::Compared;
 use crate::diagnostics::{FileId, Span};
 use crate::frame::FrameLayout;
 use crate::graph::Graph;
@@ -89,6 +90,8 @@ pub struct Places {
     pub terminations: Vec<(FileId, Span)>,
     /// The conditions of the reasons that end an episode without being failures, in order.
     pub finishes: Vec<(FileId, Span)>,
+    /// The formulas of the terms, in order, each with the lints that are allowed on it.
+    pub terms: Vec<((FileId, Span), BTreeSet<String>)>,
     /// Lints that the task allows.
     pub allowed: BTreeSet<String>,
 }
@@ -168,6 +171,8 @@ pub(crate) struct Meaning {
     /// When the next phase begins.
     pub until: Option<ConditionMeaning>,
     pub success: Option<ConditionMeaning>,
+    /// Comparisons in formulas.
+    pub comparisons: Vec<Compared>,
     /// Between which values each term stays.
     pub term_bounds: Vec<Bounds>,
     /// Names of the declared states.

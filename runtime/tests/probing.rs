@@ -24,8 +24,9 @@ impl Loader for One {
 
 /// What probing tells of a task of these statements, and the text of the main place of each.
 fn told(statements: &str) -> Vec<(Diagnostic, String)> {
-    let mut text = format!("task example {{\nbody human\nreward {{ 1 tall = pelvis.height / 1 m }}\n{statements}\n");
+    let mut text = format!("task example {{\nbody human\n{statements}\n");
     for (word, line) in [
+        ("reward", "reward { 1 tall = pelvis.height / 1 m }"),
         ("control", "control 100 Hz"),
         ("horizon", "horizon 1000 steps"),
         ("observe", "observe { pelvis.height }"),
@@ -80,8 +81,10 @@ fn ends_that_hold_at_the_first_step_are_told_where_they_stand() {
 
 #[test]
 fn what_is_told_can_be_allowed_with_a_reason() {
-    for (lint, code) in [("starts_inside", 0), ("starts_apart", 1), ("cannot_begin", 2)] {
-        let code = codes::probing::ALL[code];
+    let lints =
+        ["starts_inside", "starts_apart", "cannot_begin", "unreached", "never_paid", "always_paid", "starts_above", "unmirrored"];
+    assert_eq!(lints.len(), codes::probing::ALL.len());
+    for (lint, code) in lints.iter().zip(codes::probing::ALL) {
         let found = codes_of(&format!("allow {lint} \"on purpose\"\n{}", code.example));
         assert!(!found.contains(&code.id), "{lint}: {found:?}");
     }
@@ -90,22 +93,51 @@ fn what_is_told_can_be_allowed_with_a_reason() {
     assert_eq!(codes_of(&format!("allow holds_at_reset \"on purpose\"\n{holds}")), [""; 0]);
 }
 
-/// Defects of the corpus of which is said that probing catches them.
+/// Defects of the corpus of which is said that probing catches them, with what it says: a block `probed` after that of the text.
+///
+/// `MSK_UPDATE=1 cargo test` rewrites these blocks; read the difference before keeping it.
 #[test]
 fn defects_that_are_said_to_be_caught_are() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compiler/tests/language/defects");
     let mut caught = 0;
     for page in ["hands", "standing", "steps", "walking"] {
-        let text = std::fs::read_to_string(folder.join(page).with_extension("md")).unwrap();
-        for defect in text.split("\n## ").filter(|defect| defect.contains("Verdict: caught by probing")) {
-            let (kind, rest) = defect.split_once("\n```msk ").unwrap().1.split_once('\n').unwrap();
-            let body = rest.split_once("\n```").unwrap().0;
-            let statements = if kind == "beginning" { body.to_owned() } else { format!("{kind} {{\n{body}\n}}") };
-            assert!(codes_of(&statements).iter().any(|code| code.starts_with("W053")), "{page}: {defect}");
-            caught += 1;
+        let path = folder.join(page).with_extension("md");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let sections: Vec<String> = text
+            .split("\n## ")
+            .map(|section| if section.contains("Verdict: caught by probing") { answered(section) } else { section.to_owned() })
+            .collect();
+        caught += sections.iter().filter(|section| section.contains("\n```probed\n")).count();
+        let fresh = sections.join("\n## ");
+        if std::env::var_os("MSK_UPDATE").is_some() {
+            std::fs::write(&path, &fresh).unwrap();
         }
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), fresh, "{page}: MSK_UPDATE=1 rewrites the page");
     }
-    assert!(caught >= 5, "{caught}");
+    assert!(caught >= 19, "{caught}");
+}
+
+/// A section of a page with what probing says of its first text.
+fn answered(section: &str) -> String {
+    let (before, rest) = section.split_once("\n```msk ").unwrap();
+    let (kind, rest) = rest.split_once('\n').unwrap();
+    let (body, after) = rest.split_once("\n```").unwrap();
+    let statements = match kind {
+        "beginning" | "task" | "task-reward" => body.to_owned(),
+        "success" => format!("success {body}"),
+        _ => format!("{kind} {{\n{body}\n}}"),
+    };
+    let answer: Vec<String> = told(&statements)
+        .iter()
+        .map(|(told, place)| format!("warning[{}]: {}\n at `{}`\n", told.code.id, told.message, place.replace('\n', " ")))
+        .collect();
+    let said = answer.iter().any(|answer| answer.starts_with("warning[W053"));
+    assert!(said, "probing says nothing of this:\n{section}");
+    let after = match after.split_once("\n```probed\n") {
+        Some((between, rest)) => format!("{between}{}", rest.split_once("```").unwrap().1),
+        None => after.to_owned(),
+    };
+    format!("{before}\n```msk {kind}\n{body}\n```\n```probed\n{}```{after}", answer.join(""))
 }
 
 #[test]
@@ -120,4 +152,90 @@ fn the_suite_and_the_examples_begin_as_they_should() {
         let found = probe::tasks(&compilation.tasks, bodies());
         assert!(found.is_empty(), "{}: {found:#?}", file.display());
     }
+}
+
+#[test]
+fn a_threshold_is_told_with_the_numbers_that_were_met() {
+    let told = told("success pelvis.height > 2 m");
+    let [(remark, place)] = told.as_slice() else { panic!("{told:#?}") };
+    assert_eq!((remark.code.id, place.as_str()), ("W0533", "pelvis.height > 2 m"));
+    let [low, high]: [f64; 2] = numbers(&remark.message)[1..3].try_into().unwrap();
+    // Lying on one side, and on the toes with straight legs, in a hop.
+    assert!(0.05 < low && low < 0.3 && 1.0 < high && high < 1.4, "{}", remark.message);
+    assert!(remark.message.ends_with("2 m on the right"), "{}", remark.message);
+}
+
+/// The numbers of a message.
+fn numbers(message: &str) -> Vec<f64> {
+    message.split(' ').filter_map(|word| word.parse().ok()).collect()
+}
+
+#[test]
+fn what_can_be_reached_is_searched_for() {
+    // None of these is met by chance: a hand at the other ankle, both palms at one place of the seat, a bent body on the seat.
+    for statements in [
+        "terminate { a when distance(palm_l, ankle_r) < 10 cm }",
+        "terminate { a when head.height < 0.2 m and pelvis.height > 0.4 m }",
+        "scene { ground\n box seat { size [0.34 m, 0.34 m, 4 cm], at [-2 m, 1 m, 0.45 m] } }\n\
+         terminate { a when touching(pelvis, seat) and torso.up.z > 0.9\n b when distance(palm_l, seat) < 30 cm }",
+        "scene { ground\n sphere ball { radius 10 cm, mass 0.4 kg, free, at [3 m, 0, 10 cm] } }\n\
+         terminate { a when ball.position.z > 1 m\n b when distance(palm_r, ball) < 15 cm\n c when ball.up.z < 0 }",
+        "terminate { far when pelvis.position.x > 8 m\n left when pelvis.position.y > 3 m }",
+    ] {
+        assert_eq!(codes_of(statements), [""; 0], "{statements}: {:#?}", told(statements));
+    }
+}
+
+#[test]
+fn what_a_pose_does_not_settle_is_not_told() {
+    for statements in [
+        "terminate { fast when com.speed > 30 m/s }",
+        "terminate { strong when sum(muscles.tension) > 1000 kN }",
+        "terminate { late when held(pelvis.height > 0.8 m, 9 s) and com.speed > 9 m/s }",
+        "success pelvis.position.x - initial(pelvis.position.x) > 100 m",
+        "state low: int = 0 becomes low + 1 when com.height < 0.9 m\nobserve { low }\nsuccess low > 900",
+        "random target = uniform(0.3 m .. 0.8 m, -0.6 m .. 0.6 m, 1.2 m .. 1.7 m)\nobserve { target }\n\
+         terminate { near when norm(target - palm_r.position) < 1 cm }",
+    ] {
+        let found: Vec<_> = codes_of(statements).into_iter().filter(|code| code.starts_with("W053")).collect();
+        assert_eq!(found, [""; 0], "{statements}: {:#?}", told(statements));
+    }
+}
+
+#[test]
+fn a_threshold_in_a_let_is_told_once_where_it_stands() {
+    let told = told("let high = pelvis.height > 2 m\nreward { 1 a = torso.up.z when high\n 1 b = torso.up.z }\nsuccess high");
+    let places: Vec<(&str, &str)> = told.iter().map(|(told, place)| (told.code.id, place.as_str())).collect();
+    assert_eq!(places, [("W0533", "pelvis.height > 2 m")]);
+}
+
+#[test]
+fn a_lint_of_a_pose_is_allowed_on_its_term_alone() {
+    let terms =
+        |allow: &str| format!("reward {{ 1 tall = pelvis.height / 1 m\n{allow}\n 1 a = torso.up.z when pelvis.height > 2 m }}");
+    assert_eq!(codes_of(&terms("")), ["W0533"]);
+    assert_eq!(codes_of(&terms("allow unreached \"on purpose\"")), [""; 0]);
+}
+
+#[test]
+fn a_symmetric_task_pays_mirrored_states_alike() {
+    // Muscles, speeds, contacts and places, all of them on both sides.
+    let fair = "symmetric\nreward {\n 1 effort = mean(muscles.activation^2)\n 1 speed = norm(com.velocity) / 1 m/s\n\
+        1 wide = distance(sole_l, sole_r) / 1 m\n 1 sway = abs(torso.up.y)\n 1 force = sum(muscles.tension) / 1 kN\n\
+        1 bent = sum(abs(knee_angle_{l,r}.q)) / 1 rad\n 1 planted = any(touching(sole_{l,r}, ground)) }";
+    let found: Vec<_> = codes_of(fair).into_iter().filter(|code| *code == "W0537").collect();
+    assert_eq!(found, [""; 0], "{:#?}", told(fair));
+    let unfair = "symmetric\nreward {\n 1 sway = clip(torso.up.y, 0, 1)\n 1 turn = max(0, torso.yaw / 1 rad) }\n\
+        terminate { bowed when torso.up.y > 0.3 }";
+    let told = told(unfair);
+    let unlike: Vec<&str> = told.iter().filter(|(told, _)| told.code.id == "W0537").map(|(_, place)| place.as_str()).collect();
+    assert_eq!(unlike, ["clip(torso.up.y, 0, 1)", "max(0, torso.yaw / 1 rad)", "torso.up.y > 0.3"]);
+}
+
+#[test]
+fn probing_tells_the_same_on_any_number_of_threads() {
+    let text = "reward { 1 a = exp(-10 * mean(ankle_{l,r}.height) / 1 cm)\n 1 b = torso.up.z when pelvis.height > 1.3 m }";
+    let messages = || told(text).into_iter().map(|(told, _)| told.message).collect::<Vec<_>>();
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(messages);
+    assert_eq!(alone, messages());
 }

@@ -1,7 +1,8 @@
 //! Operators: which types meet, and what the error says when they do not.
 
-use super::context::{Checked, Checker, Reported};
+use super::context::{Checked, Checker, Compared, Reported};
 use super::dimension::{Dimension, Rational};
+use super::observe::unit_of;
 use super::types::Type;
 use super::value::{Data, Form};
 use crate::diagnostics::{Diagnostic, Span, codes};
@@ -255,6 +256,7 @@ impl<'a> Checker<'a> {
         let span = left.1.span.to(right.1.span);
         let (a, b, kind) = self.agree("compare", left, right)?;
         self.warn_identical(a, b, span);
+        let unit = unit_of(&kind);
         let node = match operator {
             CompareOperator::Less => self.graph.binary(Binary::Less, a, b),
             CompareOperator::LessEqual => self.graph.binary(Binary::LessEqual, a, b),
@@ -266,6 +268,9 @@ impl<'a> Checker<'a> {
                 self.graph.unary(Unary::Not, equal)
             }
         };
+        if self.in_tests.is_none() && self.graph.constant_lanes(node).is_none() {
+            self.comparisons.push(Compared { node, sides: [a, b], file: self.place.file, span, unit });
+        }
         Ok(Data::new(node, kind.with_element(Type::Bool)))
     }
 

@@ -69,6 +69,19 @@ pub(crate) enum Ends {
     Broken,
 }
 
+/// A comparison as it stands in a text, for those who look whether anything reaches it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Compared {
+    /// The condition.
+    pub node: NodeId,
+    /// What is compared, in the order of the text.
+    pub sides: [NodeId; 2],
+    pub file: FileId,
+    pub span: Span,
+    /// Of both sides; empty for plain numbers.
+    pub unit: String,
+}
+
 /// A declared state or clock of the task.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cell {
@@ -127,6 +140,8 @@ pub(crate) struct Checker<'a> {
     pub repeated: Vec<(FileId, Span, String)>,
     /// What names mean in tests, while those are checked.
     pub in_tests: Option<super::tests::InTests>,
+    /// Comparisons in the task's formulas, those of its tests left out.
+    pub comparisons: Vec<Compared>,
     /// Queries of the terrain, to which sensors refer.
     pub queries: Vec<Query>,
     /// What is understood of each place, where an editor asks for it.
@@ -167,6 +182,7 @@ impl<'a> Checker<'a> {
             beginning: false,
             repeated: Vec::new(),
             in_tests: None,
+            comparisons: Vec::new(),
             queries: Vec::new(),
             notes: names.notes.as_ref().map(|_| Taken::default()),
             depth: 0,

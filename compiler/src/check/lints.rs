@@ -19,7 +19,8 @@ use crate::task::RootPlacement;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every lint by the name under which it is allowed.
-const LINTS: [&str; 27] = [
+const LINTS: [&str; 32] = [
+    "always_paid",
     "cannot_begin",
     "constant_channel",
     "constant_term",
@@ -35,16 +36,20 @@ const LINTS: [&str; 27] = [
     "holds_at_reset",
     "identical",
     "idle_mass",
+    "never_paid",
     "one_side",
     "outweighs",
     "paid_every_step",
     "repeats_scene",
     "spike",
+    "starts_above",
     "starts_apart",
     "starts_inside",
     "timed_failure",
     "twice_observed",
+    "unmirrored",
     "unobserved",
+    "unreached",
     "unseen",
     "unused",
 ];

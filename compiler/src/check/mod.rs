@@ -43,6 +43,8 @@ pub(crate) mod uncalled;
 pub mod unit;
 mod value;
 
+pub(crate) use context::Compared;
 pub use lints::names as lints;
 pub(crate) use observe::{Texts, written};
+pub(crate) use ranges::Working;
 pub(crate) use tests::CheckedTests;

@@ -1,6 +1,6 @@
 //! A task: its statements in any order, from tree to [`CheckedTask`].
 
-use super::context::{Cell, Checked, Checker, End, Reported, Timing};
+use super::context::{Cell, Checked, Checker, Compared, End, Reported, Timing};
 use super::dimension::Dimension;
 use super::inherit::{Placed, WholeTask};
 use super::init::Beginning;
@@ -46,6 +46,8 @@ pub(crate) struct CheckedTask<'a> {
     pub terminations: Vec<End>,
     pub finishes: Vec<End>,
     pub success: NodeId,
+    /// Comparisons in formulas, in the order in which they were checked.
+    pub comparisons: Vec<Compared>,
     /// Where the condition of success stands.
     pub success_at: (FileId, Span),
     /// Where the word `init` stands.
@@ -218,6 +220,7 @@ impl<'a> Checker<'a> {
             success: success.node,
             success_at: success_at.unwrap_or((self.task_place.file, task.task.name.span)),
             init_at: parts.init.map_or((self.task_place.file, task.task.name.span), |(block, file)| (file, block.keyword)),
+            comparisons: std::mem::take(&mut self.comparisons),
             allowed: BTreeSet::new(),
             randoms: std::mem::take(&mut self.randoms),
             references: self.references.clone(),

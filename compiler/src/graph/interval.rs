@@ -86,14 +86,19 @@ pub fn analyse(graph: &Graph, ranges: &dyn Ranges) -> Vec<Vec<Bounds>> {
     known
 }
 
+/// Bounds of the lanes of a node, from those of its inputs in `known`, which is by node.
+pub(crate) fn of_node(graph: &Graph, id: NodeId, known: &[Vec<Bounds>], ranges: &dyn Ranges) -> Vec<Bounds> {
+    let node = graph.node(id);
+    let inputs: Vec<&[Bounds]> = node.inputs.iter().map(|input| known[input.index()].as_slice()).collect();
+    let same = node.inputs.first() == node.inputs.get(1);
+    bounds_of(&node.operation, &inputs, node.width, same, ranges)
+}
+
 /// Bounds of the lanes of one node, looking only at what it needs.
 pub fn analyse_for(graph: &Graph, root: NodeId, ranges: &dyn Ranges) -> Vec<Bounds> {
     let mut known: Vec<Vec<Bounds>> = vec![Vec::new(); root.index() + 1];
     for id in graph.reachable([root]) {
-        let node = graph.node(id);
-        let inputs: Vec<&[Bounds]> = node.inputs.iter().map(|input| known[input.index()].as_slice()).collect();
-        let same = node.inputs.first() == node.inputs.get(1);
-        known[id.index()] = bounds_of(&node.operation, &inputs, node.width, same, ranges);
+        known[id.index()] = of_node(graph, id, &known, ranges);
     }
     known.swap_remove(root.index())
 }

@@ -182,6 +182,10 @@ impl Places {
         self.success = checked.success_at;
         self.terminations.extend(checked.terminations.iter().map(|end| (end.file, end.span)));
         self.finishes.extend(checked.finishes.iter().map(|end| (end.file, end.span)));
+        self.terms.extend(checked.terms.iter().map(|term| {
+            let allowed = term.allowed.iter().map(|lint| (*lint).to_owned()).collect();
+            ((term.file, term.formula.span), allowed)
+        }));
         self.allowed.extend(checked.allowed.iter().cloned());
     }
 }
@@ -367,6 +371,7 @@ fn meaning(source: &WholeTask, checked: CheckedTask<'_>, outputs: Outputs, said:
         metrics: channels(&checked.metrics),
         success: said.success.or(own).map(condition),
         until: said.until.map(condition),
+        comparisons: checked.comparisons,
         states: checked.states.iter().map(|state| state.name.clone()).collect(),
         definitions: said.definitions,
         term_bounds: checked.term_bounds,

@@ -53,6 +53,26 @@ impl Episode {
         Ok(())
     }
 
+    /// Begins the episode `key` in a state that `put` writes, whatever the task says of its beginning: everything counts, speeds and
+    /// activations, too. A state that the physics or the task refuses ends the episode with a fault.
+    pub fn appear(&mut self, key: EpisodeKey, put: &mut dyn FnMut(&mut State<f64>)) {
+        self.clear(key);
+        let appeared = || -> Result<(), Fault> {
+            let present = &mut self.present;
+            self.task.begin(&mut present.streams, &mut present.task)?;
+            put(&mut present.state);
+            physics::forward(&self.model, &present.state, &mut self.workspace)?;
+            self.measure(0.0);
+            let present = &mut self.present;
+            self.task.reset(&present.frame, &mut present.streams, &mut present.task)?;
+            self.task.report(&present.frame, &self.weights, &present.task, &mut present.report);
+            Ok(())
+        };
+        if let Err(fault) = { appeared }() {
+            self.present.ending = Some(Ending::Fault(fault));
+        }
+    }
+
     /// Takes one control step to where the script has everything. A fault ends the episode as in [`step`](Self::step).
     ///
     /// # Errors

@@ -1,10 +1,15 @@
 //! The beginning of a task: overlaps, what does not hold together, ends that hold at the first step.
 
+use super::poses::Room;
+use super::{Found, at};
 use crate::episode::{Ending, Episode, EpisodeKey, Penetration, REST, Residual};
-use crate::library::{BodyLibrary, in_words};
+use crate::library::{BodyLibrary, BoundBody, in_words};
+use crate::physics::State;
+use crate::physics::collision::{Placed, Scratch, distance};
 use msk_compiler::diagnostics::codes::{lints, probing};
-use msk_compiler::diagnostics::{Code, Diagnostic, FileId, Span};
+use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
 use msk_compiler::task::CompiledTask;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// How often a task is begun: enough to see through its noise.
@@ -13,9 +18,25 @@ const SEEDS: u64 = 3;
 /// How many overlaps or gaps are told one by one.
 const MOST_TOLD: usize = 4;
 
+/// Shapes that are worn may be so deep in what wears them, m.
+const DEEPEST_WORN: f64 = 0.01;
+
+/// A body that begins higher than this above everything falls, m.
+const HIGHEST: f64 = 0.01;
+
+/// A task that can begin.
+pub(super) struct Begun {
+    pub staged: BoundBody,
+    pub episode: Episode,
+    /// Where the first seed begins.
+    pub state: State<f64>,
+    /// The sensor records of all beginnings.
+    pub frames: Vec<Vec<f64>>,
+}
+
 /// What was found over all seeds.
 #[derive(Default)]
-struct Found {
+struct Tally {
     /// The deepest of each pair of shapes.
     penetrations: Vec<Penetration>,
     /// The largest of each connection.
@@ -26,36 +47,88 @@ struct Found {
     success: u64,
 }
 
-/// Begins a task with several seeds and tells what is wrong with that.
-pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Vec<Diagnostic> {
-    let told = match found(task, bodies) {
-        Ok(found) => tell(task, &found),
+/// Begins a task with several seeds and tells what is wrong with that; nothing more can be said of one that cannot begin.
+pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, told: &mut Vec<Found>) -> Option<Begun> {
+    match begin(task, bodies) {
+        Ok((begun, tally)) => {
+            told.extend(tell(task, &tally).into_iter().map(|(lint, diagnostic)| (lint, BTreeSet::new(), diagnostic)));
+            Some(begun)
+        }
         Err(reason) => {
             let message = format!("the task `{}` cannot begin", task.name);
-            vec![(CANNOT_BEGIN, at(probing::CANNOT_BEGIN, task.places.init, message).found(reason))]
+            let diagnostic = at(probing::CANNOT_BEGIN, task.places.init, message).found(reason);
+            told.push((CANNOT_BEGIN, BTreeSet::new(), diagnostic));
+            None
         }
-    };
-    told.into_iter().filter(|(lint, _)| !task.places.allowed.contains(*lint)).map(|(_, diagnostic)| diagnostic).collect()
+    }
+}
+
+/// Tells of a body that begins in the air with nothing that holds it.
+pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, told: &mut Vec<Found>) {
+    let root = &task.init.root;
+    let meant = root.lift > 0.0 || root.velocity != [0.0; 3] || task.init.follows.is_some() || task.init.settle.is_some();
+    if meant || room.body.root.free.is_none() || room.body.shapes.is_empty() || !room.body.connections.is_empty() {
+        return;
+    }
+    let height = room.height_of_beginning();
+    if height > HIGHEST && height.is_finite() {
+        let message = format!("the task `{}` begins with the body {:.1} cm above everything: it falls", task.name, 1e2 * height);
+        let diagnostic = at(probing::STARTS_ABOVE, task.places.init, message)
+            .help("`height on ground` puts its lowest point on the ground; if it is to drop, say `allow starts_above \"...\"`");
+        told.push((STARTS_ABOVE, BTreeSet::new(), diagnostic));
+    }
+}
+
+/// Tells of things that the body wears inside it: what is fixed to each other never collides, so no contact shows it.
+pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, told: &mut Vec<Found>) {
+    let (model, kinematics) = (room.model, &room.workspace.kinematics);
+    let mut scratch = Scratch::default();
+    let mut overlaps: Vec<Penetration> = Vec::new();
+    let shapes_of = |body: usize| (0..model.geoms.body.len()).filter(move |geom| model.geoms.body[*geom] == body);
+    let solid = |geom: &usize| model.geoms.contact_type[*geom] != 0 || model.geoms.contact_affinity[*geom] != 0;
+    for &thing in &room.body.carried {
+        for one in shapes_of(thing).filter(solid) {
+            for &other in &room.body.shapes {
+                let placed = [one, other].map(|geom| Placed::of(model, kinematics, 0, geom));
+                let gap = distance::between(&placed[0], &placed[1], 0.0, &mut scratch);
+                if let Some(gap) = gap.filter(|gap| gap.distance < -DEEPEST_WORN) {
+                    let shapes = [one, other].map(|geom| model.geoms.name[geom].clone());
+                    overlaps.push(Penetration { shapes, depth: -gap.distance });
+                }
+            }
+        }
+    }
+    overlaps.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+    if let Some(deepest) = overlaps.first() {
+        let message = format!("the task `{}` has the body wear {}", task.name, overlap(deepest));
+        let diagnostic = others(at(probing::STARTS_INSIDE, task.places.init, message), overlaps.iter().map(overlap));
+        let help = "say where it is: `at` with a place in the frame of what carries it, or `allow starts_inside \"...\"`";
+        told.push((STARTS_INSIDE, BTreeSet::new(), diagnostic.help(help)));
+    }
 }
 
 /// Names under which what is found is allowed.
 const CANNOT_BEGIN: &str = "cannot_begin";
 const STARTS_INSIDE: &str = "starts_inside";
 const STARTS_APART: &str = "starts_apart";
+const STARTS_ABOVE: &str = "starts_above";
 const HOLDS_AT_RESET: &str = "holds_at_reset";
 
-fn found(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<Found, String> {
+fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally), String> {
     let staged = bodies.stage(&task.body, &task.scene).map_err(|error| in_words(&error))?;
-    let mut episode = Episode::new(staged.model, staged.body, task.clone()).map_err(|error| in_words(&error))?;
+    let mut episode = Episode::new(staged.model.clone(), staged.body.clone(), task.clone()).map_err(|error| in_words(&error))?;
     let rest = vec![REST; episode.context().body.muscles.len()];
     let mut found =
-        Found { terminations: vec![0; task.terminations.len()], finishes: vec![0; task.finishes.len()], ..Found::default() };
+        Tally { terminations: vec![0; task.terminations.len()], finishes: vec![0; task.finishes.len()], ..Tally::default() };
+    let (mut states, mut frames) = (Vec::new(), Vec::new());
     for seed in 0..SEEDS {
         let key = EpisodeKey { seed, episode: 0 };
         let start = episode.inspect_start(key).map_err(|error| in_words(&error))?;
         start.penetrations.into_iter().for_each(|overlap| found.overlap(overlap));
         start.residuals.into_iter().for_each(|gap| found.gap(gap));
         episode.reset(key);
+        states.push(episode.state().clone());
+        frames.push(episode.frame().to_vec());
         if episode.ending().is_none() {
             episode.step(&rest).map_err(|error| in_words(&error))?;
         }
@@ -70,10 +143,11 @@ fn found(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<Found, String
         found.success += u64::from(report.success);
     }
     found.penetrations.sort_by(|a, b| b.depth.total_cmp(&a.depth));
-    Ok(found)
+    let state = states.into_iter().next().unwrap_or_else(|| episode.state().clone());
+    Ok((Begun { staged, episode, state, frames }, found))
 }
 
-impl Found {
+impl Tally {
     fn overlap(&mut self, new: Penetration) {
         match self.penetrations.iter_mut().find(|known| known.shapes == new.shapes) {
             Some(known) => known.depth = known.depth.max(new.depth),
@@ -93,7 +167,7 @@ impl Found {
 }
 
 /// What is found as warnings, each with the name under which it is allowed.
-fn tell(task: &CompiledTask, found: &Found) -> Vec<(&'static str, Diagnostic)> {
+fn tell(task: &CompiledTask, found: &Tally) -> Vec<(&'static str, Diagnostic)> {
     let places = &task.places;
     let mut told = Vec::new();
     if let Some(deepest) = found.penetrations.first() {
@@ -148,8 +222,4 @@ fn others(diagnostic: Diagnostic, all: impl ExactSizeIterator<Item = String>) ->
     let more = all.len().saturating_sub(MOST_TOLD);
     let diagnostic = all.take(MOST_TOLD).skip(1).fold(diagnostic, |diagnostic, one| diagnostic.help(format!("also {one}")));
     if more > 0 { diagnostic.help(format!("and {more} more")) } else { diagnostic }
-}
-
-fn at(code: &'static Code, (file, span): (FileId, Span), message: String) -> Diagnostic {
-    Diagnostic::new(code, file, span, message)
 }

@@ -28,4 +28,45 @@ codes! {
         fix: "random target = uniform(0.3 m .. 0.8 m, -0.6 m .. 0.6 m, 1.2 m .. 1.7 m) where distance(target, pelvis) > 0.4 m\n\
             observe { target }",
     }
+    UNREACHED = "W0533" {
+        title: "a condition that no pose decides otherwise",
+        explanation: "With the model at hand many poses were looked at, on the ground, in a hop, lying, on and beside the things of the scene, \
+            and more were searched for from the one that came nearest: the condition never holds, or never fails, in any of them. Speeds, \
+            forces, activations, time, chance and what remembers may be anything, so only what the pose decides is told, with the \
+            numbers that were met. The lint is allowed as `unreached`, for a task or on a term.",
+        example: "success pelvis.height > 2 m",
+        fix: "success pelvis.height > 1 m",
+    }
+    NEVER_PAID = "W0534" {
+        title: "a term that no pose pays",
+        explanation: "In all poses that were looked at and searched for the term stays below a thousandth of its highest value, or of 1: a scale \
+            is wrong, or a threshold lies where the body cannot be. The lint is allowed as `never_paid`.",
+        example: "reward { 10 planted = exp(-10 * mean(ankle_{l,r}.height) / 1 cm) }",
+        fix: "reward { 10 planted = exp(-10 * mean(sole_{l,r}.height) / 10 cm) }",
+    }
+    ALWAYS_PAID = "W0535" {
+        title: "a term that is paid whatever is done",
+        explanation: "The task begins on the feet, and in all poses with a flat foot on the ground that were looked at and searched for the \
+            term pays more than half of its highest value: what it pays for is hardly to be missed. An ankle, for example, is some 6 cm high \
+            in a foot that stands. The lint is allowed as `always_paid`.",
+        example: "reward { 6 flight = clip(ankle_l.height / 10 cm, 0, 1) }",
+        fix: "reward { 6 flight = clip(sole_l.clearance / 10 cm, 0, 1) }",
+    }
+    STARTS_ABOVE = "W0536" {
+        title: "a body that begins in the air",
+        explanation: "The task puts the root higher than the body reaches: nothing is below it and nothing holds it, so an episode begins with \
+            a fall. `height on ground` puts the lowest point on the ground. A root with a velocity is meant to fly. The lint is allowed as \
+            `starts_above`.",
+        example: "init { pose neutral\n root { height 1.1 m } }",
+        fix: "init { pose neutral\n root { height on ground } }",
+    }
+    UNMIRRORED = "W0537" {
+        title: "a symmetric task that pays its sides differently",
+        explanation: "The task says that it is `symmetric`, but some states and their mirror images, in which left and right of body and scene \
+            are exchanged, are not paid or ended alike. A vector's y that is paid as it is, or the first of several lowest numbers, \
+            does that. What chance, time or a motion decides is left out, and so is a scene with two unlike sides. The lint is allowed as \
+            `unmirrored`.",
+        example: "symmetric\nreward { 1 sway = clip(torso.up.y, 0, 1) }",
+        fix: "symmetric\nreward { 1 sway = clip(abs(torso.up.y), 0, 1) }",
+    }
 }

@@ -1,0 +1,462 @@
+//! What no pose reaches: thresholds, ends and success that never hold or never fail, terms that never pay or always do.
+//!
+//! Many poses are drawn (`poses`), always the same ones; what all of them decide alike is searched for, from the pose that comes
+//! nearest, by small changes. What is then still decided alike is told with the numbers that were met.
+
+use super::poses::{Pose, Room};
+use super::{Found, at};
+use crate::episode::{EpisodeKey, Stream};
+use msk_compiler::diagnostics::codes::probing;
+use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
+use msk_compiler::frame::Sensor;
+use msk_compiler::graph::interval::Bounds;
+use msk_compiler::survey::{About, Subject, Survey};
+use msk_compiler::task::CompiledTask;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How many poses are drawn.
+const POSES: usize = 200;
+/// How many changes of a pose a search tries in a round, and in how many rounds: it goes on while a round gains something.
+const TRIES: usize = 100;
+const ROUNDS: usize = 12;
+/// What a round must gain, as a part of what is missing.
+const GAIN: f64 = 0.1;
+/// A term pays nothing where it is below this part of its highest value, or of 1.
+const NOTHING: f64 = 1e-3;
+/// A length of a body that stands just misses its threshold if it does by less than this, m, ...
+const JUST: f64 = 0.05;
+/// ... in so many of the poses that stand, ...
+const OFTEN: f64 = 0.2;
+/// ... which miss it alike, m.
+const AS_NEAR: f64 = 0.01;
+/// Several comparisons that cannot be met together must miss each other by so much, m or rad.
+const TOGETHER: f64 = 0.1;
+/// A term that always pays more than this part of its range can hardly be earned.
+const MOST: f64 = 0.5;
+
+pub(super) const UNREACHED: &str = "unreached";
+pub(super) const NEVER_PAID: &str = "never_paid";
+pub(super) const ALWAYS_PAID: &str = "always_paid";
+
+/// A pose that counts, and the record of it.
+pub(super) struct Shown {
+    pub pose: Pose,
+    pub frame: Vec<f64>,
+    pub stands: bool,
+}
+
+/// Poses of a body in a scene, always the same.
+pub(super) fn draw(room: &mut Room<'_>) -> Vec<Shown> {
+    let mut chance = Stream::new(EpisodeKey::default(), "probe/poses");
+    let mut shown = Vec::new();
+    for _ in 0..POSES {
+        let pose = room.draw(&mut chance);
+        if room.show(&pose) {
+            shown.push(Shown { frame: room.frame.clone(), stands: room.stands(&pose), pose });
+        }
+    }
+    shown
+}
+
+/// What poses have shown of a subject.
+#[derive(Clone)]
+struct Tally {
+    /// The least that was missing until it holds, of a term until it is not 0, and where.
+    to_hold: (f64, Option<usize>),
+    to_fail: (f64, Option<usize>),
+    /// The least and the most of a term, and where: in any pose, and in those that stand.
+    all: Range,
+    standing: Range,
+    /// Middles of both sides of a comparison.
+    sides: [[f64; 2]; 2],
+    /// What is missing in poses that stand, until it holds and until it fails, and where.
+    on_feet: [Vec<(f64, usize)>; 2],
+}
+
+#[derive(Clone)]
+struct Range {
+    low: (f64, Option<usize>),
+    high: (f64, Option<usize>),
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self { low: (f64::INFINITY, None), high: (f64::NEG_INFINITY, None) }
+    }
+}
+
+impl Range {
+    fn add(&mut self, bounds: Bounds, place: usize) {
+        if bounds.low < self.low.0 {
+            self.low = (bounds.low, Some(place));
+        }
+        if bounds.high > self.high.0 {
+            self.high = (bounds.high, Some(place));
+        }
+    }
+
+    /// The largest magnitude.
+    fn size(&self) -> f64 {
+        self.high.0.max(-self.low.0)
+    }
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        let none = (f64::INFINITY, None);
+        let sides = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        Self {
+            to_hold: none,
+            to_fail: none,
+            all: Range::default(),
+            standing: Range::default(),
+            sides,
+            on_feet: Default::default(),
+        }
+    }
+}
+
+impl Tally {
+    fn see(&mut self, survey: &Survey<'_>, subject: usize, place: usize, stands: bool) {
+        let is_term = matches!(survey.subjects()[subject].about, About::Term(_));
+        if is_term {
+            let bounds = survey.bounds(subject);
+            self.all.add(bounds, place);
+            if stands {
+                self.standing.add(bounds, place);
+            }
+            let lack = survey.lack(subject, true);
+            if lack < self.to_hold.0 {
+                self.to_hold = (lack, Some(place));
+            }
+            return;
+        }
+        let [to_hold, to_fail] = &mut self.on_feet;
+        for (wanted, known, on_feet) in [(true, &mut self.to_hold, to_hold), (false, &mut self.to_fail, to_fail)] {
+            let lack = survey.lack(subject, wanted);
+            if lack < known.0 {
+                *known = (lack, Some(place));
+            }
+            if stands {
+                on_feet.push((lack, place));
+            }
+        }
+        for (side, bounds) in self.sides.iter_mut().zip(survey.sides(subject).into_iter().flatten()) {
+            let middle = 0.5 * (bounds.low + bounds.high);
+            *side = [side[0].min(middle), side[1].max(middle)];
+        }
+    }
+}
+
+/// What is wanted of a subject.
+#[derive(Clone, Copy, PartialEq)]
+enum Goal {
+    Hold(bool),
+    /// A term beyond a size.
+    Pay(f64),
+    /// A term below a value.
+    Less(f64),
+}
+
+/// A search for a pose.
+struct Search<'r, 'm, 's, 'g> {
+    room: &'r mut Room<'m>,
+    survey: &'s mut Survey<'g>,
+    trusted: &'s BTreeSet<Sensor>,
+    looked: usize,
+}
+
+impl Search<'_, '_, '_, '_> {
+    /// How far the present pose is from a goal; 0 or less if it is there.
+    fn distance(&self, subject: usize, goal: Goal) -> f64 {
+        let bounds = || self.survey.bounds(subject);
+        match goal {
+            Goal::Hold(wanted) => self.survey.lack(subject, wanted),
+            // Where nothing at all is paid, what is missing leads on.
+            Goal::Pay(size) => match bounds().high.max(-bounds().low) {
+                0.0 => 1.0 + size + self.survey.lack(subject, true),
+                paid => size - paid,
+            },
+            Goal::Less(value) => bounds().low - value,
+        }
+    }
+
+    /// Looks for a pose that reaches a goal; whether there is one.
+    fn run(&mut self, subject: usize, goal: Goal, start: &Shown, standing: bool, tally: &mut Tally) -> bool {
+        let mut chance = Stream::new(EpisodeKey { seed: 0, episode: subject as u64 }, "probe/search");
+        let mut best = start.pose.clone();
+        // The last change that helped: what helped once may help again.
+        let mut helped: Option<Pose> = None;
+        self.survey.look_at(subject, &start.frame, self.trusted);
+        let mut least = self.distance(subject, goal);
+        for _ in 0..ROUNDS {
+            let before = least;
+            for _ in 0..TRIES {
+                if least <= 0.0 {
+                    return true;
+                }
+                let again = helped.take().filter(|_| chance.uniform() < 0.8);
+                let pose = match again {
+                    Some(former) => self.room.beyond(&former, &best),
+                    None => self.room.near(&best, standing, &mut chance),
+                };
+                if !self.room.show(&pose) || (standing && !self.room.stands(&pose)) {
+                    continue;
+                }
+                self.looked += 1;
+                self.survey.look_at(subject, &self.room.frame, self.trusted);
+                tally.see(self.survey, subject, 0, standing);
+                let distance = self.distance(subject, goal);
+                if distance < least {
+                    helped = Some(std::mem::replace(&mut best, pose));
+                } else if distance == least {
+                    best = pose;
+                }
+                least = least.min(distance);
+            }
+            if least > (1.0 - GAIN) * before {
+                break;
+            }
+        }
+        least <= 0.0
+    }
+}
+
+/// Contacts of which the poses show both that there is one and that there is none.
+fn trusted(survey: &Survey<'_>, shown: &[Shown]) -> BTreeSet<Sensor> {
+    let both = |offset: usize| {
+        let touching = shown.iter().filter(|shown| shown.frame[offset] != 0.0).count();
+        touching > 0 && touching < shown.len()
+    };
+    survey.contacts().filter(|(_, offset)| both(*offset)).map(|(sensor, _)| sensor).collect()
+}
+
+/// A comparison of which is known in which way it is decided, if it is.
+struct Verdict {
+    /// It never holds, or never fails; `None` if both were met.
+    never: Option<bool>,
+    message: String,
+}
+
+/// Looks at all phases of a task in the poses `shown`; `begins` are records of beginnings.
+pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], begins: &[Vec<f64>]) -> Vec<Found> {
+    let mut told = Vec::new();
+    let mut comparisons: BTreeMap<(FileId, Span), Vec<Verdict>> = BTreeMap::new();
+    let begins_standing = room.begins_standing();
+    for phase in 0..Survey::phases(task) {
+        let Some(mut survey) = Survey::new(task, phase) else { continue };
+        let trusted = trusted(&survey, shown);
+        let mut tallies = vec![Tally::default(); survey.subjects().len()];
+        for (place, shown) in shown.iter().enumerate() {
+            survey.look(&shown.frame, &trusted);
+            for (subject, tally) in tallies.iter_mut().enumerate() {
+                tally.see(&survey, subject, place, shown.stands);
+            }
+        }
+        for frame in begins.iter().filter(|_| phase == 0) {
+            survey.look(frame, &trusted);
+            for (subject, tally) in tallies.iter_mut().enumerate() {
+                tally.see(&survey, subject, 0, false);
+            }
+        }
+        let standing = begins_standing && phase == 0;
+        let mut search = Search { room: &mut *room, survey: &mut survey, trusted: &trusted, looked: shown.len() };
+        let mut decided = Vec::new();
+        // Comparisons come last, and whoever reads one that is told needs no telling.
+        for subject in (0..tallies.len()).rev() {
+            let about = search.survey.subjects()[subject].clone();
+            let tally = &mut tallies[subject];
+            if about.range.single().is_some() {
+                continue;
+            }
+            let verdict = match about.about {
+                About::Term(_) => term(&mut search, subject, &about, tally, shown, standing),
+                _ => condition(&mut search, subject, &about, tally, shown)
+                    .or_else(|| standing.then(|| missed_on_feet(&mut search, subject, &about, tally, shown)).flatten()),
+            };
+            if about.about == About::Comparison {
+                let never = verdict.as_ref().map(|verdict| verdict.1);
+                let message = verdict.map_or(String::new(), |verdict| verdict.2);
+                decided.extend(never.is_some().then_some(subject));
+                comparisons.entry(about.at).or_default().push(Verdict { never, message });
+            } else if let Some((lint, _, message)) = verdict
+                && !decided.iter().any(|known| search.survey.reads(subject, *known))
+            {
+                told.push(found(task, &about, lint, named(task, &about) + &message));
+            }
+        }
+    }
+    for (place, verdicts) in comparisons {
+        // A formula of a library is told where it is never reached, whoever calls it.
+        let Some(first) = verdicts.first().filter(|first| verdicts.iter().all(|other| other.never == first.never)) else {
+            continue;
+        };
+        if first.never.is_some() {
+            told.push((UNREACHED, lints_at(task, place), unreached(place, first.message.clone())));
+        }
+    }
+    told
+}
+
+fn unreached(place: (FileId, Span), message: String) -> Diagnostic {
+    at(probing::UNREACHED, place, message)
+        .help("look for a wrong landmark, unit or sign; if it is meant, say `allow unreached \"...\"`")
+}
+
+/// What a subject is called in messages.
+fn named(task: &CompiledTask, subject: &Subject) -> String {
+    match subject.about {
+        About::Term(index) => format!("the term `{}`", task.terms[index].name),
+        About::Termination(index) => format!("the termination `{}`", task.terminations[index]),
+        About::Finish(index) => format!("the reason to finish `{}`", task.finishes[index]),
+        About::Success => "success".to_owned(),
+        About::Comparison => "this".to_owned(),
+    }
+}
+
+fn found(task: &CompiledTask, subject: &Subject, lint: &'static str, message: String) -> Found {
+    let diagnostic = match lint {
+        NEVER_PAID => at(probing::NEVER_PAID, subject.at, message)
+            .help("look for a wrong landmark, unit or sign; if it is meant, say `allow never_paid \"...\"`"),
+        ALWAYS_PAID => {
+            at(probing::ALWAYS_PAID, subject.at, message).help("pay what can be missed, or say `allow always_paid \"...\"`")
+        }
+        _ => unreached(subject.at, message),
+    };
+    (lint, lints_at(task, subject.at), diagnostic)
+}
+
+/// Lints that are allowed on the term in whose formula a place is.
+fn lints_at(task: &CompiledTask, (file, span): (FileId, Span)) -> BTreeSet<String> {
+    let inside = |known: &&((FileId, Span), BTreeSet<String>)| {
+        let (own, term) = known.0;
+        own == file && term.start <= span.start && span.end <= term.end
+    };
+    task.places.terms.iter().find(inside).map_or_else(BTreeSet::new, |(_, allowed)| allowed.clone())
+}
+
+type Told = (&'static str, bool, String);
+
+/// A condition that never holds or never fails.
+fn condition(
+    search: &mut Search<'_, '_, '_, '_>,
+    subject: usize,
+    about: &Subject,
+    tally: &mut Tally,
+    shown: &[Shown],
+) -> Option<Told> {
+    for wanted in [true, false] {
+        let (lack, place) = if wanted { tally.to_hold } else { tally.to_fail };
+        let Some(start) = place.and_then(|place| shown.get(place)).filter(|_| lack > 0.0) else { continue };
+        let looked = search.looked;
+        if search.run(subject, Goal::Hold(wanted), start, false, tally) {
+            continue;
+        }
+        // What only fails together may yet be met by poses that are hard to find.
+        let missing = if wanted { tally.to_hold.0 } else { tally.to_fail.0 };
+        if about.about != About::Comparison && missing < TOGETHER {
+            continue;
+        }
+        return Some((UNREACHED, wanted, decided(about, tally, wanted, search.looked - looked + shown.len(), "poses")));
+    }
+    None
+}
+
+/// A length that just misses its threshold in every pose that stands, as that of an ankle above a flat foot: poses that lie may
+/// reach it, but they are not what is meant.
+fn missed_on_feet(
+    search: &mut Search<'_, '_, '_, '_>,
+    subject: usize,
+    about: &Subject,
+    tally: &mut Tally,
+    shown: &[Shown],
+) -> Option<Told> {
+    if about.about != About::Comparison || about.unit != "m" {
+        return None;
+    }
+    for wanted in [true, false] {
+        let gaps = tally.on_feet[usize::from(!wanted)].clone();
+        let nearest = gaps.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let near = gaps.iter().filter(|(gap, _)| *gap < nearest.0 + AS_NEAR).count();
+        let just = 0.0 < nearest.0 && nearest.0 < JUST && near as f64 > OFTEN * gaps.len() as f64;
+        let Some(start) = shown.get(nearest.1).filter(|_| just) else { continue };
+        let looked = search.looked;
+        // Only what stands counts now.
+        let mut standing = Tally::default();
+        for (_, place) in &gaps {
+            search.survey.look_at(subject, &shown[*place].frame, search.trusted);
+            standing.see(search.survey, subject, *place, true);
+        }
+        if !search.run(subject, Goal::Hold(wanted), start, true, &mut standing) {
+            let poses = search.looked - looked + gaps.len();
+            return Some((UNREACHED, wanted, decided(about, &standing, wanted, poses, "poses with a flat foot on the ground")));
+        }
+    }
+    None
+}
+
+/// In which way a condition is decided, in words.
+fn decided(about: &Subject, tally: &Tally, wanted: bool, count: usize, poses: &str) -> String {
+    let word = if wanted { "holds in none" } else { "fails in none" };
+    if about.about != About::Comparison {
+        return format!(" {word} of {count} {poses}");
+    }
+    let [left, right] = tally.sides.map(|side| between(side, &about.unit));
+    format!("this {word} of {count} {poses}: {left} on the left, {right} on the right")
+}
+
+/// `0.2 to 1.2 m`
+fn between([low, high]: [f64; 2], unit: &str) -> String {
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let number = |value: f64| format!("{}", (value * 1e4).round() / 1e4);
+    if high - low < 1e-4 { format!("{}{unit}", number(low)) } else { format!("{} to {}{unit}", number(low), number(high)) }
+}
+
+/// `0`, `3e-20`
+fn amount(value: f64) -> String {
+    if value <= 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
+}
+
+/// A term that never pays or always does.
+fn term(
+    search: &mut Search<'_, '_, '_, '_>,
+    subject: usize,
+    about: &Subject,
+    tally: &mut Tally,
+    shown: &[Shown],
+    standing: bool,
+) -> Option<Told> {
+    let largest = about.range.high.max(-about.range.low);
+    let nothing = NOTHING * if largest.is_finite() { largest } else { 1.0 };
+    let start = |place: Option<usize>| place.and_then(|place| shown.get(place));
+    let sized = |range: &Range| start(if range.high.0 >= -range.low.0 { range.high.1 } else { range.low.1 });
+    if tally.all.size() < nothing {
+        let begin = if tally.all.size() > 0.0 { sized(&tally.all) } else { start(tally.to_hold.1) }?;
+        let looked = search.looked;
+        let paid = search.run(subject, Goal::Pay(nothing), begin, false, tally);
+        // What only fails together may yet be met by poses that are hard to find.
+        if paid || (tally.all.size() <= 0.0 && tally.to_hold.0 < TOGETHER) {
+            return None;
+        }
+        let poses = search.looked - looked + shown.len();
+        let message = format!(" is {} at most in {poses} poses: it pays nothing", amount(tally.all.size()));
+        return Some((NEVER_PAID, true, message));
+    }
+    if !standing || about.reads_ends || tally.standing.high.1.is_none() {
+        return None;
+    }
+    let half = about.range.low + MOST * (about.range.high - about.range.low);
+    if half.is_finite() && tally.standing.low.0 > half {
+        let begin = start(tally.standing.low.1)?;
+        let looked = search.looked;
+        if !search.run(subject, Goal::Less(half), begin, true, tally) {
+            let (low, high) = (tally.standing.low.0, about.range.high);
+            let poses = search.looked - looked + shown.iter().filter(|shown| shown.stands).count();
+            let message = format!(
+                " is at least {low:.2} of {high:.2} in {poses} poses with a flat foot on the ground: it pays whatever is done"
+            );
+            return Some((ALWAYS_PAID, true, message));
+        }
+    }
+    None
+}
