@@ -12,8 +12,11 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The suite, and the tasks that are written but not proven.
-const FILES: [&str; 1] = ["tasks.msk"];
+/// The suite.
+const FILE: &str = "tasks.msk";
+/// Beyond the benchmark: sequences, and tasks that differ in one number.
+const COMPOSED: &str = "tasks/composed.msk";
+const LOADS: &str = "tasks/loads.msk";
 const FAMILIES: [&str; 3] = ["stabilization", "locomotion", "interaction"];
 /// A picture is no larger, bytes.
 const LARGEST: usize = 60_000;
@@ -30,6 +33,14 @@ fn hold(path: &str, expected: &str) {
     }
     let found = std::fs::read_to_string(at(path)).unwrap_or_default();
     assert!(found == expected, "{path} is not that of the tasks; `MSK_UPDATE=1 cargo test --test task_pages` writes it");
+}
+
+/// The tasks that the suites of a file name, in their order, and all that the file knows.
+fn tasks_of(file: &str, bodies: &BodyLibrary) -> (Vec<Arc<CompiledTask>>, Vec<Arc<CompiledTask>>) {
+    let compilation = compile(&at(file), &FileLoader, bodies).unwrap_or_else(|report| panic!("{report}"));
+    let named = compilation.suites.iter().flat_map(|suite| &suite.families).flat_map(|(_, tasks)| tasks);
+    let named = named.map(|name| compilation.tasks.iter().find(|task| task.name == *name).unwrap().clone()).collect();
+    (named, compilation.tasks)
 }
 
 /// The first moment of a task, from the right and from behind or in front, wherever more of it is seen.
@@ -61,7 +72,14 @@ fn ends(text: &mut String, title: &str, ends: &[EndAccount]) {
     let _ = writeln!(text, "{title}: {}.\n", reasons.join("; "));
 }
 
-fn section(account: &Account) -> String {
+fn succeeds(text: &mut String, title: &str, success: Option<&EndAccount>) {
+    if let Some(success) = success {
+        let _ = writeln!(text, "{title} when {}.\n", code(&success.condition.source));
+    }
+}
+
+/// Section of a task; the `parts` are those that a sequence runs.
+fn section(account: &Account, parts: &[Account]) -> String {
     let mut text = String::new();
     let title = account.name.replace('_', " ");
     let _ = writeln!(text, "### {title}\n\n{}\n", account.summary);
@@ -72,7 +90,12 @@ fn section(account: &Account) -> String {
         let start = motion.start.map_or("a phase drawn for each episode".to_owned(), |start| format!("phase {start}"));
         let _ = writeln!(text, "Follows the motion {} of {} s from {start}.\n", motion.title, motion.duration);
     }
+    let sequence = account.phases.len() > 1;
     for phase in &account.phases {
+        if sequence {
+            let left = phase.until.as_ref().map_or(format!("{} steps long", phase.horizon), |until| format!("until {}", code(&until.source)));
+            let _ = writeln!(text, "**{}**, {left}:\n", phase.name.replace('_', " "));
+        }
         let _ = writeln!(text, "| weight | term | formula |\n|---:|:---|:---|");
         for term in &phase.terms {
             let _ = writeln!(text, "| {} | {} | {} |", term.weight, term.name, code(&term.formula.source));
@@ -80,9 +103,30 @@ fn section(account: &Account) -> String {
         text.push('\n');
         ends(&mut text, "Fails", &phase.terminations);
         ends(&mut text, "Ends otherwise", &phase.finishes);
-        if let Some(success) = &phase.success {
-            let _ = writeln!(text, "Succeeds when {}.\n", code(&success.condition.source));
-        }
+        let alone = parts.iter().find(|part| part.name == phase.name).map_or(phase, |part| &part.phases[0]);
+        succeeds(&mut text, "Succeeds", alone.success.as_ref());
+    }
+    if sequence {
+        succeeds(&mut text, "The whole succeeds", account.phases[0].success.as_ref());
+    }
+    text
+}
+
+/// Section, with its picture held beside it.
+fn shown(task: &Arc<CompiledTask>, parts: &[Account], bodies: &BodyLibrary) -> String {
+    let picture = picture(task, bodies);
+    assert!(picture.len() < LARGEST, "{}: {} bytes", task.name, picture.len());
+    hold(&format!("docs/tasks/{}.svg", task.name), &picture);
+    section(&account(task, &Telling::default()), parts)
+}
+
+/// Tasks that are one task but for its parameters.
+fn study(tasks: &[Arc<CompiledTask>]) -> String {
+    let mut text = "| task | what it is | set |\n|:---|:---|:---|\n".to_owned();
+    for task in tasks {
+        let account = account(task, &Telling::default());
+        let set: Vec<String> = account.parameters.iter().map(|set| format!("{} {} {}", set.name, set.value, set.unit)).collect();
+        let _ = writeln!(text, "| `{}` | {} | {} |", account.name, account.summary, set.join(", "));
     }
     text
 }
@@ -90,22 +134,24 @@ fn section(account: &Account) -> String {
 #[test]
 fn the_page_of_the_tasks_is_that_of_the_tasks() {
     let bodies = BodyLibrary::default();
-    let mut tasks: Vec<Arc<CompiledTask>> = Vec::new();
-    for file in FILES {
-        tasks.extend(compile(&at(file), &FileLoader, &bodies).unwrap_or_else(|report| panic!("{report}")).tasks);
-    }
+    let (tasks, _) = tasks_of(FILE, &bodies);
     let mut page = "# The tasks\n\nWritten by `MSK_UPDATE=1 cargo test --test task_pages` from the texts in `tasks/`. The pictures show how \
         an episode begins\n(`msk draw --task NAME --plain`): from the right, and from behind or in front; the quartered disc is the centre \
         of mass, arrows are\nforces on the body.\n\n".to_owned();
     for family in FAMILIES {
         let _ = writeln!(page, "## {}{}\n", family[..1].to_uppercase(), &family[1..]);
         for task in tasks.iter().filter(|task| task.family == family) {
-            page += &section(&account(task, &Telling::default()));
-            let picture = picture(task, &bodies);
-            assert!(picture.len() < LARGEST, "{}: {} bytes", task.name, picture.len());
-            hold(&format!("docs/tasks/{}.svg", task.name), &picture);
+            page += &shown(task, &[], &bodies);
         }
     }
+    page += "## Beyond the paper\n\nSequences run tasks one after the other in one episode (`tasks/composed.msk`); only the terms of the present phase\n\
+        pay. The load study (`tasks/loads.msk`) holds bars of four masses overhead, by the rewards of `powerlift`.\n\n";
+    let (sequences, all) = tasks_of(COMPOSED, &bodies);
+    let parts: Vec<Account> = all.iter().map(|task| account(task, &Telling::default())).collect();
+    for sequence in sequences {
+        page += &shown(&sequence, &parts, &bodies);
+    }
+    let _ = writeln!(page, "### loads\n\n{}", study(&tasks_of(LOADS, &bodies).0));
     assert!(tasks.iter().all(|task| FAMILIES.contains(&task.family.as_str())));
     hold("docs/tasks.md", &(page.trim_end().to_owned() + "\n"));
 }

@@ -1,13 +1,14 @@
 //! The benchmark's tasks: each compiles without a remark, begins with nothing inside anything else, runs, and passes its tests.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
+use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile};
 use msk::runtime::episode::{Ending, Episode, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::testing;
 use std::fmt::Write;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// The suite.
 const FILE: &str = "tasks.msk";
@@ -33,7 +34,7 @@ fn episodes() -> Vec<Episode> {
         compilation.tasks.into_iter().filter(move |task| named.contains(&task.name))
     });
     let tasks = compiled(FILE).tasks.into_iter().chain(further);
-    let begin = |task: std::sync::Arc<msk::compiler::task::CompiledTask>| {
+    let begin = |task: Arc<CompiledTask>| {
         let staged = bodies().stage(&task.body, &task.scene).unwrap_or_else(|error| panic!("{}: {error:?}", task.name));
         Episode::new(staged.model, staged.body, task).unwrap()
     };
@@ -106,7 +107,10 @@ fn every_task_runs_without_a_fault() {
 
 /// Plays the tests of all tasks of a family.
 fn passes_its_tests(family: &str) {
-    let tasks: Vec<_> = compiled(FILE).tasks.into_iter().filter(|task| task.family == family).collect();
+    pass_their_tests(compiled(FILE).tasks.into_iter().filter(|task| task.family == family).collect());
+}
+
+fn pass_their_tests(tasks: Vec<Arc<CompiledTask>>) {
     let mut jobs = Vec::new();
     for task in &tasks {
         let staged = bodies().stage(&task.body, &task.scene).unwrap();
@@ -130,6 +134,13 @@ fn locomotion_passes_its_tests() {
 #[test]
 fn interaction_passes_its_tests() {
     passes_its_tests("interaction");
+}
+
+#[test]
+fn further_tasks_pass_their_tests() {
+    for file in FURTHER {
+        pass_their_tests(compiled(file).tasks.into_iter().filter(|task| task.tests.is_some()).collect());
+    }
 }
 
 /// A task shows how it succeeds, how it does not, every way in which it ends, and for every term two situations of which one is

@@ -22,6 +22,21 @@ pub struct SceneDescription {
     pub groups: Vec<(String, Vec<usize>)>,
 }
 
+impl SceneDescription {
+    /// Mass of each object with all that it carries without a joint: of what moves as one, kg.
+    #[must_use]
+    pub fn masses(&self) -> Vec<f64> {
+        let mut masses: Vec<f64> = self.objects.iter().map(|object| object.mass).collect();
+        // Parents stand before what they carry.
+        for (index, object) in self.objects.iter().enumerate().rev() {
+            if let (Parent::Object(parent), Motion::Fixed) = (&object.parent, &object.motion) {
+                masses[*parent] += masses[index];
+            }
+        }
+        masses
+    }
+}
+
 /// How a surface meets others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Surface {

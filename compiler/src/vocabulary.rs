@@ -132,7 +132,7 @@ impl Vocabulary {
     pub fn with_scene(&self, scene: &SceneDescription) -> Self {
         let mut whole = self.clone();
         let first = whole.landmarks.len();
-        for object in &scene.objects {
+        for (object, mass) in scene.objects.iter().zip(scene.masses()) {
             let (origin, axes) = match &object.parent {
                 Parent::World => ([0.0; 3], IDENTITY),
                 Parent::Object(parent) => place_of(&whole.landmarks[first + parent]),
@@ -144,7 +144,7 @@ impl Vocabulary {
             whole.landmarks.push(Landmark {
                 name: object.name.clone(),
                 description: object.description.clone(),
-                mass: object.mass,
+                mass,
                 neutral_position: core::array::from_fn(|k| origin[k] + offset[k]),
                 neutral_axes: composed(&axes, object.orientation),
                 has_segment: object.shape.is_some() && object.surface.solid,

@@ -39,6 +39,37 @@ const DOOR: &str = "scene {
 }
 observe { door.swing.q; touching(robot, things); door.leaf.size.left }";
 
+/// A bar of three shapes weighs what they weigh together; what a joint carries moves by itself.
+#[test]
+fn an_object_weighs_what_it_carries() {
+    let scene = task(
+        "scene {
+            ground
+            body bar {
+                at [0, 0, 2 m], free
+                cylinder shaft  { along [0, 1, 0], length 1.3 m, radius 3 cm, mass 1 kg }
+                cylinder plate_l { along [0, 1, 0], at [0, 0.7 m, 0], length 0.2 m, radius 0.2 m, mass 2 kg }
+                cylinder plate_r { along [0, 1, 0], at [0, -0.7 m, 0], length 0.2 m, radius 0.2 m, mass 2 kg }
+            }
+            body door {
+                at [3 m, 0, 0]
+                hinge swing { axis [0, 0, 1] }
+                box leaf { size [0.1 m, 1 m, 2 m], at [0, 0.5 m, 1.1 m], mass 19 kg }
+                body flap { hinge turn { axis [0, 1, 0] }, box board { size [0.1 m, 0.1 m, 0.1 m], at [0, 0.5 m, 0.5 m], mass 3 kg } }
+            }
+        }
+        observe { bar.height; door.swing.q; door.flap.turn.q }",
+    )
+    .scene
+    .clone();
+    let found = |name: &str| {
+        let whole = vocabulary().with_scene(&scene);
+        whole.landmarks.iter().find(|landmark| landmark.name == name).unwrap().mass
+    };
+    let names = ["bar", "bar.shaft", "bar.plate_l", "door", "door.leaf", "door.flap"];
+    assert_eq!(names.map(found), [5.0, 1.0, 2.0, 19.0, 19.0, 3.0]);
+}
+
 #[test]
 fn elements_become_objects_in_the_order_of_the_text_parents_first() {
     let task = task(DOOR);

@@ -155,7 +155,7 @@ pub const SIGNALS: &[Signal] = &[
     row(Landmark, "pitch", Read::Pitch, "number, rad", "nose down positive, after yaw"),
     row(Landmark, "roll", Read::Roll, "number, rad", "right side down positive, after yaw and pitch"),
     row(Landmark, "yaw", Read::Yaw, "number, rad", "turn about the vertical, left positive"),
-    row(Landmark, "mass", Read::Mass, "number, kg", "mass of the body part that carries it"),
+    row(Landmark, "mass", Read::Mass, "number, kg", "mass of the body part that carries it; of an object with all that it carries without a joint"),
     row(Object, "size", Read::Extent, "vec3, m", "full extents of a box or ellipsoid, in its own axes"),
     row(Object, "radius", Read::Extent, "number, m", "of a sphere, capsule or cylinder"),
     row(Object, "length", Read::Extent, "number, m", "of a capsule, cylinder or terrain"),

@@ -215,12 +215,7 @@ impl<'a> Checker<'a> {
     /// What moves has a mass: its own, or that of what it carries without a joint.
     fn must_have_masses(&mut self, stage: &Stage<'a>) {
         let objects = &stage.scene.objects;
-        let mut total: Vec<f64> = objects.iter().map(|object| object.mass).collect();
-        for index in (0..objects.len()).rev() {
-            if let (Parent::Object(parent), Motion::Fixed) = (&objects[index].parent, &objects[index].motion) {
-                total[*parent] += total[index];
-            }
-        }
+        let total = stage.scene.masses();
         for (index, object) in objects.iter().enumerate() {
             if object.motion != Motion::Fixed && total[index] <= 0.0 {
                 let diagnostic = self
