@@ -93,7 +93,10 @@ fn section(account: &Account, parts: &[Account]) -> String {
     let sequence = account.phases.len() > 1;
     for phase in &account.phases {
         if sequence {
-            let left = phase.until.as_ref().map_or(format!("{} steps long", phase.horizon), |until| format!("until {}", code(&until.source)));
+            let left = phase
+                .until
+                .as_ref()
+                .map_or(format!("{} steps long", phase.horizon), |until| format!("until {}", code(&until.source)));
             let _ = writeln!(text, "**{}**, {left}:\n", phase.name.replace('_', " "));
         }
         let _ = writeln!(text, "| weight | term | formula |\n|---:|:---|:---|");

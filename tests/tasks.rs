@@ -138,8 +138,10 @@ fn interaction_passes_its_tests() {
 
 #[test]
 fn further_tasks_pass_their_tests() {
+    let benchmark = compiled(FILE).tasks;
     for file in FURTHER {
-        pass_their_tests(compiled(file).tasks);
+        let further = compiled(file).tasks.into_iter().filter(|task| benchmark.iter().all(|known| known.name != task.name));
+        pass_their_tests(further.collect());
     }
 }
 
