@@ -277,3 +277,83 @@ fn parameters_size_the_scene() {
     let Some(Shape::Terrain(Terrain::Stairs { count, rise, run, .. })) = task.scene.objects[0].shape else { panic!() };
     assert_eq!((count, rise, run), (4, 0.15, 0.3));
 }
+
+/// The second task, which extends the first, and the third, which says the same by itself.
+fn extended_and_written(first: &str, second: &str, third: &str) -> [Arc<CompiledTask>; 2] {
+    let whole = |name: &str, statements: &str| complete(statements).replacen("task example", &format!("task {name}"), 1);
+    let text = format!("{}\ntask second extends first {{ {second} }}\n{}", whole("first", first), whole("third", third));
+    let compilation = compile_text(&text, &[]).unwrap_or_else(|report| panic!("{report}\n{text}"));
+    let [_, second, third] = compilation.tasks.as_slice() else { panic!("{} tasks", compilation.tasks.len()) };
+    [second.clone(), third.clone()]
+}
+
+#[test]
+fn single_elements_of_an_extended_scene_are_replaced_where_they_stand_removed_and_added() {
+    let [second, third] = extended_and_written(
+        "scene {
+            ground
+            repeat i in 0..3 { sphere stone_{i} { radius 5 cm, at [1 m * i, 0, 5 cm] } }
+            body rack { at [0, 0, 2 m]; box bar { size [1 m, 4 cm, 4 cm] }; point grip { at [0, 0, 0] } }
+            weld palm_l to rack.grip here
+            weld palm_r to rack.grip here
+            group stones = stone_{*}
+            marker goal at [5 m, 0, 1 m]
+        }
+        terminate { hit when touching(robot, stones) }",
+        "scene {
+            ground { friction 2 }
+            sphere stone_1 { radius 20 cm, at [1 m, 1 m, 20 cm] }
+            remove stone_2
+            body rack { at [0, 0, 3 m]; point grip { at [0, 0, 1 cm] } }
+            weld palm_l to rack.grip
+            remove palm_r
+            box wall { size [1 m, 1 m, 1 m], at [9 m, 0, 0.5 m] }
+            group stones = [stone_{*}, wall]
+            marker goal at [6 m, 0, 1 m]
+        }",
+        "scene {
+            ground { friction 2 }
+            sphere stone_0 { radius 5 cm, at [0 m, 0, 5 cm] }
+            sphere stone_1 { radius 20 cm, at [1 m, 1 m, 20 cm] }
+            body rack { at [0, 0, 3 m]; point grip { at [0, 0, 1 cm] } }
+            box wall { size [1 m, 1 m, 1 m], at [9 m, 0, 0.5 m] }
+            weld palm_l to rack.grip
+            group stones = [stone_{*}, wall]
+            marker goal at [6 m, 0, 1 m]
+        }
+        terminate { hit when touching(robot, stones) }",
+    );
+    assert_eq!(second.scene, third.scene);
+    assert_eq!(second.snapshot().to_string().replace("second", "third"), third.snapshot().to_string());
+}
+
+#[test]
+fn single_parts_of_an_extended_beginning_are_replaced_removed_and_added() {
+    let [second, third] = extended_and_written(
+        "scene { ground; sphere ball { radius 11 cm, mass 0.4 kg, free, at [3 m, 0, 1.2 m] } }
+        init {
+            pose squatting
+            root { height on ground, velocity [1 m/s, 0, 0] }
+            ball { velocity [-4 m/s, 0, 1 m/s], spin [0, 2 rad/s, 0] }
+            noise joints normal(0, 0.005 rad)
+            noise velocities normal(0, 0.01 rad/s)
+            settle 50 ms
+        }",
+        "init {
+            pose neutral
+            ball { velocity [-6 m/s, 0, 0] }
+            noise joints normal(0, 0.02 rad)
+            remove velocities
+            remove settle
+        }",
+        "scene { ground; sphere ball { radius 11 cm, mass 0.4 kg, free, at [3 m, 0, 1.2 m] } }
+        init {
+            pose neutral
+            root { height on ground, velocity [1 m/s, 0, 0] }
+            ball { velocity [-6 m/s, 0, 0] }
+            noise joints normal(0, 0.02 rad)
+        }",
+    );
+    assert_eq!(second.init, third.init);
+    assert_eq!(second.snapshot().to_string().replace("second", "third"), third.snapshot().to_string());
+}

@@ -1,7 +1,8 @@
 //! `extends`: a task with all that it takes from those it extends.
 //!
 //! 1. The chain of tasks is followed to its end; a circle or a task that is not in sight is an error.
-//! 2. Sections that are lists are taken apart row by row, each under its name; what is said once is one row.
+//! 2. Sections that are lists are taken apart row by row, each under its name; what is said once is one row. Scenes and beginnings
+//!    stay whole, in layers: their rows are laid over each other once loops are unrolled (`scene::expand`, `init::layers`).
 //! 3. From the oldest task to the youngest, rows replace rows of the same name where those stand, `remove` takes them out, and
 //!    the rest is added behind. What is overridden must exist.
 //!
@@ -18,6 +19,8 @@ use crate::syntax::tree::{
 pub(crate) struct Placed {
     pub statement: TaskStatement,
     pub file: FileId,
+    /// How often its task was extended from: 0 in the oldest of a line of tasks.
+    pub layer: usize,
 }
 
 /// A task with what it inherits.
@@ -45,6 +48,8 @@ pub(crate) type Find<'f, 'a> = &'f dyn Fn(FileId, &str) -> Result<InFile<'a>, Ve
 enum Section {
     /// Said once: the word itself.
     Single(&'static str),
+    /// Said once in each task, in layers: the word itself.
+    Layered(&'static str),
     Parameter,
     Channel,
     Term,
@@ -59,7 +64,7 @@ enum Section {
 impl Section {
     fn word(self) -> &'static str {
         match self {
-            Self::Single(word) => word,
+            Self::Single(word) | Self::Layered(word) => word,
             Self::Parameter => "parameter",
             Self::Channel => "channel",
             Self::Term => "term",
@@ -112,19 +117,19 @@ pub(crate) fn whole<'a>(
         }
         chain.push(found);
     }
-    let plain = |of: InFile<'_>| {
+    let plain = |of: InFile<'_>, layer: usize| {
         let statements = of.task.statements.iter().cloned();
-        statements.map(|statement| Placed { statement, file: of.file }).collect::<Vec<_>>()
+        statements.map(|statement| Placed { statement, file: of.file, layer }).collect::<Vec<_>>()
     };
     if chain.len() == 1 {
-        return Some(WholeTask { task: task.task.clone(), file: task.file, statements: plain(task) });
+        return Some(WholeTask { task: task.task.clone(), file: task.file, statements: plain(task, 0) });
     }
     let mut rows: Vec<Row> = Vec::new();
     let mut sound = true;
     for (place, one) in chain.iter().rev().enumerate() {
         // Tests belong to the task that they test.
         let inherited = place + 1 < chain.len();
-        for placed in plain(*one) {
+        for placed in plain(*one, place) {
             if inherited && matches!(placed.statement, TaskStatement::Test(_)) {
                 continue;
             }
@@ -149,7 +154,7 @@ pub(crate) fn in_sequence(phase: WholeTask, first: &WholeTask, sequence: &[Place
         _ => Section::Loose,
     };
     let shared = |placed: &Placed| match section_of(placed) {
-        Section::Single(word) => SHARED.contains(&word),
+        Section::Single(word) | Section::Layered(word) => SHARED.contains(&word),
         _ => matches!(placed.statement, TaskStatement::Disturb(_)),
     };
     let said: Vec<Section> = sequence.iter().map(section_of).collect();
@@ -173,44 +178,44 @@ pub(crate) fn unknown_task(name: &Ident, file: FileId, known: &[String]) -> Diag
 
 /// The rows and removals of a statement, in order.
 fn changes(placed: Placed, texts: &dyn Texts) -> Vec<Change> {
-    let file = placed.file;
+    let (file, layer) = (placed.file, placed.layer);
     let row = |section, name: &str, statement| {
-        Change::Row(Box::new(Row { section, name: name.to_owned(), placed: Placed { statement, file } }))
+        Change::Row(Box::new(Row { section, name: name.to_owned(), placed: Placed { statement, file, layer } }))
     };
     let single = |word: &'static str, statement| vec![row(Section::Single(word), "", statement)];
     use TaskStatement as S;
     match placed.statement {
         S::Params(Block { keyword, entries, span }) => {
             let statement = |entries| S::Params(Block { keyword, entries, span });
-            rows(entries, Section::Parameter, file, |parameter: &TaskParameter| parameter.name.text.clone(), statement)
+            rows(entries, Section::Parameter, (file, layer), |parameter: &TaskParameter| parameter.name.text.clone(), statement)
         }
         S::Observe(Block { keyword, entries, span }) => {
             let statement = |entries| S::Observe(Block { keyword, entries, span });
-            rows(entries, Section::Channel, file, |channel: &Channel| label_of(channel, file, texts), statement)
+            rows(entries, Section::Channel, (file, layer), |channel: &Channel| label_of(channel, file, texts), statement)
         }
         S::Metrics(Block { keyword, entries, span }) => {
             let statement = |entries| S::Metrics(Block { keyword, entries, span });
-            rows(entries, Section::Metric, file, |channel: &Channel| label_of(channel, file, texts), statement)
+            rows(entries, Section::Metric, (file, layer), |channel: &Channel| label_of(channel, file, texts), statement)
         }
         S::Reward(Reward { per_second, terms, span }) => {
             let statement = |terms| S::Reward(Reward { per_second, terms, span });
-            rows(terms, Section::Term, file, |term: &Term| term.name.text.clone(), statement)
+            rows(terms, Section::Term, (file, layer), |term: &Term| term.name.text.clone(), statement)
         }
         S::Terminate(Ends { after, reasons, span }) => {
             let statement = |reasons| S::Terminate(Ends { after: after.clone(), reasons, span });
-            rows(reasons, Section::Reason, file, |reason| reason.name.text.clone(), statement)
+            rows(reasons, Section::Reason, (file, layer), |reason| reason.name.text.clone(), statement)
         }
         S::Finish(Ends { after, reasons, span }) => {
             let statement = |reasons| S::Finish(Ends { after: after.clone(), reasons, span });
-            rows(reasons, Section::Reason, file, |reason| reason.name.text.clone(), statement)
+            rows(reasons, Section::Reason, (file, layer), |reason| reason.name.text.clone(), statement)
         }
         statement @ S::Family(_) => single("family", statement),
         statement @ S::Body(_) => single("body", statement),
         statement @ S::Control(_) => single("control", statement),
         statement @ S::Horizon(_) => single("horizon", statement),
         statement @ S::Symmetric(_) => single("symmetric", statement),
-        statement @ S::Scene(_) => single("scene", statement),
-        statement @ S::Init(_) => single("init", statement),
+        statement @ S::Scene(_) => vec![row(Section::Layered("scene"), "", statement)],
+        statement @ S::Init(_) => vec![row(Section::Layered("init"), "", statement)],
         statement @ S::Success(_) => single("success", statement),
         statement => {
             let name = match &statement {
@@ -231,7 +236,7 @@ fn changes(placed: Placed, texts: &dyn Texts) -> Vec<Change> {
 fn rows<T>(
     entries: Vec<Entry<T>>,
     section: Section,
-    file: FileId,
+    (file, layer): (FileId, usize),
     name: impl Fn(&T) -> String,
     statement: impl Fn(Vec<Entry<T>>) -> TaskStatement,
 ) -> Vec<Change> {
@@ -245,7 +250,7 @@ fn rows<T>(
                 let name = name(item);
                 let mut whole = std::mem::take(&mut allowed);
                 whole.push(entry);
-                changes.push(Change::Row(Box::new(Row { section, name, placed: Placed { statement: statement(whole), file } })));
+                changes.push(Change::Row(Box::new(Row { section, name, placed: Placed { statement: statement(whole), file, layer } })));
             }
         }
     }
@@ -254,7 +259,7 @@ fn rows<T>(
 
 /// Puts a row in the place of the one it overrides, or behind all; gives whether that was possible.
 fn apply(row: Row, extending: bool, rows: &mut Vec<Row>, diagnostics: &mut Vec<Diagnostic>) -> bool {
-    let replaces = extending && row.section != Section::Loose;
+    let replaces = extending && !matches!(row.section, Section::Loose | Section::Layered(_));
     let known = rows.iter_mut().find(|known| replaces && known.section == row.section && known.name == row.name);
     match known {
         Some(known) => override_row(known, row, diagnostics),
@@ -264,7 +269,8 @@ fn apply(row: Row, extending: bool, rows: &mut Vec<Row>, diagnostics: &mut Vec<D
                 && term.formula.is_none()
             {
                 let names = rows.iter().filter(|known| known.section == Section::Term).map(|known| known.name.as_str());
-                diagnostics.push(overrides_nothing("term", &term.name.text, term.name.span, row.placed.file, names));
+                let (name, span) = (&term.name.text, term.name.span);
+                diagnostics.push(overrides_nothing(lacks("term", name), name, row.placed.file, span, names));
                 return false;
             }
             rows.push(row);
@@ -360,18 +366,23 @@ fn take_out(section: Section, remove: &Remove, file: FileId, rows: &mut Vec<Row>
         return true;
     }
     let names = rows.iter().filter(|row| row.section == section).map(|row| row.name.as_str());
-    diagnostics.push(overrides_nothing(section.word(), &remove.name.text, remove.name.span, file, names));
+    let name = &remove.name.text;
+    diagnostics.push(overrides_nothing(lacks(section.word(), name), name, file, remove.name.span, names));
     false
 }
 
-fn overrides_nothing<'a>(
-    word: &str,
+fn lacks(word: &str, name: &str) -> String {
+    format!("the extended task has no {word} `{name}`")
+}
+
+/// Reports that a name is overridden or removed which is not there; `names` are those that are.
+pub(crate) fn overrides_nothing<'a>(
+    message: String,
     name: &str,
-    span: Span,
     file: FileId,
+    span: Span,
     names: impl Iterator<Item = &'a str> + Clone,
 ) -> Diagnostic {
-    let message = format!("the extended task has no {word} `{name}`");
     let mut diagnostic = Diagnostic::new(codes::composition::OVERRIDES_NOTHING, file, span, message);
     let near = nearest(name, names.clone());
     let known: Vec<&str> = names.collect();

@@ -3,7 +3,7 @@
 use super::context::{Cell, Checked, Checker, Compared, End, Reported, Timing};
 use super::dimension::Dimension;
 use super::inherit::{Placed, WholeTask};
-use super::init::Beginning;
+use super::init::{Beginning, Layer};
 use super::lints;
 use super::observe::{ObservedChannel, Texts};
 use super::random::KnownRandom;
@@ -18,7 +18,7 @@ use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
 use crate::scene::SceneDescription;
-use crate::syntax::tree::{Block, BodyUse, Docs, Expr, InitStatement, StateDeclaration, TaskStatement, Test};
+use crate::syntax::tree::{BodyUse, Docs, Expr, StateDeclaration, TaskStatement, Test};
 use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
 use std::collections::BTreeSet;
@@ -102,7 +102,10 @@ struct Parts<'a> {
     horizon: Located<&'a Expr>,
     symmetric: bool,
     body: Located<&'a BodyUse>,
-    init: Located<&'a Block<InitStatement>>,
+    /// Of each task of a line of extended ones, the oldest first.
+    init: Vec<Layer<'a>>,
+    /// Which of them said it last.
+    begun: Option<usize>,
     success: Located<&'a Expr>,
 }
 
@@ -166,7 +169,7 @@ impl<'a> Checker<'a> {
         self.references();
         self.randoms();
         self.beginning = true;
-        let init = parts.init.map(|(block, file)| self.in_file(file, |c| c.init(&block.entries, block.keyword))).transpose();
+        let init = self.init(&parts.init);
         let staged = self.staged();
         self.beginning = false;
         let (terminations, finishes) = (self.terminations(), self.finishes());
@@ -198,6 +201,7 @@ impl<'a> Checker<'a> {
             (Ok(terms), Ok(_), Ok(_)) => self.own_tests(sequence, &init, terms, success.node, texts)?,
             _ => None,
         };
+        let begun_at = parts.init.last().map(|(block, file)| (*file, block.keyword));
         let success_at = sequence.success.or(parts.success).map(|(expr, file)| (file, expr.span));
         Ok(CheckedTask {
             graph: std::mem::take(&mut self.graph),
@@ -219,7 +223,7 @@ impl<'a> Checker<'a> {
             finishes: finishes?,
             success: success.node,
             success_at: success_at.unwrap_or((self.task_place.file, task.task.name.span)),
-            init_at: parts.init.map_or((self.task_place.file, task.task.name.span), |(block, file)| (file, block.keyword)),
+            init_at: begun_at.unwrap_or((self.task_place.file, task.task.name.span)),
             comparisons: std::mem::take(&mut self.comparisons),
             allowed: BTreeSet::new(),
             randoms: std::mem::take(&mut self.randoms),
@@ -333,14 +337,19 @@ impl<'a> Checker<'a> {
         use TaskStatement as S;
         let statements = self.statements;
         let mut parts = Parts::default();
-        for Placed { statement, file } in statements {
+        for Placed { statement, file, layer } in statements {
             match statement {
                 S::Family(name) => self.only_one(&mut parts.family, (&name.text, *file), name.span, "family"),
                 S::Control(expr) => self.only_one(&mut parts.control, (expr, *file), expr.span, "control"),
                 S::Horizon(expr) => self.only_one(&mut parts.horizon, (expr, *file), expr.span, "horizon"),
                 S::Symmetric(_) => parts.symmetric = true,
                 S::Body(body) => self.only_one(&mut parts.body, (body, *file), body.span, "body"),
-                S::Init(block) => self.only_one(&mut parts.init, (block, *file), block.keyword, "init"),
+                S::Init(block) => {
+                    if parts.begun.replace(*layer) == Some(*layer) {
+                        self.said_twice(block.keyword, "init");
+                    }
+                    parts.init.push((block, *file));
+                }
                 S::Success(expr) => self.only_one(&mut parts.success, (expr, *file), expr.span, "success"),
                 S::Allow(allow) => self.allow(allow),
                 S::Scene(block) => self.in_file(*file, |checker| checker.allow_in_scene(&block.entries)),
@@ -371,7 +380,7 @@ impl<'a> Checker<'a> {
             ("body", parts.body.is_some()),
             ("control", parts.control.is_some()),
             ("horizon", parts.horizon.is_some()),
-            ("init", parts.init.is_some()),
+            ("init", !parts.init.is_empty()),
             ("observe", says(|statement| matches!(statement, TaskStatement::Observe(_)))),
             ("reward", says(|statement| matches!(statement, TaskStatement::Reward(_)))),
             ("success", parts.success.is_some()),

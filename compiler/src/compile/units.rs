@@ -63,7 +63,7 @@ pub(super) fn collect<'a>(files: &'a [SourceFile], texts: &dyn Texts, diagnostic
                 }
                 Item::Sequence(sequence) => {
                     let phases = phases(sequence, file, &find, texts, diagnostics);
-                    let own = sequence.statements.iter().cloned().map(|statement| Placed { statement, file }).collect();
+                    let own = sequence.statements.iter().cloned().map(|statement| Placed { statement, file, layer: 0 }).collect();
                     units.extend(phases.map(|phases| Unit {
                         name: &sequence.name,
                         docs: sequence.docs.as_ref(),
@@ -129,7 +129,7 @@ fn phases<'a>(
         };
         said(format!("`{word}` belongs into the tasks of a sequence: it starts anew with each phase"), span);
     }
-    let own: Vec<Placed> = sequence.statements.iter().cloned().map(|statement| Placed { statement, file }).collect();
+    let own: Vec<Placed> = sequence.statements.iter().cloned().map(|statement| Placed { statement, file, layer: 0 }).collect();
     let mut tasks = Vec::new();
     for phase in declared {
         match find(file, &phase.task.text) {

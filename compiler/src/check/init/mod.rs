@@ -1,6 +1,7 @@
 //! How an episode begins: a pose with adjustments, the root, objects, noise, and physics before the first snapshot.
 
 mod drawn;
+mod layers;
 mod noise;
 mod objects;
 mod pose;
@@ -8,11 +9,12 @@ mod root;
 
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
-use crate::diagnostics::{Span, codes};
+use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::scene::Motion;
-use crate::syntax::tree::{InitStatement, Settle};
+use crate::syntax::tree::{Block, InitStatement, Settle};
 use crate::task::{self, Init, ObjectStart, Setting};
+use layers::Row;
 
 /// A beginning, and the numbers in it that are drawn.
 #[derive(Debug, Default)]
@@ -24,30 +26,42 @@ pub(crate) struct Beginning {
     pub motion: Option<String>,
 }
 
+/// What one task says of the beginning, with its file.
+pub(crate) type Layer<'a> = (&'a Block<InitStatement>, FileId);
+
 impl<'a> Checker<'a> {
-    /// Checks the statements of `init`.
-    pub(crate) fn init(&mut self, statements: &'a [InitStatement], span: Span) -> Checked<Beginning> {
+    /// Checks what a task and those that it extends say in `init`, the oldest first; `None` where none says anything.
+    pub(crate) fn init(&mut self, layers: &[Layer<'a>]) -> Checked<Option<Beginning>> {
+        let Some((block, file)) = layers.last() else { return Ok(None) };
+        let rows = self.layered(layers);
+        self.in_file(*file, |checker| checker.rows_of_init(&rows?, block.keyword)).map(Some)
+    }
+
+    fn rows_of_init(&mut self, rows: &[Row<'a>], span: Span) -> Checked<Beginning> {
         let mut beginning = Beginning { init: self.starting_objects(), ..Beginning::default() };
         let mut posed: Option<Span> = None;
         let mut broken = self.drawn_places(&mut beginning).is_err();
         // What is placed may differ from the pose: the pose comes first, wherever it stands.
-        let is_pose = |statement: &&InitStatement| matches!(statement, InitStatement::Pose(_));
-        let poses = statements.iter().filter(is_pose);
-        for statement in poses.chain(statements.iter().filter(|statement| !is_pose(statement))) {
-            let result = match statement {
+        let is_pose = |row: &&Row<'a>| matches!(row.statement, InitStatement::Pose(_));
+        let poses = rows.iter().filter(is_pose);
+        for row in poses.chain(rows.iter().filter(|row| !is_pose(row))) {
+            let statement = row.statement;
+            let result = self.in_file(row.file, |checker| match statement {
                 InitStatement::Pose(pose) => match posed.replace(pose.span) {
-                    None => self.pose(pose, &mut beginning),
-                    Some(_) => Err(self.error(codes::tasks::REPEATED, pose.span, "a second pose would replace the first")),
+                    None => checker.pose(pose, &mut beginning),
+                    Some(_) => Err(checker.error(codes::tasks::REPEATED, pose.span, "a second pose would replace the first")),
                 },
-                InitStatement::Object(element) if element.object.text == "root" => self.root(element, &mut beginning),
-                InitStatement::Object(element) => self.placement(element, &mut beginning),
-                InitStatement::Noise(noise) => self.noise(noise, &mut beginning.init),
-                InitStatement::Settle(settle) => self.settle(settle, &mut beginning.init),
+                InitStatement::Object(element) if element.object.text == "root" => checker.root(element, &mut beginning),
+                InitStatement::Object(element) => checker.placement(element, &mut beginning),
+                InitStatement::Noise(noise) => checker.noise(noise, &mut beginning.init),
+                InitStatement::Settle(settle) => checker.settle(settle, &mut beginning.init),
                 InitStatement::Allow(allow) => {
-                    self.allow(allow);
+                    checker.allow(allow);
                     Ok(())
                 }
-            };
+                // Carried out already.
+                InitStatement::Remove(_) => Ok(()),
+            });
             broken |= result.is_err();
         }
         if posed.is_none() {

@@ -20,8 +20,10 @@ impl<'a> Checker<'a> {
         for start in &surroundings.starts {
             let Some(place) = beginning.init.objects.iter().position(|known| known.object == start.object) else { continue };
             let settings = [0, 1, 2].map(|axis| Setting::ObjectPosition(place, axis));
-            let result = self.with_locals(&start.locals, |checker| {
-                checker.begin_bracket(start.place, Dimension::LENGTH, "`at`", settings, beginning)
+            let result = self.in_file(start.file, |checker| {
+                checker.with_locals(&start.locals, |checker| {
+                    checker.begin_bracket(start.place, Dimension::LENGTH, "`at`", settings, beginning)
+                })
             });
             broken |= result.is_err();
         }

@@ -217,7 +217,7 @@ fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec
                 short(right)
             );
             let place = task.success_at;
-            let span = checker.statements.iter().find_map(|placed| match &placed.statement {
+            let span = checker.statements.iter().rev().find_map(|placed| match &placed.statement {
                 TaskStatement::Init(block) => Some((placed.file, block.keyword)),
                 _ => None,
             });

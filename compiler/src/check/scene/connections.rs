@@ -2,6 +2,7 @@
 
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
+use crate::check::scene::expand::Unrolled;
 use crate::check::types::{Frame, Type};
 use crate::check::value::{Data, Thing, Value};
 use crate::diagnostics::codes;
@@ -38,8 +39,7 @@ impl<'a> Checker<'a> {
                 }
             }
         }
-        let file = self.surroundings.map_or(self.task_place.file, |surroundings| surroundings.file);
-        let (connections, markers) = self.in_file(file, |checker| (checker.connections(), checker.markers()));
+        let (connections, markers) = (self.connections(), self.markers());
         let ((connections, releases), markers) = (connections?, markers?);
         if broken {
             return Err(Reported);
@@ -63,8 +63,8 @@ impl<'a> Checker<'a> {
         let Some(surroundings) = self.surroundings else { return Ok(Connections::default()) };
         let (mut connections, mut releases) = Connections::default();
         let mut broken = false;
-        for (connection, locals) in &surroundings.statements.connections {
-            match self.with_locals(locals, |checker| checker.connection(connection)) {
+        for Unrolled { statement, locals, file, .. } in &surroundings.statements.connections {
+            match self.in_file(*file, |checker| checker.with_locals(locals, |checker| checker.connection(statement))) {
                 Ok((held, release)) => {
                     releases.extend(release.map(|node| (connections.len(), node)));
                     connections.push(held);
@@ -116,19 +116,18 @@ impl<'a> Checker<'a> {
         let Some(surroundings) = self.surroundings else { return Ok(Vec::new()) };
         let mut markers: Vec<(String, NodeId)> = Vec::new();
         let mut broken = false;
-        for (marker, locals) in &surroundings.statements.markers {
-            let found = self.with_locals(locals, |checker| {
-                let names = checker.expand(&marker.name)?;
-                let place = checker.marked_place(&marker.at)?;
-                Ok((names.concat(), place))
+        for Unrolled { statement: marker, name, locals, file, .. } in &surroundings.statements.markers {
+            let name = name.clone().unwrap_or_default();
+            let found = self.in_file(*file, |checker| {
+                let place = checker.with_locals(locals, |checker| checker.marked_place(&marker.at))?;
+                if markers.iter().any(|(known, _)| *known == name) {
+                    let message = format!("there are two markers called `{name}`");
+                    return Err(checker.error(codes::tasks::LABEL_TWICE, marker.span, message));
+                }
+                Ok(place)
             });
             match found {
-                Ok((name, node)) if markers.iter().all(|(known, _)| *known != name) => markers.push((name, node)),
-                Ok((name, _)) => {
-                    let message = format!("there are two markers called `{name}`");
-                    self.error(codes::tasks::LABEL_TWICE, marker.span, message);
-                    broken = true;
-                }
+                Ok(node) => markers.push((name, node)),
                 Err(Reported) => broken = true,
             }
         }

@@ -1,10 +1,14 @@
-//! Loops unrolled, removals carried out: the statements of a scene as a flat list.
+//! Loops unrolled, removals carried out, layers of extended tasks laid over each other: the statements of a scene as flat lists.
+//!
+//! What a task says of a scene that it extends replaces what has the same name there, in its place; the rest is added.
 
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::lookup::fits;
 use crate::check::types::Type;
 use crate::check::value::{Data, Value};
-use crate::diagnostics::{Span, codes, nearest};
+use crate::check::inherit::overrides_nothing;
+use crate::check::scene::object::dotted;
+use crate::diagnostics::{FileId, Span, codes};
 use crate::syntax::tree::{Connection, Element, ElementName, Group, Marker, Name, NamePart, Remove, Repeat, SceneStatement};
 
 /// Elements that one scene may hold once its loops are unrolled.
@@ -13,34 +17,76 @@ const MOST: usize = 2_000;
 /// Loop variables and their present values.
 pub(crate) type Locals = Vec<(String, f64)>;
 
-/// The statements of a scene, each with the loop variables around it.
+/// A statement of a scene, with the loop variables around it.
+#[derive(Debug)]
+pub(crate) struct Unrolled<'a, T> {
+    pub statement: &'a T,
+    /// Its full name, of a connection what it holds; only the ground has none.
+    pub name: Option<String>,
+    pub locals: Locals,
+    /// Where it was written.
+    pub file: FileId,
+    /// Which task of a line of extended ones says it, the oldest first.
+    layer: usize,
+}
+
+/// The statements of a scene, one by one.
 #[derive(Debug, Default)]
 pub(crate) struct Expanded<'a> {
-    /// Elements with their full names; only the ground has none.
-    pub elements: Vec<(&'a Element, Option<String>, Locals)>,
-    pub connections: Vec<(&'a Connection, Locals)>,
-    pub groups: Vec<&'a Group>,
-    pub markers: Vec<(&'a Marker, Locals)>,
+    /// Of the statements that come next.
+    pub layer: usize,
+    pub elements: Vec<Unrolled<'a, Element>>,
+    pub connections: Vec<Unrolled<'a, Connection>>,
+    pub groups: Vec<Unrolled<'a, Group>>,
+    pub markers: Vec<Unrolled<'a, Marker>>,
+}
+
+/// Adds a statement, or puts it in the place of those that an extended task says under its name.
+fn put<'a, T>(all: &mut Vec<Unrolled<'a, T>>, new: Unrolled<'a, T>) {
+    let inherited = |known: &Unrolled<'a, T>| known.layer < new.layer && known.name == new.name;
+    let place = all.iter().position(inherited).unwrap_or(all.len());
+    all.retain(|known| !inherited(known));
+    all.insert(place, new);
+}
+
+/// Takes out all that fits a pattern; gives whether there was any.
+fn take_out<T>(all: &mut Vec<Unrolled<'_, T>>, pattern: &str) -> bool {
+    let before = all.len();
+    all.retain(|known| !known.name.as_deref().is_some_and(|name| fits(pattern, name)));
+    all.len() < before
 }
 
 impl<'a> Checker<'a> {
     /// Unrolls the statements of a scene.
     pub(super) fn expand_scene(&mut self, statements: &'a [SceneStatement], locals: &Locals, found: &mut Expanded<'a>) {
+        let (file, layer) = (self.place.file, found.layer);
         for statement in statements {
+            let locals = locals.clone();
             match statement {
                 SceneStatement::Element(element) => {
-                    let name = self.with_locals(locals, |checker| checker.element_name(element));
+                    let name = self.with_locals(&locals, |checker| checker.element_name(element));
                     if let Ok(name) = name
                         && self.may_hold(found.elements.len(), element.span).is_ok()
                     {
-                        found.elements.push((element, name, locals.clone()));
+                        put(&mut found.elements, Unrolled { statement: element, name, locals, file, layer });
                     }
                 }
-                SceneStatement::Connection(connection) => found.connections.push((connection, locals.clone())),
-                SceneStatement::Group(group) => found.groups.push(group),
-                SceneStatement::Marker(marker) => found.markers.push((marker, locals.clone())),
-                SceneStatement::Repeat(repeat) => self.expand_repeat(repeat, locals, found),
-                SceneStatement::Remove(remove) => self.expand_removal(remove, locals, found),
+                SceneStatement::Connection(connection) => {
+                    let name = dotted(&connection.from);
+                    put(&mut found.connections, Unrolled { statement: connection, name, locals, file, layer });
+                }
+                SceneStatement::Group(group) => {
+                    let name = Some(group.name.text.clone());
+                    put(&mut found.groups, Unrolled { statement: group, name, locals, file, layer });
+                }
+                SceneStatement::Marker(marker) => {
+                    if let Ok(names) = self.with_locals(&locals, |checker| checker.expand(&marker.name)) {
+                        let name = Some(names.concat());
+                        put(&mut found.markers, Unrolled { statement: marker, name, locals, file, layer });
+                    }
+                }
+                SceneStatement::Repeat(repeat) => self.expand_repeat(repeat, &locals, found),
+                SceneStatement::Remove(remove) => self.expand_removal(remove, &locals, found),
                 SceneStatement::Allow(_) => {}
             }
         }
@@ -78,23 +124,26 @@ impl<'a> Checker<'a> {
             Err(Reported) => return,
         };
         for pattern in pattern {
-            let before = found.elements.len();
-            found.elements.retain(|(_, name, _)| !name.as_deref().is_some_and(|name| fits(&pattern, name)));
-            if found.elements.len() == before {
-                let names: Vec<&str> = found.elements.iter().filter_map(|(_, name, _)| name.as_deref()).collect();
-                let near = nearest(&pattern, names);
+            let gone = [
+                take_out(&mut found.elements, &pattern),
+                take_out(&mut found.connections, &pattern),
+                take_out(&mut found.groups, &pattern),
+                take_out(&mut found.markers, &pattern),
+            ];
+            if !gone.contains(&true) {
+                let elements = found.elements.iter().filter_map(|known| known.name.as_deref());
+                let connections = found.connections.iter().filter_map(|known| known.name.as_deref());
+                let groups = found.groups.iter().filter_map(|known| known.name.as_deref());
+                let markers = found.markers.iter().filter_map(|known| known.name.as_deref());
+                let names = elements.chain(connections).chain(groups).chain(markers);
                 let message = format!("there is no `{pattern}` above that could be removed");
-                let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, remove.name.span, message);
-                for name in near {
-                    diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), remove.name.span, name);
-                }
-                self.report(diagnostic);
+                self.report(overrides_nothing(message, &pattern, self.place.file, remove.name.span, names));
             }
         }
     }
 
     /// The names of a pattern; a star stays one.
-    pub(super) fn names_of(&mut self, name: &Name) -> Checked<Vec<String>> {
+    pub(in crate::check) fn names_of(&mut self, name: &Name) -> Checked<Vec<String>> {
         if !name.parts.iter().any(|part| matches!(part, NamePart::Any)) {
             return self.expand(name);
         }

@@ -32,7 +32,7 @@ use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::scene::{Motion, Object, Parent, SceneDescription, Surface};
 use crate::syntax::tree::{Element, ElementName, Expr, SceneStatement, TaskStatement};
 use crate::vocabulary::{Landmark, Vocabulary};
-use expand::{Expanded, Locals};
+use expand::{Expanded, Locals, Unrolled};
 use geometry::Known;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -50,8 +50,6 @@ pub(crate) struct Surroundings<'a> {
     pub used: BTreeSet<String>,
     /// The unrolled statements.
     pub statements: Expanded<'a>,
-    /// In which file the scene stands.
-    pub file: FileId,
 }
 
 /// Where a free object starts, if that is drawn.
@@ -61,13 +59,15 @@ pub(crate) struct Start<'a> {
     pub object: usize,
     pub place: &'a Expr,
     pub locals: Locals,
+    pub file: FileId,
 }
 
 /// A scene in the making.
 pub(super) struct Stage<'a> {
     pub scene: SceneDescription,
     pub fixed: Vec<bool>,
-    pub spans: Vec<Span>,
+    /// Where each object was written.
+    pub spans: Vec<(FileId, Span)>,
     pub starts: Vec<Start<'a>>,
     /// Objects as landmarks in the making: their places and axes in the world, if they stand still.
     pub landmarks: Vec<Landmark>,
@@ -75,7 +75,7 @@ pub(super) struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     /// Adds an object.
-    pub(super) fn push(&mut self, body: &Vocabulary, object: Object, fixed: bool, span: Span) {
+    pub(super) fn push(&mut self, body: &Vocabulary, object: Object, fixed: bool, span: (FileId, Span)) {
         // Landmarks of the body and of the objects before it are enough to place one more.
         let carriers = Vocabulary { landmarks: self.carriers(body, &object), ..Vocabulary::default() };
         let parent = match &object.parent {
@@ -119,33 +119,35 @@ pub(crate) fn surroundings<'a>(
     names: &'a Names<'a>,
     vocabulary: &'a Vocabulary,
 ) -> (Surroundings<'a>, Vec<Diagnostic>) {
-    let scenes = task.statements.iter().filter(|placed| matches!(placed.statement, TaskStatement::Scene(_)));
-    // An inherited scene is read where it was written.
-    let file = scenes.map(|placed| placed.file).next().unwrap_or(task.file);
-    let mut checker = Checker::new(vocabulary, names, Place::of_task(file), &task.statements);
+    let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     let blocks = task.statements.iter().filter_map(|placed| match &placed.statement {
-        TaskStatement::Scene(block) => Some(block),
+        TaskStatement::Scene(block) => Some((block, placed)),
         _ => None,
     });
     let mut blocks = blocks.peekable();
     checker.allowed.extend(allowed(&task.statements));
     if blocks.peek().is_none() {
         let surroundings =
-            Surroundings { scene: SceneDescription { ground: Some(GROUND), ..Default::default() }, file, ..Default::default() };
+            Surroundings { scene: SceneDescription { ground: Some(GROUND), ..Default::default() }, ..Default::default() };
         return (surroundings, Vec::new());
     }
     let mut statements = Expanded::default();
-    for (index, block) in blocks.enumerate() {
-        if index > 0 {
-            checker.error(codes::tasks::REPEATED, block.keyword, "`scene` is said twice");
-        }
-        checker.expand_scene(&block.entries, &Locals::new(), &mut statements);
+    let mut said = None;
+    for (block, placed) in blocks {
+        // An inherited scene is read where it was written.
+        checker.in_file(placed.file, |checker| {
+            if said.replace(placed.layer) == Some(placed.layer) {
+                checker.error(codes::tasks::REPEATED, block.keyword, "`scene` is said twice");
+            }
+            statements.layer = placed.layer;
+            checker.expand_scene(&block.entries, &Locals::new(), &mut statements);
+        });
     }
     let (stage, known) = checker.stage(&statements);
     let (scene, fixed, starts, used) = (stage.scene, stage.fixed, stage.starts, std::mem::take(&mut checker.used));
     let graph = std::mem::take(&mut checker.graph);
     checker.hand_over_notes(&graph);
-    let surroundings = Surroundings { scene, fixed, known, starts, used, statements, file };
+    let surroundings = Surroundings { scene, fixed, known, starts, used, statements };
     (surroundings, checker.diagnostics)
 }
 
@@ -173,19 +175,20 @@ impl<'a> Checker<'a> {
     fn stage(&mut self, statements: &Expanded<'a>) -> (Stage<'a>, BTreeMap<String, Known>) {
         let (fixed, spans, starts, landmarks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut stage = Stage { scene: SceneDescription::default(), fixed, spans, starts, landmarks };
-        let mut broken: Vec<Span> = Vec::new();
-        for (element, name, locals) in &statements.elements {
+        let mut broken: Vec<(FileId, Span)> = Vec::new();
+        for Unrolled { statement: element, name, locals, file, .. } in &statements.elements {
             // What is wrong is told, in one round of a loop; the other elements are looked at all the same.
-            if broken.contains(&element.span) {
+            if broken.contains(&(*file, element.span)) {
                 continue;
             }
             let told = self.diagnostics.len();
-            let result = self.with_locals(locals, |checker| match name {
+            let check = |checker: &mut Self| match name {
                 None => checker.ground(&mut stage, element),
                 Some(name) => checker.object(&mut stage, element, name, None, locals),
-            });
+            };
+            let result = self.in_file(*file, |checker| checker.with_locals(locals, check));
             if result.is_err() || self.diagnostics.len() > told {
-                broken.push(element.span);
+                broken.push((*file, element.span));
             }
         }
         // A part that could not be read may be the one that weighs.
@@ -193,7 +196,7 @@ impl<'a> Checker<'a> {
             self.must_have_masses(&stage);
         }
         for group in &statements.groups {
-            let _ = self.scene_group(&mut stage, group);
+            let _ = self.in_file(group.file, |checker| checker.scene_group(&mut stage, group.statement));
         }
         (stage, std::mem::take(&mut self.known))
     }
@@ -217,20 +220,16 @@ impl<'a> Checker<'a> {
         let objects = &stage.scene.objects;
         let total = stage.scene.masses();
         for (index, object) in objects.iter().enumerate() {
+            let (file, span) = stage.spans[index];
             if object.motion != Motion::Fixed && total[index] <= 0.0 {
-                let diagnostic = self
-                    .diagnostic(
-                        codes::scene::MASS,
-                        stage.spans[index],
-                        format!("`{}` moves, but nothing of it has a mass", object.name),
-                    )
+                let message = format!("`{}` moves, but nothing of it has a mass", object.name);
+                let diagnostic = Diagnostic::new(codes::scene::MASS, file, span, message)
                     .help("give a shape of it `mass 2 kg` or `density 500 kg/m^3`");
                 self.report(diagnostic);
             }
             if stage.fixed[index] && object.mass > 0.0 && !self.allowed.contains("idle_mass") {
                 let message = format!("`{}` stands still: its mass means nothing", object.name);
-                let diagnostic = self
-                    .diagnostic(codes::lints::IDLE_MASS, stage.spans[index], message)
+                let diagnostic = Diagnostic::new(codes::lints::IDLE_MASS, file, span, message)
                     .help("leave it out, or let the thing move: `free`, or a joint");
                 self.diagnostics.push(diagnostic);
             }

@@ -67,7 +67,7 @@ impl<'a> Checker<'a> {
         self.must_stand_if_walked_on(&fields, placed.shape.as_ref(), &surface, fixed)?;
         let index = stage.scene.objects.len();
         if let Some(place) = placed.drawn {
-            stage.starts.push(Start { object: index, place, locals: locals.clone() });
+            stage.starts.push(Start { object: index, place, locals: locals.clone(), file: self.place.file });
         }
         let terrain = matches!(placed.shape, Some(Shape::Plane | Shape::Terrain(_)));
         if terrain && !fixed {
@@ -88,7 +88,7 @@ impl<'a> Checker<'a> {
                 surface,
             },
             fixed,
-            head(element),
+            (self.place.file, head(element)),
         );
         self.keep_geometry(stage, index);
         for part in element.parts.iter().filter(|part| !elements::is_joint(&part.kind.text)) {
@@ -114,7 +114,8 @@ impl<'a> Checker<'a> {
         if let Some(first) = stage.scene.objects.iter().position(|object| object.name == name) {
             let message = format!("there are two things called `{name}`");
             let diagnostic = self.diagnostic(codes::names::DECLARED_TWICE, span, message).here("again here");
-            let diagnostic = diagnostic.label(self.place.file, stage.spans[first], "first here");
+            let (file, span) = stage.spans[first];
+            let diagnostic = diagnostic.label(file, span, "first here");
             return Err(self.report(diagnostic));
         }
         if !name.contains('.') && (self.means_something(name) || ["root", "world", "robot"].contains(&name)) {

@@ -51,9 +51,12 @@ impl Checker<'_> {
             }));
         }
         let groups = self.surroundings.into_iter().flat_map(|surroundings| &surroundings.statements.groups);
-        for group in groups.filter(|group| !self.used.contains(&group.name.text) && !self.allowed.contains("unused")) {
-            let message = format!("nothing reads the group `{}`", group.name.text);
-            diagnostics.push(Diagnostic::new(codes::lints::UNUSED, self.task_place.file, group.name.span, message));
+        for group in groups {
+            let name = &group.statement.name;
+            if !self.used.contains(&name.text) && !self.allowed.contains("unused") {
+                let message = format!("nothing reads the group `{}`", name.text);
+                diagnostics.push(Diagnostic::new(codes::lints::UNUSED, group.file, name.span, message));
+            }
         }
     }
 }

@@ -142,6 +142,7 @@ impl Builder<'_> {
                 Rule::noise => InitStatement::Noise(self.noise(&pair)),
                 Rule::settle => InitStatement::Settle(self.settle(&pair)),
                 Rule::placement => InitStatement::Object(self.placement(&pair)),
+                Rule::remove => InitStatement::Remove(self.remove(&pair)),
                 Rule::allow => InitStatement::Allow(self.allow(&pair)),
                 Rule::junk => {
                     self.junk(&pair, Rule::one_init_statement);

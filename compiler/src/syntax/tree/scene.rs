@@ -161,6 +161,8 @@ pub enum InitStatement {
     Noise(Noise),
     /// `settle 50 ms with activation 0.2 at rest`
     Settle(Settle),
+    /// `remove settle`
+    Remove(Remove),
     /// `allow ...`
     Allow(Allow),
 }

@@ -161,7 +161,7 @@ pub fn walk_init_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, stateme
             visitor.expression(&settle.duration);
             settle.activation.iter().for_each(|activation| visitor.expression(activation));
         }
-        InitStatement::Allow(_) => {}
+        InitStatement::Remove(_) | InitStatement::Allow(_) => {}
     }
 }
 

@@ -1,0 +1,74 @@
+//! The beginnings of tasks that extend each other, laid over each other: what an extending task says replaces what has the same
+//! name there, in its place; the rest is added; `remove` takes out.
+
+use super::Layer;
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::inherit::overrides_nothing;
+use crate::check::lookup::fits;
+use crate::check::scene::object::dotted;
+use crate::diagnostics::FileId;
+use crate::syntax::tree::{InitStatement, Remove};
+
+/// A statement of a beginning.
+#[derive(Debug, Clone)]
+pub(super) struct Row<'a> {
+    pub statement: &'a InitStatement,
+    /// Where it was written.
+    pub file: FileId,
+    /// By which an extending task overrides it.
+    name: Option<String>,
+    layer: usize,
+}
+
+impl<'a> Checker<'a> {
+    /// The statements of all layers, those that are overridden left out.
+    pub(super) fn layered(&mut self, layers: &[Layer<'a>]) -> Checked<Vec<Row<'a>>> {
+        let mut rows: Vec<Row<'a>> = Vec::new();
+        let mut broken = false;
+        for (layer, (block, file)) in layers.iter().enumerate() {
+            for statement in &block.entries {
+                if let InitStatement::Remove(remove) = statement {
+                    broken |= self.in_file(*file, |checker| checker.leave_out(remove, layer, &mut rows)).is_err();
+                    continue;
+                }
+                let new = Row { statement, file: *file, name: name_of(statement), layer };
+                let inherited = |known: &Row<'a>| known.layer < layer && known.name.is_some() && known.name == new.name;
+                let place = rows.iter().position(inherited).unwrap_or(rows.len());
+                rows.retain(|known| !inherited(known));
+                rows.insert(place, new);
+            }
+        }
+        if broken { Err(Reported) } else { Ok(rows) }
+    }
+
+    /// `remove settle`: of what extended tasks say.
+    fn leave_out(&mut self, remove: &'a Remove, layer: usize, rows: &mut Vec<Row<'a>>) -> Checked<()> {
+        let mut broken = false;
+        for pattern in self.names_of(&remove.name)? {
+            let before = rows.len();
+            rows.retain(|row| row.layer >= layer || !row.name.as_deref().is_some_and(|name| fits(&pattern, name)));
+            if rows.len() == before {
+                let inherited = rows.iter().filter(|row| row.layer < layer);
+                let names = inherited.filter_map(|row| row.name.as_deref());
+                let message = match layer {
+                    0 => "only a task that extends another can remove a part of its beginning".to_owned(),
+                    _ => format!("the extended task's beginning has no `{pattern}`"),
+                };
+                self.report(overrides_nothing(message, &pattern, self.place.file, remove.name.span, names));
+                broken = true;
+            }
+        }
+        if broken { Err(Reported) } else { Ok(()) }
+    }
+}
+
+/// What a statement is overridden by: the word itself, an object, what noise shakes.
+fn name_of(statement: &InitStatement) -> Option<String> {
+    match statement {
+        InitStatement::Pose(_) => Some("pose".to_owned()),
+        InitStatement::Object(placement) => Some(placement.object.text.clone()),
+        InitStatement::Noise(noise) => dotted(&noise.target),
+        InitStatement::Settle(_) => Some("settle".to_owned()),
+        InitStatement::Remove(_) | InitStatement::Allow(_) => None,
+    }
+}
