@@ -3,7 +3,7 @@
 use crate::error::{Error, FAILURE};
 use crate::project::{Project, style};
 use clap::ValueEnum;
-use msk::compiler::mutation::{self, Class};
+use msk::compiler::mutation::{self, Class, Part};
 use msk::runtime::library::FileLoader;
 use msk::runtime::testing::mutation::{Count, Notice, Verdict, mutate};
 use serde_json::json;
@@ -15,7 +15,7 @@ use std::process::ExitCode;
 ///
 /// Signs, comparisons, units, sides, axes, rates, numbers, weights, `and` and `or`, functions: each is changed by itself in every
 /// formula of the task's values, terms, ends and success. A change is noticed by an error, by a warning more, or by a test of the
-/// task that fails. Exit code 0 if fewer than --most of all changes go unseen, 1 if more do.
+/// task that fails. Exit code 0 if fewer than --most of these changes go unseen, 1 if more do.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files with tasks, or suites of them
@@ -24,6 +24,9 @@ pub struct Args {
     /// Only this task
     #[arg(long)]
     task: Option<String>,
+    /// Change scenes, beginnings and channels, too: a table of its own
+    #[arg(long)]
+    surroundings: bool,
     /// How to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -47,6 +50,7 @@ enum Format {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     let mut all: Vec<Verdict> = Vec::new();
+    let parts = if args.surroundings { &Part::ALL[..] } else { &[Part::Meaning] };
     for file in &args.files {
         let project = Project::open(file, &[])?;
         let compilation = &project.compilation;
@@ -56,14 +60,18 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                 if args.task.as_ref().is_some_and(|task| *task != name) {
                     continue;
                 }
-                let verdicts = mutate(Path::new(path), text, &name, &FileLoader, &project.bodies)
+                let verdicts = mutate(Path::new(path), text, &name, parts, &FileLoader, &project.bodies)
                     .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
                 for verdict in &verdicts {
                     tell(&mut out, args.format, &name, path, text, verdict)?;
                 }
                 if args.format == Format::Text {
-                    let count = Count::of(verdicts.iter(), |_| true);
+                    let count = meaning(&verdicts);
                     writeln!(out, "{name}: {} of {} changes unseen", count.unseen, count.all)?;
+                    if args.surroundings {
+                        let count = Count::of(verdicts.iter(), |part, _| part != Part::Meaning);
+                        writeln!(out, "{name}: {} of {} changes of its surroundings unseen", count.unseen, count.all)?;
+                    }
                 }
                 all.extend(verdicts);
             }
@@ -72,9 +80,16 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if all.is_empty() {
         return Err(Error::new("there is nothing to change").hint("give a file with tasks, or the name of one with `--task`"));
     }
-    let total = Count::of(all.iter(), |_| true);
+    let total = meaning(&all);
     if args.format == Format::Text {
-        write!(out, "\n{}", table(&all, total))?;
+        let classes = Class::ALL.map(|class| (class.name(), Count::of(all.iter(), |part, known| part == Part::Meaning && known == class)));
+        write!(out, "\n{}", table("change", &classes, total))?;
+        if args.surroundings {
+            let around = |part: &Part| *part != Part::Meaning;
+            let count = |part: Part| (part.name(), Count::of(all.iter(), |known, _| known == part));
+            let rows: Vec<(&str, Count)> = Part::ALL.into_iter().filter(around).map(count).collect();
+            write!(out, "\n{}", table("surroundings", &rows, Count::of(all.iter(), |part, _| part != Part::Meaning)))?;
+        }
     }
     let share = percent(total.unseen, total.all);
     Ok(if share <= args.most { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
@@ -91,6 +106,7 @@ fn tell(out: &mut impl Write, format: Format, task: &str, path: &str, text: &str
                 "task": task,
                 "file": path,
                 "line": line,
+                "part": mutant.part,
                 "class": mutant.class,
                 "from": from,
                 "to": mutant.replacement,
@@ -109,16 +125,18 @@ fn tell(out: &mut impl Write, format: Format, task: &str, path: &str, text: &str
     Ok(())
 }
 
-fn table(all: &[Verdict], total: Count) -> String {
-    let mut text = String::from("| change | all | checks | lints | tests | unseen |\n|:--|--:|--:|--:|--:|--:|\n");
+/// Changes of what tasks mean.
+fn meaning(verdicts: &[Verdict]) -> Count {
+    Count::of(verdicts.iter(), |part, _| part == Part::Meaning)
+}
+
+fn table(title: &str, rows: &[(&str, Count)], total: Count) -> String {
+    let mut text = format!("| {title} | all | checks | lints | tests | unseen |\n|:--|--:|--:|--:|--:|--:|\n");
     let row = |name: &str, count: Count| {
         format!("| {name} | {} | {} | {} | {} | {} |\n", count.all, count.checks, count.lints, count.tests, count.unseen)
     };
-    for class in Class::ALL {
-        let count = Count::of(all.iter(), |known| known == class);
-        if count.all > 0 {
-            text += &row(class.name(), count);
-        }
+    for (name, count) in rows.iter().filter(|(_, count)| count.all > 0) {
+        text += &row(name, *count);
     }
     let share = |part| format!("{:.1} %", percent(part, total.all));
     let shares = [total.checks, total.lints, total.tests, total.unseen].map(share).join(" | ");

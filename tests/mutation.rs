@@ -1,7 +1,7 @@
 //! Who notices a change of a task: the compiler, its lints, a test, or nobody.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-use msk::compiler::mutation::Class;
+use msk::compiler::mutation::{Class, Part};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::testing::mutation::{Count, Notice, Verdict, mutate};
 use std::path::Path;
@@ -26,7 +26,7 @@ const TEXT: &str = r#"task example {
 "#;
 
 fn verdicts(text: &str) -> Vec<Verdict> {
-    mutate(Path::new("example.msk"), text, "example", &FileLoader, &BodyLibrary::default())
+    mutate(Path::new("example.msk"), text, "example", &Part::ALL, &FileLoader, &BodyLibrary::default())
         .unwrap_or_else(|report| panic!("{report}"))
 }
 
@@ -47,10 +47,10 @@ fn a_change_is_noticed_by_checks_lints_tests_or_nobody() {
     assert_eq!(told("<", ">").0, Notice::Lints);
     assert_eq!(told("0.3", "0.15"), (Notice::Tests, "low".into()));
     assert_eq!(told("2", "4"), (Notice::Unseen, String::new()));
-    let count = Count::of(all.iter(), |_| true);
+    let count = Count::of(all.iter(), |_, _| true);
     assert_eq!(count.checks + count.lints + count.tests + count.unseen, count.all);
     assert_eq!(count.all, all.iter().filter(|verdict| verdict.notice != Notice::Same).count());
-    assert_eq!(Count::of(all.iter(), |class| class == Class::Comparison).all, 1);
+    assert_eq!(Count::of(all.iter(), |_, class| class == Class::Comparison).all, 1);
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn a_change_without_meaning_is_counted_nowhere() {
     let text = TEXT.replace("pelvis.height / 1 m", "pelvis.height / 1 m * 1");
     let all = verdicts(&text);
     assert_eq!(notice(&all, &text, "*", "/"), (Notice::Same, String::new()));
-    let counted = Count::of(all.iter(), |class| class == Class::Sign);
+    let counted = Count::of(all.iter(), |_, class| class == Class::Sign);
     assert_eq!(counted.all, all.iter().filter(|verdict| verdict.mutant.class == Class::Sign).count() - 1);
 }
 
@@ -76,7 +76,25 @@ fn warnings_that_were_there_before_notice_nothing() {
 fn a_text_that_does_not_compile_is_an_error_and_a_task_that_is_not_there_has_no_changes() {
     let bodies = BodyLibrary::default();
     let broken = TEXT.replace("0.3 m }", "0.3 s }");
-    let report = mutate(Path::new("example.msk"), &broken, "example", &FileLoader, &bodies).unwrap_err();
+    let report = mutate(Path::new("example.msk"), &broken, "example", &Part::ALL, &FileLoader, &bodies).unwrap_err();
     assert_eq!(report.diagnostics[0].code.id, "E0301");
-    assert_eq!(mutate(Path::new("example.msk"), TEXT, "other", &FileLoader, &bodies).unwrap(), []);
+    assert_eq!(mutate(Path::new("example.msk"), TEXT, "other", &Part::ALL, &FileLoader, &bodies).unwrap(), []);
+}
+
+#[test]
+fn surroundings_are_a_part_of_their_own_that_tests_notice_where_they_look() {
+    let text = TEXT.replace("    init { pose neutral }", "    scene { ground; box seat { size [1 m, 1 m, 40 cm], at [3 m, 0, 20 cm] } }\n    init { pose neutral { elbow_flexion_l = 30 deg } }")
+        .replace("    test \"low\"", "    test \"the seat\" { moment begun { until 0.01 s }; expect 39 cm < seat.top < 41 cm and elbow_flexion_l.q < 31 deg at begun }\n    test \"low\"");
+    let all = verdicts(&text);
+    let told = |part, from, to| {
+        let wanted = |verdict: &&Verdict| verdict.mutant.part == part && verdict.mutant.span.of(&text) == from && verdict.mutant.replacement == to;
+        all.iter().find(wanted).unwrap_or_else(|| panic!("no {from} -> {to} in {all:#?}")).notice
+    };
+    assert_eq!(told(Part::Scene, "40", "44"), Notice::Tests);
+    // Nobody looks at how far away it is.
+    assert_eq!(told(Part::Scene, "3", "6"), Notice::Unseen);
+    assert_eq!(told(Part::Beginning, "30", "33"), Notice::Tests);
+    assert_eq!(told(Part::Channels, "height", "speed"), Notice::Unseen);
+    let meaning = mutate(Path::new("example.msk"), &text, "example", &[Part::Meaning], &FileLoader, &BodyLibrary::default()).unwrap();
+    assert!(meaning.len() < all.len() && meaning.iter().all(|verdict| verdict.mutant.part == Part::Meaning));
 }

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
 
-use msk_compiler::mutation::{Class, Mutant, mutants, tasks};
+use msk_compiler::mutation::{Class, Mutant, Part, mutants, tasks};
 
 /// `class: from -> to` of every change, in order.
 fn told(text: &str) -> Vec<String> {
@@ -83,13 +83,14 @@ fn weights_change_in_sign_and_size_and_their_ranges_do_not() {
 }
 
 #[test]
-fn what_is_seen_and_where_things_stand_stays_as_it_is() {
+fn settings_names_and_tests_stay_as_they_are() {
     let text = "task small {
     body human
     control 100 Hz
     horizon 300 steps
-    init { pose neutral { root.height = 1 m } }
-    observe { pelvis.height - 1 m }
+    scene { ground; group seats = seat; remove stone_3; marker goal at [1 m, 0, 0] }
+    init { pose neutral }
+    observe { pelvis }
     test \"low\" { moment a { pose neutral { root.height = 0.3 m } }
         expect pelvis.height < 0.5 m at a
     }
@@ -126,4 +127,37 @@ fn changes_come_in_the_order_of_the_text_whenever_asked() {
     for class in Class::ALL {
         assert!(all.iter().any(|mutant| mutant.class == class), "{class:?}");
     }
+}
+
+#[test]
+fn scenes_beginnings_and_channels_are_parts_of_their_own() {
+    let text = "task small {
+    scene {
+        box seat_l { size [2 m, 0, 0], solid false }
+        weld palm_l to seat_l
+        repeat i in 0..4 { sphere stone { radius 0.5 * i } }
+    }
+    init {
+        pose neutral { knee_r = -8 deg }
+        root { height 3 m, so palm_r at bar }
+        noise joints normal(0, 6 rad)
+        settle 50 ms with activation 0.2
+    }
+    observe { seen = pelvis.pitch }
+    success a > 7
+}
+";
+    let of = |part: Part| -> Vec<String> {
+        let all = mutants(text, "small").into_iter().filter(|mutant| mutant.part == part);
+        all.map(|mutant| format!("{} -> {}", mutant.span.of(text), mutant.replacement)).collect()
+    };
+    let scene = ["2 -> 1", "2 -> 3", "2 -> 4", "m -> cm", "false -> true", "palm_l -> palm_r", "seat_l -> seat_r", "4 -> 2", "4 -> 5", "4 -> 8"];
+    assert_eq!(of(Part::Scene)[..10], scene);
+    assert_eq!(of(Part::Scene)[10..], ["0.5 -> 0.25", "0.5 -> 0.55", "0.5 -> 1", "* -> /"]);
+    let beginning = of(Part::Beginning);
+    for change in ["knee_r -> knee_l", "- -> ", "8 -> 16", "3 -> 6", "palm_r -> palm_l", "6 -> 12", "50 -> 100", "0.2 -> 0.4"] {
+        assert!(beginning.iter().any(|known| known == change), "no {change} in {beginning:?}");
+    }
+    assert_eq!(of(Part::Channels), ["pitch -> roll"]);
+    assert_eq!(of(Part::Meaning), ["> -> <", "7 -> 3", "7 -> 8", "7 -> 14"]);
 }

@@ -31,6 +31,17 @@ fn unseen_changes_and_the_table_are_told() {
 }
 
 #[test]
+fn scenes_beginnings_and_channels_are_a_table_of_their_own_for_those_who_ask() {
+    let project = tested();
+    let meaning = project.msk(&["mutate", "tested.msk"]).succeeded().out;
+    let all = project.msk(&["mutate", "tested.msk", "--surroundings"]).succeeded().out;
+    assert!(!meaning.contains("surroundings") && all.contains(" changes of its surroundings unseen\n"), "{all}");
+    let (_, tables) = meaning.split_once("\n\n").unwrap();
+    assert!(all.contains(tables), "{all}");
+    assert!(all.contains("\n| surroundings | all | checks | lints | tests | unseen |\n"), "{all}");
+}
+
+#[test]
 fn every_change_is_a_line_for_machines() {
     let project = tested();
     let out = project.msk(&["mutate", "tested.msk", "--task", "lean", "--format", "json"]).succeeded().out;

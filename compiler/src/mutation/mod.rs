@@ -1,15 +1,17 @@
 //! One-token changes of a task, as a slip of the hand makes them: what neither checks nor tests notice could be wrong already.
 //!
-//! Changed are the formulas that decide what a task means: values, terms with their weights, ends, success. What is seen
-//! and where things stand is left as it is, and so are changes that cannot matter: measured numbers are never exactly
-//! equal, so `<` does not become `<=`.
+//! Changed are the formulas that decide what a task means (values, terms with their weights, ends, success) and, told apart from
+//! them, what surrounds it: its scene, its beginning, what is seen. Left as they are: names, tests, and what cannot matter:
+//! measured numbers are never exactly equal, so `<` does not become `<=`.
 
+mod regions;
 mod swaps;
 
 use crate::diagnostics::{FileId, Span};
 use crate::syntax::scanner::{self, Token, TokenKind};
-use crate::syntax::tree::{Entry, File, Item, TaskStatement};
+use crate::syntax::tree::Item;
 use crate::syntax::{self};
+use regions::regions;
 use swaps::{AXES, DERIVATIVES, FUNCTIONS, LOGIC, UNITS};
 
 /// What sort of slip a change is.
@@ -70,9 +72,40 @@ impl Class {
     }
 }
 
+/// Which part of a task is changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// What it means: values, terms, ends, success.
+    Meaning,
+    /// What surrounds the body.
+    Scene,
+    /// How an episode begins.
+    Beginning,
+    /// What the policy sees.
+    Channels,
+}
+
+impl Part {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 4] = [Self::Meaning, Self::Scene, Self::Beginning, Self::Channels];
+
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Meaning => "meaning",
+            Self::Scene => "scene",
+            Self::Beginning => "beginning",
+            Self::Channels => "channels",
+        }
+    }
+}
+
 /// A change of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mutant {
+    /// Which part of the task it concerns.
+    pub part: Part,
     /// What sort of slip.
     pub class: Class,
     /// What is replaced.
@@ -98,75 +131,39 @@ pub fn tasks(text: &str) -> Vec<String> {
 pub fn mutants(text: &str, task: &str) -> Vec<Mutant> {
     let file = FileId::default();
     let parsed = syntax::parse(file, text);
-    let (formulas, weights) = regions(&parsed.tree, task);
+    let regions = regions(&parsed.tree, task);
     let (tokens, _) = scanner::tokens(file, text);
     let tokens: Vec<Token> = tokens.into_iter().filter(|token| token.kind != TokenKind::Newline).collect();
     let mut mutants = Vec::new();
     for (place, token) in tokens.iter().enumerate() {
-        let within =
-            |spans: &[Span]| spans.iter().any(|span| span.start as usize <= token.start && token.end <= span.end as usize);
-        if within(&weights) {
-            if token.kind == TokenKind::Number {
-                weight(text, &tokens, place, &mut mutants);
-            }
-        } else if within(&formulas) {
-            formula(text, &tokens, place, &mut mutants);
+        let within = |span: Span| span.start as usize <= token.start && token.end <= span.end as usize;
+        let Some(region) = regions.iter().find(|region| within(region.span)) else { continue };
+        let mut push = |class, span, replacement| mutants.push(Mutant { part: region.part, class, span, replacement });
+        if !region.weight {
+            formula(text, &tokens, place, &mut push);
+        } else if token.kind == TokenKind::Number {
+            weight(text, &tokens, place, &mut push);
         }
     }
     mutants
 }
 
-/// Where formulas stand, and where weights.
-fn regions(tree: &File, name: &str) -> (Vec<Span>, Vec<Span>) {
-    let (mut formulas, mut weights) = (Vec::new(), Vec::new());
-    let task = tree.items.iter().find_map(|item| match item {
-        Item::Task(task) if task.name.text == name => Some(task),
-        _ => None,
-    });
-    for statement in task.into_iter().flat_map(|task| &task.statements) {
-        match statement {
-            TaskStatement::Reward(reward) => {
-                let terms = reward.terms.iter().filter_map(|entry| if let Entry::Item(term) = entry { Some(term) } else { None });
-                for term in terms {
-                    formulas.extend(term.formula.as_ref().map(|formula| formula.span));
-                    weights.extend(term.weight.as_ref().map(|weight| weight.span));
-                }
-            }
-            TaskStatement::Terminate(ends) | TaskStatement::Finish(ends) => {
-                let reasons = ends.reasons.iter();
-                formulas.extend(reasons.filter_map(|entry| match entry {
-                    Entry::Item(reason) => Some(reason.condition.span),
-                    _ => None,
-                }));
-                formulas.extend(ends.after.as_ref().map(|after| after.span));
-            }
-            TaskStatement::Success(expr) => formulas.push(expr.span),
-            TaskStatement::Let(binding) => formulas.push(binding.value.span),
-            TaskStatement::Clock(clock) => formulas.push(clock.frequency.span),
-            TaskStatement::State(state) => {
-                formulas.push(state.initial.span);
-                formulas.extend(state.updates.iter().map(|update| update.span));
-            }
-            _ => {}
-        }
-    }
-    (formulas, weights)
-}
+/// Takes a change: its class, what it replaces, by what.
+type Push<'p> = &'p mut dyn FnMut(Class, Span, String);
 
 /// A weight of another sign or size.
-fn weight(text: &str, tokens: &[Token], place: usize, mutants: &mut Vec<Mutant>) {
+fn weight(text: &str, tokens: &[Token], place: usize, push: Push<'_>) {
     let token = &tokens[place];
     let sign = place.checked_sub(1).map(|before| &tokens[before]).filter(|before| before.text(text) == "-");
-    let (span, flipped) = match sign {
-        Some(sign) => (sign.span(), String::new()),
-        None => (token.span(), format!("-{}", token.text(text))),
-    };
-    mutants.push(Mutant { class: Class::Weight, span, replacement: flipped });
-    sizes(text, token, Class::Weight, mutants);
+    match sign {
+        Some(sign) => push(Class::Weight, sign.span(), String::new()),
+        None => push(Class::Weight, token.span(), format!("-{}", token.text(text))),
+    }
+    sizes(text, token, Class::Weight, push);
 }
 
 /// A number of another size.
-fn sizes(text: &str, token: &Token, class: Class, mutants: &mut Vec<Mutant>) {
+fn sizes(text: &str, token: &Token, class: Class, push: Push<'_>) {
     let written = token.text(text);
     let Ok(value) = written.parse::<f64>() else { return };
     if value == 0.0 {
@@ -176,11 +173,12 @@ fn sizes(text: &str, token: &Token, class: Class, mutants: &mut Vec<Mutant>) {
     // A whole number stays one; a tenth of a small one is one more.
     let slight = if whole { value + (value / 10.0).round().max(1.0) } else { 1.1 * value };
     let half = if whole { (value / 2.0).floor() } else { value / 2.0 };
+    let mut known: Vec<String> = Vec::new();
     for changed in [half, slight, 2.0 * value] {
         let replacement = tidy(changed);
-        let known = mutants.iter().any(|known| known.span == token.span() && known.replacement == replacement);
-        if changed != value && !known {
-            mutants.push(Mutant { class, span: token.span(), replacement });
+        if changed != value && !known.contains(&replacement) {
+            known.push(replacement.clone());
+            push(class, token.span(), replacement);
         }
     }
 }
@@ -191,15 +189,15 @@ fn tidy(value: f64) -> String {
 }
 
 /// Changes of a token in a formula.
-fn formula(text: &str, tokens: &[Token], place: usize, mutants: &mut Vec<Mutant>) {
+fn formula(text: &str, tokens: &[Token], place: usize, push: Push<'_>) {
     let token = &tokens[place];
     let written = token.text(text);
     let before = place.checked_sub(1).map(|before| &tokens[before]);
-    let mut push = |class, replacement: &str| {
-        mutants.push(Mutant { class, span: token.span(), replacement: replacement.to_owned() });
-    };
+    if token.kind == TokenKind::Number {
+        return sizes(text, token, Class::Number, push);
+    }
+    let mut push = |class, replacement: &str| push(class, token.span(), replacement.to_owned());
     match token.kind {
-        TokenKind::Number => sizes(text, token, Class::Number, mutants),
         TokenKind::Mark => {
             let value_before = before.is_some_and(|before| {
                 matches!(before.kind, TokenKind::Number | TokenKind::Close(_))

@@ -5,7 +5,7 @@ use crate::library::BodyLibrary;
 use msk_compiler::compile;
 use msk_compiler::diagnostics::{Diagnostic, Report};
 use msk_compiler::files::{LoadError, Loader};
-use msk_compiler::mutation::{Class, Mutant, mutants};
+use msk_compiler::mutation::{Class, Mutant, Part, mutants};
 use msk_compiler::task::CompiledTask;
 use msk_compiler::testing::{TaskTest, TaskTests};
 use rayon::prelude::*;
@@ -39,10 +39,10 @@ pub struct Verdict {
     pub by: String,
 }
 
-/// The row of a class in the table.
+/// A row of a table: of a class of changes, or of a part of the task.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Count {
-    /// Changes of this class that mean something else.
+    /// Changes that mean something else.
     pub all: usize,
     /// Noticed by checks.
     pub checks: usize,
@@ -55,10 +55,10 @@ pub struct Count {
 }
 
 impl Count {
-    /// Of those verdicts that `wanted` names.
-    pub fn of<'a>(verdicts: impl Iterator<Item = &'a Verdict>, wanted: impl Fn(Class) -> bool) -> Self {
+    /// Of those verdicts that `wanted` names, by part and class.
+    pub fn of<'a>(verdicts: impl Iterator<Item = &'a Verdict>, wanted: impl Fn(Part, Class) -> bool) -> Self {
         let mut count = Self::default();
-        for verdict in verdicts.filter(|verdict| wanted(verdict.mutant.class)) {
+        for verdict in verdicts.filter(|verdict| wanted(verdict.mutant.part, verdict.mutant.class)) {
             let slot = match verdict.notice {
                 Notice::Checks => &mut count.checks,
                 Notice::Lints => &mut count.lints,
@@ -86,8 +86,8 @@ impl Loader for Changed<'_> {
     }
 }
 
-/// Makes every change of a task in the text of its file and sees who notices; in the order of the text, whatever the number of
-/// threads. Empty where the file has no such task.
+/// Makes every change of these parts of a task in the text of its file and sees who notices; in the order of the text, whatever
+/// the number of threads. Empty where the file has no such task.
 ///
 /// # Errors
 /// The text does not compile as it is.
@@ -95,6 +95,7 @@ pub fn mutate(
     path: &Path,
     text: &str,
     name: &str,
+    parts: &[Part],
     loader: &(dyn Loader + Sync),
     bodies: &BodyLibrary,
 ) -> Result<Vec<Verdict>, Report> {
@@ -106,7 +107,8 @@ pub fn mutate(
         let (notice, by) = notice(&with(mutant.apply(text)), task, &plain.warnings, bodies);
         Verdict { mutant, notice, by }
     };
-    Ok(mutants(text, name).into_par_iter().map(judge).collect())
+    let wanted: Vec<Mutant> = mutants(text, name).into_iter().filter(|mutant| parts.contains(&mutant.part)).collect();
+    Ok(wanted.into_par_iter().map(judge).collect())
 }
 
 fn notice(changed: &Changed<'_>, task: &CompiledTask, warnings: &[Diagnostic], bodies: &BodyLibrary) -> (Notice, String) {

@@ -1,0 +1,126 @@
+//! Where a task may be changed: formulas and weights, by the part of the task in which they stand.
+
+use super::Part;
+use crate::diagnostics::Span;
+use crate::syntax::tree::{Block, Channel, Element, Entry, Field, FieldValue, File, InitStatement, Item, SceneStatement, TaskStatement};
+
+/// A stretch of the text.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Region {
+    pub part: Part,
+    /// A weight; else a formula.
+    pub weight: bool,
+    pub span: Span,
+}
+
+/// All of the task of a file; none where there is no such task.
+pub(super) fn regions(tree: &File, name: &str) -> Vec<Region> {
+    let mut found = Found(Vec::new());
+    let task = tree.items.iter().find_map(|item| match item {
+        Item::Task(task) if task.name.text == name => Some(task),
+        _ => None,
+    });
+    for statement in task.into_iter().flat_map(|task| &task.statements) {
+        found.statement(statement);
+    }
+    found.0
+}
+
+struct Found(Vec<Region>);
+
+impl Found {
+    fn formula(&mut self, part: Part, span: Span) {
+        self.0.push(Region { part, weight: false, span });
+    }
+
+    fn statement(&mut self, statement: &TaskStatement) {
+        match statement {
+            TaskStatement::Reward(reward) => {
+                let terms = reward.terms.iter().filter_map(|entry| if let Entry::Item(term) = entry { Some(term) } else { None });
+                for term in terms {
+                    self.0.extend(term.weight.as_ref().map(|weight| Region {
+                        part: Part::Meaning,
+                        weight: true,
+                        span: weight.span,
+                    }));
+                    term.formula.iter().for_each(|formula| self.formula(Part::Meaning, formula.span));
+                }
+            }
+            TaskStatement::Terminate(ends) | TaskStatement::Finish(ends) => {
+                ends.after.iter().for_each(|after| self.formula(Part::Meaning, after.span));
+                for reason in &ends.reasons {
+                    if let Entry::Item(reason) = reason {
+                        self.formula(Part::Meaning, reason.condition.span);
+                    }
+                }
+            }
+            TaskStatement::Success(expr) => self.formula(Part::Meaning, expr.span),
+            TaskStatement::Let(binding) => self.formula(Part::Meaning, binding.value.span),
+            TaskStatement::Clock(clock) => self.formula(Part::Meaning, clock.frequency.span),
+            TaskStatement::State(state) => {
+                self.formula(Part::Meaning, state.initial.span);
+                state.updates.iter().for_each(|update| self.formula(Part::Meaning, update.span));
+            }
+            TaskStatement::Scene(block) => block.entries.iter().for_each(|statement| self.scene(statement)),
+            TaskStatement::Init(block) => block.entries.iter().for_each(|statement| self.beginning(statement)),
+            TaskStatement::Observe(block) => self.channels(block),
+            _ => {}
+        }
+    }
+
+    fn channels(&mut self, block: &Block<Entry<Channel>>) {
+        for entry in &block.entries {
+            if let Entry::Item(channel) = entry {
+                self.formula(Part::Channels, channel.value.span);
+            }
+        }
+    }
+
+    fn scene(&mut self, statement: &SceneStatement) {
+        match statement {
+            SceneStatement::Element(element) => self.element(element),
+            SceneStatement::Connection(connection) => self.formula(Part::Scene, connection.span),
+            SceneStatement::Group(group) => self.formula(Part::Scene, group.members.span),
+            SceneStatement::Repeat(repeat) => {
+                self.formula(Part::Scene, repeat.range.span);
+                repeat.statements.iter().for_each(|statement| self.scene(statement));
+            }
+            // What is only shown decides nothing.
+            SceneStatement::Marker(_) | SceneStatement::Remove(_) | SceneStatement::Allow(_) => {}
+        }
+    }
+
+    fn element(&mut self, element: &Element) {
+        self.fields(Part::Scene, &element.fields);
+        element.parts.iter().for_each(|part| self.element(part));
+    }
+
+    fn fields(&mut self, part: Part, fields: &[Field]) {
+        for field in fields {
+            match &field.value {
+                FieldValue::Flag => {}
+                FieldValue::Value(expr) | FieldValue::On(expr) => self.formula(part, expr.span),
+                FieldValue::Meets { place: from, target: to } | FieldValue::FromTo { from, to } => {
+                    self.formula(part, from.span);
+                    self.formula(part, to.span);
+                }
+            }
+        }
+    }
+
+    fn beginning(&mut self, statement: &InitStatement) {
+        let part = Part::Beginning;
+        match statement {
+            InitStatement::Pose(pose) => {
+                pose.adjustments.iter().for_each(|adjustment| self.formula(part, adjustment.span));
+            }
+            InitStatement::Object(placement) => self.fields(part, &placement.fields),
+            InitStatement::Noise(noise) => self.formula(part, noise.distribution.span),
+            InitStatement::Settle(settle) => {
+                self.formula(part, settle.duration.span);
+                settle.activation.iter().for_each(|activation| self.formula(part, activation.span));
+            }
+            InitStatement::Remove(_) | InitStatement::Allow(_) => {}
+        }
+    }
+}
