@@ -82,7 +82,8 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     }
     let total = meaning(&all);
     if args.format == Format::Text {
-        let classes = Class::ALL.map(|class| (class.name(), Count::of(all.iter(), |part, known| part == Part::Meaning && known == class)));
+        let classes =
+            Class::ALL.map(|class| (class.name(), Count::of(all.iter(), |part, known| part == Part::Meaning && known == class)));
         write!(out, "\n{}", table("change", &classes, total))?;
         if args.surroundings {
             let around = |part: &Part| *part != Part::Meaning;

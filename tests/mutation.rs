@@ -87,7 +87,9 @@ fn surroundings_are_a_part_of_their_own_that_tests_notice_where_they_look() {
         .replace("    test \"low\"", "    test \"the seat\" { moment begun { until 0.01 s }; expect 39 cm < seat.top < 41 cm and elbow_flexion_l.q < 31 deg at begun }\n    test \"low\"");
     let all = verdicts(&text);
     let told = |part, from, to| {
-        let wanted = |verdict: &&Verdict| verdict.mutant.part == part && verdict.mutant.span.of(&text) == from && verdict.mutant.replacement == to;
+        let wanted = |verdict: &&Verdict| {
+            verdict.mutant.part == part && verdict.mutant.span.of(&text) == from && verdict.mutant.replacement == to
+        };
         all.iter().find(wanted).unwrap_or_else(|| panic!("no {from} -> {to} in {all:#?}")).notice
     };
     assert_eq!(told(Part::Scene, "40", "44"), Notice::Tests);
@@ -95,6 +97,7 @@ fn surroundings_are_a_part_of_their_own_that_tests_notice_where_they_look() {
     assert_eq!(told(Part::Scene, "3", "6"), Notice::Unseen);
     assert_eq!(told(Part::Beginning, "30", "33"), Notice::Tests);
     assert_eq!(told(Part::Channels, "height", "speed"), Notice::Unseen);
-    let meaning = mutate(Path::new("example.msk"), &text, "example", &[Part::Meaning], &FileLoader, &BodyLibrary::default()).unwrap();
+    let meaning =
+        mutate(Path::new("example.msk"), &text, "example", &[Part::Meaning], &FileLoader, &BodyLibrary::default()).unwrap();
     assert!(meaning.len() < all.len() && meaning.iter().all(|verdict| verdict.mutant.part == Part::Meaning));
 }

@@ -151,7 +151,18 @@ fn scenes_beginnings_and_channels_are_parts_of_their_own() {
         let all = mutants(text, "small").into_iter().filter(|mutant| mutant.part == part);
         all.map(|mutant| format!("{} -> {}", mutant.span.of(text), mutant.replacement)).collect()
     };
-    let scene = ["2 -> 1", "2 -> 3", "2 -> 4", "m -> cm", "false -> true", "palm_l -> palm_r", "seat_l -> seat_r", "4 -> 2", "4 -> 5", "4 -> 8"];
+    let scene = [
+        "2 -> 1",
+        "2 -> 3",
+        "2 -> 4",
+        "m -> cm",
+        "false -> true",
+        "palm_l -> palm_r",
+        "seat_l -> seat_r",
+        "4 -> 2",
+        "4 -> 5",
+        "4 -> 8",
+    ];
     assert_eq!(of(Part::Scene)[..10], scene);
     assert_eq!(of(Part::Scene)[10..], ["0.5 -> 0.25", "0.5 -> 0.55", "0.5 -> 1", "* -> /"]);
     let beginning = of(Part::Beginning);

@@ -250,7 +250,11 @@ fn rows<T>(
                 let name = name(item);
                 let mut whole = std::mem::take(&mut allowed);
                 whole.push(entry);
-                changes.push(Change::Row(Box::new(Row { section, name, placed: Placed { statement: statement(whole), file, layer } })));
+                changes.push(Change::Row(Box::new(Row {
+                    section,
+                    name,
+                    placed: Placed { statement: statement(whole), file, layer },
+                })));
             }
         }
     }

@@ -2,7 +2,9 @@
 
 use super::Part;
 use crate::diagnostics::Span;
-use crate::syntax::tree::{Block, Channel, Element, Entry, Field, FieldValue, File, InitStatement, Item, SceneStatement, TaskStatement};
+use crate::syntax::tree::{
+    Block, Channel, Element, Entry, Field, FieldValue, File, InitStatement, Item, SceneStatement, TaskStatement,
+};
 
 /// A stretch of the text.
 #[derive(Debug, Clone, Copy)]

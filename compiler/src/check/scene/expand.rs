@@ -3,11 +3,11 @@
 //! What a task says of a scene that it extends replaces what has the same name there, in its place; the rest is added.
 
 use crate::check::context::{Checked, Checker, Reported};
+use crate::check::inherit::overrides_nothing;
 use crate::check::lookup::fits;
+use crate::check::scene::object::dotted;
 use crate::check::types::Type;
 use crate::check::value::{Data, Value};
-use crate::check::inherit::overrides_nothing;
-use crate::check::scene::object::dotted;
 use crate::diagnostics::{FileId, Span, codes};
 use crate::syntax::tree::{Connection, Element, ElementName, Group, Marker, Name, NamePart, Remove, Repeat, SceneStatement};
 
