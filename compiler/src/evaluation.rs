@@ -6,9 +6,10 @@
 //!    which starts from the very snapshot in which the one before it ended.
 
 use crate::graph::operation::Chance;
-use crate::lower::NoneTaken;
+use crate::lower::{NoneTaken, Scalar, View};
 use crate::task::{CompiledTask, Init, NonFiniteTerm, NotDrawn, Phase, StepReport, TaskFault, TaskState};
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// Where chance comes from: a stream per random, in the order of [`CompiledTask::randoms`].
 pub trait Draws {
@@ -61,13 +62,13 @@ impl CompiledTask {
     /// draw's place and its value.
     fn enter(&self, draws: &mut dyn Draws, state: &mut TaskState, kept: &[(usize, Vec<f64>)]) -> Result<(), TaskFault> {
         let phase = self.phase(state);
-        phase.program.prepare(&state.successes, &mut state.cells, &mut state.values);
+        phase.program.prepare(&state.successes, &mut state.record);
         for (draw, value) in kept {
-            phase.program.keep(*draw, value, &mut state.cells);
+            phase.program.keep(*draw, value, &mut state.record);
         }
         let is_kept = |draw: usize| kept.iter().any(|(known, _)| *known == draw);
         let mut source = source(phase, draws);
-        let drawn = phase.program.first(&mut state.cells, &mut state.values, &is_kept, &mut source);
+        let drawn = phase.program.first(&mut state.record, &is_kept, &mut source);
         drawn.map_err(|none| self.not_drawn(phase, none, state))
     }
 
@@ -98,15 +99,16 @@ impl CompiledTask {
 
     /// A value that the beginning takes from what was drawn for this episode.
     pub fn drawn(&self, index: usize, state: &TaskState) -> f64 {
-        let program = &self.phase(state).program;
-        let operand = program.beginning.get(index);
-        operand.and_then(|&operand| program.read(operand, &[], &state.values).first().copied()).unwrap_or(0.0)
+        let number = self.phase(state).program.beginning.get(index);
+        number.map_or(0.0, |number| number.read(&View { frame: &[], record: &state.record }))
     }
 
     /// Where a marker is, in the snapshot of `frame`.
     pub fn marker(&self, index: usize, frame: &[f64], state: &TaskState) -> Option<[f64; 3]> {
-        let program = &self.phase(state).program;
-        program.read(*program.markers.get(index)?, frame, &state.values).try_into().ok()
+        let mut place = [0.0; 3];
+        let plan = self.phase(state).program.markers.get(index).filter(|plan| plan.width() == place.len())?;
+        plan.write(&View { frame, record: &state.record }, &mut place);
+        Some(place)
     }
 
     /// Starts the task's state from the reset snapshot. `frame` has `self.frame.size()` values. A state that was not begun
@@ -130,7 +132,7 @@ impl CompiledTask {
         given: &[(usize, Vec<f64>)],
     ) -> Result<(), TaskFault> {
         let program = &self.phases[0].program;
-        if state.phase != 0 || state.cells.len() != program.cells || state.values.len() != program.registers {
+        if state.phase != 0 || state.record.len() != program.record.len() {
             self.begin_given(draws, state, given)?;
         }
         state.step = 0;
@@ -148,7 +150,7 @@ impl CompiledTask {
         let phase = self.phase(state);
         let is_kept = |draw: usize| kept.iter().any(|(known, _)| *known == draw);
         let mut source = source(phase, draws);
-        let drawn = phase.program.reset(frame, &mut state.cells, &mut state.values, &is_kept, &mut source);
+        let drawn = phase.program.reset(frame, &mut state.record, &is_kept, &mut source);
         drawn.map_err(|none| self.not_drawn(phase, none, state))
     }
 
@@ -168,10 +170,13 @@ impl CompiledTask {
         state.step += 1;
         let phase = self.phase(state);
         let step = state.step - state.began;
-        let drawn = phase.program.step(step, frame, &mut state.cells, &mut state.values, &mut source(phase, draws));
+        let drawn = phase.program.step(step, frame, &mut state.record, &mut source(phase, draws));
         self.report(frame, weights, state, report);
         drawn.map_err(|none| self.not_drawn(phase, none, state))?;
-        if let Some(index) = report.terms.iter().position(|value| !value.is_finite()) {
+        // One value that is not finite, and the sum is not.
+        if !report.reward.is_finite()
+            && let Some(index) = report.terms.iter().position(|value| !value.is_finite())
+        {
             return Err(TaskFault::Term(NonFiniteTerm {
                 term: self.terms[index].name.clone(),
                 value: report.terms[index],
@@ -186,63 +191,46 @@ impl CompiledTask {
     pub fn report(&self, frame: &[f64], weights: &[f64], state: &TaskState, report: &mut StepReport) {
         let phase = self.phase(state);
         let program = &phase.program;
-        let lane = |operand| program.read(operand, frame, &state.values).first().copied().unwrap_or(0.0);
-        let holds = |operand| lane(operand) != 0.0;
+        let view = View { frame, record: &state.record };
         report.phase = state.phase;
-        refill(&mut report.terms, self.terms.len(), 0.0);
-        for (value, &operand) in report.terms[phase.terms.clone()].iter_mut().zip(&program.terms) {
-            *value = lane(operand);
-        }
-        refill(&mut report.terminations, self.terminations.len(), false);
-        for (value, &operand) in report.terminations[phase.terminations.clone()].iter_mut().zip(&program.terminations) {
-            *value = holds(operand);
-        }
-        refill(&mut report.finishes, self.finishes.len(), false);
-        for (value, &operand) in report.finishes[phase.finishes.clone()].iter_mut().zip(&program.finishes) {
-            *value = holds(operand);
-        }
-        // What a phase does not measure is no number there.
-        refill(&mut report.metrics, self.metrics.iter().map(|metric| metric.size).sum(), f64::NAN);
-        for (metric, &operand) in self.metrics[phase.metrics.clone()].iter().zip(&program.metrics) {
-            report.metrics[metric.offset..metric.offset + metric.size].copy_from_slice(program.read(
-                operand,
-                frame,
-                &state.values,
-            ));
-        }
-        report.released.clear();
-        report.released.extend(program.releases.iter().map(|&operand| holds(operand)));
+        // What another phase pays or ends for does not count in this one, and what it measures is no number.
+        let terms = part(&mut report.terms, self.terms.len(), &phase.terms, 0.0);
+        terms.iter_mut().zip(&program.terms).for_each(|(value, term)| *value = term.read(&view));
+        let holds = |conditions: &[Scalar], report: &mut [bool]| {
+            report.iter_mut().zip(conditions).for_each(|(value, condition)| *value = condition.holds(&view));
+        };
+        let terminations = part(&mut report.terminations, self.terminations.len(), &phase.terminations, false);
+        holds(&program.terminations, terminations);
+        holds(&program.finishes, part(&mut report.finishes, self.finishes.len(), &phase.finishes, false));
+        holds(&program.releases, part(&mut report.released, program.releases.len(), &(0..program.releases.len()), false));
+        let (count, own) = &phase.measured;
+        program.metrics.write(&view, part(&mut report.metrics, *count, own, f64::NAN));
         report.reward = report.terms.iter().zip(weights).map(|(value, weight)| value * weight).sum();
 
         let terminated = report.terminations.contains(&true);
         let finished = report.finishes.contains(&true);
         let complete = state.step - state.began >= phase.horizon;
         let last = state.phase as usize + 1 >= self.phases.len();
-        let moves_on = match program.until {
-            Some(until) => holds(until),
-            None => complete || finished,
-        };
+        let moves_on = program.until.as_ref().map_or(complete || finished, |until| until.holds(&view));
         report.entered = !last && !terminated && moves_on;
         if report.entered {
             // The reason for which a phase was to finish is why the next begins, and no end of the episode.
             report.finishes.fill(false);
         }
         report.truncated = complete && !terminated && !report.entered && !report.finishes.contains(&true);
-        report.success = last && program.success.is_some_and(holds);
+        report.success = last && program.success.as_ref().is_some_and(|success| success.holds(&view));
     }
 
     /// Enters the next phase from the present snapshot.
     fn go_on(&self, frame: &[f64], draws: &mut dyn Draws, state: &mut TaskState) -> Result<(), TaskFault> {
         let before = self.phase(state);
-        let success = before
-            .program
-            .succeeded
-            .is_some_and(|operand| before.program.read(operand, frame, &state.values).first().is_some_and(|value| *value != 0.0));
+        let view = View { frame, record: &state.record };
+        let success = before.program.succeeded.as_ref().is_some_and(|succeeded| succeeded.holds(&view));
         let next = &self.phases[state.phase as usize + 1];
         // What the sequence itself draws stays what it is.
         let shared = next.streams.iter().enumerate().filter_map(|(draw, stream)| {
             let old = before.streams.iter().position(|known| known == stream)?;
-            Some((draw, before.program.value_of_draw(old, &state.cells).to_vec()))
+            Some((draw, before.program.value_of_draw(old, &state.record).to_vec()))
         });
         let kept: Vec<(usize, Vec<f64>)> = shared.collect();
         state.successes.push(success);
@@ -254,15 +242,7 @@ impl CompiledTask {
 
     /// Writes the observation; `out` has `self.observation_size()` values, `frame` is that of the last `reset` or `step`.
     pub fn observe(&self, frame: &[f64], state: &TaskState, out: &mut [f64]) {
-        let phase = self.phase(state);
-        for (channel, own) in self.channels.iter().zip(&phase.channels) {
-            let out = &mut out[channel.offset..channel.offset + channel.size];
-            match own.and_then(|own| phase.program.channels.get(own)) {
-                Some(&operand) => out.copy_from_slice(phase.program.read(operand, frame, &state.values)),
-                // A channel that the present phase does not have.
-                None => out.fill(0.0),
-            }
-        }
+        self.phase(state).observation.write(&View { frame, record: &state.record }, out);
         if self.phases.len() > 1
             && let Some(one_hot) = self.channels.last()
             && let Some(present) = out.get_mut(one_hot.offset + state.phase as usize)
@@ -288,8 +268,7 @@ impl CompiledTask {
 
     /// Number of operations that one control step takes in the longest phase; what formulas share is counted once.
     pub fn operations(&self) -> usize {
-        let of = |phase: &Phase| phase.program.before.len() + phase.program.after.len();
-        self.phases.iter().map(of).max().unwrap_or(0)
+        self.phases.iter().map(|phase| phase.program.operations).max().unwrap_or(0)
     }
 
     fn not_drawn(&self, phase: &Phase, none: NoneTaken, state: &TaskState) -> TaskFault {
@@ -313,8 +292,15 @@ fn source<'a>(phase: &'a Phase, draws: &'a mut dyn Draws) -> impl FnMut(usize, C
     }
 }
 
-/// Keeps the memory of a list that is written anew.
-fn refill<T: Clone>(list: &mut Vec<T>, length: usize, value: T) {
-    list.clear();
-    list.resize(length, value);
+/// The part of a list that a phase writes; the rest takes `elsewhere`, and the list keeps its memory.
+#[inline(always)]
+fn part<'a, T: Copy>(list: &'a mut Vec<T>, length: usize, own: &Range<usize>, elsewhere: T) -> &'a mut [T] {
+    if list.len() != length {
+        list.resize(length, elsewhere);
+    }
+    if own.len() != length {
+        list[..own.start].fill(elsewhere);
+        list[own.end..].fill(elsewhere);
+    }
+    &mut list[own.clone()]
 }

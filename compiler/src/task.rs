@@ -9,7 +9,7 @@ use crate::diagnostics::{FileId, Span};
 use crate::frame::FrameLayout;
 use crate::graph::Graph;
 use crate::graph::interval::Bounds;
-use crate::lower::{Outputs, Program};
+use crate::lower::{Outputs, Plan, Program};
 use crate::motion::Motion;
 use crate::scene::SceneDescription;
 use crate::syntax::tree::Expr;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 pub use crate::beginning::{Disturbance, Init, ObjectStart, RootPlacement, Setting, Settle, Spread};
 
-/// A task ready to run: a program over a flat frame and a flat state record. A copy shares the program.
+/// A task ready to run: closures over a flat frame and a flat state record. A copy shares the program.
 #[derive(Clone)]
 pub struct CompiledTask {
     /// Name of the task.
@@ -108,8 +108,12 @@ pub(crate) struct Phase {
     pub terminations: Range<usize>,
     pub finishes: Range<usize>,
     pub metrics: Range<usize>,
+    /// How many values all metrics of the whole have, and which are its own.
+    pub measured: (usize, Range<usize>),
     /// For each channel of the whole: its place among the phase's own.
     pub channels: Vec<Option<usize>>,
+    /// What is observed while it lasts: all channels of the whole, zero where it has none.
+    pub observation: Plan,
     /// For each of its draws: which random of the whole.
     pub streams: Vec<usize>,
     pub meaning: Meaning,
@@ -315,10 +319,8 @@ pub struct TaskState {
     pub began: u32,
     /// Whether the phases before it had succeeded when they ended.
     pub successes: Vec<bool>,
-    /// Cells of operators, states and randoms.
-    pub cells: Vec<f64>,
-    /// Everything computed at this step, read by observations.
-    pub values: Vec<f64>,
+    /// Constants, cells of operators, states and randoms, and what this step's formulas share.
+    pub record: Vec<f64>,
 }
 
 /// A term whose value is not a finite number: an error of this episode, never a silent zero.

@@ -2,8 +2,6 @@
 
 #![no_main]
 
-#[path = "../../compiler/tests/support/generate.rs"]
-mod generate;
 mod language;
 
 use libfuzzer_sys::fuzz_target;
@@ -11,13 +9,7 @@ use msk_compiler::inspect;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
-    let text = match bytes.split_first() {
-        Some((0, seed)) => generate::program(seed),
-        _ => match std::str::from_utf8(bytes) {
-            Ok(text) => text.to_owned(),
-            Err(_) => return,
-        },
-    };
+    let Some(text) = language::text(bytes) else { return };
     let whole = inspect(Path::new(language::ENTRY), &language::Texts(&text), &language::Human);
     language::must_be_sound(&whole.report);
     for scope in &whole.scopes {

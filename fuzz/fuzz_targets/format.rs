@@ -2,8 +2,6 @@
 
 #![no_main]
 
-#[path = "../../compiler/tests/support/generate.rs"]
-mod generate;
 mod language;
 
 use libfuzzer_sys::fuzz_target;
@@ -11,13 +9,7 @@ use msk_compiler::diagnostics::FileId;
 use msk_compiler::format::{FormatError, format};
 
 fuzz_target!(|bytes: &[u8]| {
-    let text = match bytes.split_first() {
-        Some((0, seed)) => generate::program(seed),
-        _ => match std::str::from_utf8(bytes) {
-            Ok(text) => text.to_owned(),
-            Err(_) => return,
-        },
-    };
+    let Some(text) = language::text(bytes) else { return };
     match format(FileId::default(), &text) {
         Ok(tidy) => assert_eq!(format(FileId::default(), &tidy).as_deref(), Ok(tidy.as_str()), "{text:?}"),
         Err(FormatError::Changed) => panic!("the layout of {text:?} would say something else"),

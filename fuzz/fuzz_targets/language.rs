@@ -1,4 +1,10 @@
-//! What the targets of the language share: a body without physics, files in memory, and what must hold of every answer.
+//! What the targets of the language share: which text bytes stand for, a body without physics, files in memory, and what must
+//! hold of every answer.
+
+#![allow(dead_code, reason = "each target needs its own part")]
+
+#[path = "../../compiler/tests/support/generate.rs"]
+pub mod generate;
 
 use msk_compiler::body::BodyDescription;
 use msk_compiler::diagnostics::{Diagnostic, Report, SourceMap, Span, Style};
@@ -9,6 +15,14 @@ use std::sync::OnceLock;
 
 /// The path under which a text is compiled.
 pub const ENTRY: &str = "example.msk";
+
+/// The text that bytes stand for: their own, or behind a zero byte a program grown from the rest.
+pub fn text(bytes: &[u8]) -> Option<String> {
+    match bytes.split_first() {
+        Some((0, seed)) => Some(generate::program(seed)),
+        _ => std::str::from_utf8(bytes).ok().map(str::to_owned),
+    }
+}
 
 /// One text, and the library of the project beside it.
 pub struct Texts<'a>(pub &'a str);

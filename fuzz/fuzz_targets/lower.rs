@@ -2,8 +2,6 @@
 
 #![no_main]
 
-#[path = "../../compiler/tests/support/generate.rs"]
-mod generate;
 mod language;
 
 use libfuzzer_sys::fuzz_target;
@@ -14,7 +12,7 @@ use std::path::Path;
 fuzz_target!(|bytes: &[u8]| {
     // The first bytes are what is measured, the others what is written.
     let (numbers, seed) = bytes.split_at(bytes.len().min(16));
-    let text = generate::program(seed);
+    let text = language::generate::program(seed);
     let whole = inspect(Path::new(language::ENTRY), &language::Texts(&text), &language::Human);
     for task in &whole.tasks {
         compare(task, numbers, &text);

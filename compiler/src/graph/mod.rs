@@ -15,6 +15,7 @@ pub mod track;
 use crate::frame::Sensor;
 use operation::{Binary, Bits, Memory, Operation, Reduction, Unary};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// A node of a [`Graph`]; inputs have smaller numbers than their readers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -93,14 +94,15 @@ impl Graph {
     }
 
     fn intern(&mut self, node: Node) -> NodeId {
-        if let Some(&id) = self.known.get(&node) {
-            return id;
-        }
         let id = NodeId(u32::try_from(self.nodes.len()).unwrap_or(u32::MAX));
-        self.lanes += node.width;
-        self.known.insert(node.clone(), id);
-        self.nodes.push(node);
-        id
+        match self.known.entry(node) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => {
+                self.lanes += new.key().width;
+                self.nodes.push(new.key().clone());
+                *new.insert(id)
+            }
+        }
     }
 
     fn width_of(&self, operation: &Operation, inputs: &[NodeId]) -> usize {

@@ -1,6 +1,6 @@
 //! From checked tasks to a compiled one: programs, layout, labels, hash.
 
-use super::{DrawOutput, Outputs, assemble, layout};
+use super::{DrawOutput, Outputs, Plan, assemble, layout};
 use crate::body::BodyDescription;
 use crate::check::CheckedTests;
 use crate::check::inherit::{Placed, WholeTask};
@@ -155,9 +155,23 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
         }
         whole.horizon = whole.horizon.saturating_add(checked.timing.horizon);
         let horizon = checked.timing.horizon;
+        let (observation, measured) = (Plan::default(), (0, 0..0));
         let said = Said { until, success: heading.success, definitions };
         let meaning = meaning(source, checked, outputs, said, texts);
-        made.push(Phase { name, horizon, program, terms, terminations, finishes, metrics, channels, streams, meaning });
+        made.push(Phase {
+            name,
+            horizon,
+            program,
+            terms,
+            terminations,
+            finishes,
+            metrics,
+            measured,
+            channels,
+            observation,
+            streams,
+            meaning,
+        });
     }
     let mut compiled = compiled?;
     if several {
@@ -166,6 +180,8 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
     }
     for phase in &mut made {
         phase.channels.resize(whole.channels.len(), None);
+        phase.observe(&whole.channels);
+        phase.measure(&whole.metrics);
     }
     compiled.horizon = whole.horizon;
     (compiled.channels, compiled.terms, compiled.metrics) = (whole.channels, whole.terms, whole.metrics);
@@ -174,6 +190,24 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
     compiled.motions = whole.motions;
     compiled.phases = made.into();
     Some(compiled)
+}
+
+impl Phase {
+    /// Plans the observation of all channels of the whole from those of its own.
+    fn observe(&mut self, channels: &[Channel]) {
+        for (channel, own) in channels.iter().zip(&self.channels) {
+            match own.and_then(|own| self.program.channels.get_mut(own)) {
+                Some(plan) => self.observation.append(std::mem::take(plan)),
+                None => self.observation.zeros(channel.size),
+            }
+        }
+    }
+
+    /// Finds its own among the values of all metrics of the whole.
+    fn measure(&mut self, metrics: &[Channel]) {
+        let end = |count: usize| metrics[..count].last().map_or(0, |metric| metric.offset + metric.size);
+        self.measured = (end(metrics.len()), end(self.metrics.start)..end(self.metrics.end));
+    }
 }
 
 impl Places {

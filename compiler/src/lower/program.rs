@@ -1,114 +1,96 @@
-//! The lowered form of a task: a list of instructions over flat records.
+//! The lowered form of a task: statements and formulas over two flat lists of numbers, the frame of sensors and the task's own
+//! record, which holds constants, cells that remember, and what has more than one reader.
 
-use crate::graph::operation::{Binary, Chance, Memory, Reduction, Unary};
+use super::block::Block;
+use super::formula::{Formula, Scalar};
+use super::lane::Run;
+use super::plan::Plan;
+use crate::graph::operation::{Chance, Memory};
 use crate::graph::track::Track;
+use std::ops::Range;
 
-/// Where lanes are read from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Bank {
-    Constant,
-    Frame,
-    Register,
+/// Something that writes to the record: what most steps consist of, and the rest.
+pub(crate) enum Statement {
+    /// Writes down what a formula comes to.
+    Store {
+        at: usize,
+        formula: Formula,
+    },
+    /// Advances the one cell of a number that remembers.
+    Remember {
+        memory: Memory,
+        cell: usize,
+        input: Scalar,
+    },
+    Deed(Box<Deed>),
 }
 
-/// A range of lanes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Operand {
-    pub bank: Bank,
-    pub offset: usize,
-    pub width: usize,
-}
-
-impl Operand {
-    pub(crate) const EMPTY: Self = Self { bank: Bank::Constant, offset: 0, width: 0 };
-}
-
-/// What an instruction does.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Code {
-    Step,
-    Unary(Unary),
-    Binary(Binary),
-    Choose,
-    /// Copies these lanes of input 0.
-    Gather(Box<[u32]>),
-    Copy,
-    Reduce(Reduction, usize),
-    Quaternion,
-    /// First cell.
-    Memory(Memory, usize),
-    /// Reads a state's cells; at reset they take input 0.
-    StateBefore(usize),
-    /// The same, after the update.
-    StateAfter(usize),
-    /// Reads the cells of a random; where the episode begins it is drawn first.
-    Drawn(usize),
-    /// Reads its cells after the redraws.
-    DrawnAfter(usize),
-    /// The element of input 0 that input 1 says.
-    Pick,
-    /// Whether an earlier phase succeeded: this cell.
-    PhaseSuccess(usize),
-    /// What a motion shows at the time in input 0.
-    Follow(Box<Track>),
-}
-
-/// Reads inputs, writes `width` registers from `output` on. Inputs in registers lie below `output`.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Instruction {
-    pub code: Code,
-    pub inputs: [Operand; 3],
-    pub output: usize,
-    pub width: usize,
+/// What is done to several numbers of the record at once.
+pub(crate) enum Deed {
+    /// Writes numbers side by side.
+    Put { at: usize, plan: Plan },
+    /// The same at reset only.
+    Begin { at: usize, plan: Plan },
+    /// Copies the cells of a random; where the episode begins it is drawn first.
+    Draw { draw: usize, at: usize },
+    /// Advances cells, so many for each of its lanes.
+    Remember { memory: Memory, cell: usize, lanes: Vec<[Scalar; 3]>, at: Option<usize> },
+    /// Computes a list as a whole.
+    Block(Block),
+    /// Copies element number `place` of a list.
+    Pick { list: Run, place: Scalar, at: usize, width: usize },
+    /// Writes what a motion shows at a time.
+    Follow { track: Track, time: Scalar, at: usize },
 }
 
 /// How a random is drawn.
-#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Draw {
     pub chance: Chance,
-    /// Registers that take what chance gives.
-    pub noise: Operand,
+    /// Where what chance gives is written.
+    pub noise: Range<usize>,
     /// What makes a candidate of it and says whether it is taken.
-    pub tries: Vec<Instruction>,
-    pub candidate: Operand,
-    pub accept: Option<Operand>,
+    pub tries: Vec<Statement>,
+    pub candidate: Plan,
+    pub accept: Option<Scalar>,
     /// Whether it is drawn before the beginning: it reads no signal.
     pub first: bool,
     /// When it is drawn anew.
-    pub redraw: Option<Operand>,
+    pub redraw: Option<Scalar>,
     /// First cell.
     pub cell: usize,
 }
 
 /// The whole of it.
-#[derive(Debug, Clone, Default)]
+#[derive(Default)]
 pub(crate) struct Program {
-    pub constants: Vec<f64>,
-    /// Executed before the episode begins: what is settled by draws that read no signal. Part of `before` as well.
-    pub first: Vec<Instruction>,
+    /// The record as an episode finds it.
+    pub record: Vec<f64>,
     /// Executed before the states are updated.
-    pub before: Vec<Instruction>,
+    pub before: Vec<Statement>,
+    /// Those among them that are executed before the episode begins as well: what is settled by draws that read no signal.
+    pub first: Vec<usize>,
+    /// Gives states their new values.
+    pub updates: Vec<Deed>,
     /// Executed after.
-    pub after: Vec<Instruction>,
-    /// First cell of each state and its new value.
-    pub updates: Vec<(usize, Operand)>,
+    pub after: Vec<Statement>,
     pub draws: Vec<Draw>,
     /// Cells of the successes of earlier phases that are read: (phase, cell).
     pub successes: Vec<(usize, usize)>,
-    pub registers: usize,
-    pub cells: usize,
-    pub terms: Vec<Operand>,
-    pub terminations: Vec<Operand>,
-    pub finishes: Vec<Operand>,
-    pub metrics: Vec<Operand>,
-    pub success: Option<Operand>,
-    pub channels: Vec<Operand>,
+    /// How many numbers and lists are computed at a step.
+    pub operations: usize,
+    pub terms: Vec<Scalar>,
+    pub terminations: Vec<Scalar>,
+    pub finishes: Vec<Scalar>,
+    /// All metrics, one after the other.
+    pub metrics: Plan,
+    pub success: Option<Scalar>,
+    pub channels: Vec<Plan>,
     /// Numbers that the beginning takes from what is drawn.
-    pub beginning: Vec<Operand>,
-    pub releases: Vec<Operand>,
-    pub markers: Vec<Operand>,
+    pub beginning: Vec<Scalar>,
+    pub releases: Vec<Scalar>,
+    pub markers: Vec<Plan>,
     /// When the next phase of a sequence begins.
-    pub until: Option<Operand>,
+    pub until: Option<Scalar>,
     /// Whether this phase has succeeded, for those after it.
-    pub succeeded: Option<Operand>,
+    pub succeeded: Option<Scalar>,
 }

@@ -7,6 +7,7 @@ use crate::scene::Part;
 use crate::task::{CompiledTask, Phase, Setting};
 use crate::vocabulary::Vocabulary;
 use std::fmt::Write;
+use std::mem::discriminant;
 
 /// The names of one phase of a task.
 pub(super) struct Names<'a> {
@@ -25,18 +26,14 @@ enum Subject {
 
 impl Labels for Names<'_> {
     fn sensors(&self, sensors: &[Sensor]) -> String {
-        let mut told: Vec<(String, Subject)> = Vec::new();
-        for sensor in sensors {
-            let kind = format!("{sensor:?}");
-            let kind = kind.split('(').next().unwrap_or_default().to_owned();
-            told.push((kind, self.subject(*sensor)));
-        }
         let mut text = String::new();
-        for kind in told.chunk_by(|a, b| a.0 == b.0) {
+        for alike in sensors.chunk_by(|a, b| discriminant(a) == discriminant(b)) {
+            let kind = format!("{:?}", alike[0]);
+            let kind = kind.split('(').next().unwrap_or_default();
             // Writing to a string cannot fail.
-            let _ = write!(text, "{}{}", if text.is_empty() { "" } else { " " }, kind[0].0);
-            let subjects = kind.chunk_by(|a, b| follows(&a.1, &b.1));
-            let joined: Vec<String> = subjects.filter_map(|run| self.run(run)).collect();
+            let _ = write!(text, "{}{kind}", if text.is_empty() { "" } else { " " });
+            let subjects: Vec<Subject> = alike.iter().map(|sensor| self.subject(*sensor)).collect();
+            let joined: Vec<String> = subjects.chunk_by(follows).filter_map(|run| self.run(run)).collect();
             if !joined.is_empty() {
                 let _ = write!(text, "({})", joined.join(", "));
             }
@@ -65,7 +62,7 @@ fn follows(a: &Subject, b: &Subject) -> bool {
 
 impl Names<'_> {
     /// Consecutive subjects of one kind: `all`, `a`, `a, b` or `a to e (5)`.
-    fn run(&self, run: &[(String, Subject)]) -> Option<String> {
+    fn run(&self, run: &[Subject]) -> Option<String> {
         let vocabulary = &*self.task.vocabulary;
         let name = |subject: &Subject| match subject {
             Subject::None => None,
@@ -75,7 +72,7 @@ impl Names<'_> {
             Subject::Other(text) => Some(text.clone()),
         };
         let own_joints = vocabulary.joints.iter().filter(|joint| !joint.of_scene).count();
-        let whole = match run.first()?.1 {
+        let whole = match run.first()? {
             Subject::Joint(0) => own_joints,
             Subject::Muscle(0) => vocabulary.muscles.len(),
             _ => 0,
@@ -83,7 +80,7 @@ impl Names<'_> {
         if run.len() > 2 && run.len() == whole {
             return Some("all".to_owned());
         }
-        let names: Vec<String> = run.iter().filter_map(|(_, subject)| name(subject)).collect();
+        let names: Vec<String> = run.iter().filter_map(name).collect();
         match names.as_slice() {
             [] => None,
             [first, .., last] if names.len() > 3 => Some(format!("{first} to {last} ({})", names.len())),

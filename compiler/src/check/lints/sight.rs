@@ -111,12 +111,12 @@ fn momentary(graph: &Graph, node: NodeId) -> bool {
     read.iter().any(fast) && !read.iter().any(lasts)
 }
 
-/// The parts whose sensors nodes read.
-fn parts(graph: &Graph, roots: impl Iterator<Item = NodeId>) -> BTreeSet<Sensor> {
+/// The sensors that nodes read, as far as they are of a kind.
+fn sensors(graph: &Graph, roots: impl Iterator<Item = NodeId>, kind: fn(Sensor) -> bool) -> BTreeSet<Sensor> {
     let mut found = BTreeSet::new();
     for id in graph.reachable(roots) {
         if let Operation::Sensors(sensors) = &graph.node(id).operation {
-            found.extend(sensors.iter().copied());
+            found.extend(sensors.iter().copied().filter(|sensor| kind(*sensor)));
         }
     }
     found
@@ -140,11 +140,12 @@ fn landmark_of(sensor: Sensor) -> Option<usize> {
 pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let landmarks = &checker.vocabulary.landmarks;
     let first = landmarks.iter().position(|landmark| landmark.of_scene).unwrap_or(landmarks.len());
-    let channels = task.channels.iter().map(|channel| channel.node);
-    let seen: BTreeSet<usize> = parts(&task.graph, channels).into_iter().filter_map(landmark_of).collect();
+    let mut channels = task.channels.iter().map(|channel| channel.node);
+    let read = |roots: &mut dyn Iterator<Item = NodeId>| sensors(&task.graph, roots, |sensor| landmark_of(sensor).is_some());
+    let seen: BTreeSet<usize> = read(&mut channels).into_iter().filter_map(landmark_of).collect();
     let mut told = BTreeSet::new();
     for term in &task.terms {
-        for index in parts(&task.graph, std::iter::once(term.node)).into_iter().filter_map(landmark_of) {
+        for index in read(&mut std::iter::once(term.node)).into_iter().filter_map(landmark_of) {
             let moves = index.checked_sub(first).is_some_and(|object| moves(&task.scene.objects, object));
             if moves && !seen.contains(&index) && told.insert(index) {
                 let name = &landmarks[index].name;
@@ -176,7 +177,7 @@ pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
     }
     lopsided(checker, task, diagnostics);
     let names = |roots: &[NodeId]| -> BTreeSet<&str> {
-        parts(&task.graph, roots.iter().copied()).into_iter().flat_map(|sensor| names_of(checker, sensor)).collect()
+        sensors(&task.graph, roots.iter().copied(), |_| true).into_iter().flat_map(|sensor| names_of(checker, sensor)).collect()
     };
     let paid: Vec<NodeId> = task.terms.iter().map(|term| term.node).collect();
     let ends: Vec<NodeId> = task.terminations.iter().chain(&task.finishes).map(|end| end.node).collect();

@@ -4,7 +4,7 @@ use super::{Interpreter, Moment};
 use crate::frame::Sensor;
 use crate::graph::operation::{Binary, Memory, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
-use crate::lower::{Outputs, assemble, layout};
+use crate::lower::{Outputs, View, assemble, layout};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ fn grow(graph: &mut Graph, nodes: &mut Vec<NodeId>, (operation, a, b, c): Choice
     let [a, b, c] = [a, b, c].map(|index| *index.get(nodes));
     let widths = [a, b, c].map(|id| graph.width(id));
     let fits = |x: usize, y: usize| x == y || x == 1 || y == 1;
-    let node = match operation % 16 {
+    let node = match operation % 24 {
         0 => graph.unary(Unary::HyperbolicTangent, a),
         1 => graph.unary(Unary::Absolute, a),
         2 if fits(widths[0], widths[1]) => graph.binary(Binary::Add, a, b),
@@ -32,13 +32,36 @@ fn grow(graph: &mut Graph, nodes: &mut Vec<NodeId>, (operation, a, b, c): Choice
         13 => graph.memory(Memory::Accumulate, &[a]),
         14 if widths[1] == 1 => graph.memory(Memory::Sampled, &[a, b]),
         15 => graph.memory(Memory::Highest, &[a]),
+        16 if fits(widths[0], widths[1]) => graph.binary(Binary::Subtract, a, b),
+        17 if fits(widths[0], widths[1]) => graph.binary(Binary::Minimum, a, b),
+        // Sums over pairs, groups of vectors, and what chance of the choices would seldom put together.
+        18 if fits(widths[0], widths[1]) => {
+            let products = graph.binary(Binary::Multiply, a, b);
+            graph.reduce(Reduction::Sum, graph.width(products), products)
+        }
+        19 if fits(widths[0], widths[1]) => {
+            let apart = graph.binary(Binary::Subtract, a, b);
+            let group = if graph.width(apart).is_multiple_of(3) { 3 } else { 1 };
+            graph.reduce(Reduction::Norm, group, apart)
+        }
+        20 => {
+            let (low, high) = (graph.constant(-0.25), graph.constant(0.5));
+            let above = graph.binary(Binary::Maximum, a, low);
+            graph.binary(Binary::Minimum, above, high)
+        }
+        21 if widths[0] >= 3 => {
+            let axes = graph.select((0..9).map(|lane| lane % widths[0]), a);
+            graph.add(Operation::Quaternion, &[axes])
+        }
+        22 if widths[0] % 2 == 0 && widths[1] == 1 => graph.add(Operation::Pick(widths[0] as u32 / 2), &[a, b]),
+        23 if widths[0] <= 8 => graph.join(&[a, a, a]),
         _ => graph.unary(Unary::Negate, a),
     };
     nodes.push(node);
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
     fn the_program_computes_what_the_graph_says(
@@ -62,14 +85,14 @@ proptest! {
         let program = assemble(&graph, &outputs, &layout);
 
         let mut plain = Interpreter { graph: &graph, memories: BTreeMap::new(), states: vec![vec![0.5]] };
-        let (mut cells, mut registers) = (Vec::new(), Vec::new());
+        let mut record = Vec::new();
         for step in 0..6_u32 {
             let frame: Vec<f64> = (0..layout.size()).map(|lane| numbers[(lane + 7 * step as usize) % numbers.len()]).collect();
             if step == 0 {
-                program.prepare(&[], &mut cells, &mut registers);
-                program.reset(&frame, &mut cells, &mut registers, &|_| false, &mut |_, _| 0.5).unwrap();
+                program.prepare(&[], &mut record);
+                program.reset(&frame, &mut record, &|_| false, &mut |_, _| 0.5).unwrap();
             } else {
-                program.step(step, &frame, &mut cells, &mut registers, &mut |_, _| 0.5).unwrap();
+                program.step(step, &frame, &mut record, &mut |_, _| 0.5).unwrap();
             }
             let before = plain.states.clone();
             let mut moment = Moment { step, layout: &layout, frame: &frame, values: BTreeMap::new(), before };
@@ -77,9 +100,11 @@ proptest! {
             if step > 0 {
                 plain.states = vec![updated];
             }
-            for (&node, &operand) in outputs.channels.iter().zip(&program.channels) {
+            for (&node, plan) in outputs.channels.iter().zip(&program.channels) {
                 let expected: Vec<u64> = plain.value(node, &mut moment).into_iter().map(f64::to_bits).collect();
-                let found: Vec<u64> = program.read(operand, &frame, &registers).iter().map(|lane| lane.to_bits()).collect();
+                let mut found = vec![0.0; plan.width()];
+                plan.write(&View { frame: &frame, record: &record }, &mut found);
+                let found: Vec<u64> = found.into_iter().map(f64::to_bits).collect();
                 prop_assert_eq!(found, expected, "step {}, node {:?}", step, node);
             }
         }
