@@ -14,8 +14,8 @@ use std::process::ExitCode;
 /// Make every one-token change of tasks and list those that neither checks nor tests notice
 ///
 /// Signs, comparisons, units, sides, axes, rates, numbers, weights, `and` and `or`, functions: each is changed by itself in every
-/// formula of the task's values, terms, ends and success. A change is noticed by an error, by a warning more, or by a test of the
-/// task that fails. Exit code 0 if fewer than --most of these changes go unseen, 1 if more do.
+/// formula of the task's values, terms, ends and success. A change is noticed by an error, by a warning more, as `msk check` tells
+/// it, or by a test of the task that fails. Exit code 0 if fewer than --most of these changes go unseen, 1 if more do.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files with tasks, or suites of them

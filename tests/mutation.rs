@@ -54,6 +54,14 @@ fn a_change_is_noticed_by_checks_lints_tests_or_nobody() {
 }
 
 #[test]
+fn probing_notices_what_no_test_looks_at() {
+    let text = TEXT.replace("success survived", "success pelvis.height > 1 m");
+    let all = verdicts(&text);
+    // Nobody stands so high.
+    assert_eq!(notice(&all, &text, "1", "2"), (Notice::Lints, "W0533".into()));
+}
+
+#[test]
 fn a_change_without_meaning_is_counted_nowhere() {
     // Nobody reads the number: `1 * 1` is as much as `1 / 1`.
     let text = TEXT.replace("pelvis.height / 1 m", "pelvis.height / 1 m * 1");

@@ -171,6 +171,18 @@ fn numbers(message: &str) -> Vec<f64> {
 }
 
 #[test]
+fn a_term_that_is_dead_where_the_task_begins_is_told_in_whatever_pose_that_is() {
+    let begins = |term: &str| format!("init {{ pose sitting\n root {{ height on ground }} }}\nreward {{ {term} }}");
+    let upright = "1 upright = exp(-20 * (1 - torso.up.z))";
+    let sideways = "1 upright = exp(-20 * (1 - torso.left.z))";
+    assert_eq!(codes_of(&begins(upright)), [""; 0]);
+    assert_eq!(codes_of(&begins(sideways)), ["W0511"]);
+    let gate = format!("{sideways} when com.height > 0.8 m");
+    assert_eq!(codes_of(&begins(&gate)), [""; 0]);
+    assert_eq!(codes_of(&begins(&format!("allow dead_at_reset \"later\"\n{sideways}"))), [""; 0]);
+}
+
+#[test]
 fn what_can_be_reached_is_searched_for() {
     // None of these is met by chance: a hand at the other ankle, both palms at one place of the seat, a bent body on the seat.
     for statements in [

@@ -216,6 +216,9 @@ fn decided_ends(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bou
     }
 }
 
+/// A paid term is dead where it begins below this part of the highest that it can pay.
+pub const DEAD: f64 = 0.05;
+
 /// What holds in the very first snapshot, where the task begins in the standing pose: ends that hold there, and paid terms
 /// that pay less than a twentieth of what they can.
 fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
@@ -238,7 +241,7 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
     for term in &task.terms {
         let (range, start) = (interval::of_scalar(bounds, term.node), interval::of_scalar(&reset, term.node));
         let Some(value) = start.single().filter(|_| term.weight > 0.0 && range.single().is_none()) else { continue };
-        if range.low >= 0.0 && range.high.is_finite() && value < 0.05 * range.high && !gated(term.formula) {
+        if range.low >= 0.0 && range.high.is_finite() && value < DEAD * range.high && !gated(term.formula) {
             let message = format!("the term `{}` pays almost nothing in the pose in which the task begins", term.name);
             let diagnostic = at(checker, codes::lints::DEAD_AT_RESET, term, message)
                 .expected(format!("more than a twentieth of its highest value, {}", short(range.high)))
@@ -250,7 +253,7 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
 }
 
 /// Whether a formula says itself that it does not always pay.
-fn gated(formula: &Expr) -> bool {
+pub(crate) fn gated(formula: &Expr) -> bool {
     match &formula.kind {
         ExprKind::When { .. } | ExprKind::If { .. } | ExprKind::Compare { .. } | ExprKind::EndedBy(_) => true,
         ExprKind::Paren(inner) => gated(inner),

@@ -44,7 +44,8 @@ pub mod unit;
 mod value;
 
 pub(crate) use context::Compared;
-pub use lints::names as lints;
+pub(crate) use lints::gated;
+pub use lints::{DEAD, names as lints};
 pub(crate) use observe::{Texts, written};
 pub(crate) use ranges::Working;
 pub(crate) use tests::CheckedTests;

@@ -8,7 +8,7 @@
 mod lack;
 mod seen;
 
-use crate::check::Working;
+use crate::check::{Working, gated};
 use crate::diagnostics::{FileId, Span};
 use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
@@ -47,6 +47,10 @@ pub struct Subject {
     pub reads_ends: bool,
     /// Whether chance, a motion or the time has a part in it, beside the state of body and scene.
     pub reads_more: bool,
+    /// Whether the formula of a term says itself that it does not always pay: it is gated or a condition.
+    pub gated: bool,
+    /// Whether it reads poses alone: no speed, force or activation.
+    pub of_pose: bool,
     /// Between which values it stays whatever happens.
     pub range: Bounds,
     node: NodeId,
@@ -114,6 +118,8 @@ impl<'a> Survey<'a> {
             };
         }
         let ends: BTreeSet<NodeId> = outputs.terminations.iter().chain(&outputs.finishes).copied().collect();
+        let gates: BTreeMap<usize, bool> =
+            phase.terms.clone().zip(phase.meaning.terms.iter().map(|term| term.condition || gated(&term.formula))).collect();
         let mut add = |about, at, node: NodeId, sides: Option<[NodeId; 2]>, unit: String| {
             let reached = self.graph.reachable([node]);
             let range = interval::of_scalar(&self.bounds, node);
@@ -125,6 +131,11 @@ impl<'a> Survey<'a> {
                 unit,
                 reads_ends: reached.iter().any(|id| ends.contains(id)),
                 reads_more: reached.iter().any(|id| is_more(&self.graph.node(*id).operation)),
+                gated: matches!(about, About::Term(index) if gates.get(&index) == Some(&true)),
+                of_pose: reached.iter().all(|id| match &self.graph.node(*id).operation {
+                    Operation::Sensors(sensors) => sensors.iter().all(|sensor| seen::of_pose(*sensor)),
+                    _ => true,
+                }),
                 range,
                 node,
                 sides,

@@ -6,8 +6,10 @@ use crate::episode::{Ending, Episode, EpisodeKey, Penetration, REST, Residual};
 use crate::library::{BodyLibrary, BoundBody, in_words};
 use crate::physics::State;
 use crate::physics::collision::{Placed, Scratch, distance};
+use msk_compiler::check::DEAD;
 use msk_compiler::diagnostics::codes::{lints, probing};
 use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
+use msk_compiler::survey::{About, Survey};
 use msk_compiler::task::CompiledTask;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -45,6 +47,8 @@ struct Tally {
     terminations: Vec<u64>,
     finishes: Vec<u64>,
     success: u64,
+    /// What each term was at most at the first step.
+    terms: Vec<f64>,
 }
 
 /// Begins a task with several seeds and tells what is wrong with that; nothing more can be said of one that cannot begin.
@@ -52,6 +56,7 @@ pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, told: &mut V
     match begin(task, bodies) {
         Ok((begun, tally)) => {
             told.extend(tell(task, &tally).into_iter().map(|(lint, diagnostic)| (lint, BTreeSet::new(), diagnostic)));
+            dead(task, &tally, told);
             Some(begun)
         }
         Err(reason) => {
@@ -59,6 +64,24 @@ pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, told: &mut V
             let diagnostic = at(probing::CANNOT_BEGIN, task.places.init, message).found(reason);
             told.push((CANNOT_BEGIN, BTreeSet::new(), diagnostic));
             None
+        }
+    }
+}
+
+/// Terms of the first phase that could pay well and pay almost nothing where the task begins.
+fn dead(task: &CompiledTask, found: &Tally, told: &mut Vec<Found>) {
+    let Some(survey) = Survey::new(task, 0) else { return };
+    for subject in survey.subjects().iter().filter(|subject| !subject.gated && subject.of_pose) {
+        let About::Term(index) = subject.about else { continue };
+        let (range, term) = (subject.range, &task.terms[index]);
+        let Some(&most) = found.terms.get(index).filter(|_| term.weight > 0.0) else { continue };
+        if range.low >= 0.0 && range.high.is_finite() && range.single().is_none() && most < DEAD * range.high {
+            let message = format!("the term `{}` pays almost nothing where the task begins", term.name);
+            let diagnostic = at(lints::DEAD_AT_RESET, subject.at, message)
+                .expected(format!("more than a twentieth of its highest value, {:.4}", range.high))
+                .found(format!("{most:.2e} at most in {SEEDS} episodes"))
+                .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
+            told.push((DEAD_AT_RESET, task.places.terms[index].1.clone(), diagnostic));
         }
     }
 }
@@ -112,6 +135,7 @@ const CANNOT_BEGIN: &str = "cannot_begin";
 const STARTS_INSIDE: &str = "starts_inside";
 const STARTS_APART: &str = "starts_apart";
 const STARTS_ABOVE: &str = "starts_above";
+const DEAD_AT_RESET: &str = "dead_at_reset";
 const HOLDS_AT_RESET: &str = "holds_at_reset";
 
 fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally), String> {
@@ -141,6 +165,8 @@ fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally
         count(&mut found.terminations, &report.terminations);
         count(&mut found.finishes, &report.finishes);
         found.success += u64::from(report.success);
+        found.terms.resize(report.terms.len(), 0.0);
+        found.terms.iter_mut().zip(&report.terms).for_each(|(most, value)| *most = most.max(value.abs()));
     }
     found.penetrations.sort_by(|a, b| b.depth.total_cmp(&a.depth));
     let state = states.into_iter().next().unwrap_or_else(|| episode.state().clone());

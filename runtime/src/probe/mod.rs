@@ -2,7 +2,7 @@
 //!
 //! 1. Every task is begun a few times, always with the same seeds, and takes one step at rest (`beginning`);
 //! 2. its body is put into many poses in its scene, always the same ones (`poses`): what holds, fails, pays nothing or always pays in all of them
-//!    is searched for, and told if nothing is found (`reach`);
+//!    is searched for (`search`), and told if nothing is found (`reach`);
 //! 3. a task that says that it is symmetric is shown states and their mirror images (`mirror`): both must pay the same (`symmetry`).
 //!
 //! What is found is a warning with numbers; the task may allow it by the name of its lint.
@@ -11,6 +11,7 @@ mod beginning;
 mod mirror;
 mod poses;
 mod reach;
+mod search;
 mod symmetry;
 
 use crate::library::BodyLibrary;

@@ -2,7 +2,7 @@
 
 use super::mirror::Mirror;
 use super::poses::Room;
-use super::reach::Shown;
+use super::search::Shown;
 use super::{Found, at};
 use crate::episode::{Episode, EpisodeKey, Stream};
 use crate::physics::State;
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 /// How many states are mirrored.
 const STATES: usize = 24;
 /// The body's two sides differ a little: pays that differ by less than this part of the largest are the same.
-const SAME: f64 = 0.02;
+const SAME: f64 = 0.05;
 /// So many states must tell: one may stand on the edge of a contact.
 const WITNESSES: usize = 2;
 /// Feet are pressed so far into the ground, so that no contact is a matter of rounding, m.

@@ -2,6 +2,7 @@
 
 use super::Stage;
 use crate::library::BodyLibrary;
+use crate::probe;
 use msk_compiler::compile;
 use msk_compiler::diagnostics::{Diagnostic, Report};
 use msk_compiler::files::{LoadError, Loader};
@@ -11,6 +12,7 @@ use msk_compiler::testing::{TaskTest, TaskTests};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Who notices a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -18,7 +20,7 @@ use std::path::{Path, PathBuf};
 pub enum Notice {
     /// It does not compile.
     Checks,
-    /// It compiles with a warning more.
+    /// It compiles with a warning more, or probing has one more.
     Lints,
     /// A test fails.
     Tests,
@@ -103,15 +105,24 @@ pub fn mutate(
     // Compiled by itself even if a suite uses it: the changed file is, too, and warnings of other files are none of its own.
     let plain = compile(path, &with(text.to_owned()), bodies)?;
     let Some(task) = plain.tasks.iter().find(|task| task.name == name) else { return Ok(Vec::new()) };
+    let known = Known { task, warnings: &plain.warnings, probed: probe::tasks(std::slice::from_ref(task), bodies) };
     let judge = |mutant: Mutant| {
-        let (notice, by) = notice(&with(mutant.apply(text)), task, &plain.warnings, bodies);
+        let (notice, by) = notice(&with(mutant.apply(text)), &known, bodies);
         Verdict { mutant, notice, by }
     };
     let wanted: Vec<Mutant> = mutants(text, name).into_iter().filter(|mutant| parts.contains(&mutant.part)).collect();
     Ok(wanted.into_par_iter().map(judge).collect())
 }
 
-fn notice(changed: &Changed<'_>, task: &CompiledTask, warnings: &[Diagnostic], bodies: &BodyLibrary) -> (Notice, String) {
+/// A task as it is, with what is told of it.
+struct Known<'a> {
+    task: &'a Arc<CompiledTask>,
+    warnings: &'a [Diagnostic],
+    probed: Vec<Diagnostic>,
+}
+
+/// Who notices a change: checks before lints, lints before tests, and last, since it takes longest, probing.
+fn notice(changed: &Changed<'_>, known: &Known<'_>, bodies: &BodyLibrary) -> (Notice, String) {
     let compilation = match compile(&changed.path, changed, bodies) {
         Ok(compilation) => compilation,
         Err(report) => {
@@ -119,22 +130,29 @@ fn notice(changed: &Changed<'_>, task: &CompiledTask, warnings: &[Diagnostic], b
             return (Notice::Checks, code);
         }
     };
-    let Some(found) = compilation.tasks.iter().find(|found| found.name == task.name) else {
+    let Some(found) = compilation.tasks.iter().find(|found| found.name == known.task.name) else {
         return (Notice::Checks, "the task is gone".to_owned());
     };
-    let count = |told: &[Diagnostic], code: &str| told.iter().filter(|told| told.code.id == code).count();
-    let more = |told: &&Diagnostic| count(&compilation.warnings, told.code.id) > count(warnings, told.code.id);
-    if let Some(lint) = compilation.warnings.iter().find(more) {
-        return (Notice::Lints, lint.code.id.to_owned());
+    if let Some(code) = one_more(&compilation.warnings, known.warnings) {
+        return (Notice::Lints, code);
     }
-    if found.hash == task.hash {
+    if found.hash == known.task.hash {
         return (Notice::Same, String::new());
     }
-    let Some(tests) = &found.tests else { return (Notice::Unseen, String::new()) };
-    match first_failure(tests, found, bodies) {
-        Some(title) => (Notice::Tests, title),
+    if let Some(title) = found.tests.as_ref().and_then(|tests| first_failure(tests, found, bodies)) {
+        return (Notice::Tests, title);
+    }
+    match one_more(&probe::tasks(std::slice::from_ref(found), bodies), &known.probed) {
+        Some(code) => (Notice::Lints, code),
         None => (Notice::Unseen, String::new()),
     }
+}
+
+/// The first code that is told more often than before.
+fn one_more(told: &[Diagnostic], before: &[Diagnostic]) -> Option<String> {
+    let count = |told: &[Diagnostic], code: &str| told.iter().filter(|told| told.code.id == code).count();
+    let more = |new: &&Diagnostic| count(told, new.code.id) > count(before, new.code.id);
+    told.iter().find(more).map(|new| new.code.id.to_owned())
 }
 
 /// The title of the first test that fails, the short ones played first.

@@ -50,7 +50,7 @@ codes! {
             term pays more than half of its highest value: what it pays for is hardly to be missed. An ankle, for example, is some 6 cm high \
             in a foot that stands. The lint is allowed as `always_paid`.",
         example: "reward { 6 flight = clip(ankle_l.height / 10 cm, 0, 1) }",
-        fix: "reward { 6 flight = clip(sole_l.clearance / 10 cm, 0, 1) }",
+        fix: "reward { 6 flight = clip(sole_l.clearance / 10 cm, 0, 1) when not touching(sole_r, ground) }",
     }
     STARTS_ABOVE = "W0536" {
         title: "a body that begins in the air",
@@ -66,7 +66,7 @@ codes! {
             are exchanged, are not paid or ended alike. A vector's y that is paid as it is, or the first of several lowest numbers, \
             does that. What chance, time or a motion decides is left out, and so is a scene with two unlike sides. The lint is allowed as \
             `unmirrored`.",
-        example: "symmetric\nreward { 1 sway = clip(torso.up.y, 0, 1) }",
-        fix: "symmetric\nreward { 1 sway = clip(abs(torso.up.y), 0, 1) }",
+        example: "symmetric\nreward { 1 still = clip(1 - torso.up.y, 0, 1) }",
+        fix: "symmetric\nreward { 1 still = clip(1 - abs(torso.up.y), 0, 1) }",
     }
 }
