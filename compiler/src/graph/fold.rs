@@ -51,7 +51,7 @@ fn evaluate_constant(graph: &Graph, operation: &Operation, inputs: &[NodeId], wi
     Some(lanes)
 }
 
-/// Computes a pure operation; the plain definition that the program is checked against.
+/// Computes a pure operation; the plain definition that the closures are checked against.
 pub fn evaluate(operation: &Operation, inputs: &[&[f64]], out: &mut [f64]) {
     let lane = |input: usize, index: usize| match inputs[input] {
         [only] => *only,

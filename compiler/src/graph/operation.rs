@@ -1,4 +1,4 @@
-//! The operations of the graph and what each computes on numbers: the one place that folding, the program and the interpreter
+//! The operations of the graph and what each computes on numbers: the one place that folding, the closures and the interpreter
 //! of the tests share.
 
 use super::track::Track;
