@@ -1,7 +1,7 @@
 //! Who notices a change of a task: the compiler, its lints, a test, or nobody.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-use msk::compiler::mutation::{Class, Part};
+use msk::compiler::mutation::{Class, Mutant, Part};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::testing::mutation::{Count, Notice, Verdict, mutate};
 use std::path::Path;
@@ -26,7 +26,7 @@ const TEXT: &str = r#"task example {
 "#;
 
 fn verdicts(text: &str) -> Vec<Verdict> {
-    mutate(Path::new("example.msk"), text, "example", &Part::ALL, &FileLoader, &BodyLibrary::default())
+    mutate(Path::new("example.msk"), text, "example", &[Part::Meaning], &FileLoader, &BodyLibrary::default())
         .unwrap_or_else(|report| panic!("{report}"))
 }
 
@@ -84,28 +84,33 @@ fn warnings_that_were_there_before_notice_nothing() {
 fn a_text_that_does_not_compile_is_an_error_and_a_task_that_is_not_there_has_no_changes() {
     let bodies = BodyLibrary::default();
     let broken = TEXT.replace("0.3 m }", "0.3 s }");
-    let report = mutate(Path::new("example.msk"), &broken, "example", &Part::ALL, &FileLoader, &bodies).unwrap_err();
+    let report = mutate(Path::new("example.msk"), &broken, "example", &[Part::Meaning], &FileLoader, &bodies).unwrap_err();
     assert_eq!(report.diagnostics[0].code.id, "E0301");
-    assert_eq!(mutate(Path::new("example.msk"), TEXT, "other", &Part::ALL, &FileLoader, &bodies).unwrap(), []);
+    assert_eq!(mutate(Path::new("example.msk"), TEXT, "other", &[Part::Meaning], &FileLoader, &bodies).unwrap(), []);
 }
 
 #[test]
 fn surroundings_are_a_part_of_their_own_that_tests_notice_where_they_look() {
-    let text = TEXT.replace("    init { pose neutral }", "    scene { ground; box seat { size [1 m, 1 m, 40 cm], at [3 m, 0, 20 cm] } }\n    init { pose neutral { elbow_flexion_l = 30 deg } }")
-        .replace("    test \"low\"", "    test \"the seat\" { moment begun { until 0.01 s }; expect 39 cm < seat.top < 41 cm and elbow_flexion_l.q < 31 deg at begun }\n    test \"low\"");
-    let all = verdicts(&text);
+    let around = "scene { ground; sphere ball { radius 40 cm, at [0.6 m, 0, 40 cm] } }
+    init { pose neutral { elbow_flexion_l = 30 deg } }";
+    let test = "test \"the ball\" {
+        moment begun { until 0.01 s }
+        expect 39 cm < ball.radius < 41 cm and elbow_flexion_l.q < 31 deg at begun
+    }
+    test \"low\"";
+    let text = TEXT.replace("init { pose neutral }", around).replace("test \"low\"", test);
+    let parts = [Part::Scene, Part::Beginning, Part::Channels];
+    let all = mutate(Path::new("example.msk"), &text, "example", &parts, &FileLoader, &BodyLibrary::default()).unwrap();
     let told = |part, from, to| {
-        let wanted = |verdict: &&Verdict| {
-            verdict.mutant.part == part && verdict.mutant.span.of(&text) == from && verdict.mutant.replacement == to
-        };
-        all.iter().find(wanted).unwrap_or_else(|| panic!("no {from} -> {to} in {all:#?}")).notice
+        let wanted = |mutant: &Mutant| mutant.part == part && mutant.span.of(&text) == from && mutant.replacement == to;
+        let found = all.iter().find(|verdict| wanted(&verdict.mutant));
+        found.unwrap_or_else(|| panic!("no {from} -> {to} in {all:#?}")).notice
     };
     assert_eq!(told(Part::Scene, "40", "44"), Notice::Tests);
-    // Nobody looks at how far away it is.
-    assert_eq!(told(Part::Scene, "3", "6"), Notice::Unseen);
+    // Nobody looks at how far away it is, unless the body begins within it.
+    assert_eq!(told(Part::Scene, "0.6", "1.2"), Notice::Unseen);
+    assert_eq!(told(Part::Scene, "0.6", "0.3"), Notice::Lints);
     assert_eq!(told(Part::Beginning, "30", "33"), Notice::Tests);
     assert_eq!(told(Part::Channels, "height", "speed"), Notice::Unseen);
-    let meaning =
-        mutate(Path::new("example.msk"), &text, "example", &[Part::Meaning], &FileLoader, &BodyLibrary::default()).unwrap();
-    assert!(meaning.len() < all.len() && meaning.iter().all(|verdict| verdict.mutant.part == Part::Meaning));
+    assert!(all.iter().all(|verdict| verdict.mutant.part != Part::Meaning));
 }
