@@ -26,8 +26,9 @@ pub struct Args {
     /// Run this task only
     #[arg(long)]
     task: Option<String>,
-    /// What acts: posture (holds the beginning pose by computed muscle control), zero (every muscle at
-    /// rest), random (every action uniform in -1..1)
+    /// What acts: posture (computed muscle control along the task's reference motion, or of the beginning
+    /// pose), witness (the same along the script of the task's first test that succeeds), zero (every
+    /// muscle at rest), random (every action uniform in -1..1)
     #[arg(long, default_value = "posture")]
     policy: String,
     #[command(flatten)]

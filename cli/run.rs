@@ -4,10 +4,10 @@ use crate::condition::Condition;
 use crate::error::{Context, Error};
 use crate::overlays::Overlays;
 use crate::project::{Project, Settings};
-use msk::runtime::episode::EpisodeKey;
-use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, replay, report};
+use msk::runtime::episode::{Ending, Episode, EpisodeKey};
+use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, play_past_ends, replay, report};
 use msk::runtime::inspect::StateFile;
-use msk::runtime::policy;
+use msk::runtime::policy::{self, Policy};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -19,8 +19,9 @@ use std::sync::atomic::AtomicBool;
 pub struct Args {
     /// Name of a task in tasks.msk, or a file with one task
     task: String,
-    /// What acts: posture (holds the beginning pose by computed muscle control), zero (every muscle at
-    /// rest), random (every action uniform in -1..1)
+    /// What acts: posture (computed muscle control along the task's reference motion, or of the beginning
+    /// pose), witness (the same along the script of the task's first test that succeeds), zero (every
+    /// muscle at rest), random (every action uniform in -1..1)
     #[arg(long, default_value = "posture")]
     policy: String,
     #[command(flatten)]
@@ -37,6 +38,10 @@ pub struct Args {
     /// Write the state at the end to this file, as `msk draw --state` reads it
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
+    /// Go on up to the horizon whatever ends the task has for the episode, and say when it would have ended, whether
+    /// the physics met a fault, and how deep shapes overlapped
+    #[arg(long, conflicts_with_all = ["json", "again", "weights", "weight"])]
+    past_ends: bool,
     /// Play an episode of an evaluation again, by the weights that paid it, and say whether it is the same to the last bit: the
     /// folder of its results; with --episode
     #[arg(long, value_name = "DIR", conflicts_with_all = ["policy", "seed", "weights", "weight", "state"])]
@@ -61,13 +66,13 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut policy = policy::create(&args.policy)?;
     let mut episode = trial.episode()?;
     let key = EpisodeKey { seed: args.seed, episode: args.episode };
+    if args.past_ends {
+        return past_ends(&args, &trial, &mut episode, key, policy.as_mut());
+    }
     let stop = AtomicBool::new(false);
     let record = play(&trial, &mut episode, key, policy.as_mut(), &stop, || {})?;
     let Some(record) = record else { return Ok(ExitCode::SUCCESS) };
-    if let Some(path) = &args.state {
-        let state = serde_json::to_string(&StateFile::of(episode.state()))?;
-        fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))?;
-    }
+    write_state(&args, &episode)?;
     let mut out = io::stdout().lock();
     if args.json {
         serde_json::to_writer(&mut out, &record)?;
@@ -86,6 +91,45 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         }
     }
     writeln!(out, "return {:.3}, {}", record.total, if record.success { "success" } else { "no success" })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the state where it was asked for.
+fn write_state(args: &Args, episode: &Episode) -> Result<(), Error> {
+    let Some(path) = &args.state else { return Ok(()) };
+    let state = serde_json::to_string(&StateFile::of(episode.state()))?;
+    fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))
+}
+
+/// Plays an episode up to its horizon, past its ends.
+fn past_ends(
+    args: &Args,
+    trial: &Trial,
+    episode: &mut Episode,
+    key: EpisodeKey,
+    policy: &mut dyn Policy,
+) -> Result<ExitCode, Error> {
+    let found = play_past_ends(episode, key, policy)?;
+    write_state(args, episode)?;
+    let task = &trial.task;
+    let names = |reasons: &[usize], all: &[String]| {
+        let names: Vec<&str> = reasons.iter().filter_map(|&reason| all.get(reason)).map(String::as_str).collect();
+        names.join(" and ")
+    };
+    let first = match &found.first {
+        Some((steps, Ending::Terminated(reasons))) => format!("{} after {steps}", names(reasons, &task.terminations)),
+        Some((steps, Ending::Finished(reasons))) => format!("{} after {steps}", names(reasons, &task.finishes)),
+        _ => "no end before the horizon".to_owned(),
+    };
+    let fault = found.fault.map_or("no fault".to_owned(), |fault| format!("stopped by a fault: {fault}"));
+    let (steps, deepest, fastest) = (found.steps, 1e3 * found.deepest, found.fastest);
+    let told = format!("{first}; went on to {steps} steps of {}, {fault}", task.horizon);
+    let mut out = io::stdout().lock();
+    writeln!(
+        out,
+        "{}, policy {}: {told}; shapes overlapped by {deepest:.1} mm, the root went {fastest:.1} m/s at most",
+        task.name, args.policy
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -31,7 +31,7 @@ pub struct Args {
     /// (command) or kind = "rules"
     #[arg(long, default_value = "rules", value_name = "rules | FILE")]
     reasoner: String,
-    /// What acts: posture, zero, random
+    /// What acts: posture, witness, zero, random
     #[arg(long, default_value = "posture")]
     policy: String,
     #[command(flatten)]

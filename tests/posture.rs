@@ -3,7 +3,7 @@
 
 use msk_compiler::compile;
 use msk_runtime::{
-    episode::EpisodeKey,
+    episode::{Episode, EpisodeKey},
     evaluate::{self, EpisodeRecord, Trial},
     library::{BodyLibrary, FileLoader},
     policy,
@@ -40,4 +40,72 @@ fn posture_stands_for_the_whole_task_and_rest_falls() {
 
     let falling = play(&trial, "zero");
     assert!(!falling.success && falling.steps < 200, "{falling:?}");
+}
+
+/// How far hips, knees and ankles are from where the reference has them, and how far they would be in the pose of the beginning:
+/// rad, root mean square.
+fn errors(episode: &Episode, begun: f64) -> [f64; 2] {
+    let context = episode.context();
+    let (followed, time) = context.task.followed(context.progress).unwrap();
+    let legs = ["hip_flexion", "knee_angle", "ankle_angle"];
+    let named = |name: &str| legs.iter().any(|leg| name.starts_with(leg));
+    let columns = context.body.joints.iter().filter(|joint| joint.independent && named(&joint.name));
+    let errors: Vec<[f64; 2]> = columns
+        .map(|joint| {
+            let column = followed.motion.joint(&joint.name).unwrap();
+            let wanted = followed.motion.value(column, time);
+            [context.state.position[joint.position] - wanted, followed.motion.value(column, begun) - wanted]
+        })
+        .collect();
+    assert_eq!(errors.len(), 6);
+    [0, 1].map(|which| (errors.iter().map(|pair| pair[which].powi(2)).sum::<f64>() / 6.0).sqrt())
+}
+
+#[test]
+fn posture_follows_the_reference_of_the_task() {
+    let trial = trial("walk");
+    let mut policy = policy::create("posture").unwrap();
+    let mut episode = trial.episode().unwrap();
+    policy.reset(&episode.context()).unwrap();
+    let (_, begun) = episode.task().followed(episode.context().progress).unwrap();
+    let mut action = vec![0.0; episode.context().body.muscles.len()];
+    let mut sums = [0.0; 2];
+    for _ in 0..40 {
+        policy.act(&episode.context(), &mut action).unwrap();
+        episode.step(&action).unwrap();
+        let errors = errors(&episode, begun);
+        sums = [sums[0] + errors[0], sums[1] + errors[1]];
+    }
+    assert!(sums[0] < 0.5 * sums[1], "off by {} rad, {} in the pose of the beginning", sums[0] / 40.0, sums[1] / 40.0);
+}
+
+#[test]
+fn a_witness_follows_the_script_of_the_tests() {
+    let trial = trial("squat");
+    let mut policy = policy::create("witness").unwrap();
+    let mut episode = trial.episode().unwrap();
+    policy.reset(&episode.context()).unwrap();
+    let mut action = vec![0.0; episode.context().body.muscles.len()];
+    for _ in 0..50 {
+        policy.act(&episode.context(), &mut action).unwrap();
+        episode.step(&action).unwrap();
+    }
+    // The script bends hips by 95 degrees and knees by 110 within a second.
+    let context = episode.context();
+    for (name, half) in [("hip_flexion_r", 47.5), ("knee_angle_l", 55.0)] {
+        let joint = context.body.joints.iter().find(|joint| joint.name == name).unwrap();
+        let angle = context.state.position[joint.position].to_degrees();
+        assert!((angle - half).abs() < 15.0, "{name}: {angle} deg at half of the way");
+    }
+}
+
+#[test]
+fn physics_goes_on_past_the_ends_of_a_task() {
+    let trial = trial("stand");
+    let mut policy = policy::create("zero").unwrap();
+    let mut episode = trial.episode().unwrap();
+    let found = evaluate::play_past_ends(&mut episode, EpisodeKey::default(), policy.as_mut()).unwrap();
+    assert!(found.first.as_ref().is_some_and(|(steps, _)| *steps < 200), "{found:?}");
+    assert_eq!((found.steps, &found.fault), (trial.task.horizon, &None));
+    assert!(found.deepest < 0.02 && found.fastest < 6.0, "{found:?}");
 }

@@ -218,7 +218,7 @@ fn what_does_not_hold_is_told_with_its_numbers() {
     );
     assert_eq!(
         told("test \"x\" { run nobody for 1 s; expect survived }"),
-        "expected that it runs, found there is no policy `nobody`; choose one of: zero, random, posture"
+        "expected that it runs, found there is no policy `nobody`; choose one of: zero, random, posture, witness"
     );
 }
 
@@ -313,5 +313,41 @@ fn what_another_phase_has_is_told_as_such() {
     assert_eq!(
         told,
         ["at 0.40 s the phase is `up`; this is known in `low`", "at its end the phase is `low`; this is known in `up`"]
+    );
+}
+
+#[test]
+fn a_motion_is_played_as_its_table_says() {
+    holds(
+        "reference gait = motion \"motions/walk.csv\" start 0.3
+         let error = norm(gait.q - gait.joints.q)
+         let way = pelvis.position - initial(pelvis.position)
+         metrics { error }
+         test \"as the reference\" {
+            at 0.5 s play gait for 1 s
+            until 1.5 s
+            expect error < 0.001 deg
+            expect norm(pelvis.velocity - gait.velocity) < 0.1 m/s
+         }
+        ",
+    );
+    // One turn takes the root some 1.3 m further: to the left if it faces there.
+    holds(
+        "let way = pelvis.position - initial(pelvis.position)
+         test \"ahead\" { play motion \"motions/walk.csv\"; until 1.1 s; expect 1.28 m < way.x < 1.4 m and abs(way.y) < 1 cm }
+         test \"to the left\" {
+            play motion \"motions/walk.csv\" start 50 % for 1.1 s { root.heading = 90 deg, elbow_flexion_r = 70 deg } as after
+            at 2 s { root.at = [0 m, 0 m] }
+            expect 1.28 m < way.y < 1.4 m and abs(way.x) < 2 cm at after
+            expect abs(elbow_flexion_r.q - 70 deg) < 0.001 deg at after
+            expect abs(elbow_flexion_l.q - 43 deg) < 10 deg at after
+         }
+         test \"to its end\" {
+            at 1 s play motion \"motions/sit.csv\" as seated
+            at 4 s pose neutral
+            until 4 s
+            expect pelvis.height at seated < 0.6 m
+            expect pelvis.height > 0.8 m
+         }",
     );
 }

@@ -7,7 +7,8 @@
 
 use crate::graph::operation::Chance;
 use crate::lower::{NoneTaken, Scalar, View};
-use crate::task::{CompiledTask, Init, NonFiniteTerm, NotDrawn, Phase, StepReport, TaskFault, TaskState};
+use crate::motion::Start;
+use crate::task::{CompiledTask, FollowedMotion, Init, NonFiniteTerm, NotDrawn, Phase, StepReport, TaskFault, TaskState};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -89,12 +90,27 @@ impl CompiledTask {
         }
         let mut settled = init.clone();
         if let Some(following) = &init.follows {
-            following.write(self.drawn(following.start, state), &mut settled);
+            following.write(self.entered(following.start, state), 0.0, &mut settled);
         }
         for &(setting, index) in &init.drawn {
             settled.set(setting, self.drawn(index, state));
         }
         Cow::Owned(settled)
+    }
+
+    /// The phase at which a motion was entered in this episode, 0 to 1.
+    pub fn entered(&self, start: Start, state: &TaskState) -> f64 {
+        match start {
+            Start::Phase(phase) => phase,
+            Start::Drawn(index) => self.drawn(index, state),
+        }
+    }
+
+    /// The motion that the first reference of the present phase follows, and where in it the episode is, s.
+    pub fn followed(&self, state: &TaskState) -> Option<(&FollowedMotion, f64)> {
+        let followed = self.motions.iter().find(|followed| followed.phase == state.phase as usize)?;
+        let begun = followed.motion.time_of(self.entered(followed.start, state));
+        Some((followed, begun + f64::from(state.step - state.began) / self.control_frequency))
     }
 
     /// A value that the beginning takes from what was drawn for this episode.

@@ -10,7 +10,7 @@ use crate::frame::FrameLayout;
 use crate::graph::Graph;
 use crate::graph::interval::Bounds;
 use crate::lower::{Outputs, Plan, Program};
-use crate::motion::Motion;
+use crate::motion::{Motion, Start};
 use crate::scene::SceneDescription;
 use crate::syntax::tree::Expr;
 use crate::testing::TaskTests;
@@ -139,8 +139,10 @@ pub struct FollowedMotion {
     pub name: String,
     /// Its table.
     pub motion: Arc<Motion>,
-    /// The phase at which an episode starts, 0 to 1; `None` if it is drawn.
-    pub start: Option<f64>,
+    /// Where an episode enters it.
+    pub start: Start,
+    /// In which phase of a sequence it is followed.
+    pub phase: usize,
 }
 
 /// A number that may be set from outside, where the task is compiled.

@@ -23,6 +23,20 @@ pub struct TaskTests {
     pub tests: Vec<TaskTest>,
 }
 
+impl TaskTests {
+    /// The first script that moves and after which the task is expected to have succeeded.
+    pub fn witness(&self) -> Option<&[Keyframe]> {
+        self.tests.iter().filter(|test| !test.cheat).find_map(|test| {
+            let success = |expectation: &&Expectation| expectation.source == "success";
+            let take = test.expectations.iter().filter(success).find_map(|expectation| {
+                let Check::Holds { reading, .. } = &expectation.check else { return None };
+                test.takes.get(reading.take)
+            })?;
+            (take.script.len() > 1 && take.run.is_none()).then_some(take.script.as_slice())
+        })
+    }
+}
+
 /// A test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskTest {
@@ -62,6 +76,8 @@ pub struct Keyframe {
     pub init: Init,
     /// Activation and excitation of every muscle.
     pub activation: f64,
+    /// Whether the motion that it follows goes on from here to the next keyframe.
+    pub plays: bool,
 }
 
 /// Physics under a policy.

@@ -31,7 +31,7 @@ pub struct Evaluate {
     pub file: Option<String>,
     /// Weights file to lay over it.
     pub overlay: Option<String>,
-    /// What acts: posture, zero or random; posture if it is left out.
+    /// What acts: posture, witness, zero or random; posture if it is left out.
     pub policy: Option<String>,
     /// Episodes, at most 100; 5 if it is left out.
     pub episodes: Option<u64>,

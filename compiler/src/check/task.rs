@@ -169,7 +169,7 @@ impl<'a> Checker<'a> {
         self.references();
         self.randoms();
         self.beginning = true;
-        let init = self.init(&parts.init);
+        let init = self.init(&parts.init).map(|init| init.map(|init| self.with_starts(init)));
         let staged = self.staged();
         self.beginning = false;
         let (terminations, finishes) = (self.terminations(), self.finishes());
@@ -235,6 +235,17 @@ impl<'a> Checker<'a> {
             states: std::mem::take(&mut self.cells),
             tests,
         })
+    }
+
+    /// Where references start is known wherever it is drawn, also if the beginning does not need it.
+    fn with_starts(&self, mut init: Beginning) -> Beginning {
+        let starts = self.references.iter().map(|known| known.start);
+        for start in starts.filter(|start| self.graph.constant_value(*start).is_none()) {
+            if !init.drawn.contains(&start) {
+                init.drawn.push(start);
+            }
+        }
+        init
     }
 
     /// The tests of a task, or of the sequence whose phase it is.
@@ -332,7 +343,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Sorts the statements; what comes twice or is not supported yet is reported.
+    /// Sorts the statements; what comes twice is reported.
     fn parts(&mut self) -> Parts<'a> {
         use TaskStatement as S;
         let statements = self.statements;
@@ -353,11 +364,7 @@ impl<'a> Checker<'a> {
                 S::Success(expr) => self.only_one(&mut parts.success, (expr, *file), expr.span, "success"),
                 S::Allow(allow) => self.allow(allow),
                 S::Scene(block) => self.in_file(*file, |checker| checker.allow_in_scene(&block.entries)),
-                other => {
-                    if let Some((span, word)) = unsupported(other) {
-                        self.not_yet(span, word);
-                    }
-                }
+                _ => {}
             }
         }
         parts
@@ -500,15 +507,6 @@ impl<'a> Checker<'a> {
         };
         Ok(Data::new(node, present.kind.clone()))
     }
-}
-
-/// Statements of the language that this version does not run, with the word that names them.
-fn unsupported(statement: &TaskStatement) -> Option<(Span, &'static str)> {
-    use TaskStatement as S;
-    Some(match statement {
-        S::Phase(phase) => (phase.span, "phase"),
-        _ => return None,
-    })
 }
 
 /// What a task file says about its body, before anything else is checked.

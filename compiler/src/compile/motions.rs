@@ -5,7 +5,7 @@ use crate::check::reference::{Table, Tables};
 use crate::diagnostics::{Diagnostic, FileId, SourceMap, codes};
 use crate::files::Loader;
 use crate::motion::Motion;
-use crate::syntax::tree::{Item, Sequence, Task, TaskStatement, Text};
+use crate::syntax::tree::{Item, Played, Playing, Sequence, Task, TaskStatement, TestStatement, Text};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -58,9 +58,24 @@ fn cannot_read(file: FileId, named: &Text, problem: &str) -> Diagnostic {
 /// The motions that an item of a file names.
 fn named(item: &Item) -> Vec<&Text> {
     let (Item::Task(Task { statements, .. }) | Item::Sequence(Sequence { statements, .. })) = item else { return Vec::new() };
-    let motions = statements.iter().filter_map(|statement| match statement {
-        TaskStatement::Reference(reference) => Some(&reference.motion),
-        _ => None,
-    });
-    motions.collect()
+    let mut motions = Vec::new();
+    for statement in statements {
+        match statement {
+            TaskStatement::Reference(reference) => motions.push(&reference.motion),
+            TaskStatement::Test(test) => played(&test.statements, &mut motions),
+            _ => {}
+        }
+    }
+    motions
+}
+
+/// The motions that tests play.
+fn played<'a>(statements: &'a [TestStatement], motions: &mut Vec<&'a Text>) {
+    for statement in statements {
+        match statement {
+            TestStatement::Play(Playing { motion: Played::File(path), .. }) => motions.push(path),
+            TestStatement::Repeat { statements, .. } | TestStatement::Moment { statements, .. } => played(statements, motions),
+            _ => {}
+        }
+    }
 }

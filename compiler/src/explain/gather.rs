@@ -82,7 +82,7 @@ fn motions(task: &CompiledTask) -> Vec<MotionAccount> {
         cycle: followed.motion.cycle,
         duration: followed.motion.duration,
         joints: followed.motion.joints().count(),
-        start: followed.start,
+        start: followed.start.fixed(),
     });
     told.collect()
 }

@@ -9,6 +9,7 @@ use crate::check::task::{CheckedTask, summary};
 use crate::check::{Texts, written};
 use crate::diagnostics::FileId;
 use crate::explain::names_in;
+use crate::motion::Start;
 use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
 use crate::task::{
     Channel, ChannelMeaning, CompiledTask, ConditionMeaning, Definition, FollowedMotion, Meaning, Phase, Places, RandomValue,
@@ -113,8 +114,12 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
         let metrics = whole.metrics(&name, &checked);
         for reference in &checked.references {
             let (name, motion) = (labelled(several, &name, &reference.name), reference.motion.clone());
-            let start = checked.graph.constant_value(reference.start);
-            whole.motions.push(FollowedMotion { name, motion, start });
+            let drawn = || checked.beginning.iter().position(|node| *node == reference.start);
+            let start = match checked.graph.constant_value(reference.start) {
+                Some(phase) => Start::Phase(phase),
+                None => Start::Drawn(drawn().unwrap_or(usize::MAX)),
+            };
+            whole.motions.push(FollowedMotion { name, motion, start, phase: made.len() });
         }
         for parameter in &checked.parameters {
             let parameter_name = labelled(several, &name, &parameter.name);

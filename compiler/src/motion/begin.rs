@@ -1,18 +1,52 @@
-//! A beginning taken from a motion: the body where the motion is at a phase, and as fast.
+//! A body taken from a motion: where the motion is at a phase, and as fast; at the beginning of an episode, or as a test plays it.
 
 use super::{Motion, RootPart};
 use crate::beginning::Init;
 use std::sync::Arc;
 
-/// A beginning at a phase of a motion that is drawn for every episode.
+/// A body that is where a motion is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Following {
     /// The motion.
     pub motion: Arc<Motion>,
-    /// The phase is this one of the values that the beginning takes from what is drawn.
-    pub start: usize,
+    /// Where it is entered.
+    pub start: Start,
+    /// How long ago it was entered, s; 0 where an episode begins.
+    pub after: f64,
     /// What it sets.
     pub parts: Parts,
+    /// How the root goes on; `None` where it only stands as the motion has it.
+    pub path: Option<Path>,
+}
+
+/// The phase at which a motion is entered, 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start {
+    /// This one.
+    Phase(f64),
+    /// This one of the values that the beginning takes from what is drawn.
+    Drawn(usize),
+}
+
+impl Start {
+    /// The phase, unless it is drawn.
+    pub fn fixed(self) -> Option<f64> {
+        match self {
+            Self::Phase(phase) => Some(phase),
+            Self::Drawn(_) => None,
+        }
+    }
+}
+
+/// The root's path over level ground: that of the table, laid to where it begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Path {
+    /// How long after the motion was entered the path begins, s.
+    pub begun: f64,
+    /// Where it begins, m.
+    pub origin: [f64; 2],
+    /// Which way the table's x axis points, rad from that of the world to the left.
+    pub heading: f64,
 }
 
 /// What a beginning takes from a motion.
@@ -58,9 +92,22 @@ impl Parts {
 }
 
 impl Following {
-    /// Writes the beginning at `phase` of the motion.
-    pub fn write(&self, phase: f64, init: &mut Init) {
-        self.parts.write(&self.motion, self.motion.time_of(phase), init);
+    /// Writes where the body is `later` (s), if the motion is entered at `phase`.
+    pub fn write(&self, phase: f64, later: f64, init: &mut Init) {
+        let entered = self.motion.time_of(phase);
+        let now = entered + self.after + later;
+        self.parts.write(&self.motion, now, init);
+        let Some(path) = &self.path else { return };
+        if self.parts.root.contains(&RootPart::Heading) {
+            init.root.heading += path.heading;
+        }
+        let gone = |part: RootPart| {
+            let column = self.motion.root(part).filter(|_| self.parts.root.contains(&part));
+            column.map_or(0.0, |column| self.motion.value(column, now) - self.motion.value(column, entered + path.begun))
+        };
+        let (ahead, aside) = (gone(RootPart::X), gone(RootPart::Y));
+        let (sin, cos) = libm::sincos(path.heading);
+        init.root.position = [path.origin[0] + cos * ahead - sin * aside, path.origin[1] + sin * ahead + cos * aside];
     }
 }
 

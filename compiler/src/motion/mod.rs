@@ -12,7 +12,7 @@ mod fit;
 mod read;
 mod sites;
 
-pub use begin::{Following, Parts};
+pub use begin::{Following, Parts, Path, Start};
 
 use crate::check::dimension::Dimension;
 use crate::diagnostics::Span;

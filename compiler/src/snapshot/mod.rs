@@ -83,7 +83,7 @@ impl CompiledTask {
             sections.push(range.into_iter().fold(section, |section, range| section.field("range", range)));
         }
         for followed in &self.motions {
-            let start = followed.start.map_or("drawn".to_owned(), |start| start.to_string());
+            let start = followed.start.fixed().map_or("drawn".to_owned(), |start| start.to_string());
             let section = Section::new("reference", &followed.name).field("motion", followed.motion.digest());
             sections.push(section.field("start", start));
         }

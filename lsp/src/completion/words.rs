@@ -106,7 +106,7 @@ pub const TEST: Table = &[
     ("pose", "pose NAME { JOINT = VALUE }"),
     ("at", "at TIME pose NAME"),
     ("repeat", "repeat NAME in LOW..HIGH { ... }: copies of moments"),
-    ("play", "play motion \"FILE\" from TIME: a table of motion"),
+    ("play", "play motion \"FILE\" start PHASE for TIME: the body as a motion has it"),
     ("given", "given RANDOM = VALUE: instead of chance"),
     ("until", "until TIME: when it ends if the task does not end it"),
     ("moment", "moment NAME { ... }: an episode of its own, read at its end"),

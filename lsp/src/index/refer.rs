@@ -5,8 +5,8 @@ use super::{Index, Space};
 use msk_compiler::diagnostics::Span;
 use msk_compiler::syntax::tree::walk::{self, Visitor};
 use msk_compiler::syntax::tree::{
-    BodyStatement, ElementName, Expr, ExprKind, Function, Ident, InitStatement, Item, Name, NamePart, PoseUse, SceneStatement,
-    TaskStatement, TestStatement,
+    BodyStatement, ElementName, Expr, ExprKind, Function, Ident, InitStatement, Item, Name, NamePart, Played, Playing, PoseUse,
+    SceneStatement, TaskStatement, TestStatement,
 };
 
 /// Finds what every word means.
@@ -196,6 +196,7 @@ impl<'t> Visitor<'t> for Walker<'_> {
             }
             TestStatement::Object(placement) => self.name(Space::Value, &placement.object),
             TestStatement::Given { name, .. } => self.ident(Space::Value, name),
+            TestStatement::Play(Playing { motion: Played::Reference(name), .. }) => self.ident(Space::Value, name),
             TestStatement::Repeat { variable, range, statements, .. } => {
                 self.expression(range);
                 self.with_local(variable, "loop variable", |walker| {

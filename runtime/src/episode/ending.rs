@@ -17,6 +17,13 @@ pub enum Ending {
     Fault(Fault),
 }
 
+impl Ending {
+    /// Whether the task ended it, and neither time nor a fault.
+    pub fn is_of_task(&self) -> bool {
+        matches!(self, Self::Terminated(_) | Self::Finished(_))
+    }
+}
+
 /// An event that ends one episode and leaves all others alone. Nothing is repaired and nothing is teleported.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Fault {

@@ -360,6 +360,16 @@ impl Episode {
         self.task.observe(&present.frame, &present.task, &mut present.observation);
     }
 
+    /// Lets an episode that its task has ended go on, as if it had not: what the task measures is measured as ever, and the next
+    /// step may end it again. Says whether it goes on; neither a fault nor the horizon can be passed.
+    pub fn pass_end(&mut self) -> bool {
+        let passes = self.present.ending.as_ref().is_none_or(Ending::is_of_task) && self.steps() < self.task.horizon;
+        if passes {
+            self.present.ending = None;
+        }
+        passes
+    }
+
     /// All that is needed to continue from here bit for bit.
     pub fn snapshot(&self) -> Snapshot {
         self.present.clone()
@@ -458,6 +468,7 @@ impl Episode {
             key: self.present.key,
             step: self.steps(),
             substeps: self.substeps,
+            progress: &self.present.task,
             observation: &self.present.observation,
             state: &self.present.state,
             workspace: &self.workspace,

@@ -10,6 +10,7 @@
 
 mod feed;
 mod journal;
+mod past_ends;
 mod record;
 pub mod report;
 mod settings;
@@ -18,6 +19,7 @@ mod summary;
 
 pub use feed::{Fed, Feed, ReplayError, replay};
 pub use journal::{Journal, JournalError};
+pub use past_ends::{PastEnds, play_past_ends};
 pub use record::{ByTerm, EpisodeRecord};
 pub use settings::{Protocol, RunSettings, TaskSettings};
 pub use statistics::{Spread, wilson_interval};

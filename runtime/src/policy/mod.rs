@@ -16,7 +16,7 @@ use crate::body::sensors::Snapshot;
 use crate::episode::EpisodeKey;
 use crate::model::Model;
 use crate::physics::{State, Workspace};
-use msk_compiler::task::CompiledTask;
+use msk_compiler::task::{CompiledTask, TaskState};
 
 /// What a policy may look at: the snapshot that the next action answers to.
 #[derive(Clone, Copy)]
@@ -33,6 +33,8 @@ pub struct PolicyContext<'a> {
     pub step: u32,
     /// Physics steps that one action is held for.
     pub substeps: u32,
+    /// How far the task has come, and what chance has drawn.
+    pub progress: &'a TaskState,
     /// Observation, in the order and units of the task's channels.
     pub observation: &'a [f64],
     /// Present state.
@@ -83,7 +85,7 @@ pub enum PolicyError {
 }
 
 /// The built-in policies.
-pub const NAMES: &[&str] = &["zero", "random", "posture"];
+pub const NAMES: &[&str] = &["zero", "random", "posture", "witness"];
 
 /// A new policy of that name.
 ///
@@ -94,6 +96,7 @@ pub fn create(name: &str) -> Result<Box<dyn Policy>, PolicyError> {
         "zero" => Ok(Box::new(Zero)),
         "random" => Ok(Box::new(Random)),
         "posture" => Ok(Box::<Posture>::default()),
+        "witness" => Ok(Box::new(Posture::witness())),
         unknown => Err(PolicyError::Unknown(unknown.into())),
     }
 }

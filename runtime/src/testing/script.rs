@@ -3,11 +3,13 @@
 //! Every number goes smoothly from keyframe to keyframe: a cubic between two, with the slopes of Fritsch and Carlson (1980), so that
 //! nothing overshoots, comes to rest where it turns round and at both ends. Slaved joints follow their couplings at every
 //! step. Between two keyframes on the ground the body stays on it; between two that meet the same places it keeps meeting them.
+//! Where a motion is played, its table says where joints and root are from one keyframe to the next.
 
 use crate::body::Body;
 use crate::model::{Model, rotation};
 use crate::physics::{State, Workspace};
 use msk_compiler::frame::Origin;
+use msk_compiler::motion::Following;
 use msk_compiler::task::{CompiledTask, Init, ObjectStart, RootPlacement, TaskState};
 use msk_compiler::testing::Keyframe;
 
@@ -30,6 +32,17 @@ struct Row {
     /// Change per step of each.
     slopes: Vec<f64>,
     hold: Hold,
+    /// What is followed up to the next row.
+    playing: Option<Playing>,
+}
+
+/// A motion that is played: what it moves is taken from it, all else from the beginning of the play.
+#[derive(Debug, Clone)]
+struct Playing {
+    base: Init,
+    following: Following,
+    /// At which phase the motion was entered.
+    phase: f64,
 }
 
 /// What is shown when.
@@ -38,6 +51,8 @@ pub struct Script {
     rows: Vec<Row>,
     joints: usize,
     objects: Vec<usize>,
+    /// Length of a step, s.
+    period: f64,
 }
 
 /// Numbers of the root in a row: place (3), lift, heading, pitch, roll.
@@ -56,7 +71,8 @@ impl Script {
         workspace: &mut Workspace<f64>,
     ) -> Self {
         let objects = keyframes.first().map_or(Vec::new(), |key| key.init.objects.iter().map(|start| start.object).collect());
-        let mut script = Self { rows: Vec::new(), joints: body.joints.len(), objects };
+        let period = 1.0 / task.control_frequency;
+        let mut script = Self { rows: Vec::new(), joints: body.joints.len(), objects, period };
         for key in keyframes {
             let init = task.settled(&key.init, drawn);
             let hold = match (&init.root.height, init.root.meets.is_empty()) {
@@ -76,7 +92,11 @@ impl Script {
             }
             script.align(&mut values);
             let slopes = vec![0.0; values.len()];
-            script.rows.push(Row { step: f64::from(key.step), values, slopes, hold });
+            let playing = key.init.follows.clone().filter(|_| key.plays).map(|following| {
+                let phase = task.entered(following.start, drawn);
+                Playing { base: init.into_owned(), following, phase }
+            });
+            script.rows.push(Row { step: f64::from(key.step), values, slopes, hold, playing });
         }
         script.smooth();
         script
@@ -120,7 +140,26 @@ impl Script {
 
     /// Puts everything where it is at a step; velocities become zero. Gives the activation.
     pub fn place(&self, step: u32, model: &Model, body: &Body, state: &mut State<f64>, workspace: &mut Workspace<f64>) -> f64 {
-        let (values, hold) = self.at(f64::from(step));
+        self.place_between(f64::from(step), model, body, state, workspace)
+    }
+
+    /// The same between two steps.
+    pub fn place_between(
+        &self,
+        step: f64,
+        model: &Model,
+        body: &Body,
+        state: &mut State<f64>,
+        workspace: &mut Workspace<f64>,
+    ) -> f64 {
+        if let Some((row, playing)) = self.played(step) {
+            let mut init = playing.base.clone();
+            playing.following.write(playing.phase, (step - row.step) * self.period, &mut init);
+            (init.root.velocity, init.root.spin) = ([0.0; 3], [0.0; 3]);
+            put(&init.coordinates, &init.root, init.objects.iter().copied(), model, body, state, workspace);
+            return row.values[self.joints + ROOT];
+        }
+        let (values, hold) = self.at(step);
         let (joints, rest) = values.split_at(self.joints);
         let (root, rest) = rest.split_at(ROOT);
         let (activation, objects) = rest.split_first().map_or((0.0, rest), |(activation, objects)| (*activation, objects));
@@ -144,6 +183,13 @@ impl Script {
         };
         put(joints, &placement, starts, model, body, state, workspace);
         activation
+    }
+
+    /// The motion that is followed at a step, with the row at which it began to play.
+    fn played(&self, step: f64) -> Option<(&Row, &Playing)> {
+        let after = self.rows.partition_point(|row| row.step <= step);
+        let row = self.rows.get(after.checked_sub(1)?)?;
+        Some((row, row.playing.as_ref()?))
     }
 
     /// All numbers at a step, and how the root is held there.

@@ -96,12 +96,6 @@ impl<'a> Checker<'a> {
         Init { coordinates: vec![0.0; self.vocabulary.joints.len()], objects: free.collect(), ..Init::default() }
     }
 
-    /// Reports a statement of the language that this version does not support.
-    pub(crate) fn not_yet(&mut self, span: Span, statement: &str) -> Reported {
-        let message = format!("`{statement}` belongs to the language, but is not supported yet");
-        self.error(codes::tasks::NOT_YET, span, message)
-    }
-
     /// `settle 50 ms with activation 0.2 at rest`: a whole number of physics steps.
     fn settle(&mut self, settle: &'a Settle, init: &mut Init) -> Checked<()> {
         if init.settle.is_some() {

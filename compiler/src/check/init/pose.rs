@@ -6,7 +6,7 @@ use crate::check::dimension::Dimension;
 use crate::check::scope::{Declared, Definition};
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
-use crate::motion::{Following, Parts, RootPart};
+use crate::motion::{Following, Parts, RootPart, Start};
 use crate::syntax::tree::{Assignment, Expr, Ident, PoseUse};
 use crate::task::Init;
 use crate::vocabulary::JointKind;
@@ -58,7 +58,7 @@ impl<'a> Checker<'a> {
         parts.write(&motion, motion.time_of(constant.unwrap_or(0.0)), init);
         beginning.motion = Some(pose.name.text.clone());
         if constant.is_none() {
-            init.follows = Some(Following { motion, start: beginning.drawn.len(), parts });
+            init.follows = Some(Following { motion, start: Start::Drawn(beginning.drawn.len()), after: 0.0, parts, path: None });
             beginning.drawn.push(known.start);
         }
         Ok(())
@@ -76,7 +76,9 @@ impl<'a> Checker<'a> {
             *coordinate = *value;
         }
         init.velocities.clear();
-        init.follows = None;
+        // Who has walked to where he is stays there, whatever pose he takes.
+        init.follows.take_if(|following| following.path.is_none());
+        init.follows.iter_mut().for_each(|following| following.parts.joints.clear());
         Ok(())
     }
 

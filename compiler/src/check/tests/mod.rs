@@ -9,6 +9,7 @@
 
 mod expect;
 mod phases;
+mod play;
 mod situation;
 
 use super::context::{Checked, Checker, Reported};
@@ -62,6 +63,23 @@ pub(crate) struct InTests {
 struct Scene {
     init: crate::task::Init,
     activation: f64,
+    /// Which way the path of a motion goes that is played, rad.
+    course: f64,
+}
+
+/// What a script shows from a step on.
+#[derive(Debug, Clone)]
+struct Key {
+    step: u32,
+    scene: Scene,
+    /// Whether the motion that the scene follows goes on to the next.
+    plays: bool,
+}
+
+impl Key {
+    fn still(step: u32, scene: Scene) -> Self {
+        Self { step, scene, plays: false }
+    }
 }
 
 /// An episode of a test while its statements are read.
@@ -72,7 +90,7 @@ struct Draft {
     /// Whether the test says how it begins.
     placed: bool,
     given: Vec<(usize, Vec<f64>)>,
-    keys: Vec<(u32, Scene)>,
+    keys: Vec<Key>,
     /// Names of moments with their steps.
     labels: Vec<(String, u32)>,
     until: Option<u32>,
@@ -161,7 +179,9 @@ impl<'a> Checker<'a> {
         let exact = |spreads: &mut Vec<Spread>| spreads.fill(Spread::None);
         exact(&mut begins.coordinate_noise);
         exact(&mut begins.velocity_noise);
-        let own = Draft::beginning(Scene { init: begins, activation: 0.0 });
+        // A motion on which the task begins goes along the x axis of the world.
+        let course = if init.motion.is_some() { 0.0 } else { begins.root.heading };
+        let own = Draft::beginning(Scene { init: begins, activation: 0.0, course });
         let mut reader = Reader { drafts: vec![own], wanted: Vec::new() };
         let mut broken = self.test_statements(&test.statements, 0, &mut reader, drawn).is_err();
         if reader.wanted.is_empty() && !test.cheat && !broken {
@@ -227,7 +247,7 @@ impl<'a> Checker<'a> {
             TestStatement::Pose(situation) => {
                 self.must_begin(draft, situation.span)?;
                 draft.placed = true;
-                self.situation(situation, &mut draft.begins)
+                self.situation(situation, &mut draft.begins).map(|_| ())
             }
             TestStatement::Object(placement) => {
                 self.must_begin(draft, placement.span)?;
@@ -241,22 +261,18 @@ impl<'a> Checker<'a> {
                 };
                 (draft.begins.init, *drawn) = (beginning.init, beginning.drawn);
                 if placement.object.text == "root" {
-                    placement.fields.iter().for_each(|field| situation::unfollow_field(&mut draft.begins.init, &field.name.text));
+                    placement.fields.iter().for_each(|field| situation::unfollow_field(&mut draft.begins, &field.name.text));
                 }
                 placed
             }
             TestStatement::Keyframe { time, situation, label, span } => {
-                let step = self.script_step(time)?;
-                if draft.until.is_some() || draft.run.is_some() || draft.keys.last().is_some_and(|(last, _)| *last >= step) {
-                    let message = "this comes at or before what stands above";
-                    return Err(self.error(codes::tests::TEST_ORDER, time.span, message));
-                }
-                let mut scene = draft.keys.last().map_or(&draft.begins, |(_, scene)| scene).clone();
+                let step = self.next_step(time, draft)?;
+                let mut scene = draft.latest().clone();
                 self.situation(situation, &mut scene)?;
                 if draft.keys.is_empty() && step > 0 {
-                    draft.keys.push((0, draft.begins.clone()));
+                    draft.keys.push(Key::still(0, draft.begins.clone()));
                 }
-                draft.keys.push((step, scene));
+                draft.keys.push(Key::still(step, scene));
                 if let Some(label) = label {
                     self.must_be_fresh(label, *span, reader)?;
                     reader.drafts[take].labels.push((label.text.clone(), step));
@@ -272,7 +288,14 @@ impl<'a> Checker<'a> {
                 }
                 Ok(())
             }
-            TestStatement::Play { span, .. } => Err(self.not_yet(*span, "play motion")),
+            TestStatement::Play(playing) => {
+                let end = self.play(playing, draft, drawn)?;
+                if let Some(label) = &playing.label {
+                    self.must_be_fresh(label, playing.span, reader)?;
+                    reader.drafts[take].labels.push((label.text.clone(), end));
+                }
+                Ok(())
+            }
             // What is given is drawn where the episode begins: in the first phase of a sequence.
             TestStatement::Given { .. } if self.in_tests.as_ref().is_some_and(|in_tests| in_tests.phase > 0) => Ok(()),
             TestStatement::Given { name, value, .. } => {
@@ -354,6 +377,15 @@ impl<'a> Checker<'a> {
             .diagnostic(codes::tests::TEST_PLACE, span, "a script has the velocities of its motion")
             .help("let it move: `at 0.1 s pose neutral { root.at = [5 cm, 0 m] }`");
         Err(self.report(diagnostic))
+    }
+
+    /// The time of what a script shows next, control steps.
+    fn next_step(&mut self, time: &'a Expr, draft: &Draft) -> Checked<u32> {
+        let step = self.script_step(time)?;
+        if draft.is_open() && draft.keys.last().is_none_or(|last| last.step < step) {
+            return Ok(step);
+        }
+        Err(self.error(codes::tests::TEST_ORDER, time.span, "this comes at or before what stands above"))
     }
 
     /// A time of a script, control steps.
@@ -451,14 +483,24 @@ impl Draft {
         }
     }
 
+    /// What is shown last.
+    fn latest(&self) -> &Scene {
+        self.keys.last().map_or(&self.begins, |key| &key.scene)
+    }
+
+    /// Whether more may be shown.
+    fn is_open(&self) -> bool {
+        self.until.is_none() && self.run.is_none()
+    }
+
     fn finish(self) -> Take {
-        let last = self.keys.last().map_or(0, |(step, _)| *step);
-        let frame = |(step, scene): (u32, Scene)| Keyframe { step, init: scene.init, activation: scene.activation };
+        let last = self.keys.last().map_or(0, |key| key.step);
+        let frame = |Key { step, scene, plays }: Key| Keyframe { step, init: scene.init, activation: scene.activation, plays };
         let runs = self.run.is_some();
         // Physics without a script begins as the task says, noise and all, unless the test says how.
         let script: Vec<Keyframe> = match (self.keys.is_empty(), runs && !self.placed) {
             (true, true) => Vec::new(),
-            (true, false) => vec![frame((0, self.begins))],
+            (true, false) => vec![frame(Key::still(0, self.begins))],
             (false, _) => self.keys.into_iter().map(frame).collect(),
         };
         let until = match (&self.run, self.name.is_some()) {

@@ -14,8 +14,8 @@ use crate::task::{Init, Setting};
 const ROOT: &str = "`root.height`, `root.lift`, `root.at`, `root.heading`, `root.pitch`, `root.roll`";
 
 impl<'a> Checker<'a> {
-    /// Changes a scene as a statement says; what it does not name stays.
-    pub(super) fn situation(&mut self, situation: &'a Situation, scene: &mut Scene) -> Checked<()> {
+    /// Changes a scene as a statement says; what it does not name stays. Gives, joint by joint, whether it is set.
+    pub(super) fn situation(&mut self, situation: &'a Situation, scene: &mut Scene) -> Checked<Vec<bool>> {
         let mut broken = match &situation.pose {
             Some(pose) => self.named_pose(pose, &mut scene.init).is_err(),
             None => false,
@@ -33,7 +33,7 @@ impl<'a> Checker<'a> {
                 }
             };
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        if broken { Err(Reported) } else { Ok(set) }
     }
 
     fn assign(&mut self, assignment: &'a Assignment, scene: &mut Scene, set: &mut [bool]) -> Checked<()> {
@@ -47,7 +47,11 @@ impl<'a> Checker<'a> {
                 Ok(())
             }
             ExprKind::Field { base, name } if matches!(&base.kind, ExprKind::Name(word) if word.text == "root") => {
-                self.assign_root(name, &assignment.value, assignment.target.span, &mut scene.init)
+                self.assign_root(name, &assignment.value, assignment.target.span, &mut scene.init)?;
+                if name.text == "heading" {
+                    scene.course = scene.init.root.heading;
+                }
+                Ok(())
             }
             ExprKind::Field { base, name } if ["at", "turned"].contains(&name.text.as_str()) => {
                 self.assign_object(base, name, &assignment.value, &mut scene.init)
@@ -156,13 +160,16 @@ pub(super) fn unfollow(init: &mut Init, setting: Setting) {
 }
 
 /// The same for a field of `root { ... }`.
-pub(super) fn unfollow_field(init: &mut Init, field: &str) {
+pub(super) fn unfollow_field(scene: &mut Scene, field: &str) {
     let setting = match field {
         "height" => Setting::RootHeight,
-        "heading" => Setting::RootHeading,
+        "heading" => {
+            scene.course = scene.init.root.heading;
+            Setting::RootHeading
+        }
         "pitch" => Setting::RootPitch,
         "roll" => Setting::RootRoll,
         _ => return,
     };
-    unfollow(init, setting);
+    unfollow(&mut scene.init, setting);
 }

@@ -14,13 +14,6 @@ codes! {
         example: "init { pose neutral\n pose neutral }",
         fix: "init { pose neutral }",
     }
-    NOT_YET = "E0403" {
-        title: "a statement that is not supported yet",
-        explanation: "The statement belongs to the language, but this version cannot run it. It is refused rather than \
-            ignored.",
-        example: "test \"walks\" { play motion \"walk.csv\"\n expect survived }",
-        fix: "",
-    }
     OUT_OF_RANGE = "E0404" {
         title: "a value outside its range",
         explanation: "A pose keeps within the ranges of the joints, a deviation is not negative, a suite has episodes.",

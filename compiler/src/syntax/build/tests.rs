@@ -3,7 +3,7 @@
 use super::{Builder, is_mark, part};
 use crate::diagnostics::Span;
 use crate::syntax::grammar::{Pair, Rule};
-use crate::syntax::tree::{Assignment, Change, Expr, ExprKind, Ident, Situation, Test, TestStatement};
+use crate::syntax::tree::{Assignment, Change, Expr, ExprKind, Ident, Played, Playing, Situation, Test, TestStatement};
 
 impl Builder<'_> {
     pub(super) fn test(&mut self, pair: &Pair<'_>) -> Test {
@@ -50,7 +50,7 @@ impl Builder<'_> {
             Rule::test_moment => {
                 TestStatement::Moment { name: self.identifier_in(pair), statements: self.test_statements(pair), span }
             }
-            Rule::play => TestStatement::Play { motion: self.text(part(pair, Rule::text)), span },
+            Rule::play => TestStatement::Play(self.playing(pair)),
             Rule::given => TestStatement::Given { name: self.identifier_in(pair), value: self.expression_in(pair), span },
             Rule::until => TestStatement::Until { time: self.expression_in(pair), span },
             Rule::run => TestStatement::Run {
@@ -67,6 +67,19 @@ impl Builder<'_> {
             }
             _ => return None,
         })
+    }
+
+    fn playing(&mut self, pair: &Pair<'_>) -> Playing {
+        let mut within = |rule| part(pair, rule).map(|part| self.expression_in(&part));
+        let (time, start, duration) = (within(Rule::time), within(Rule::from_phase), within(Rule::lasting));
+        let motion = match part(pair, Rule::text) {
+            Some(path) => Played::File(self.text(Some(path))),
+            None => Played::Reference(self.identifier_in(pair)),
+        };
+        // The word behind `play` names a reference, no pose.
+        let situation = Situation { pose: None, ..self.situation(pair) };
+        let label = part(pair, Rule::label).map(|label| self.identifier_in(&label));
+        Playing { time, motion, start, duration, situation, label, span: self.span(pair) }
     }
 
     /// The pose and the changes of a statement.

@@ -45,13 +45,8 @@ pub enum TestStatement {
         /// The statement.
         span: Span,
     },
-    /// `play motion "walk.csv" from 0.5 s`: a table of motion
-    Play {
-        /// The file.
-        motion: Text,
-        /// The statement.
-        span: Span,
-    },
+    /// `at 1 s play motion "walk.csv" start 0.5 for 2 s { root.heading = 90 deg } as there`: the body as a motion has it
+    Play(Playing),
     /// `given target = [0.5 m, 0, 1 m]`: instead of chance
     Given {
         /// Which random.
@@ -95,6 +90,34 @@ pub enum TestStatement {
         /// The statement.
         span: Span,
     },
+}
+
+/// A motion that is played.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Playing {
+    /// When it begins; with the episode if left out.
+    pub time: Option<Expr>,
+    /// What is played.
+    pub motion: Played,
+    /// From which phase.
+    pub start: Option<Expr>,
+    /// For how long.
+    pub duration: Option<Expr>,
+    /// What differs from the motion.
+    pub situation: Situation,
+    /// The name of the moment at which it ends.
+    pub label: Option<Ident>,
+    /// The statement.
+    pub span: Span,
+}
+
+/// What is played.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Played {
+    /// `motion "walk.csv"`: a table
+    File(Text),
+    /// A reference of the task, at the phase that it then has.
+    Reference(Ident),
 }
 
 /// A pose with changes to it, to the root and to objects.

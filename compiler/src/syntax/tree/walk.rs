@@ -179,7 +179,11 @@ pub fn walk_test_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, stateme
             statements.iter().for_each(|statement| visitor.test_statement(statement));
         }
         TestStatement::Moment { statements, .. } => statements.iter().for_each(|statement| visitor.test_statement(statement)),
-        TestStatement::Play { .. } => {}
+        TestStatement::Play(playing) => {
+            let times = [&playing.time, &playing.start, &playing.duration];
+            times.into_iter().flatten().for_each(|time| visitor.expression(time));
+            walk_situation(visitor, &playing.situation);
+        }
         TestStatement::Given { value, .. } => visitor.expression(value),
         TestStatement::Until { time, .. } => visitor.expression(time),
         TestStatement::Run { duration, .. } => duration.iter().for_each(|duration| visitor.expression(duration)),

@@ -6,11 +6,12 @@
 //!
 //! > a = (k (x* - x - T v) - d v) / (1 + T d),
 //!
-//! which remains stable where the explicit law would oscillate. The wishes contradict each other (the feet cannot rest while
+//! which remains stable where the explicit law would oscillate. Where the reference x* moves, the damping acts on the difference to
+//! its velocity at the end of the hold, and its acceleration is added to the numerator. The wishes contradict each other (the feet cannot rest while
 //! every joint turns as it likes), so they meet in weighted least squares over the accelerations of the independent
 //! coordinates: a whole-body controller in one 77 by 77 system.
 
-use super::{View, coordinates::Coordinates, dynamics::Motion, symmetric::Symmetric};
+use super::{View, coordinates::Coordinates, dynamics::Motion, goal::Goal, symmetric::Symmetric};
 use crate::body::Body;
 use crate::physics::{State, kinematics::Kinematics, rotation::difference};
 use nalgebra::Vector3;
@@ -26,8 +27,13 @@ struct Law {
 impl Law {
     /// The acceleration wished for at `error` = x* - x and `velocity`.
     fn acceleration(&self, error: f64, velocity: f64, hold: f64) -> f64 {
+        self.towards(error, velocity, [0.0; 2], hold)
+    }
+
+    /// The same where the reference has a velocity and an acceleration.
+    fn towards(&self, error: f64, velocity: f64, [moving, bending]: [f64; 2], hold: f64) -> f64 {
         let expected = error - hold * velocity;
-        (self.stiffness * expected - self.damping * velocity) / (1.0 + hold * self.damping)
+        (self.stiffness * expected + self.damping * (moving - velocity) + bending) / (1.0 + hold * self.damping)
     }
 
     fn vector(&self, error: &Vector3<f64>, velocity: &Vector3<f64>, hold: f64) -> Vector3<f64> {
@@ -92,18 +98,41 @@ impl Feedback {
     /// Fills `wanted`: the compromise between the reference pose, an upright root, the centre of mass above `target` (level
     /// position, m) and resting `feet`.
     pub fn accelerations(&mut self, view: &View<'_>, feet: &[Motion], target: Option<Vector3<f64>>) {
+        self.clear(view);
+        self.joint_wishes(view, None);
+        if let Some(root) = self.root.clone() {
+            self.root_wish(&root, view, [Vector3::zeros(); 2]);
+            if let Some(target) = target {
+                self.balance_wish(&root, view, target);
+            }
+        }
+        self.compromise(view, feet);
+    }
+
+    /// Fills `wanted`: the compromise between joints, root and centre of mass where and as fast as the goal has them, and resting
+    /// `feet`.
+    pub fn towards(&mut self, view: &View<'_>, feet: &[Motion], goal: &Goal) {
+        self.clear(view);
+        self.joint_wishes(view, Some(goal));
+        if let Some(mut root) = self.root.clone() {
+            let first = root.address.0 + 3;
+            root.orientation = core::array::from_fn(|part| goal.position[first + part]);
+            self.root_wish(&root, view, [goal.spin, goal.spin_rate]);
+            self.centre_wish(&root, view, goal);
+        }
+        self.compromise(view, feet);
+    }
+
+    fn clear(&mut self, view: &View<'_>) {
         self.normal.clear();
         self.wanted.fill(0.0);
         for coordinate in 0..view.coordinates.len() {
             *self.normal.entry(coordinate, coordinate) = REST;
         }
-        self.joint_wishes(view);
-        if let Some(root) = self.root.clone() {
-            self.root_wish(&root, view);
-            if let Some(target) = target {
-                self.balance_wish(&root, view, target);
-            }
-        }
+    }
+
+    /// Adds the wish for resting feet and solves.
+    fn compromise(&mut self, view: &View<'_>, feet: &[Motion]) {
         let share = (FOOT_POINTS / feet.len() as f64).min(1.0);
         for point in feet {
             let wish = FEET.vector(&Vector3::zeros(), &point.velocity(view.velocities), view.hold);
@@ -113,24 +142,30 @@ impl Feedback {
         self.normal.solve(&mut self.wanted);
     }
 
-    fn joint_wishes(&mut self, view: &View<'_>) {
+    fn joint_wishes(&mut self, view: &View<'_>, goal: Option<&Goal>) {
         let View { coordinates, state, hold, .. } = *view;
         for &(position, dof, reference) in &self.joints {
             let Some((column, _)) = coordinates.entry(dof) else { continue };
-            let wish = JOINTS.acceleration(reference - state.position[position], state.velocity[dof], hold);
+            let (reference, moving) = match goal {
+                Some(goal) => (goal.position[position], [goal.velocity[position], goal.acceleration[position]]),
+                None => (reference, [0.0; 2]),
+            };
+            let wish = JOINTS.towards(reference - state.position[position], state.velocity[dof], moving, hold);
             *self.normal.entry(column, column) += JOINTS.weight * JOINTS.weight;
             self.wanted[column] += JOINTS.weight * JOINTS.weight * wish;
         }
     }
 
-    fn root_wish(&mut self, root: &RootReference, view: &View<'_>) {
+    /// `moving` are the reference's angular velocity and acceleration in its own axes.
+    fn root_wish(&mut self, root: &RootReference, view: &View<'_>, moving: [Vector3<f64>; 2]) {
         let View { coordinates, state, hold, .. } = *view;
         let (position, dof) = root.address;
         let now = core::array::from_fn(|part| state.position[position + 3 + part]);
         let error = difference(&root.orientation, &now);
         for axis in 0..3 {
             let Some((column, _)) = coordinates.entry(dof + 3 + axis) else { continue };
-            let wish = ROOT.acceleration(error[axis], state.velocity[dof + 3 + axis], hold);
+            let moving = moving.map(|part| part[axis]);
+            let wish = ROOT.towards(error[axis], state.velocity[dof + 3 + axis], moving, hold);
             *self.normal.entry(column, column) += ROOT.weight * ROOT.weight;
             self.wanted[column] += ROOT.weight * ROOT.weight * wish;
         }
@@ -145,6 +180,19 @@ impl Feedback {
         wish.z = HEIGHT.acceleration(error.z, velocity.z, hold);
         let weight = Vector3::new(BALANCE.weight, BALANCE.weight, HEIGHT.weight).map(|weight| weight * weight);
         self.point_wish(&com, &wish, &weight);
+    }
+
+    /// The centre of mass where the goal has it.
+    fn centre_wish(&mut self, root: &RootReference, view: &View<'_>, goal: &Goal) {
+        let com = Motion::of_com(view, root.body);
+        let velocity = com.velocity(view.velocities);
+        let error = goal.com - view.workspace.kinematics.subtree_com[root.body];
+        let law = |axis: usize| if axis == 2 { HEIGHT } else { BALANCE };
+        let wish = core::array::from_fn::<f64, 3, _>(|axis| {
+            law(axis).towards(error[axis], velocity[axis], [goal.com_velocity[axis], goal.com_acceleration[axis]], view.hold)
+        });
+        let weight = Vector3::from_fn(|axis, _| law(axis).weight * law(axis).weight);
+        self.point_wish(&com, &Vector3::from(wish), &weight);
     }
 
     /// Adds the wish for an acceleration (m/s²) of a point; `weight` is squared already.

@@ -1,11 +1,13 @@
-//! Computed muscle control of a standing posture: a model-based policy that needs no training.
+//! Computed muscle control of a posture, or of a motion: a model-based policy that needs no training.
 //!
 //! It follows Thelen & Anderson's computed muscle control (J. Biomech. 39, 2006): feedback gives desired accelerations,
 //! inverse dynamics the forces that they take, static optimisation the activations. It differs where standing at 100 Hz with
 //! 416 muscles demands it. At every control step, of length T:
 //!
 //! 1. `feedback`: desired accelerations ẇ of the independent coordinates: towards the task's initial pose, the root
-//!    upright, the centre of mass over the feet, the feet at rest;
+//!    upright, the centre of mass over the feet, the feet at rest. Where the task follows a reference motion, towards where that
+//!    is at the end of the hold, and as fast (`goal`): joints, root, centre of mass; only those points of the feet rest that
+//!    stand in the motion, too;
 //! 2. `dynamics`: the force that this takes, (P'M P + T D) ẇ + load, damping taken implicitly over the step;
 //! 3. `support`: the points of the feet near the ground, each with a friction pyramid of possible forces, so that weight and
 //!    centre of pressure are shared between the feet by the optimisation itself and never leave them;
@@ -15,6 +17,7 @@
 //!
 //! What it knows of a body is its landmarks `feet`, its joints and its muscles. What it does not know: the forces of joint
 //! limits and of contacts other than the feet's, the slow terms J̇v of points, and any disturbance; feedback answers for those.
+//! It plans nothing: what a reference asks of the ground that the ground cannot give is lost, and so is the balance in time.
 //! It reads the full state of the simulator, so it is a yardstick for what the muscles can do, not a model of what the nervous
 //! system does.
 
@@ -23,6 +26,7 @@ mod allocation;
 mod coordinates;
 mod dynamics;
 mod feedback;
+mod goal;
 mod sparse;
 mod support;
 mod symmetric;
@@ -33,36 +37,91 @@ use super::{Policy, PolicyContext, PolicyError};
 use crate::body::Body;
 use crate::model::Model;
 use crate::physics::{State, Workspace};
+use crate::testing::Script;
 use activation::Hold;
 use allocation::{Allocation, Unknown};
 use coordinates::Coordinates;
 use dynamics::{Dynamics, Motion};
 use feedback::Feedback;
+use goal::{Course, Follower};
 use nalgebra::Vector3;
 use sparse::Columns;
+use std::sync::Arc;
 use support::{Point, Support};
 
-/// Holds the posture that an episode begins with.
+/// Follows the reference motion of the task, or the script of its witness; without one it holds the posture that an episode begins
+/// with.
 #[derive(Debug, Clone, Default)]
 pub struct Posture {
     controller: Option<Controller>,
+    along: Along,
+    /// The phase of the task whose reference is followed, and the step at which it began.
+    followed: Option<(u32, u32)>,
+}
+
+/// What is followed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Along {
+    /// The first reference of the task's present phase.
+    #[default]
+    Reference,
+    /// The first script among the task's tests that ends in success.
+    Witness,
+}
+
+impl Posture {
+    /// Follows the schedule of poses with which the task's own tests show that it can succeed.
+    pub fn witness() -> Self {
+        Self { along: Along::Witness, ..Self::default() }
+    }
+
+    /// The script to follow.
+    fn schedule(context: &PolicyContext<'_>) -> Result<Course, PolicyError> {
+        let tests = context.task.tests.as_ref();
+        let keyframes = tests.and_then(|tests| tests.witness()).ok_or_else(|| PolicyError::Unable {
+            policy: "witness",
+            reason: format!("no test of `{}` plays a script up to `expect success`", context.task.name),
+        })?;
+        let mut scratch = Workspace::new(context.model);
+        let script = Script::new(keyframes, context.task, context.progress, context.model, context.body, &mut scratch);
+        Ok(Course::Script { script: Arc::new(script), period: 1.0 / context.task.control_frequency })
+    }
 }
 
 impl Policy for Posture {
     fn name(&self) -> &str {
-        "posture"
+        match self.along {
+            Along::Reference => "posture",
+            Along::Witness => "witness",
+        }
     }
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
         let hold = Hold { steps: context.substeps, timestep: context.model.options.timestep };
-        self.controller = Some(Controller::new(&Present::new(context), &context.task.init.coordinates, hold)?);
+        let init = context.task.beginning(context.progress);
+        let present = Present::new(context);
+        let mut controller = Controller::new(&present, &init.coordinates, hold)?;
+        if self.along == Along::Witness {
+            controller.follow(Some(Self::schedule(context)?), context.progress.step, &present);
+        }
+        self.controller = Some(controller);
+        self.followed = None;
         Ok(())
     }
 
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
         match &mut self.controller {
             Some(controller) => {
-                controller.act(&Present::new(context), action);
+                let present = Present::new(context);
+                let begun = context.task.followed(context.progress).map(|(followed, time)| (&followed.motion, time));
+                let phase = begun.map(|_| (context.progress.phase, context.progress.began));
+                if self.along == Along::Reference && phase != self.followed {
+                    let init = context.task.beginning(context.progress);
+                    let course = begun.map(|(motion, time)| Course::of_motion(motion, time, &init, present.body, present.state));
+                    controller.follow(course, context.progress.step, &present);
+                    self.followed = phase;
+                }
+                controller.act(&present, context.progress.step, action);
                 Ok(())
             }
             None => Err(unable("it has not been reset")),
@@ -138,6 +197,8 @@ struct Controller {
     unknowns: Vec<Unknown>,
     wanted: Vec<f64>,
     allocation: Allocation,
+    /// What is followed, and since which control step.
+    course: Option<(Follower, u32)>,
 }
 
 impl Controller {
@@ -171,10 +232,22 @@ impl Controller {
             wanted: vec![0.0; size],
             allocation: Allocation::new(size),
             coordinates,
+            course: None,
         })
     }
 
-    fn act(&mut self, present: &Present<'_>, action: &mut [f64]) {
+    /// Follows a course from control step `since` on, or holds the pose again.
+    fn follow(&mut self, course: Option<Course>, since: u32, present: &Present<'_>) {
+        let follower = course.map(|course| Follower::new(course, self.hold.duration(), present));
+        if follower.is_some() {
+            // Whatever foot the motion stands on.
+            self.support = Support::new(present.body);
+        }
+        self.course = follower.map(|follower| (follower, since));
+    }
+
+    /// Writes the action of control step `step`.
+    fn act(&mut self, present: &Present<'_>, step: u32, action: &mut [f64]) {
         let &Present { body, model, state, workspace } = present;
         self.coordinates.update(model, state);
         for (velocity, &dof) in self.velocities.iter_mut().zip(&self.coordinates.dofs) {
@@ -186,10 +259,20 @@ impl Controller {
         self.support.update(model, &workspace.kinematics);
         self.offset += (view.hold / LEAN_TIME).min(1.0) * (self.final_offset - self.offset);
         let target = self.support.centre().map(|centre| centre + self.offset);
-        let bearing: Vec<Point> = self.support.points.iter().filter(|point| point.height < CONTACT_HEIGHT).copied().collect();
+        let near = |point: &&Point| point.height < CONTACT_HEIGHT;
+        let bearing: Vec<Point> = self.support.points.iter().filter(near).copied().collect();
         let feet: Vec<Motion> = bearing.iter().map(|point| Motion::of_point(&view, point)).collect();
 
-        self.feedback.accelerations(&view, &feet, target);
+        match &mut self.course {
+            Some((follower, since)) => {
+                follower.advance(step.saturating_sub(*since), present);
+                let rests = self.support.points.iter().zip(&follower.goal.rests).filter(|(point, _)| near(point));
+                let standing: Vec<Motion> =
+                    rests.zip(&feet).filter(|((_, rests), _)| **rests).map(|(_, motion)| motion.clone()).collect();
+                self.feedback.towards(&view, &standing, &follower.goal);
+            }
+            None => self.feedback.accelerations(&view, &feet, target),
+        }
         self.dynamics.update(&view);
         self.dynamics.required_force(&self.feedback.wanted, &mut self.wanted);
 

@@ -67,7 +67,7 @@ impl Stand {
 
     fn step(&mut self, controller: &mut Controller) {
         let Self { model, body, state, workspace, action, .. } = self;
-        controller.act(&Present { body, model, state, workspace }, action);
+        controller.act(&Present { body, model, state, workspace }, 0, action);
         for (control, &action) in state.control.iter_mut().zip(&*action) {
             *control = crate::episode::excitation(body.excitation, action);
         }
@@ -173,7 +173,7 @@ fn the_same_state_gives_the_same_action() {
     let stand = Stand::new();
     let act = || {
         let mut action = vec![0.0; stand.body.muscles.len()];
-        stand.controller().act(&stand.present(), &mut action);
+        stand.controller().act(&stand.present(), 0, &mut action);
         action
     };
     assert_eq!(act(), act());

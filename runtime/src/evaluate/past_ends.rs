@@ -1,0 +1,59 @@
+//! An episode beyond its ends: whether the physics goes on for the whole horizon, whatever the body does by then.
+
+use super::EvaluationError;
+use crate::episode::{Ending, Episode, EpisodeKey, REST};
+use crate::policy::Policy;
+
+/// What came of an episode that was played on to its horizon.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PastEnds {
+    /// When the task would have ended it for the first time, control steps, and how; `None` if it never would.
+    pub first: Option<(u32, Ending)>,
+    /// Control steps in all.
+    pub steps: u32,
+    /// The fault that stopped it.
+    pub fault: Option<String>,
+    /// How deep two shapes have overlapped at the end of a control step at most, m.
+    pub deepest: f64,
+    /// How fast the root has gone at most, m/s; 0 for a body fixed to the world.
+    pub fastest: f64,
+}
+
+/// Plays the episode `key` up to its horizon or to a fault, whatever ends the task has for it.
+///
+/// # Errors
+/// The policy cannot act.
+pub fn play_past_ends(episode: &mut Episode, key: EpisodeKey, policy: &mut dyn Policy) -> Result<PastEnds, EvaluationError> {
+    episode.reset(key);
+    let mut found = PastEnds { first: None, steps: 0, fault: None, deepest: 0.0, fastest: 0.0 };
+    if episode.ending().is_none() {
+        policy.reset(&episode.context())?;
+    }
+    let mut action = vec![REST; episode.context().body.muscles.len()];
+    while episode.pass_end() {
+        policy.act(&episode.context(), &mut action)?;
+        episode.step(&action)?;
+        found.look(episode);
+    }
+    found.steps = episode.steps();
+    if let Some(Ending::Fault(fault)) = episode.ending() {
+        found.fault = Some(fault.to_string());
+    }
+    Ok(found)
+}
+
+impl PastEnds {
+    fn look(&mut self, episode: &Episode) {
+        if let (None, Some(ending)) = (&self.first, episode.ending().filter(|ending| ending.is_of_task())) {
+            self.first = Some((episode.steps(), ending.clone()));
+        }
+        let context = episode.context();
+        let contacts = context.workspace.episodes.first().map(|episode| &episode.constraints.contacts);
+        let depths = contacts.into_iter().flatten().map(|contact| -contact.distance);
+        self.deepest = depths.fold(self.deepest, f64::max);
+        if let Some((_, dof)) = context.body.root.free {
+            let speed = context.state.velocity[dof..dof + 3].iter().map(|part| part * part).sum::<f64>().sqrt();
+            self.fastest = self.fastest.max(speed);
+        }
+    }
+}
