@@ -228,7 +228,7 @@ class Fit:
                     ax, ay = anchors[probe]
                     ay = ay if foot == 0 else -ay
                     # Toes bend about a slanted axis: held as fast as the rest they would twist the whole leg.
-                    hold = 0.007 if group == "toes" else 0.004
+                    hold = self.spec.get("toe_hold", 0.007) if group == "toes" else 0.004
                     out += [standing * (x - ax - stride * turn) / hold, standing * (y - ay) / (1.5 * hold)]
                     level = 2 * rise * 0.5 * turn if self.alternating else 0.0
                     out.append(standing * (z - level) / (0.010 if group == "toes" else 0.002))
@@ -500,9 +500,12 @@ WALK = {
         "joint curves of adults at their own speed: D. A. Winter, Biomechanics and Motor Control of Human Movement, 4th ed., 2009, appendix A",
         "instants and peaks: J. Perry, J. M. Burnfield, Gait Analysis: Normal and Pathological Function, 2nd ed., 2010",
     ],
-    "stride": 1.36, "stride_scatter": 0.01, "stance": {"heel": (-0.01, 0.33), "ball": (0.08, 0.40), "toes": (0.12, 0.60)}, "toe_off": 0.62, "lift": 0.02,
+    # The body's legs are shorter than those of the published walkers: at 1.36 m a stretched knee would have to push instead of the ankle.
+    "stride": 1.32, "stride_scatter": 0.01, "stance": {"heel": (-0.01, 0.31), "ball": (0.08, 0.40), "toes": (0.12, 0.57)}, "toe_off": 0.59, "lift": 0.02,
+    "scatter": {"ankle_angle": 3, "knee_angle": 5}, "toe_hold": 0.004,
     "leg": {
-        "hip_flexion": [(0, 26), (10, 22), (20, 13), (30, 3), (40, -5), (50, -11), (56, -10), (65, 4), (75, 20), (86, 29), (94, 28)],
+        # Thigh against the vertical, as Perry has it, and the pelvis tilted forward: some three degrees behind Winter's in late stance.
+        "hip_flexion": [(0, 25), (10, 21), (20, 11), (30, 1), (40, -8), (50, -14), (56, -13), (65, 3), (75, 19), (86, 28), (94, 27)],
         "knee_angle": [(0, 6), (8, 15), (14, 19), (22, 15), (32, 8), (40, 6), (48, 10), (56, 25), (62, 41), (71, 61), (80, 47), (90, 14), (97, 4)],
         "ankle_angle": [(0, 0), (7, -7), (15, -1), (30, 6), (45, 10), (52, 4), (62, -17), (72, -5), (82, 1), (93, 1)],
         "hip_adduction": [(0, 1), (15, 5), (35, 4), (50, 1), (65, -6), (80, -3), (92, 0)],
@@ -519,7 +522,8 @@ WALK = {
 RUN = {
     "name": "run", "rows": 50, "cycle": True, "sides": "alternating", "duration": 0.7, "advances": ["root.x"],
     "sources": ["joint curves and instants at 3.2 m/s: T. F. Novacheck, The biomechanics of running, Gait and Posture 7 (1998) 77-95"],
-    "stride": 2.24, "stance": {"heel": (-0.01, 0.16), "ball": (0.03, 0.33), "toes": (0.05, 0.36)}, "toe_off": 0.37, "lift": 0.03,
+    "stride": 2.24, "stride_scatter": 0.005, "stance": {"heel": (-0.01, 0.16), "ball": (0.03, 0.32), "toes": (0.05, 0.345)}, "toe_off": 0.36, "lift": 0.03,
+    "scatter": {"ankle_angle": 3, "mtp_angle": 4},
     "leg": {
         "hip_flexion": [(0, 38), (10, 32), (20, 17), (30, 4), (38, -5), (44, -7), (55, 8), (68, 34), (80, 50), (90, 47)],
         "knee_angle": [(0, 16), (8, 34), (14, 42), (22, 36), (32, 22), (38, 18), (48, 40), (58, 72), (67, 91), (78, 70), (88, 32), (95, 13)],
@@ -532,7 +536,7 @@ RUN = {
         "heading": [(0, 0), (25, -7), (50, 0), (75, 7)], "roll": [(0, 0), (14, -5), (35, 2), (50, 0), (64, 5), (85, -2)], "pitch": [(0, 12), (25, 13), (50, 12), (75, 13)],
         "y": [(0, 0), (15, -0.012), (50, 0), (65, 0.012)],
     },
-    "root_scatter": {"x": 0.02}, "stride_scatter": 0.08,
+    "root_scatter": {"x": 0.02},
     "upper": together(trunk(-5, -14, -4), arms(32, -12, 88, 12, 12)),
 }  # fmt: skip
 
