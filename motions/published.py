@@ -74,7 +74,7 @@ WALK = {
     ],
     # The body's legs are shorter than those of the published walkers: at 1.36 m a stretched knee would have to push instead of the ankle.
     "stride": 1.32, "stride_scatter": 0.01, "stance": {"heel": (-0.01, 0.31), "ball": (0.08, 0.40), "toes": (0.12, 0.57)}, "toe_off": 0.59, "lift": 0.02,
-    "scatter": {"ankle_angle": 3, "knee_angle": 5}, "toe_hold": 0.004,
+    "scatter": {"ankle_angle": 3, "knee_angle": 5}, "root_scatter": {"x": 0.012}, "toe_hold": 0.004,
     "leg": {
         # Thigh against the vertical, as Perry has it, and the pelvis tilted forward: some three degrees behind Winter's in late stance.
         "hip_flexion": [(0, 25), (10, 21), (20, 11), (30, 1), (40, -8), (50, -14), (56, -13), (65, 3), (75, 19), (86, 28), (94, 27)],

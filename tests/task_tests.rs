@@ -340,7 +340,7 @@ fn a_motion_is_played_as_its_table_says() {
             at 2 s { root.at = [0 m, 0 m] }
             expect 1.28 m < way.y < 1.4 m and abs(way.x) < 2 cm at after
             expect abs(elbow_flexion_r.q - 70 deg) < 0.001 deg at after
-            expect abs(elbow_flexion_l.q - 43 deg) < 10 deg at after
+            expect abs(elbow_flexion_l.q - 21 deg) < 2 deg at after
          }
          test \"to its end\" {
             at 1 s play motion \"motions/sit.csv\" as seated
