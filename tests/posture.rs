@@ -101,7 +101,7 @@ fn a_witness_follows_the_script_of_the_tests() {
 
 #[test]
 fn physics_goes_on_past_the_ends_of_a_task() {
-    let trial = trial("stand");
+    let trial = trial("reach");
     let mut policy = policy::create("zero").unwrap();
     let mut episode = trial.episode().unwrap();
     let found = evaluate::play_past_ends(&mut episode, EpisodeKey::default(), policy.as_mut()).unwrap();

@@ -344,7 +344,7 @@ fn a_motion_is_played_as_its_table_says() {
          }
          test \"to its end\" {
             at 1 s play motion \"motions/sit.csv\" as seated
-            at 4 s pose neutral
+            at 4 s pose neutral { root.height = ground }
             until 4 s
             expect pelvis.height at seated < 0.6 m
             expect pelvis.height > 0.8 m

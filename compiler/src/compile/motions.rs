@@ -5,7 +5,7 @@ use crate::check::reference::{Table, Tables};
 use crate::diagnostics::{Diagnostic, FileId, SourceMap, codes};
 use crate::files::Loader;
 use crate::motion::Motion;
-use crate::syntax::tree::{Item, Played, Playing, Sequence, Task, TaskStatement, TestStatement, Text};
+use crate::syntax::tree::{Item, Played, Sequence, Task, TaskStatement, TestStatement, Text};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -73,7 +73,11 @@ fn named(item: &Item) -> Vec<&Text> {
 fn played<'a>(statements: &'a [TestStatement], motions: &mut Vec<&'a Text>) {
     for statement in statements {
         match statement {
-            TestStatement::Play(Playing { motion: Played::File(path), .. }) => motions.push(path),
+            TestStatement::Play(playing) => {
+                if let Played::File(path) = &playing.motion {
+                    motions.push(path);
+                }
+            }
             TestStatement::Repeat { statements, .. } | TestStatement::Moment { statements, .. } => played(statements, motions),
             _ => {}
         }

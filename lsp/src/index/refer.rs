@@ -5,7 +5,7 @@ use super::{Index, Space};
 use msk_compiler::diagnostics::Span;
 use msk_compiler::syntax::tree::walk::{self, Visitor};
 use msk_compiler::syntax::tree::{
-    BodyStatement, ElementName, Expr, ExprKind, Function, Ident, InitStatement, Item, Name, NamePart, Played, Playing, PoseUse,
+    BodyStatement, ElementName, Expr, ExprKind, Function, Ident, InitStatement, Item, Name, NamePart, Played, PoseUse,
     SceneStatement, TaskStatement, TestStatement,
 };
 
@@ -196,7 +196,11 @@ impl<'t> Visitor<'t> for Walker<'_> {
             }
             TestStatement::Object(placement) => self.name(Space::Value, &placement.object),
             TestStatement::Given { name, .. } => self.ident(Space::Value, name),
-            TestStatement::Play(Playing { motion: Played::Reference(name), .. }) => self.ident(Space::Value, name),
+            TestStatement::Play(playing) => {
+                if let Played::Reference(name) = &playing.motion {
+                    self.ident(Space::Value, name);
+                }
+            }
             TestStatement::Repeat { variable, range, statements, .. } => {
                 self.expression(range);
                 self.with_local(variable, "loop variable", |walker| {

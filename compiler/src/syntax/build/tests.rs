@@ -50,7 +50,7 @@ impl Builder<'_> {
             Rule::test_moment => {
                 TestStatement::Moment { name: self.identifier_in(pair), statements: self.test_statements(pair), span }
             }
-            Rule::play => TestStatement::Play(self.playing(pair)),
+            Rule::play => TestStatement::Play(Box::new(self.playing(pair))),
             Rule::given => TestStatement::Given { name: self.identifier_in(pair), value: self.expression_in(pair), span },
             Rule::until => TestStatement::Until { time: self.expression_in(pair), span },
             Rule::run => TestStatement::Run {

@@ -46,7 +46,7 @@ pub enum TestStatement {
         span: Span,
     },
     /// `at 1 s play motion "walk.csv" start 0.5 for 2 s { root.heading = 90 deg } as there`: the body as a motion has it
-    Play(Playing),
+    Play(Box<Playing>),
     /// `given target = [0.5 m, 0, 1 m]`: instead of chance
     Given {
         /// Which random.
