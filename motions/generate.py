@@ -156,7 +156,7 @@ class Fit:
                     ax, ay = anchors[probe]
                     ay = ay if foot == 0 else -ay
                     # Toes bend about a slanted axis: held as fast as the rest they would twist the whole leg.
-                    hold = self.spec.get("toe_hold", 0.007) if group == "toes" else 0.004
+                    hold = 0.007 if group == "toes" else 0.004
                     out += [standing * (x - ax - stride * turn) / hold, standing * (y - ay) / (1.5 * hold)]
                     level = 2 * rise * 0.5 * turn if self.alternating else 0.0
                     out.append(standing * (z - level) / (0.010 if group == "toes" else 0.002))

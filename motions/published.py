@@ -72,12 +72,9 @@ WALK = {
         "joint curves of adults at their own speed: D. A. Winter, Biomechanics and Motor Control of Human Movement, 4th ed., 2009, appendix A",
         "instants and peaks: J. Perry, J. M. Burnfield, Gait Analysis: Normal and Pathological Function, 2nd ed., 2010",
     ],
-    # The body's legs are shorter than those of the published walkers: at 1.36 m a stretched knee would have to push instead of the ankle.
-    "stride": 1.32, "stride_scatter": 0.01, "stance": {"heel": (-0.01, 0.31), "ball": (0.08, 0.40), "toes": (0.12, 0.57)}, "toe_off": 0.59, "lift": 0.02,
-    "scatter": {"ankle_angle": 3, "knee_angle": 5}, "root_scatter": {"x": 0.012}, "toe_hold": 0.004,
+    "stride": 1.36, "stride_scatter": 0.01, "stance": {"heel": (-0.01, 0.33), "ball": (0.08, 0.40), "toes": (0.12, 0.60)}, "toe_off": 0.62, "lift": 0.02,
     "leg": {
-        # Thigh against the vertical, as Perry has it, and the pelvis tilted forward: some three degrees behind Winter's in late stance.
-        "hip_flexion": [(0, 25), (10, 21), (20, 11), (30, 1), (40, -8), (50, -14), (56, -13), (65, 3), (75, 19), (86, 28), (94, 27)],
+        "hip_flexion": [(0, 26), (10, 22), (20, 13), (30, 3), (40, -5), (50, -11), (56, -10), (65, 4), (75, 20), (86, 29), (94, 28)],
         "knee_angle": [(0, 6), (8, 15), (14, 19), (22, 15), (32, 8), (40, 6), (48, 10), (56, 25), (62, 41), (71, 61), (80, 47), (90, 14), (97, 4)],
         "ankle_angle": [(0, 0), (7, -7), (15, -1), (30, 6), (45, 10), (52, 4), (62, -17), (72, -5), (82, 1), (93, 1)],
         "hip_adduction": [(0, 1), (15, 5), (35, 4), (50, 1), (65, -6), (80, -3), (92, 0)],
