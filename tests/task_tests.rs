@@ -343,9 +343,9 @@ fn a_motion_is_played_as_its_table_says() {
             expect abs(elbow_flexion_l.q - 21 deg) < 2 deg at after
          }
          test \"to its end\" {
-            at 1 s play motion \"motions/sit.csv\" as seated
-            at 4 s pose neutral { root.height = ground }
-            until 4 s
+            play motion \"motions/sit.csv\" as seated
+            at 2.9 s pose neutral { root.height = ground }
+            until 2.9 s
             expect pelvis.height at seated < 0.6 m
             expect pelvis.height > 0.8 m
          }",
