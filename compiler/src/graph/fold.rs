@@ -33,15 +33,7 @@ pub(super) fn simplify(graph: &mut Graph, operation: &Operation, inputs: &[NodeI
 
 /// The lanes of a pure operation on constants.
 fn evaluate_constant(graph: &Graph, operation: &Operation, inputs: &[NodeId], width: usize) -> Option<Vec<f64>> {
-    let remembers = matches!(
-        operation,
-        Operation::Memory(_)
-            | Operation::StateBefore(_)
-            | Operation::StateAfter(_)
-            | Operation::Drawn(_)
-            | Operation::DrawnAfter(_)
-    );
-    if inputs.is_empty() || remembers {
+    if inputs.is_empty() || operation.remembers() {
         return None;
     }
     let values: Vec<Vec<f64>> = inputs.iter().map(|&input| graph.constant_lanes(input)).collect::<Option<_>>()?;

@@ -64,6 +64,18 @@ pub enum Operation {
     Follow(Track),
 }
 
+impl Operation {
+    /// Whether it gives what a declared state or a random holds, before or after this step.
+    pub fn is_held(&self) -> bool {
+        matches!(self, Self::StateBefore(_) | Self::StateAfter(_) | Self::Drawn(_) | Self::DrawnAfter(_))
+    }
+
+    /// Whether its value is not settled by its inputs in this step alone: a memory, or what is held.
+    pub fn remembers(&self) -> bool {
+        matches!(self, Self::Memory(_)) || self.is_held()
+    }
+}
+
 /// From what chance draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Chance {

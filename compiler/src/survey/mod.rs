@@ -226,15 +226,7 @@ impl<'a> Survey<'a> {
 
 /// Whether a value is not that of the present snapshot alone: a pose says nothing of it.
 fn lasts(operation: &Operation) -> bool {
-    matches!(
-        operation,
-        Operation::Memory(_)
-            | Operation::StateBefore(_)
-            | Operation::StateAfter(_)
-            | Operation::Drawn(_)
-            | Operation::DrawnAfter(_)
-            | Operation::PhaseSuccess(_)
-    )
+    operation.remembers() || matches!(operation, Operation::PhaseSuccess(_))
 }
 
 fn is_more(operation: &Operation) -> bool {

@@ -46,15 +46,8 @@ pub(super) fn timed_failures(
     for end in &task.terminations {
         let decided = bounds[end.node.index()].iter().all(|lane| lane.single().is_some());
         let by_time = |id: &NodeId| {
-            !matches!(
-                task.graph.node(*id).operation,
-                Operation::Sensors(_)
-                    | Operation::StateBefore(_)
-                    | Operation::StateAfter(_)
-                    | Operation::Drawn(_)
-                    | Operation::DrawnAfter(_)
-                    | Operation::PhaseSuccess(_)
-            )
+            let operation = &task.graph.node(*id).operation;
+            !operation.is_held() && !matches!(operation, Operation::Sensors(_) | Operation::PhaseSuccess(_))
         };
         if !decided && task.graph.reachable([end.node]).iter().all(by_time) {
             let message = format!("time alone ends the episode as the failure `{}`", end.name);
