@@ -58,15 +58,15 @@ fn a_group_can_be_weak_and_a_condition_shows_in_the_hash() {
     for (muscle, strength) in strengths.into_iter().enumerate() {
         assert_eq!(strength, if group.members.contains(&muscle) { 0.25 } else { 1.0 });
     }
-    let hash = |condition: &MuscleCondition| healthy.under(condition).unwrap().hash;
+    let hash = |condition: &MuscleCondition| healthy.under(condition).unwrap().hash().to_owned();
     let tired = MuscleCondition { fatigue: Some(Fatigue::default()), ..MuscleCondition::default() };
     let hashes = [
-        healthy.hash.clone(),
+        healthy.hash().to_owned(),
         hash(&tired),
         hash(&condition(vec![weak(None, 0.5)])),
         hash(&condition(vec![weak(Some(&group.name), 0.5)])),
     ];
-    assert_eq!(hash(&MuscleCondition::default()), healthy.hash);
+    assert_eq!(hash(&MuscleCondition::default()), healthy.hash());
     assert_eq!(hashes.iter().collect::<std::collections::BTreeSet<_>>().len(), hashes.len());
 }
 

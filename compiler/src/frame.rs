@@ -194,6 +194,70 @@ impl Sensor {
     }
 }
 
+/// What a sensor measures, by places in the [`Vocabulary`](crate::vocabulary::Vocabulary)'s lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Subject {
+    /// The whole body, or time.
+    Whole,
+    /// A landmark or its segment.
+    Landmark(usize),
+    /// A joint.
+    Joint(usize),
+    /// A muscle, its fibre or its tendon.
+    Muscle(usize),
+    /// A muscle (first) about a joint (second).
+    MuscleAbout(usize, usize),
+    /// What is between two parts.
+    Parts(Part, Part),
+    /// A query of the terrain: its place in [`FrameLayout::queries`].
+    Query(usize),
+}
+
+impl Sensor {
+    /// What it measures.
+    pub fn subject(self) -> Subject {
+        use Sensor as S;
+        match self {
+            S::LandmarkPosition(index)
+            | S::LandmarkVelocity(index)
+            | S::LandmarkAcceleration(index)
+            | S::LandmarkAxes(index)
+            | S::LandmarkAngularVelocity(index)
+            | S::LandmarkClearance(index)
+            | S::GroundForce(index)
+            | S::GroundContact(index) => Subject::Landmark(index),
+            S::JointPosition(index) | S::JointVelocity(index) | S::JointAcceleration(index) | S::JointTorque(index) => {
+                Subject::Joint(index)
+            }
+            S::MuscleLength(index)
+            | S::MuscleVelocity(index)
+            | S::MuscleForce(index)
+            | S::MuscleFibreLength(index)
+            | S::MuscleFibreVelocity(index)
+            | S::MuscleTendonLength(index)
+            | S::MuscleActivation(index)
+            | S::MuscleExcitation(index)
+            | S::Action(index) => Subject::Muscle(index),
+            S::MomentArm(muscle, joint) => Subject::MuscleAbout(muscle, joint),
+            S::Touching(a, b) | S::ContactForce(a, b) | S::ContactCount(a, b) | S::SurfaceDistance(a, b) | S::Slip(a, b) => {
+                Subject::Parts(a, b)
+            }
+            S::Query(index, _) => Subject::Query(index),
+            S::ComPosition
+            | S::ComVelocity
+            | S::ComAcceleration
+            | S::AngularMomentum
+            | S::CentreOfPressure
+            | S::SupportMargin
+            | S::RootPosition
+            | S::RootAxes
+            | S::RootVelocity
+            | S::RootAngularVelocity
+            | S::Time => Subject::Whole,
+        }
+    }
+}
+
 /// The sensors a task reads and where each stands in the flat record.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrameLayout {

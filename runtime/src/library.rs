@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Reads texts from the file system, and those embedded in the program.
 #[derive(Debug, Clone, Copy, Default)]
@@ -48,10 +48,39 @@ pub struct BoundBody {
     pub model: Arc<Model>,
     /// The body.
     pub body: Arc<Body>,
-    /// Hash of the body file's meaning, of the model's text and of the condition.
-    pub hash: String,
     /// Condition of its muscles, which the model already has but for fatigue.
     pub condition: MuscleCondition,
+    identity: Arc<Identity>,
+}
+
+/// What makes a body that body. Its hash is computed when it is asked for: it takes as long as reading the model.
+#[derive(Debug)]
+struct Identity {
+    description: BodyDescription,
+    model: Arc<Model>,
+    hash: OnceLock<String>,
+}
+
+impl BoundBody {
+    fn new(description: &BodyDescription, model: Model, body: Body) -> Self {
+        let model = Arc::new(model);
+        let identity = Identity { description: description.clone(), model: Arc::clone(&model), hash: OnceLock::new() };
+        Self { model, body: Arc::new(body), condition: MuscleCondition::default(), identity: Arc::new(identity) }
+    }
+
+    /// The same with another model and condition, which `hash` tells apart.
+    pub(crate) fn changed(&self, model: Model, condition: MuscleCondition, hash: String) -> Self {
+        let model = Arc::new(model);
+        let description = self.identity.description.clone();
+        let identity = Identity { description, model: Arc::clone(&model), hash: OnceLock::from(hash) };
+        Self { model, body: Arc::clone(&self.body), condition, identity: Arc::new(identity) }
+    }
+
+    /// Hash of the body file's meaning, of the model's text and of the condition.
+    pub fn hash(&self) -> &str {
+        let Identity { description, model, hash } = &*self.identity;
+        hash.get_or_init(|| hash_of(description, model))
+    }
 }
 
 /// Why a body cannot be had.
@@ -106,12 +135,7 @@ impl BodyLibrary {
         }
         let mut body = Body::bind(description, &model)?;
         body.change(&mut model, &description.changes)?;
-        let fresh = BoundBody {
-            hash: hash(description, &model),
-            model: Arc::new(model),
-            body: Arc::new(body),
-            condition: MuscleCondition::default(),
-        };
+        let fresh = BoundBody::new(description, model, body);
         bound.push((description.clone(), fresh.clone()));
         Ok(fresh)
     }
@@ -130,11 +154,8 @@ impl BodyLibrary {
         let (model, body) = scene::stage(&alone.model, &alone.body, scene)
             .map_err(|source| BodyError::Scene { body: description.name.clone(), source })?;
         // Where the scene adds nothing, all that is known of the body alone holds.
-        let fresh = if model == *alone.model && body == *alone.body {
-            alone
-        } else {
-            BoundBody { hash: hash(description, &model), model: Arc::new(model), body: Arc::new(body), ..alone }
-        };
+        let same = model == *alone.model && body == *alone.body;
+        let fresh = if same { alone } else { BoundBody::new(description, model, body) };
         staged.push((description.clone(), scene.clone(), fresh.clone()));
         Ok(fresh)
     }
@@ -176,7 +197,7 @@ impl BodySource for BodyLibrary {
 }
 
 /// Hash of what a body is: its description without the place of the model, and the model in canonical form.
-fn hash(description: &BodyDescription, model: &Model) -> String {
+fn hash_of(description: &BodyDescription, model: &Model) -> String {
     let description = BodyDescription { model: String::new(), ..description.clone() };
     let mut hasher = Sha256::new();
     // Plain data of strings and numbers always has a JSON form.

@@ -89,6 +89,8 @@ pub(crate) struct InSequence<'a> {
     pub success: Option<(&'a Expr, FileId)>,
     /// Whether its tests are checked as well.
     pub tests: bool,
+    /// Control steps of all its phases, as far as tests are concerned.
+    pub horizon: u32,
 }
 
 /// Something of a task with the file in which it stands.

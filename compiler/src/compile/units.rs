@@ -294,7 +294,9 @@ impl Compiler<'_> {
             (Some(statements), Some(last)) if complete && statements.iter().any(is_test) => {
                 // The tests of a sequence in a pass of their own: they may ask for more of the ground than all phases do.
                 let known = last.checked.queries.clone();
-                tests_of(phases_of(unit, &all_names, around, InSequence { tests: true, ..whole }, known).0, diagnostics)?
+                let horizon = checked.iter().fold(0_u32, |sum, phase| sum.saturating_add(phase.checked.timing.horizon));
+                let tested = InSequence { tests: true, horizon, ..whole };
+                tests_of(phases_of(unit, &all_names, around, tested, known).0, diagnostics)?
             }
             _ => tests_taken(&mut checked),
         };

@@ -1,9 +1,10 @@
 //! Two lists met number by number and reduced in one go: dot products, mean squares, distances.
 //!
-//! Sums run from the first number to the last, as those of [`Reduction`](crate::graph::operation::Reduction) do.
+//! Sums are those of [`Reduction`](crate::graph::operation::Reduction), bit by bit.
 
 use super::formula::{Formula, View};
 use super::lane::{Bank, Lane, Pairing, Run};
+use crate::graph::operation::sum;
 
 /// Numbers of one bank.
 pub(super) struct List {
@@ -66,21 +67,23 @@ fn fused(
             end([0, 1, 2].iter().map(|&k: &usize| each(left[places[k]], right[others[k]])).sum())
         });
     }
+    let count = left.places.len().min(right.places.len());
     match (left.together, right.together) {
-        (Some(left), Some(right)) => {
-            Box::new(move |view| end(view.run(left).iter().zip(view.run(right)).map(|(&a, &b)| each(a, b)).sum()))
-        }
+        (Some(left), Some(right)) => Box::new(move |view| {
+            let (left, right) = (&view.run(left)[..count], &view.run(right)[..count]);
+            end(sum(count, |index| each(left[index], right[index])))
+        }),
         (Some(left), None) => Box::new(move |view| {
-            let from = view.bank(right.bank);
-            end(view.run(left).iter().zip(&right.places).map(|(&a, &b)| each(a, from[b])).sum())
+            let (left, from) = (view.run(left), view.bank(right.bank));
+            end(sum(count, |index| each(left[index], from[right.places[index]])))
         }),
         (None, Some(right)) => Box::new(move |view| {
-            let from = view.bank(left.bank);
-            end(left.places.iter().zip(view.run(right)).map(|(&a, &b)| each(from[a], b)).sum())
+            let (from, right) = (view.bank(left.bank), view.run(right));
+            end(sum(count, |index| each(from[left.places[index]], right[index])))
         }),
         (None, None) => Box::new(move |view| {
             let (from, other) = (view.bank(left.bank), view.bank(right.bank));
-            end(left.places.iter().zip(&right.places).map(|(&a, &b)| each(from[a], other[b])).sum())
+            end(sum(count, |index| each(from[left.places[index]], other[right.places[index]])))
         }),
     }
 }

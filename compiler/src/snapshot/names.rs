@@ -1,7 +1,7 @@
 //! Sensors, queries, parts and settings under the names that tasks give them, so that nothing in a snapshot is a place in a
 //! list that moves when something else is added.
 
-use crate::frame::{Origin, Query, Sensor};
+use crate::frame::{Origin, Query, Sensor, Subject};
 use crate::graph::text::Labels;
 use crate::scene::Part;
 use crate::task::{CompiledTask, Phase, Setting};
@@ -15,15 +15,6 @@ pub(super) struct Names<'a> {
     pub phase: &'a Phase,
 }
 
-/// What a sensor measures.
-enum Subject {
-    None,
-    Landmark(usize),
-    Joint(usize),
-    Muscle(usize),
-    Other(String),
-}
-
 impl Labels for Names<'_> {
     fn sensors(&self, sensors: &[Sensor]) -> String {
         let mut text = String::new();
@@ -32,7 +23,7 @@ impl Labels for Names<'_> {
             let kind = kind.split('(').next().unwrap_or_default();
             // Writing to a string cannot fail.
             let _ = write!(text, "{}{kind}", if text.is_empty() { "" } else { " " });
-            let subjects: Vec<Subject> = alike.iter().map(|sensor| self.subject(*sensor)).collect();
+            let subjects: Vec<Subject> = alike.iter().map(|sensor| sensor.subject()).collect();
             let joined: Vec<String> = subjects.chunk_by(follows).filter_map(|run| self.run(run)).collect();
             if !joined.is_empty() {
                 let _ = write!(text, "({})", joined.join(", "));
@@ -64,12 +55,19 @@ impl Names<'_> {
     /// Consecutive subjects of one kind: `all`, `a`, `a, b` or `a to e (5)`.
     fn run(&self, run: &[Subject]) -> Option<String> {
         let vocabulary = &*self.task.vocabulary;
-        let name = |subject: &Subject| match subject {
-            Subject::None => None,
-            Subject::Landmark(index) => Some(landmark(vocabulary, *index)),
-            Subject::Joint(index) => Some(joint(vocabulary, *index)),
-            Subject::Muscle(index) => Some(muscle(vocabulary, *index)),
-            Subject::Other(text) => Some(text.clone()),
+        let name = |subject: &Subject| match *subject {
+            Subject::Whole => None,
+            Subject::Landmark(index) => Some(landmark(vocabulary, index)),
+            Subject::Joint(index) => Some(joint(vocabulary, index)),
+            Subject::Muscle(index) => Some(muscle(vocabulary, index)),
+            Subject::MuscleAbout(first, second) => {
+                Some(format!("{} about {}", muscle(vocabulary, first), joint(vocabulary, second)))
+            }
+            Subject::Parts(a, b) => Some(format!("{} and {}", part(vocabulary, a), part(vocabulary, b))),
+            Subject::Query(index) => {
+                let asked = self.task.frame.queries().get(index);
+                Some(asked.map_or_else(|| index.to_string(), |asked| query(vocabulary, asked)))
+            }
         };
         let own_joints = vocabulary.joints.iter().filter(|joint| !joint.of_scene).count();
         let whole = match run.first()? {
@@ -85,53 +83,6 @@ impl Names<'_> {
             [] => None,
             [first, .., last] if names.len() > 3 => Some(format!("{first} to {last} ({})", names.len())),
             _ => Some(names.join(", ")),
-        }
-    }
-
-    fn subject(&self, sensor: Sensor) -> Subject {
-        use Sensor as S;
-        let vocabulary = &*self.task.vocabulary;
-        match sensor {
-            S::LandmarkPosition(index)
-            | S::LandmarkVelocity(index)
-            | S::LandmarkAcceleration(index)
-            | S::LandmarkAxes(index)
-            | S::LandmarkAngularVelocity(index)
-            | S::LandmarkClearance(index)
-            | S::GroundForce(index)
-            | S::GroundContact(index) => Subject::Landmark(index),
-            S::JointPosition(index) | S::JointVelocity(index) | S::JointAcceleration(index) | S::JointTorque(index) => {
-                Subject::Joint(index)
-            }
-            S::MuscleLength(index)
-            | S::MuscleVelocity(index)
-            | S::MuscleForce(index)
-            | S::MuscleFibreLength(index)
-            | S::MuscleFibreVelocity(index)
-            | S::MuscleTendonLength(index)
-            | S::MuscleActivation(index)
-            | S::MuscleExcitation(index)
-            | S::Action(index) => Subject::Muscle(index),
-            S::MomentArm(first, second) => {
-                Subject::Other(format!("{} about {}", muscle(vocabulary, first), joint(vocabulary, second)))
-            }
-            S::Touching(a, b) | S::ContactForce(a, b) | S::ContactCount(a, b) | S::SurfaceDistance(a, b) | S::Slip(a, b) => {
-                Subject::Other(format!("{} and {}", part(vocabulary, a), part(vocabulary, b)))
-            }
-            S::Query(index, _) => Subject::Other(
-                self.task.frame.queries().get(index).map_or_else(|| index.to_string(), |asked| query(vocabulary, asked)),
-            ),
-            S::ComPosition
-            | S::ComVelocity
-            | S::ComAcceleration
-            | S::AngularMomentum
-            | S::CentreOfPressure
-            | S::SupportMargin
-            | S::RootPosition
-            | S::RootAxes
-            | S::RootVelocity
-            | S::RootAngularVelocity
-            | S::Time => Subject::None,
         }
     }
 }

@@ -16,7 +16,6 @@ use crate::model::Model;
 use msk_compiler::vocabulary::GroupKind;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::sync::Arc;
 
 /// Conditions of a body's muscles. The default is none: healthy and fresh.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -126,12 +125,11 @@ impl BoundBody {
             return Ok(self.clone());
         }
         let mut hasher = Sha256::new();
-        hasher.update(&self.hash);
+        hasher.update(self.hash());
         // Plain data of strings and numbers always has a JSON form.
         hasher.update(serde_json::to_vec(condition).unwrap_or_default());
         let hash = hasher.finalize().iter().take(16).fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
-        let model = Arc::new(weakened(&self.model, &strengths));
-        Ok(Self { model, body: self.body.clone(), hash, condition: condition.clone() })
+        Ok(self.changed(weakened(&self.model, &strengths), condition.clone(), hash))
     }
 }
 

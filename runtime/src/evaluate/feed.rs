@@ -67,7 +67,7 @@ pub fn replay(trial: &Trial, record: &EpisodeRecord) -> Result<EpisodeRecord, Re
     };
     same("task", &record.task, &trial.task.name)?;
     same("text of the task", &record.task_hash, &trial.task.hash)?;
-    same("body", &record.model_hash, &trial.body.hash)?;
+    same("body", &record.model_hash, trial.body.hash())?;
     let mut episode = trial.episode().map_err(EvaluationError::from)?;
     let fed =
         Fed { version: record.weights_version.clone(), weights: record.weights.0.iter().map(|(_, weight)| *weight).collect() };

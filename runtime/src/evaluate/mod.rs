@@ -172,7 +172,7 @@ pub fn play(
         tally.add(episode);
         stepped();
     }
-    let record = tally.record(episode, policy.name(), &trial.body.hash, start.elapsed().as_secs_f64());
+    let record = tally.record(episode, policy.name(), trial.body.hash(), start.elapsed().as_secs_f64());
     Ok(Some(EpisodeRecord { condition: trial.body.condition.clone(), ..record }))
 }
 

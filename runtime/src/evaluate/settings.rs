@@ -67,7 +67,7 @@ impl RunSettings {
             name: trial.task.name.clone(),
             family: trial.task.family.clone(),
             hash: trial.task.hash.clone(),
-            model_hash: trial.body.hash.clone(),
+            model_hash: trial.body.hash().to_owned(),
             condition: trial.body.condition.clone(),
             horizon: trial.task.horizon,
             weights: trial.task.terms.iter().map(|term| (term.name.clone(), term.weight)).collect(),

@@ -144,7 +144,7 @@ impl Settings {
         let identity = json!({
             "task": trial.task.name,
             "task_hash": trial.task.hash,
-            "model_hash": trial.body.hash,
+            "model_hash": trial.body.hash(),
             "policy": self.policy,
             "seed": self.seed,
             "interval": self.interval,

@@ -74,7 +74,7 @@ pub fn record(trial: &Trial, episode: u64, steps: u32, success: bool, values: [f
         sums(&|at| f64::from(u8::from(values[at] == 0.0))),
         sums(&|at| f64::from(u8::from(values[at] == 1.0))),
         trial.task.hash,
-        trial.body.hash,
+        trial.body.hash(),
     );
     serde_json::from_str(&line).unwrap()
 }

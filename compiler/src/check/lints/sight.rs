@@ -6,11 +6,11 @@ use crate::check::scope::Definition;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::explain::short;
-use crate::frame::Sensor;
+use crate::frame::{Sensor, Subject};
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Binary, Memory, Operation, Unary};
 use crate::graph::{Graph, NodeId};
-use crate::scene::{Motion, Object, Parent};
+use crate::scene::{Motion, Object, Parent, Part};
 use crate::syntax::tree::TaskStatement;
 use std::collections::BTreeSet;
 
@@ -117,16 +117,7 @@ fn sensors(graph: &Graph, roots: impl Iterator<Item = NodeId>, kind: fn(Sensor) 
 
 /// The landmark that a sensor measures.
 fn landmark_of(sensor: Sensor) -> Option<usize> {
-    use Sensor as S;
-    match sensor {
-        S::LandmarkPosition(index)
-        | S::LandmarkVelocity(index)
-        | S::LandmarkAcceleration(index)
-        | S::LandmarkAxes(index)
-        | S::LandmarkAngularVelocity(index)
-        | S::LandmarkClearance(index) => Some(index),
-        _ => None,
-    }
+    if let Subject::Landmark(index) = sensor.subject() { Some(index) } else { None }
 }
 
 /// Objects that move and decide the pay, of which no channel tells anything.
@@ -181,7 +172,8 @@ pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
             (_, Some(stem)) => Some(format!("{stem}_l")),
             _ => None,
         };
-        let alone = read.iter().find_map(|name| Some((*name, other(name)?)).filter(|(_, other)| !read.contains(other.as_str())));
+        let missing = |other: &String| !read.contains(other.as_str()) && is_known(checker, other);
+        let alone = read.iter().find_map(|name| Some((*name, other(name).filter(missing)?)));
         let Some((name, missing)) = alone else { continue };
         let place = task.terms.iter().map(|term| (term.node, term.file, term.formula.span));
         let place = place.chain(task.terminations.iter().chain(&task.finishes).map(|end| (end.node, end.file, end.span)));
@@ -228,25 +220,33 @@ fn pair(name: &str) -> String {
     format!("{}{{l,r}}", &name[..name.len() - 1])
 }
 
+/// Whether the body has something of that name.
+fn is_known(checker: &Checker<'_>, name: &str) -> bool {
+    let body = checker.vocabulary;
+    body.landmarks.iter().any(|landmark| landmark.name == name)
+        || body.joints.iter().any(|joint| joint.name == name)
+        || body.muscles.iter().any(|muscle| muscle.name == name)
+        || body.groups.iter().any(|group| group.name == name)
+}
+
 /// The names of what a sensor measures, as tasks call them.
 fn names_of<'a>(checker: &Checker<'a>, sensor: Sensor) -> Vec<&'a str> {
-    use Sensor as S;
     let body = checker.vocabulary;
+    let landmark = |index: usize| body.landmarks.get(index).map(|landmark| landmark.name.as_str());
     let joint = |index: usize| body.joints.get(index).map(|joint| joint.name.as_str());
     let muscle = |index: usize| body.muscles.get(index).map(|muscle| muscle.name.as_str());
-    let part = |part: crate::scene::Part| match part {
-        crate::scene::Part::Landmark(index) => body.landmarks.get(index).map(|landmark| landmark.name.as_str()),
-        _ => None,
+    let part = |part: Part| match part {
+        Part::Landmark(index) => landmark(index),
+        Part::Group(index) => body.groups.get(index).map(|group| group.name.as_str()),
+        Part::Ground | Part::Robot => None,
     };
-    let names: Vec<Option<&str>> = match sensor {
-        S::JointPosition(index) | S::JointVelocity(index) | S::JointAcceleration(index) | S::JointTorque(index) => {
-            vec![joint(index)]
-        }
-        S::MuscleActivation(index) | S::MuscleForce(index) | S::MuscleLength(index) | S::MuscleExcitation(index) => {
-            vec![muscle(index)]
-        }
-        S::Touching(a, b) | S::ContactForce(a, b) | S::ContactCount(a, b) | S::SurfaceDistance(a, b) => vec![part(a), part(b)],
-        other => vec![landmark_of(other).and_then(|index| body.landmarks.get(index)).map(|landmark| landmark.name.as_str())],
+    let names = match sensor.subject() {
+        Subject::Landmark(index) => [landmark(index), None],
+        Subject::Joint(index) => [joint(index), None],
+        Subject::Muscle(index) => [muscle(index), None],
+        Subject::MuscleAbout(first, second) => [muscle(first), joint(second)],
+        Subject::Parts(a, b) => [part(a), part(b)],
+        Subject::Whole | Subject::Query(_) => [None, None],
     };
     names.into_iter().flatten().collect()
 }

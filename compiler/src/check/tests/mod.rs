@@ -20,6 +20,7 @@ use super::task::InSequence;
 use super::types::Type;
 use super::value::{Data, Value};
 use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
+use crate::explain::short;
 use crate::frame::Query;
 use crate::graph::operation::{Binary, Memory};
 use crate::graph::{Graph, NodeId};
@@ -56,6 +57,8 @@ pub(crate) struct InTests {
     /// The phases of the sequence, and which of them is being checked; empty for a task by itself.
     phases: Vec<String>,
     phase: usize,
+    /// Control steps of the longest episode.
+    horizon: u32,
 }
 
 /// What a script shows at a time.
@@ -135,8 +138,9 @@ impl<'a> Checker<'a> {
             let weight = self.graph.constant(term.weight);
             (term.name.clone(), self.graph.binary(Binary::Multiply, weight, term.node))
         });
-        let (pays, phases) = (pays.collect(), sequence.phases.to_vec());
-        self.in_tests = Some(InTests { pays, success, phases, phase: sequence.index });
+        let (pays, phases): (_, Vec<String>) = (pays.collect(), sequence.phases.to_vec());
+        let horizon = if phases.is_empty() { self.timing.horizon } else { sequence.horizon };
+        self.in_tests = Some(InTests { pays, success, phases, phase: sequence.index, horizon });
         let (mut probes, mut drawn) = (Vec::new(), init.drawn.clone());
         let (mut compiled, mut all_found) = (Vec::new(), Vec::new());
         let mut broken = false;
@@ -230,7 +234,16 @@ impl<'a> Checker<'a> {
     ) -> Checked<()> {
         let mut broken = false;
         for statement in statements {
-            broken |= self.test_statement(statement, take, reader, drawn).is_err();
+            if self.test_statement(statement, take, reader, drawn).is_err() {
+                broken = true;
+                // Whoever looks at that moment is not told that there is none.
+                let label = match statement {
+                    TestStatement::Keyframe { label, .. } => label.as_ref(),
+                    TestStatement::Play(playing) => playing.label.as_ref(),
+                    _ => None,
+                };
+                reader.drafts[take].labels.extend(label.map(|label| (label.text.clone(), 0)));
+            }
         }
         if broken { Err(Reported) } else { Ok(()) }
     }
@@ -306,6 +319,7 @@ impl<'a> Checker<'a> {
             }
             TestStatement::Until { time, span } => {
                 let step = self.script_step(time)?;
+                self.must_be_seen(step, time.span)?;
                 if draft.until.replace(step).is_some() || draft.run.is_some() || step == 0 {
                     let message = "`until` is said once, behind every `at`, and not beside `run`";
                     return Err(self.error(codes::tests::TEST_ORDER, *span, message));
@@ -315,6 +329,8 @@ impl<'a> Checker<'a> {
             TestStatement::Run { policy, duration, span } => {
                 let steps = duration.as_ref().map(|duration| self.script_step(duration)).transpose()?;
                 let draft = &mut reader.drafts[take];
+                let from = draft.keys.last().map_or(0, |key| key.step);
+                self.must_be_seen(from.saturating_add(steps.unwrap_or(0)), *span)?;
                 if draft.run.replace((policy.text.clone(), steps)).is_some() || draft.until.is_some() || steps == Some(0) {
                     let message = "`run` is said once, for a time, and not beside `until`";
                     return Err(self.error(codes::tests::TEST_ORDER, *span, message));
@@ -382,6 +398,7 @@ impl<'a> Checker<'a> {
     /// The time of what a script shows next, control steps.
     fn next_step(&mut self, time: &'a Expr, draft: &Draft) -> Checked<u32> {
         let step = self.script_step(time)?;
+        self.must_be_seen(step, time.span)?;
         if draft.is_open() && draft.keys.last().is_none_or(|last| last.step < step) {
             return Ok(step);
         }
@@ -395,6 +412,22 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::tests::TEST_ORDER, time.span, "no test is that long"));
         }
         Ok(steps as u32)
+    }
+
+    /// What a script shows at that step comes before the episode is over.
+    fn must_be_seen(&mut self, step: u32, span: Span) -> Checked<()> {
+        let horizon = self.in_tests.as_ref().map_or(u32::MAX, |in_tests| in_tests.horizon);
+        if step <= horizon {
+            return Ok(());
+        }
+        let interval = self.timing.interval;
+        let in_words = |steps: u32| format!("{steps} steps ({} s)", short(f64::from(steps) * interval));
+        let diagnostic = self
+            .diagnostic(codes::tests::TEST_LONG, span, "the episode is over before this is shown")
+            .expected(format!("at most {}, the task's horizon", in_words(horizon)))
+            .found(in_words(step))
+            .help("show it earlier, or give the task a longer `horizon`");
+        Err(self.report(diagnostic))
     }
 
     /// `given target = [0.5 m, 0, 1 m]`

@@ -56,6 +56,7 @@ impl<'a> Checker<'a> {
             Start::Drawn(_) => last.init.follows = Some(following),
         }
         let end = step.saturating_add(steps);
+        self.must_be_seen(end, playing.span)?;
         draft.keys.push(Key::still(end, last));
         Ok(end)
     }

@@ -35,4 +35,11 @@ codes! {
         example: "random side = uniform(0.1 m .. 0.5 m)\nobserve { side }\ntest \"left\" { given side = 2 s\n expect not success }",
         fix: "random side = uniform(0.1 m .. 0.5 m)\nobserve { side }\ntest \"left\" { given side = 0.2 m\n expect not success }",
     }
+    TEST_LONG = "E0445" {
+        title: "a script that is longer than the task",
+        explanation: "At its `horizon` an episode is over: what a script shows behind it would never be seen, and an expectation \
+            would look at an earlier step than it says.",
+        example: "test \"down at last\" { at 60 s pose squatting as low\n expect not success at low }",
+        fix: "test \"down at last\" { at 2 s pose squatting as low\n expect not success at low }",
+    }
 }
