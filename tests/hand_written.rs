@@ -5,7 +5,7 @@
 mod hand;
 mod support;
 
-use hand::{Outcome, TASKS};
+use hand::{Outcome, Sums, TASKS};
 use msk::compiler::{Middle, compile, task::StepReport};
 use msk::runtime::{
     episode::{Episode, EpisodeKey},
@@ -37,12 +37,12 @@ fn frames(episode: &mut Episode, random: &mut SplitMix) -> Vec<Vec<f64>> {
 #[test]
 fn by_hand_and_compiled_come_to_the_same() {
     let bodies = BodyLibrary::default();
-    for (file, by_hand) in TASKS {
+    for ((file, by_hand), sums) in TASKS.into_iter().flat_map(|task| [Sums::Chain, Sums::Columns].map(|sums| (task, sums))) {
         let task = compile(&repository(file), &FileLoader, &bodies).unwrap().tasks[0].clone();
         let staged = bodies.stage(&task.body, &task.scene).unwrap();
         let mut episode = Episode::new(staged.model, staged.body, task.clone()).unwrap();
         let frames = frames(&mut episode, &mut SplitMix(17));
-        let (weights, mut hand) = (task.weights(), by_hand(&task));
+        let (weights, mut hand) = (task.weights(), by_hand(&task, sums));
         let (mut state, mut report, mut outcome) = (Default::default(), StepReport::default(), Outcome::default());
         let mut observed = [vec![0.0; task.observation_size()], vec![0.0; task.observation_size()]];
         task.reset(&frames[0], &mut Middle, &mut state).unwrap();

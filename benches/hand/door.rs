@@ -20,11 +20,11 @@ pub struct Door {
 }
 
 impl Door {
-    pub fn new(task: &CompiledTask) -> Self {
+    pub fn new(task: &CompiledTask, sums: Sums) -> Self {
         let slots = Slots(task);
         let place = |name: &str| slots.of(Sensor::LandmarkPosition(slots.landmark(name)));
         Self {
-            own: Proprioception::new(&slots),
+            own: Proprioception::new(&slots, sums),
             pelvis: place("pelvis"),
             pelvis_axes: slots.of(Sensor::LandmarkAxes(slots.landmark("pelvis"))),
             head: place("head"),

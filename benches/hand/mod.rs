@@ -29,14 +29,23 @@ pub trait Hand {
     fn observe(&self, frame: &[f64], out: &mut [f64]);
 }
 
+/// How long sums are added up by hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sums {
+    /// From the first number to the last, as `iter().sum()` does: each addition waits for the one before.
+    Chain,
+    /// In eight columns, as compiled tasks do.
+    Columns,
+}
+
 /// Makes the task by hand that stands for a compiled one.
-pub type ByHand = fn(&CompiledTask) -> Box<dyn Hand>;
+pub type ByHand = fn(&CompiledTask, Sums) -> Box<dyn Hand>;
 
 /// The texts, and what stands for them by hand.
 pub const TASKS: [(&str, ByHand); 3] = [
-    ("benches/hand/standing.msk", |task| Box::new(standing::Standing::new(task))),
-    ("benches/hand/running.msk", |task| Box::new(running::Running::new(task))),
-    ("benches/hand/door.msk", |task| Box::new(door::Door::new(task))),
+    ("benches/hand/standing.msk", |task, sums| Box::new(standing::Standing::new(task, sums))),
+    ("benches/hand/running.msk", |task, sums| Box::new(running::Running::new(task, sums))),
+    ("benches/hand/door.msk", |task, sums| Box::new(door::Door::new(task, sums))),
 ];
 
 /// Where the sensors of a task stand.
@@ -143,10 +152,11 @@ pub struct Proprioception {
     positions: List,
     velocities: List,
     muscles: [List; 4],
+    sums: Sums,
 }
 
 impl Proprioception {
-    pub fn new(slots: &Slots<'_>) -> Self {
+    pub fn new(slots: &Slots<'_>, sums: Sums) -> Self {
         let pelvis = slots.landmark("pelvis");
         Self {
             pelvis: slots.of(Sensor::LandmarkPosition(pelvis)),
@@ -159,6 +169,7 @@ impl Proprioception {
             velocities: slots.joints(Sensor::JointVelocity),
             muscles: [Sensor::MuscleLength, Sensor::MuscleVelocity, Sensor::MuscleForce, Sensor::MuscleActivation]
                 .map(|sensor| slots.muscles(sensor)),
+            sums,
         }
     }
 
@@ -178,6 +189,13 @@ impl Proprioception {
     /// Mean of the squared activations.
     pub fn effort(&self, frame: &[f64]) -> f64 {
         let [.., activation] = &self.muscles;
+        if let (Sums::Columns, List::Together(range)) = (self.sums, activation) {
+            let rows = frame[range.clone()].chunks_exact(8);
+            let rest: f64 = rows.remainder().iter().map(|value| value * value).sum();
+            let mut columns = [0.0; 8];
+            rows.for_each(|row| columns.iter_mut().zip(row).for_each(|(column, value)| *column += value * value));
+            return (columns.iter().sum::<f64>() + rest) / range.len() as f64;
+        }
         let (mut sum, mut count) = (0.0, 0.0);
         activation.each(frame, |value| {
             sum += value * value;

@@ -18,12 +18,12 @@ pub struct Running {
 }
 
 impl Running {
-    pub fn new(task: &CompiledTask) -> Self {
+    pub fn new(task: &CompiledTask, sums: Sums) -> Self {
         let slots = Slots(task);
         let soles = ["sole_l", "sole_r"].map(|name| slots.landmark(name));
         let pelvis = slots.landmark("pelvis");
         Self {
-            own: Proprioception::new(&slots),
+            own: Proprioception::new(&slots, sums),
             torso: slots.of(Sensor::LandmarkAxes(slots.landmark("torso"))),
             pelvis: slots.of(Sensor::LandmarkPosition(pelvis)),
             pelvis_axes: slots.of(Sensor::LandmarkAxes(pelvis)),

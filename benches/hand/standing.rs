@@ -17,7 +17,7 @@ pub struct Standing {
 }
 
 impl Standing {
-    pub fn new(task: &CompiledTask) -> Self {
+    pub fn new(task: &CompiledTask, sums: Sums) -> Self {
         let slots = Slots(task);
         let soles = ["sole_l", "sole_r"].map(|name| slots.landmark(name));
         let free = || {
@@ -26,7 +26,7 @@ impl Standing {
             joints.filter(move |(_, joint)| !joint.of_scene && joint.independent && hinges(joint.kind))
         };
         Self {
-            own: Proprioception::new(&slots),
+            own: Proprioception::new(&slots, sums),
             torso: slots.of(Sensor::LandmarkAxes(slots.landmark("torso"))),
             clearance: soles.map(|sole| slots.of(Sensor::LandmarkClearance(sole))),
             soles: soles.map(|sole| slots.of(Sensor::LandmarkVelocity(sole))),
