@@ -155,7 +155,8 @@ impl<'a> Checker<'a> {
         landmarks.chain(joints).chain(muscles).chain(body.groups.iter().map(|group| &group.name)).cloned().collect()
     }
 
-    fn body_element(&self, text: &str) -> Option<Value> {
+    /// What a name means on the body or in the scene.
+    pub(crate) fn body_element(&self, text: &str) -> Option<Value> {
         let body = self.vocabulary;
         if let Some(index) = body.landmarks.iter().position(|landmark| landmark.name == text) {
             return Some(Value::Thing(Thing::Landmark(index)));

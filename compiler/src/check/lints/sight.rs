@@ -172,7 +172,7 @@ pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
             (_, Some(stem)) => Some(format!("{stem}_l")),
             _ => None,
         };
-        let missing = |other: &String| !read.contains(other.as_str()) && is_known(checker, other);
+        let missing = |other: &String| !read.contains(other.as_str()) && checker.body_element(other).is_some();
         let alone = read.iter().find_map(|name| Some((*name, other(name).filter(missing)?)));
         let Some((name, missing)) = alone else { continue };
         let place = task.terms.iter().map(|term| (term.node, term.file, term.formula.span));
@@ -218,15 +218,6 @@ fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec
 
 fn pair(name: &str) -> String {
     format!("{}{{l,r}}", &name[..name.len() - 1])
-}
-
-/// Whether the body has something of that name.
-fn is_known(checker: &Checker<'_>, name: &str) -> bool {
-    let body = checker.vocabulary;
-    body.landmarks.iter().any(|landmark| landmark.name == name)
-        || body.joints.iter().any(|joint| joint.name == name)
-        || body.muscles.iter().any(|muscle| muscle.name == name)
-        || body.groups.iter().any(|group| group.name == name)
 }
 
 /// The names of what a sensor measures, as tasks call them.
