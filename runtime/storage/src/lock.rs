@@ -1,0 +1,60 @@
+//! Locks between processes.
+
+use crate::faults::Call;
+use crate::{Folder, StorageError, regular};
+use cap_fs_ext::{FollowSymlinks, OpenOptionsFollowExt};
+use std::fs::{File, TryLockError};
+use std::io;
+use std::path::Path;
+
+/// A lock, held until it is dropped. The operating system takes it back when the program ends in whatever way.
+#[derive(Debug)]
+pub struct Lock {
+    _file: File,
+}
+
+impl Folder {
+    /// Waits until nobody else holds the lock of that name, and takes it. The file of the lock is created and stays.
+    ///
+    /// # Errors
+    /// The name of a link, or a file that cannot be created or locked.
+    pub fn lock(&self, name: &Path) -> Result<Lock, StorageError> {
+        let file = self.lock_file(name)?;
+        file.lock().map_err(|source| self.cannot("lock", name, source))?;
+        Ok(Lock { _file: file })
+    }
+
+    /// Takes the lock of that name, or gives `None` if somebody else holds it.
+    ///
+    /// # Errors
+    /// Those of [`Folder::lock`].
+    pub fn try_lock(&self, name: &Path) -> Result<Option<Lock>, StorageError> {
+        let file = self.lock_file(name)?;
+        match file.try_lock() {
+            Ok(()) => Ok(Some(Lock { _file: file })),
+            Err(TryLockError::WouldBlock) => Ok(None),
+            Err(TryLockError::Error(source)) => Err(self.cannot("lock", name, source)),
+        }
+    }
+
+    fn lock_file(&self, name: &Path) -> Result<File, StorageError> {
+        self.open_private(name)
+    }
+
+    /// Opens a file of the program's own for reading and writing, created where it is missing; never through a link.
+    pub(crate) fn open_private(&self, name: &Path) -> Result<File, StorageError> {
+        let mut options = regular::for_reading();
+        options.write(true).create(true).follow(FollowSymlinks::No);
+        let opened = || -> io::Result<_> {
+            self.gate(Call::Create, name)?;
+            self.directory().open_with(name, &options)
+        };
+        let file = match opened() {
+            Err(_) if self.is_link(name) => return Err(StorageError::Link { path: self.path().join(name) }),
+            file => file.map_err(|source| self.cannot("open", name, source))?,
+        };
+        let metadata = file.metadata().map_err(|source| self.cannot("open", name, source))?;
+        regular::regular(&metadata, &self.path().join(name))?;
+        Ok(file.into_std())
+    }
+}

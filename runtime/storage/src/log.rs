@@ -1,0 +1,140 @@
+//! Files of lines that only grow.
+
+use crate::faults::Call;
+use crate::{Folder, StorageError, regular};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::PathBuf;
+
+/// A file of lines to which lines are appended, each whole and on the disk when [`Log::append`] returns.
+///
+/// One log at a time may append; the caller holds a [`Lock`](crate::Lock) for as long as others could. Bytes after the last
+/// line end are what a program that died left of a line: nobody was promised that line, readers leave it out
+/// ([`Log::whole_lines`]), and the next line takes its place.
+#[derive(Debug)]
+pub struct Log {
+    folder: Folder,
+    name: PathBuf,
+    file: File,
+    /// The end of the last whole line, bytes; unknown before the first append.
+    end: Option<u64>,
+    /// The name of a new file lasts only once its folder is on the disk.
+    folder_is_synced: bool,
+    poisoned: bool,
+}
+
+impl Folder {
+    /// Opens the log of that name directly in this folder, created where it is missing. Nothing is changed by that.
+    ///
+    /// # Errors
+    /// The name of a link or of anything else that is no regular file, or a refusal of the operating system.
+    pub fn log(&self, name: &str) -> Result<Log, StorageError> {
+        let name = PathBuf::from(name);
+        let file = self.open_private(&name)?;
+        Ok(Log { folder: self.clone(), name, file, end: None, folder_is_synced: false, poisoned: false })
+    }
+}
+
+impl Log {
+    /// The part of a log's bytes that consists of whole lines.
+    pub fn whole_lines(bytes: &[u8]) -> &[u8] {
+        let end = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        &bytes[..end]
+    }
+
+    /// The whole lines of the log, with their line ends.
+    ///
+    /// # Errors
+    /// More than `limit` bytes, or a refusal of the operating system.
+    pub fn read(&mut self, limit: u64) -> Result<Vec<u8>, StorageError> {
+        let file = self.file.try_clone().map_err(|source| self.cannot("read", source))?;
+        let mut bytes = regular::read(cap_std::fs::File::from_std(file), &self.path(), limit)?;
+        bytes.truncate(Self::whole_lines(&bytes).len());
+        Ok(bytes)
+    }
+
+    /// Appends `line`, a line end, and waits until they are on the disk.
+    ///
+    /// The line must not contain a line end; one that does is refused.
+    ///
+    /// # Errors
+    /// A refusal of the operating system, such as a full disk. The log is then what it was before; if not even that can be
+    /// achieved, it is poisoned and refuses every further append until it is opened again.
+    pub fn append(&mut self, line: &[u8]) -> Result<(), StorageError> {
+        if self.poisoned {
+            return Err(StorageError::Poisoned { path: self.path() });
+        }
+        if line.contains(&b'\n') {
+            return Err(self.cannot("write", io::Error::new(io::ErrorKind::InvalidInput, "a line contains a line end")));
+        }
+        let end = self.find_end().map_err(|source| self.cannot("read", source))?;
+        let mut bytes = Vec::with_capacity(line.len() + 1);
+        bytes.extend_from_slice(line);
+        bytes.push(b'\n');
+        match self.write_at(end, &bytes) {
+            Ok(()) => {
+                self.end = Some(end + bytes.len() as u64);
+                Ok(())
+            }
+            Err(source) => {
+                self.poisoned = self.take_back(end).is_err();
+                Err(self.cannot("write", source))
+            }
+        }
+    }
+
+    /// Where the log was when it was opened, for messages.
+    pub fn path(&self) -> PathBuf {
+        self.folder.path().join(&self.name)
+    }
+
+    /// The end of the last whole line. What other logs have appended meanwhile is seen.
+    fn find_end(&mut self) -> io::Result<u64> {
+        const PIECE: u64 = 4096;
+        let length = self.file.metadata()?.len();
+        if self.end == Some(length) {
+            return Ok(length);
+        }
+        let mut end = length;
+        while end > 0 {
+            let start = end.saturating_sub(PIECE);
+            let mut piece = Vec::new();
+            self.file.seek(SeekFrom::Start(start))?;
+            Read::by_ref(&mut self.file).take(end - start).read_to_end(&mut piece)?;
+            if let Some(at) = piece.iter().rposition(|&byte| byte == b'\n') {
+                return Ok(start + at as u64 + 1);
+            }
+            end = start;
+        }
+        Ok(0)
+    }
+
+    fn write_at(&mut self, end: u64, bytes: &[u8]) -> io::Result<()> {
+        if self.file.metadata()?.len() > end {
+            // The remains of a line may be longer than the line that takes its place.
+            self.folder.gate(Call::Truncate, &self.name)?;
+            self.file.set_len(end)?;
+        }
+        self.file.seek(SeekFrom::Start(end))?;
+        self.folder.write(&mut self.file, &self.name, bytes)?;
+        self.folder.gate(Call::Sync, &self.name)?;
+        self.file.sync_data()?;
+        if !self.folder_is_synced {
+            self.folder.sync()?;
+            self.folder_is_synced = true;
+        }
+        Ok(())
+    }
+
+    /// Removes what a failed append has left, so that a line which was not promised is not found later.
+    fn take_back(&mut self, end: u64) -> io::Result<()> {
+        self.folder.gate(Call::Truncate, &self.name)?;
+        self.file.set_len(end)?;
+        self.folder.gate(Call::Sync, &self.name)?;
+        self.file.sync_data()
+    }
+
+    fn cannot(&self, action: &'static str, source: io::Error) -> StorageError {
+        self.folder.cannot(action, &self.name, source)
+    }
+}
