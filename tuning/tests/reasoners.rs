@@ -4,10 +4,12 @@
 
 mod support;
 
-use msk_tuning::reasoner::{Http, Process, Reasoner, ReasonerError, ReplyError, Request, RuleBook, from_file, prompt, read};
+use msk_tuning::reasoner::{
+    Http, Process, Proposal, Reasoner, ReasonerError, ReplyError, Request, RuleBook, Secret, Secrets, from_file, prompt, read,
+};
 use std::io::{Read, Write};
 use std::net::TcpListener;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use support::{episodes, request, trial};
@@ -68,11 +70,12 @@ fn the_prompt_holds_terms_with_ranges_bounds_and_units_and_wants_data_only() {
 fn answers_are_read_strictly_but_words_around_them_are_forgiven() {
     let request = asked();
     let proposal =
-        read("Sure!\n```json\n{\"weights\": {\"alive\": 4, \"pose\": 11.5}, \"reason\": \"more of it\"}\n```", &request).unwrap();
+        read("Sure!\n```json\n{\"weights\": {\"alive\": 4, \"pose\": 11.5}, \"reason\": \"more of it\"}\n```", &request, &Secrets::default())
+        .unwrap();
     assert_eq!(proposal.weights, [("pose".to_owned(), 11.5), ("alive".to_owned(), 4.0)]);
     assert_eq!(proposal.reason, "more of it");
-    assert_eq!(read("{\"pose\": 11}", &request).unwrap().weights, [("pose".to_owned(), 11.0)]);
-    let wrong = |text: &str| read(text, &request).unwrap_err().to_string();
+    assert_eq!(read("{\"pose\": 11}", &request, &Secrets::default()).unwrap().weights, [("pose".to_owned(), 11.0)]);
+    let wrong = |text: &str| read(text, &request, &Secrets::default()).unwrap_err().to_string();
     assert!(wrong("pose = 12").contains("expected one JSON object"));
     assert!(wrong("{\"weights\": {\"pose\": 11.5, \"ali").contains("ends in the middle"));
     assert!(wrong("{\"psoe\": 11}").contains("did you mean `pose`?"));
@@ -207,11 +210,11 @@ fn http(url: &str, attempts: u32) -> Http {
     let text = "kind = \"http\"\nurl = \"https://unused.invalid\"\nmodel = \"m\"\nkey_variable = \"THE_KEY\"\n";
     std::fs::write(&file, text).unwrap();
     assert!(from_file(&file, |name| (name == "THE_KEY").then(|| KEY.into())).is_ok());
-    let key = msk_tuning::reasoner::Secret::new(KEY);
+    let key = Secret::new(KEY);
     Http::new(url, "thinker", Some(key), Duration::from_secs(4), attempts).unwrap().pause(Duration::from_millis(10))
 }
 
-fn propose(reasoner: &dyn Reasoner, request: &Request) -> Result<msk_tuning::reasoner::Proposal, ReasonerError> {
+fn propose(reasoner: &dyn Reasoner, request: &Request) -> Result<Proposal, ReasonerError> {
     reasoner.propose(request, &AtomicBool::new(false))
 }
 
@@ -262,6 +265,91 @@ fn every_failure_says_what_it_was_and_none_shows_the_key() {
     assert!(error.contains("no answer after 2 attempt(s)"), "{error}");
 }
 
+/// A chat whose content is a list of JSON of its own, with the key written in the ways that JSON allows.
+fn echo(stream: &mut std::net::TcpStream) {
+    let content = format!("{{\"weights\": {{\"pose\": 11.5, \"{KEY}\": 1}}, \"reason\": \"{KEY}\"}}");
+    send(stream, "200 OK", &chat(&content));
+}
+fn echo_as_number(stream: &mut std::net::TcpStream) {
+    send(stream, "200 OK", &chat(&format!("{{\"weights\": {{\"pose\": [\"\\u0073{}\"]}}}}", &KEY[1..])));
+}
+fn echo_in_words(stream: &mut std::net::TcpStream) {
+    send(stream, "200 OK", &chat(&format!("your key is {KEY}")));
+}
+fn echo_at_the_cut(stream: &mut std::net::TcpStream) {
+    send(stream, "200 OK", &chat(&format!("{}{KEY}", "x".repeat(1993))));
+}
+fn echo_without_choices(stream: &mut std::net::TcpStream) {
+    send(stream, "200 OK", &format!("{{\"\\u0073{}\": \"{KEY}\", \"{KEY}\": [\"\\u0073{}\"]}}", &KEY[1..], &KEY[1..]));
+}
+fn echo_broken(stream: &mut std::net::TcpStream) {
+    send(stream, "200 OK", &format!("{{\"model\": \"{KEY}"));
+}
+fn echo_refused(stream: &mut std::net::TcpStream) {
+    send(stream, "403 Forbidden", &format!("{}{KEY}", "x".repeat(1990)));
+}
+fn echo_busy(stream: &mut std::net::TcpStream) {
+    send(stream, "503 Service Unavailable", &format!("{{\"{KEY}\": \"{}{KEY}\"}}", "x".repeat(1975)));
+}
+fn echo_status(stream: &mut std::net::TcpStream) {
+    send(stream, &format!("418 {KEY}"), KEY);
+}
+fn echo_in_a_good_answer(stream: &mut std::net::TcpStream) {
+    let content = format!("{KEY} {{\"weights\": {{\"pose\": 11.5}}, \"reason\": \"{}{KEY} {KEY}\"}}", "x".repeat(1990));
+    let reply = serde_json::json!({ "model": KEY, "choices": [{ "message": { "content": content } }], KEY: KEY });
+    send(stream, "200 OK", &reply.to_string());
+}
+
+#[test]
+fn an_endpoint_that_echoes_the_key_gets_it_into_nothing() {
+    let request = asked();
+    let cases: [Answering; 10] = [
+        echo,
+        echo_as_number,
+        echo_in_words,
+        echo_at_the_cut,
+        echo_without_choices,
+        echo_broken,
+        echo_refused,
+        echo_busy,
+        echo_status,
+        echo_in_a_good_answer,
+    ];
+    for (index, answer) in cases.into_iter().enumerate() {
+        let (url, heard) = server(vec![answer]);
+        let reasoner = http(&url, 1);
+        let result = propose(&reasoner, &request);
+        assert!(heard.lock().unwrap()[0].contains(KEY), "the key was sent");
+        let told = match &result {
+            Ok(proposal) => serde_json::to_string(proposal).unwrap(),
+            Err(error) => error.to_string(),
+        };
+        let told = format!("{told} {result:?} {reasoner:?} {}", reasoner.name());
+        // Nor the part of it that a cut leaves.
+        assert!(!told.contains("sk-v"), "case {index}: {told}");
+        assert_eq!(result.is_ok(), index == 9, "case {index}: {told}");
+    }
+}
+
+#[test]
+fn an_interrupt_does_not_wait_for_the_endpoint() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}/v1", listener.local_addr().unwrap());
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked_to_stop = stop.clone();
+    // It hears the question and never answers; only the end of the test ends the connection.
+    let silent = std::thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        hear(&mut stream);
+        asked_to_stop.store(true, Ordering::Relaxed);
+        stream
+    });
+    let reasoner = Http::new(&url, "thinker", None, Duration::from_secs(20), 1).unwrap();
+    let result = reasoner.propose(&asked(), &stop);
+    assert!(matches!(result, Err(ReasonerError::Interrupted)), "{result:?}");
+    drop(silent.join().unwrap());
+}
+
 #[test]
 fn a_refusal_is_not_asked_again() {
     let (url, heard) = server(vec![refused, well]);
@@ -271,7 +359,7 @@ fn a_refusal_is_not_asked_again() {
 
 #[test]
 fn a_key_travels_under_cover_only() {
-    let key = || Some(msk_tuning::reasoner::Secret::new(KEY));
+    let key = || Some(Secret::new(KEY));
     let new = |url: &str, key| Http::new(url, "m", key, Duration::from_secs(1), 1).map(|_| ());
     assert!(new("http://example.org/v1", key()).unwrap_err().contains("https only"));
     assert!(new("http://localhost.example.org/v1", key()).is_err());
@@ -281,7 +369,7 @@ fn a_key_travels_under_cover_only() {
 }
 
 fn process(script: &str, limit: Duration) -> Process {
-    Process { command: vec!["sh".into(), "-c".into(), script.into()], limit }
+    Process::new(vec!["sh".into(), "-c".into(), script.into()], limit, &[], |name| std::env::var(name).ok()).unwrap()
 }
 
 #[cfg(unix)]
@@ -294,7 +382,7 @@ fn a_program_answers_or_its_failure_is_told() {
     assert!(told("echo 'no idea' >&2; exit 3").contains("it ended with code 3: no idea"));
     assert!(told("echo '{\"pose\": '").contains("ends in the middle"));
     assert!(told("true").contains("there is none"));
-    let missing = Process { command: vec!["./none-of-that-name".into()], limit: long };
+    let missing = Process::new(vec!["./none-of-that-name".into()], long, &[], |_| None).unwrap();
     assert!(matches!(propose(&missing, &request), Err(ReasonerError::Refuses(_))));
 }
 
@@ -309,6 +397,89 @@ fn a_program_that_never_ends_is_ended() {
     assert!(matches!(stopped, Err(ReasonerError::Interrupted)));
 }
 
+/// A pipe with a name, which both ends open; and a path for a mark.
+#[cfg(unix)]
+fn pipe(folder: &tempfile::TempDir) -> (std::path::PathBuf, std::path::PathBuf) {
+    let pipe = folder.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    (pipe, folder.path().join("mark"))
+}
+
+#[cfg(unix)]
+#[test]
+fn what_a_program_has_started_ends_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (pipe, mark) = pipe(&folder);
+    // A child of the program's child holds the pipe open, and leaves a mark if it lives to the end.
+    let script = format!("exec 9>{}; (sh -c 'sleep 20; echo lived > {}') & wait", pipe.display(), mark.display());
+    let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
+    let error = propose(&process(&script, Duration::from_millis(500)), &asked()).unwrap_err().to_string();
+    assert!(error.contains("no answer within 0.5 s"), "{error}");
+    // The pipe ends once nobody of them is left.
+    assert!(reader.join().unwrap().is_empty());
+    assert!(!mark.exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_answer_counts_although_somebody_holds_the_output_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let (pipe, mark) = pipe(&folder);
+    let script = format!("exec 9>{}; (sleep 20; echo lived > {}) & echo '{{\"pose\": 11}}'", pipe.display(), mark.display());
+    let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
+    let proposal = propose(&process(&script, Duration::from_secs(60)), &asked()).unwrap();
+    assert_eq!(proposal.weights, [("pose".to_owned(), 11.0)]);
+    assert!(reader.join().unwrap().is_empty() && !mark.exists(), "what it left behind has ended");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_answer_counts_although_somebody_outside_the_group_holds_the_output_open() {
+    let script = "setsid sleep 20 & echo '{\"pose\": 11}'";
+    let proposal = propose(&process(script, Duration::from_secs(60)), &asked()).unwrap();
+    assert_eq!(proposal.weights, [("pose".to_owned(), 11.0)]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_may_write_many_errors_and_no_endless_answer() {
+    let long = Duration::from_secs(60);
+    let chatty = "head -c 3000000 /dev/zero >&2 && echo '{\"pose\": 11}'";
+    assert_eq!(propose(&process(chatty, long), &asked()).unwrap().weights, [("pose".to_owned(), 11.0)]);
+    let error = propose(&process("echo '{\"pose\": 11}'; head -c 3000000 /dev/zero", long), &asked()).unwrap_err();
+    assert!(error.to_string().contains("longer than 1048576 bytes"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_gets_the_variables_that_its_settings_name_and_their_values_are_not_shown() {
+    let own = |name: &str| match name {
+        "TOKEN" => Some(KEY.to_owned()),
+        "DEVICE" => Some("1".to_owned()),
+        _ => std::env::var(name).ok(),
+    };
+    let ask = |script: &str| {
+        let command = vec!["sh".into(), "-c".into(), script.into()];
+        let process = Process::new(command, Duration::from_secs(60), &["TOKEN".into(), "DEVICE".into()], own).unwrap();
+        propose(&process, &asked())
+    };
+    let names = "env | cut -d= -f1 | tr '\n' ' '";
+    let told = ask(&format!("echo \"{{\\\"weights\\\": {{\\\"pose\\\": 11}}, \\\"reason\\\": \\\"$({names})\\\"}}\"")).unwrap().reason;
+    let got: Vec<&str> = told.split(' ').collect();
+    assert!(got.contains(&"PATH") && got.contains(&"TOKEN") && got.contains(&"DEVICE"), "{told}");
+    // Cargo sets this for every test; a key of the user's would be no different.
+    assert!(std::env::var("CARGO_MANIFEST_DIR").is_ok() && !told.contains("CARGO"), "{told}");
+
+    let reason = ask("echo \"{\\\"weights\\\": {\\\"pose\\\": 11}, \\\"reason\\\": \\\"$TOKEN on $DEVICE\\\"}\"").unwrap().reason;
+    assert_eq!(reason, "(TOKEN) on 1");
+    for script in ["echo $TOKEN >&2; exit 3", "echo $TOKEN", "echo \"{\\\"$TOKEN\\\": 1}\"", "printf '%1995s' x; echo $TOKEN"] {
+        let error = ask(script).unwrap_err();
+        assert!(!format!("{error} {error:?}").contains("sk-v"), "{script}: {error:?}");
+    }
+    let missing = Process::new(vec!["true".into()], Duration::from_secs(1), &["MSK_NONE".into()], |_| None);
+    assert_eq!(missing.err().as_deref(), Some("MSK_NONE"));
+}
+
 #[test]
 fn settings_that_make_no_sense_are_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -320,9 +491,13 @@ fn settings_that_make_no_sense_are_told() {
     assert!(told("kind = \"oracle\"").contains("unknown variant `oracle`"));
     assert!(told("kind = \"http\"\nurl = \"https://h\"").contains("missing field `model`"));
     assert!(told("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey = \"sk\"").contains("unknown field `key`"));
+    assert!(told("kind = \"rules\"\nkey = sk\n").contains("line 2: "));
+    // A key in the wrong place is not repeated.
+    assert!(!told("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey = \"sk-very-secret\"").contains("sk-v"));
+    assert!(told("kind = \"process\"\ncommand = [\"a\"]\nenvironment = [\"K\"]").contains("variable `K` is not set"));
     assert!(told("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey_variable = \"K\"").contains("variable `K`"));
     assert!(told("kind = \"process\"\ncommand = []").contains("`command` is empty"));
     assert!(told("kind = \"process\"\ncommand = [\"a\"]\ntimeout_s = -1").contains("timeout_s"));
     assert_eq!(told("kind = \"rules\""), "");
-    assert!(matches!(read("{", &asked()), Err(ReplyError::NoObject(_))));
+    assert!(matches!(read("{", &asked(), &Secrets::default()), Err(ReplyError::NoObject(_))));
 }

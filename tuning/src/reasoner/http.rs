@@ -1,9 +1,10 @@
 //! A reasoner behind an endpoint for chats, in the form that OpenAI began and most others understand.
 
-use super::{Proposal, Reasoner, ReasonerError, Request, prompt, read, shortened};
+use super::{GLANCE, Proposal, Reasoner, ReasonerError, Request, Secret, Secrets, prompt, read};
 use serde_json::{Value, json};
-use std::fmt;
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 use ureq::Agent;
 
@@ -19,31 +20,12 @@ pub struct Http {
     url: String,
     model: String,
     key: Option<Secret>,
+    /// The key again, as what must not be shown.
+    secrets: Secrets,
     temperature: f64,
     attempts: u32,
     pause: Duration,
     agent: Agent,
-}
-
-/// A key: it is sent and never shown.
-pub struct Secret(String);
-
-impl fmt::Debug for Secret {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("(a key)")
-    }
-}
-
-impl Secret {
-    /// Of a text.
-    pub fn new(key: impl Into<String>) -> Self {
-        Self(key.into())
-    }
-
-    /// A text without the key, should a server have repeated it.
-    fn out_of(&self, text: &str) -> String {
-        if self.0.is_empty() { text.to_owned() } else { text.replace(&self.0, "(key)") }
-    }
 }
 
 /// One failure.
@@ -84,8 +66,8 @@ impl Http {
             .max_redirects_will_error(false);
         let config = if here { config.proxy(None) } else { config };
         let agent = config.build().new_agent();
-        let attempts = attempts.max(1);
-        Ok(Self { url, model: model.to_owned(), key, temperature: 0.2, attempts, pause: PAUSE, agent })
+        let (attempts, secrets) = (attempts.max(1), Secrets::new(key.clone()));
+        Ok(Self { url, model: model.to_owned(), key, secrets, temperature: 0.2, attempts, pause: PAUSE, agent })
     }
 
     /// The same with another temperature.
@@ -98,54 +80,65 @@ impl Http {
         Self { pause, ..self }
     }
 
-    fn ask(&self, request: &Request, question: &str) -> Result<Proposal, Failure> {
-        let silent = |reason: String| ReasonerError::Silent { attempts: 1, reason: self.clean(&reason) };
+    fn ask(&self, request: &Request, question: &str, stop: &AtomicBool) -> Result<Proposal, Failure> {
+        let silent = |reason: &str| ReasonerError::Silent { attempts: 1, reason: self.secrets.shown(reason) };
+        let answer = self.post(question).map_err(|error| Failure::Passing(silent(&error.to_string())))?;
+        let (status, text) = loop {
+            match answer.recv_timeout(GLANCE) {
+                Ok(Ok(answer)) => break answer,
+                Ok(Err(error @ (ureq::Error::BadUri(_) | ureq::Error::Http(_)))) => {
+                    return Err(Failure::Lasting(silent(&error.to_string())));
+                }
+                Ok(Err(error)) => return Err(Failure::Passing(silent(&error.to_string()))),
+                Err(RecvTimeoutError::Disconnected) => return Err(Failure::Passing(silent("the call broke off"))),
+                Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => {
+                    return Err(Failure::Lasting(ReasonerError::Interrupted));
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+        };
+        let told = || format!("status {status}: {}", self.secrets.shown_body(&text));
+        match status {
+            200..=299 => self.proposal(&text, request).map_err(Failure::Passing),
+            408 | 425 | 429 | 500..=599 => Err(Failure::Passing(ReasonerError::Silent { attempts: 1, reason: told() })),
+            _ => Err(Failure::Lasting(ReasonerError::Refuses(told()))),
+        }
+    }
+
+    /// Asks in a thread of its own, which gives status and text. Who does not wait for it leaves it to its time limit: a call that
+    /// is under way cannot be called off.
+    fn post(&self, question: &str) -> io::Result<Receiver<Result<(u16, String), ureq::Error>>> {
         let body = json!({
             "model": self.model,
             "temperature": self.temperature,
             "messages": [{ "role": "user", "content": question }],
         });
         let mut post = self.agent.post(format!("{}/chat/completions", self.url)).header("content-type", "application/json");
-        if let Some(Secret(key)) = &self.key {
-            post = post.header("authorization", format!("Bearer {key}"));
+        if let Some(key) = &self.key {
+            post = post.header("authorization", format!("Bearer {}", key.reveal()));
         }
-        let mut response = match post.send(body.to_string()) {
-            Ok(response) => response,
-            Err(error @ (ureq::Error::BadUri(_) | ureq::Error::Http(_))) => {
-                return Err(Failure::Lasting(silent(error.to_string())));
-            }
-            Err(error) => return Err(Failure::Passing(silent(error.to_string()))),
-        };
-        let status = response.status().as_u16();
-        let text = response.body_mut().with_config().limit(LONGEST).read_to_string();
-        let text = text.map_err(|error| Failure::Passing(silent(error.to_string())))?;
-        match status {
-            200..=299 => {}
-            408 | 425 | 429 | 500..=599 => {
-                return Err(Failure::Passing(silent(format!("status {status}: {}", shortened(&text)))));
-            }
-            _ => {
-                let told = self.clean(&format!("status {status}: {}", shortened(&text)));
-                return Err(Failure::Lasting(ReasonerError::Refuses(told)));
-            }
-        }
-        self.proposal(&text, request).map_err(Failure::Passing)
+        let (sender, receiver) = mpsc::channel();
+        std::thread::Builder::new().spawn(move || {
+            let answer = post.send(body.to_string()).and_then(|mut response| {
+                let text = response.body_mut().with_config().limit(LONGEST).read_to_string()?;
+                Ok((response.status().as_u16(), text))
+            });
+            // Nobody may be listening any more.
+            let _ = sender.send(answer);
+        })?;
+        Ok(receiver)
     }
 
     /// The proposal in the first choice of an answer.
     fn proposal(&self, text: &str, request: &Request) -> Result<Proposal, ReasonerError> {
-        let wrong = |source, said: &str| ReasonerError::Reply { source, said: self.clean(&shortened(said)) };
+        let wrong = |source, said: &str| ReasonerError::Reply { source, said: self.secrets.shown_body(said) };
         let none = |reason: &str| super::ReplyError::NoObject(reason.to_owned());
         let reply: Value = serde_json::from_str(text).map_err(|error| wrong(none(&error.to_string()), text))?;
         let content = reply["choices"][0]["message"]["content"].as_str();
         let content = content.ok_or_else(|| wrong(none("the reply has no choices[0].message.content"), text))?;
-        let proposal = read(content, request).map_err(|source| wrong(source, content))?;
+        let proposal = read(content, request, &self.secrets).map_err(|source| wrong(source, content))?;
         let by = reply["model"].as_str().unwrap_or(&self.model);
-        Ok(Proposal { by: self.clean(by), reason: self.clean(&proposal.reason), ..proposal })
-    }
-
-    fn clean(&self, text: &str) -> String {
-        self.key.as_ref().map_or_else(|| text.to_owned(), |key| key.out_of(text))
+        Ok(Proposal { by: self.secrets.shown(by), ..proposal })
     }
 }
 
@@ -162,7 +155,7 @@ impl Reasoner for Http {
             if stop.load(Ordering::Relaxed) {
                 return Err(ReasonerError::Interrupted);
             }
-            let error = match self.ask(request, &question) {
+            let error = match self.ask(request, &question, stop) {
                 Ok(proposal) => return Ok(proposal),
                 Err(Failure::Lasting(error)) => return Err(error),
                 Err(Failure::Passing(error)) => error,
@@ -175,7 +168,7 @@ impl Reasoner for Http {
             }
             let begin = Instant::now();
             while begin.elapsed() < pause && !stop.load(Ordering::Relaxed) {
-                std::thread::sleep(Duration::from_millis(5));
+                std::thread::sleep(GLANCE);
             }
             (pause, attempt) = (pause.saturating_mul(2), attempt + 1);
         }

@@ -3,23 +3,30 @@
 //! A proposal is data and nothing else: a number for a name. It is read strictly, and what the rules of change make of it is
 //! not the reasoner's business.
 
+mod group;
 mod http;
 mod process;
 mod prompt;
 mod reply;
 mod rules;
+mod secrets;
 mod settings;
 
-pub use http::{Http, Secret};
+pub use http::Http;
 pub use process::Process;
 pub use prompt::prompt;
 pub use reply::{Proposal, ReplyError, read};
 pub use rules::RuleBook;
+pub use secrets::{Secret, Secrets};
 pub use settings::{SettingsError, from_file};
 
 use crate::statistics::Statistics;
 use serde::Serialize;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// How often an answer that is waited for and the interrupt are looked at.
+const GLANCE: Duration = Duration::from_millis(10);
 
 /// What a reasoner is asked.
 #[derive(Debug, Clone, Serialize)]
@@ -76,7 +83,7 @@ pub enum ReasonerError {
     Reply {
         /// What is wrong with it.
         source: ReplyError,
-        /// What it said, cut to a length that fits a log.
+        /// What it said, without secrets and cut to a length that fits a log.
         said: String,
     },
     /// The run was interrupted while it was asked.
@@ -94,14 +101,4 @@ pub trait Reasoner {
     /// # Errors
     /// No answer, or one that is no proposal.
     fn propose(&self, request: &Request, stop: &AtomicBool) -> Result<Proposal, ReasonerError>;
-}
-
-/// The first characters of a text, for logs.
-fn shortened(text: &str) -> String {
-    const LONGEST: usize = 2000;
-    let mut short: String = text.chars().take(LONGEST).collect();
-    if short.len() < text.len() {
-        short.push_str(" ...");
-    }
-    short
 }

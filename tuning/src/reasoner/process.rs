@@ -1,25 +1,53 @@
 //! A reasoner that is a program: it gets the request as JSON on its standard input and answers on its standard output.
 
-use super::{Proposal, Reasoner, ReasonerError, Request, prompt, read, shortened};
+use super::group::Group;
+use super::{GLANCE, Proposal, Reasoner, ReasonerError, Request, Secrets, prompt, read};
 use serde_json::json;
-use std::io::{Read, Write};
-use std::process::{Child, Command, Stdio};
+use std::io::{self, Read, Write};
+use std::process::{Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Longest answer that is read, bytes.
-const LONGEST: u64 = 1 << 20;
-/// How often the program and the interrupt are looked at.
-const GLANCE: Duration = Duration::from_millis(10);
+const LONGEST: usize = 1 << 20;
+/// How long the end of an output is waited for when somebody outside the program's group holds it open.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// What every program needs of the environment.
+#[cfg(not(windows))]
+const USUAL: &[&str] = &["PATH", "HOME", "LANG"];
+#[cfg(windows)]
+const USUAL: &[&str] = &["PATH", "HOME", "LANG", "SystemRoot", "TEMP", "USERPROFILE"];
 
 /// A program.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Process {
-    /// The program and its arguments; no shell stands between.
-    pub command: Vec<String>,
-    /// Time that it has for an answer.
-    pub limit: Duration,
+    command: Vec<String>,
+    limit: Duration,
+    variables: Vec<(String, String)>,
+    secrets: Secrets,
+}
+
+impl Process {
+    /// A program with its arguments (no shell stands between), and the time that it has for an answer.
+    ///
+    /// Of the environment, which `lookup` looks up, it gets PATH, HOME and LANG, and the variables named in `named`, whose values
+    /// are taken for secrets.
+    ///
+    /// # Errors
+    /// The name of a variable that is not set.
+    pub fn new(
+        command: Vec<String>,
+        limit: Duration,
+        named: &[String],
+        lookup: impl Fn(&str) -> Option<String>,
+    ) -> Result<Self, String> {
+        let find = |name: &String| lookup(name).map(|value| (name.clone(), value)).ok_or_else(|| name.clone());
+        let named = named.iter().map(find).collect::<Result<Vec<_>, _>>()?;
+        let secrets = Secrets::of_variables(&named);
+        let usual = USUAL.iter().filter_map(|name| Some(((*name).to_owned(), lookup(name)?)));
+        Ok(Self { command, limit, variables: usual.chain(named).collect(), secrets })
+    }
 }
 
 impl Reasoner for Process {
@@ -30,71 +58,118 @@ impl Reasoner for Process {
     fn propose(&self, request: &Request, stop: &AtomicBool) -> Result<Proposal, ReasonerError> {
         let question = json!({ "request": request, "prompt": prompt(request) }).to_string();
         let said = self.ask(question, stop)?;
-        let proposal = read(&said, request);
-        proposal.map_err(|source| ReasonerError::Reply { source, said: shortened(&said) })
+        let proposal = read(&said, request, &self.secrets);
+        proposal.map_err(|source| ReasonerError::Reply { source, said: self.secrets.shown_body(&said) })
     }
 }
 
 impl Process {
     fn ask(&self, question: String, stop: &AtomicBool) -> Result<String, ReasonerError> {
         let silent = |reason: String| ReasonerError::Silent { attempts: 1, reason };
-        let Some((program, arguments)) = self.command.split_first() else {
-            return Err(ReasonerError::Refuses("no command is given".into()));
-        };
-        let mut child = Command::new(program)
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|error| ReasonerError::Refuses(format!("`{program}` cannot be started: {error}")))?;
+        let system = |error: io::Error| silent(format!("it cannot be waited for: {error}"));
+        let mut group = self.start()?;
+        let child = group.child();
         let (Some(mut input), Some(output), Some(errors)) = (child.stdin.take(), child.stdout.take(), child.stderr.take()) else {
             return Err(silent("it has no standard input or output".into()));
         };
         // Threads of their own: a program that does not read must not block, and one that never ends its output neither.
         // A program may answer without reading its question to the end.
         std::thread::spawn(move || input.write_all(question.as_bytes()));
-        let (output, errors) = (whole(output), whole(errors));
-        let status = self.wait(&mut child, stop)?;
-        // Whoever inherited the output could hold it open after the program has ended.
-        let answer = output.recv_timeout(Duration::from_secs(5)).unwrap_or_default();
-        if status != Some(0) {
-            let errors = errors.recv_timeout(Duration::from_secs(1)).unwrap_or_default();
-            let code = status.map_or("a signal ended it".into(), |code| format!("it ended with code {code}"));
-            return Err(silent(shortened(
-                format!("{code}: {}", String::from_utf8_lossy(&errors)).trim_end_matches([':', ' ', '\n']),
-            )));
+        let (output, errors) = (Output::read(output), Output::read(errors));
+        let begin = Instant::now();
+        while !group.has_ended().map_err(system)? {
+            if stop.load(Ordering::Relaxed) {
+                return Err(ReasonerError::Interrupted);
+            }
+            if begin.elapsed() >= self.limit {
+                return Err(silent(format!("no answer within {} s", self.limit.as_secs_f64())));
+            }
+            std::thread::sleep(GLANCE);
         }
-        String::from_utf8(answer).map_err(|_| silent("its answer is no text".into()))
+        // Others of the group could hold the output open, and with it the answer that is in it.
+        let status = group.end().map_err(system)?;
+        if !status.success() {
+            return Err(silent(self.failure(status, &errors.take())));
+        }
+        let answer = output.take();
+        if answer.len() > LONGEST {
+            return Err(silent(format!("its answer is longer than {LONGEST} bytes")));
+        }
+        String::from_utf8(answer).map_err(|_| silent("its answer is not UTF-8 text".into()))
     }
 
-    /// The exit code, once it has ended; a program that takes too long is ended.
-    fn wait(&self, child: &mut Child, stop: &AtomicBool) -> Result<Option<i32>, ReasonerError> {
-        let start = Instant::now();
-        loop {
-            match child.try_wait() {
-                Ok(Some(status)) => return Ok(status.code()),
-                Ok(None) if start.elapsed() < self.limit && !stop.load(Ordering::Relaxed) => std::thread::sleep(GLANCE),
-                _ => break,
-            }
+    fn start(&self) -> Result<Group, ReasonerError> {
+        let Some((program, arguments)) = self.command.split_first() else {
+            return Err(ReasonerError::Refuses("no command is given".into()));
+        };
+        let mut command = Command::new(program);
+        command.args(arguments).env_clear().envs(self.variables.iter().map(|(name, value)| (name, value)));
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        Group::start(&mut command)
+            .map_err(|error| ReasonerError::Refuses(format!("`{program}` cannot be started: {error}")))
+    }
+
+    fn failure(&self, status: ExitStatus, errors: &[u8]) -> String {
+        let code = status.code().map_or("a signal ended it".into(), |code| format!("it ended with code {code}"));
+        match self.secrets.shown(String::from_utf8_lossy(errors).trim()) {
+            errors if errors.is_empty() => code,
+            errors => format!("{code}: {errors}"),
         }
-        // It may have ended by itself in this moment: that is as well.
-        let _ = child.kill();
-        let _ = child.wait();
-        if stop.load(Ordering::Relaxed) {
-            return Err(ReasonerError::Interrupted);
-        }
-        Err(ReasonerError::Silent { attempts: 1, reason: format!("no answer within {} s", self.limit.as_secs_f64()) })
     }
 }
 
-/// All that comes, in a thread of its own.
-fn whole(source: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        let mut bytes = Vec::new();
-        let _ = source.take(LONGEST).read_to_end(&mut bytes);
-        let _ = sender.send(bytes);
-    });
-    receiver
+/// What a program has written so far: read in a thread of its own, to the end, so that the program is never held up.
+#[derive(Clone, Default)]
+struct Output(Arc<(Mutex<Written>, Condvar)>);
+
+#[derive(Default)]
+struct Written {
+    /// The beginning, one byte longer than the longest answer if there was more.
+    bytes: Vec<u8>,
+    total: u64,
+    over: bool,
+}
+
+impl Output {
+    fn read(mut source: impl Read + Send + 'static) -> Self {
+        let output = Self::default();
+        let written = output.clone();
+        std::thread::spawn(move || {
+            let mut piece = [0; 8192];
+            loop {
+                let count = match source.read(&mut piece) {
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                    count => count.unwrap_or(0),
+                };
+                let (mut written, changed) = written.lock();
+                let room = (LONGEST + 1).saturating_sub(written.bytes.len());
+                written.bytes.extend_from_slice(&piece[..count.min(room)]);
+                written.total += count as u64;
+                written.over = count == 0;
+                changed.notify_all();
+                if count == 0 {
+                    break;
+                }
+            }
+        });
+        output
+    }
+
+    /// All of it once it has ended, or once nothing has been added for a while: who holds it open need not write any more.
+    fn take(&self) -> Vec<u8> {
+        let (mut written, changed) = self.lock();
+        loop {
+            let before = written.total;
+            let still = |written: &mut Written| !written.over && written.total == before;
+            (written, _) = changed.wait_timeout_while(written, PATIENCE, still).unwrap_or_else(PoisonError::into_inner);
+            if written.over || written.total == before {
+                return std::mem::take(&mut written.bytes);
+            }
+        }
+    }
+
+    /// A thread that panicked left what it had read.
+    fn lock(&self) -> (MutexGuard<'_, Written>, &Condvar) {
+        (self.0.0.lock().unwrap_or_else(PoisonError::into_inner), &self.0.1)
+    }
 }

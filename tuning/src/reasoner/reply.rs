@@ -1,6 +1,6 @@
 //! Reading a reasoner's answer.
 
-use super::Request;
+use super::{Request, Secrets};
 use msk_compiler::diagnostics::nearest;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -42,9 +42,11 @@ pub enum ReplyError {
 
 /// The proposal in an answer: the first JSON object in the text, either of weights, or with weights and a reason.
 ///
+/// Nothing else of the text comes back than terms of the task, numbers, and words without the `secrets`.
+///
 /// # Errors
 /// An answer without such an object, or one with other things in it than numbers for terms of the task.
-pub fn read(text: &str, request: &Request) -> Result<Proposal, ReplyError> {
+pub fn read(text: &str, request: &Request, secrets: &Secrets) -> Result<Proposal, ReplyError> {
     let object = object(text)?;
     let (weights, reason) = match object.get("weights") {
         Some(Value::Object(weights)) => (weights, object.get("reason").and_then(Value::as_str).unwrap_or_default().to_owned()),
@@ -55,16 +57,18 @@ pub fn read(text: &str, request: &Request) -> Result<Proposal, ReplyError> {
     for (term, value) in weights {
         if !names.contains(&term.as_str()) {
             let nearest = nearest(term, names.iter().copied()).first().map(|near| (*near).to_owned());
-            return Err(ReplyError::UnknownTerm { term: term.clone(), nearest });
+            return Err(ReplyError::UnknownTerm { term: secrets.shown(term), nearest });
         }
         let number = value.as_f64().filter(|number| number.is_finite());
-        let number =
-            number.ok_or_else(|| ReplyError::NoNumber { term: term.clone(), found: super::shortened(&value.to_string()) })?;
+        let number = number.ok_or_else(|| {
+            let found = secrets.shown_body(&value.to_string());
+            ReplyError::NoNumber { term: term.clone(), found }
+        })?;
         proposed.push((term.clone(), number));
     }
     // In the task's order, whatever the order of the answer.
     proposed.sort_by_key(|(term, _)| names.iter().position(|name| name == term));
-    Ok(Proposal { weights: proposed, reason: super::shortened(&reason), by: String::new() })
+    Ok(Proposal { weights: proposed, reason: secrets.shown(&reason), by: String::new() })
 }
 
 /// The first whole JSON object in a text; models like to put words and fences around it.

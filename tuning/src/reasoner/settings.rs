@@ -1,7 +1,6 @@
 //! Which reasoner, from a file of settings.
 
-use super::http::Secret;
-use super::{Http, Process, Reasoner, RuleBook};
+use super::{Http, Process, Reasoner, RuleBook, Secret};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -31,6 +30,12 @@ pub enum SettingsError {
         /// The variable.
         variable: String,
     },
+    /// A variable that a program is to get is not in the environment.
+    #[error("the environment variable `{variable}` is not set: `environment` names it for the reasoner")]
+    NoVariable {
+        /// The variable.
+        variable: String,
+    },
 }
 
 #[derive(Deserialize)]
@@ -50,6 +55,8 @@ enum Settings {
     },
     Process {
         command: Vec<String>,
+        #[serde(default)]
+        environment: Vec<String>,
         #[serde(default = "usual_timeout")]
         timeout_s: f64,
     },
@@ -68,14 +75,18 @@ fn usual_temperature() -> f64 {
 }
 
 /// The reasoner that a file describes. A key is never in the file: it names the environment variable that has it, and
-/// `environment` looks it up.
+/// `environment` looks it up. A program gets the variables that the file names, and none of the others but the usual ones.
 ///
 /// # Errors
 /// A file that cannot be read or is not understood, or a variable that is not set.
 pub fn from_file(path: &Path, environment: impl Fn(&str) -> Option<String>) -> Result<Box<dyn Reasoner>, SettingsError> {
     let text = std::fs::read_to_string(path).map_err(|source| SettingsError::Unreadable { path: path.into(), source })?;
     let wrong = |reason: String| SettingsError::Wrong { path: path.into(), reason };
-    let settings: Settings = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    // Without the text of the line, which the parser would repeat: a key that somebody wrote there by mistake stays there.
+    let settings: Settings = toml::from_str(&text).map_err(|error| {
+        let line = error.span().filter(|span| span.start > 0).map(|span| text[..span.start].matches('\n').count() + 1);
+        wrong(line.map_or(String::new(), |line| format!("line {line}: ")) + error.message())
+    })?;
     let limit = |seconds: f64| {
         let sensible = (0.001..=3600.0).contains(&seconds);
         if sensible {
@@ -86,11 +97,12 @@ pub fn from_file(path: &Path, environment: impl Fn(&str) -> Option<String>) -> R
     };
     Ok(match settings {
         Settings::Rules => Box::new(RuleBook),
-        Settings::Process { command, timeout_s } => {
+        Settings::Process { command, environment: named, timeout_s } => {
             if command.is_empty() {
                 return Err(wrong("`command` is empty: expected a program and its arguments".into()));
             }
-            Box::new(Process { command, limit: limit(timeout_s)? })
+            let process = Process::new(command, limit(timeout_s)?, &named, environment);
+            Box::new(process.map_err(|variable| SettingsError::NoVariable { variable })?)
         }
         Settings::Http { url, model, key_variable, timeout_s, attempts, temperature } => {
             let key = match key_variable {
