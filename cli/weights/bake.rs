@@ -1,6 +1,6 @@
 //! `msk weights bake FILE --weights weights.toml`.
 
-use super::{Opened, Target};
+use super::{Opened, Target, change};
 use crate::error::Error;
 use crate::project::{self, Project};
 use msk::compiler::diagnostics::{FileId, Report, SourceMap};
@@ -35,7 +35,7 @@ fn writer(project: &Project, term: &str) -> Option<String> {
 /// # Errors
 /// A file that cannot be read or written, weights that the tasks do not allow, or terms that another file writes.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
-    let opened = Opened::open(&args.target)?;
+    let opened = Opened::read(&args.target.file)?;
     let project = Project::open(&args.target.file, &[])?;
     let text = FileLoader.load(&args.weights)?;
     let (name, mut sources) = (args.weights.display().to_string(), SourceMap::default());
@@ -58,5 +58,5 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     if edits.is_empty() {
         return Err(Error::new(format!("nothing was changed: `{name}` holds no weights")));
     }
-    opened.change(&edits, &args.target, "bake")
+    change(&args.target, "bake", |_| Ok(edits.clone()))
 }

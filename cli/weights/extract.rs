@@ -56,20 +56,16 @@ pub fn write_overlay(
     target: &Target,
     by: &str,
 ) -> Result<ExitCode, Error> {
-    let store = Store::new(path);
+    let store = Store::open(path)?;
     let edit = |text: &str| -> Result<(String, Vec<Change>), WriteError> {
         let after = edited(text, weights)?;
         let changes = changes(text, &after, tasks);
         Ok((after, changes))
     };
     let changes = if target.dry_run {
-        let present = store.read()?.map_or(String::new(), |version| version.text);
-        edit(&present)?.1
+        edit(&store.read()?.map_or(String::new(), |version| version.text))?.1
     } else {
-        use msk::tuning::store::Outcome;
-        match store.change(by, |version| edit(&version.text))? {
-            Outcome::Changed(_, changes) | Outcome::Same(_, changes) => changes,
-        }
+        store.edit(by, |version| edit(&version.text))?
     };
     print(&changes, &Target { file: path.to_path_buf(), ..*target })
 }

@@ -18,8 +18,7 @@ use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::weights::{Change, Edit, Weights};
 use msk::runtime::library::{BodyLibrary, FileLoader};
-use msk::tuning::history;
-use msk::tuning::store::{Held, Store};
+use msk::tuning::store::Store;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -76,22 +75,14 @@ struct Opened {
     path: PathBuf,
     text: String,
     weights: Weights,
-    /// Held while it may change, so that nobody's change is lost.
-    held: Option<(Store, Held)>,
 }
 
 impl Opened {
-    /// To be changed, unless it is only to be shown what would change.
-    fn open(target: &Target) -> Result<Self, Error> {
-        // A file that cannot be edited is told before anything is made beside it.
-        Self::read(&target.file)?;
-        let store = Store::new(&target.file);
-        let held = if target.dry_run { None } else { Some(store.hold()?) };
-        Ok(Self { held: held.map(|held| (store, held)), ..Self::read(&target.file)? })
+    fn read(path: &Path) -> Result<Self, Error> {
+        Self::of(path, FileLoader.load(path)?)
     }
 
-    fn read(path: &Path) -> Result<Self, Error> {
-        let text = FileLoader.load(path)?;
+    fn of(path: &Path, text: String) -> Result<Self, Error> {
         let mut sources = SourceMap::default();
         let file = sources.add(path.display().to_string(), text.clone());
         match Weights::of(file, &text) {
@@ -102,7 +93,7 @@ impl Opened {
                 {
                     weights.bounded_by(&compilation.tasks);
                 }
-                Ok(Self { path: path.into(), text, weights, held: None })
+                Ok(Self { path: path.into(), text, weights })
             }
             Err(errors) => Err(Error::told(Report::new(sources, errors).render(project::style(&io::stderr())))),
         }
@@ -125,14 +116,24 @@ impl Opened {
         Edit::new(format!("{}.{}", entry.task, entry.term), value)
     }
 
-    /// Makes the changes, or shows them.
-    fn change(&self, edits: &[Edit], target: &Target, by: &str) -> Result<ExitCode, Error> {
-        let (text, changes) = self.weights.edit(&self.text, edits).context(|| "nothing was changed".into())?;
-        if let (false, Some((store, held))) = (target.dry_run, &self.held) {
-            history::commit(store, held, by, &text, &changes)?;
-        }
-        print(&changes, target)
+    fn edit(&self, edits: &[Edit]) -> Result<(String, Vec<Change>), Error> {
+        self.weights.edit(&self.text, edits).context(|| "nothing was changed".into())
     }
+}
+
+/// Makes the changes that `edits` wishes of a file, or shows them. While they are made the file is locked, so that nobody's
+/// change is lost.
+fn change(target: &Target, by: &str, edits: impl Fn(&Opened) -> Result<Vec<Edit>, Error>) -> Result<ExitCode, Error> {
+    // A file that cannot be edited is told before anything is made beside it.
+    let opened = Opened::read(&target.file)?;
+    let (_, mut changes) = opened.edit(&edits(&opened)?)?;
+    if !target.dry_run {
+        changes = Store::open(&target.file)?.edit::<Error>(by, |version| {
+            let opened = Opened::of(&target.file, version.text.clone())?;
+            opened.edit(&edits(&opened)?)
+        })?;
+    }
+    print(&changes, target)
 }
 
 fn print(changes: &[Change], target: &Target) -> Result<ExitCode, Error> {

@@ -1,6 +1,6 @@
 //! `msk weights normalize FILE --norm 40 [--outside done]`.
 
-use super::{Opened, Target};
+use super::{Opened, Target, change};
 use crate::error::{Context, Error};
 use msk::compiler::weights::rules::{Weight, normalized};
 use msk::compiler::weights::{Bounds, Edit};
@@ -30,7 +30,11 @@ pub struct Args {
 /// # Errors
 /// A file that cannot be read or written, or a weight that may not be so.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
-    let opened = Opened::open(&args.target)?;
+    change(&args.target, "normalize", |opened| edits(args, opened))
+}
+
+/// The wishes that bring the weights of the task to the norm.
+fn edits(args: &Args, opened: &Opened) -> Result<Vec<Edit>, Error> {
     let entries = &opened.weights.entries;
     let tasks: BTreeSet<&str> = entries.iter().map(|entry| entry.task.as_str()).collect();
     let task = match (&args.task, tasks.iter().collect::<Vec<_>>().as_slice()) {
@@ -51,6 +55,5 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     };
     let weights: Vec<Weight> = of_task.iter().map(weight).collect();
     let next = normalized(&weights, args.norm).context(|| "nothing was changed".into())?;
-    let edits: Vec<Edit> = of_task.iter().zip(next).map(|(&index, value)| opened.wish(index, value)).collect();
-    opened.change(&edits, &args.target, "normalize")
+    Ok(of_task.iter().zip(next).map(|(&index, value)| opened.wish(index, value)).collect())
 }

@@ -1,8 +1,7 @@
 //! `msk weights scale FILE 0.5 [TERM...]`.
 
-use super::{Opened, Target};
+use super::{Target, change};
 use crate::error::Error;
-use msk::compiler::weights::Edit;
 use std::process::ExitCode;
 
 /// Multiply weights by a factor
@@ -21,9 +20,9 @@ pub struct Args {
 /// # Errors
 /// A file that cannot be read or written, or a weight that may not be so.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
-    let opened = Opened::open(&args.target)?;
-    let entries = &opened.weights.entries;
-    let edits: Vec<Edit> =
-        opened.chosen(&args.terms)?.into_iter().map(|index| opened.wish(index, entries[index].value * args.factor)).collect();
-    opened.change(&edits, &args.target, "scale")
+    change(&args.target, "scale", |opened| {
+        let entries = &opened.weights.entries;
+        let chosen = opened.chosen(&args.terms)?.into_iter();
+        Ok(chosen.map(|index| opened.wish(index, entries[index].value * args.factor)).collect())
+    })
 }

@@ -1,7 +1,7 @@
 //! `msk weights set FILE pose=11.5 balance=8`.
 
 use super::extract::write_overlay;
-use super::{Opened, Target};
+use super::{Target, change};
 use crate::error::{Context, Error};
 use crate::project::Project;
 use msk::compiler::task::Origin;
@@ -37,7 +37,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     if let Some(overlay) = &args.into {
         return into(args, overlay);
     }
-    Opened::open(&args.target)?.change(&args.weights, &args.target, "set")
+    change(&args.target, "set", |_| Ok(args.weights.clone()))
 }
 
 /// Sets weights in an overlay, by the bounds of the tasks that it lies over.

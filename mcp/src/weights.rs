@@ -7,7 +7,7 @@ use msk_compiler::task::{CompiledTask, Origin};
 use msk_compiler::weights::rules::{Rules, Weight};
 use msk_compiler::weights::{Bounds, Edit, Weights};
 use msk_runtime::library::FileLoader;
-use msk_tuning::history;
+use msk_storage::Folder;
 use msk_tuning::overlay::{EditError, Wish, edited, wished};
 use msk_tuning::store::{Store, StoreError};
 use schemars::JsonSchema;
@@ -151,8 +151,7 @@ fn into_overlay(
         let text = if exists { FileLoader.load(&path)? } else { String::new() };
         edited(&text, &weights)?;
     } else {
-        let store = Store::new(&path);
-        store.change::<(), WriteError>("mcp", |version| Ok((edited(&version.text, &weights)?, ())))?;
+        store(project, &path)?.change::<(), WriteError>("mcp", |version| Ok((edited(&version.text, &weights)?, ())))?;
     }
     Ok(rows.into())
 }
@@ -168,9 +167,13 @@ fn into_source(project: &Project, compilation: &Compilation, asked: &Apply, dry_
     if dry_run {
         return Ok(json!(edit(&FileLoader.load(&path)?)?.1));
     }
-    let store = Store::new(&path);
-    let held = store.hold()?;
-    let (text, changes) = edit(&FileLoader.load(&path)?)?;
-    history::commit(&store, &held, "mcp", &text, &changes)?;
+    let changes = store(project, &path)?.edit("mcp", |version| edit(&version.text))?;
     Ok(json!(changes))
+}
+
+/// The store of a file that was found inside the project. It is opened beneath the project's folder, so that a folder which is
+/// exchanged for a link meanwhile leads nowhere.
+fn store(project: &Project, path: &Path) -> Result<Store, Failure> {
+    let root = project.confined.root();
+    Ok(Store::new(&Folder::open(root)?, path.strip_prefix(root)?)?)
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk_mcp::{Confined, Server};
+use msk_tuning::store::Store;
 use rmcp::model::{CallToolRequestParams, ReadResourceRequestParams, ResourceContents};
 use rmcp::service::RunningService;
 use rmcp::{RoleClient, ServiceExt};
@@ -99,9 +100,49 @@ async fn an_agent_finds_its_way_from_tasks_to_written_weights() {
         LEAN.replace("10 (5..30)", "12 (5..30)").replace(" 5          alive", " 4          alive")
     );
     // In the history from which `msk weights reset` goes back.
-    let first = msk_tuning::history::first(&talk.folder.path().join("tasks.msk")).unwrap();
+    let first = Store::open(&talk.folder.path().join("tasks.msk")).unwrap().first_changes().unwrap();
     assert_eq!(first.iter().map(|change| change.was.as_str()).collect::<Vec<_>>(), ["10", "5"]);
     talk.client.cancel().await.unwrap();
+}
+
+/// What a project from somebody else may hold: none of it lets a change out of the project.
+#[cfg(unix)]
+#[tokio::test]
+async fn links_beside_a_file_lead_no_change_elsewhere() {
+    use std::os::unix::fs::symlink;
+    let into_source = json!({ "file": "tasks.msk", "weights": { "pose": 12 }, "dry_run": false });
+    let into_overlay = json!({ "file": "tasks.msk", "overlay": "w.toml", "weights": { "pose": 12 }, "dry_run": false });
+    let cases = [
+        (&into_source, ".msk/tasks.msk.lock", true),
+        (&into_source, ".msk/tasks.msk.history.jsonl", true),
+        (&into_source, ".msk", true),
+        // Names that earlier versions used.
+        (&into_source, ".msk/tasks.msk.new", false),
+        (&into_source, ".msk/weights.jsonl", false),
+        (&into_overlay, ".msk/w.toml.lock", true),
+        (&into_overlay, ".msk/w.toml.history.jsonl", true),
+        (&into_overlay, ".msk", true),
+        (&into_overlay, ".msk/w.toml.new", false),
+    ];
+    let talk = Talk::begin().await;
+    for (wish, link, refused) in cases {
+        let elsewhere = tempfile::tempdir().unwrap();
+        let victim = elsewhere.path().join(".bashrc");
+        fs::write(&victim, "precious\n").unwrap();
+        fs::write(talk.folder.path().join("tasks.msk"), LEAN).unwrap();
+        let _ = fs::remove_file(talk.folder.path().join("w.toml"));
+        let link = talk.folder.path().join(link);
+        fs::create_dir_all(link.parent().unwrap()).unwrap();
+        symlink(if link.ends_with(".msk") { elsewhere.path() } else { &victim }, &link).unwrap();
+        let (said, error) = talk.call("apply_weights", wish.clone()).await;
+        assert_eq!(error, refused, "{}: {said}", link.display());
+        assert_eq!(said.to_string().contains("is a symbolic link"), refused, "{said}");
+        assert_eq!(fs::read_to_string(&victim).unwrap(), "precious\n", "{}", link.display());
+        assert_eq!(fs::read_dir(elsewhere.path()).unwrap().count(), 1, "{}", link.display());
+        let aside = talk.folder.path().join(".msk");
+        if fs::symlink_metadata(&aside).unwrap().is_symlink() { fs::remove_file(aside) } else { fs::remove_dir_all(aside) }
+            .unwrap();
+    }
 }
 
 #[tokio::test]

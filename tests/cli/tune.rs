@@ -57,3 +57,49 @@ fn what_makes_no_sense_is_told() {
     );
     tune(&project, &["--reasoner", "http.toml"]).failed(1, &["environment variable `MSK_NO_SUCH_KEY`"]);
 }
+
+/// The finding: a key that an endpoint gave back as the name of a weight stood in the log and on the terminal.
+#[test]
+fn a_key_that_an_endpoint_repeats_is_shown_nowhere() {
+    use std::io::{BufRead, BufReader, Read, Write};
+    const KEY: &str = "sk-very-secret";
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let project = Project::lean();
+    let url = format!("http://{}/v1", listener.local_addr().unwrap());
+    project.write(
+        "http.toml",
+        &format!("kind = \"http\"\nurl = \"{url}\"\nmodel = \"m\"\nkey_variable = \"MSK_TEST_KEY\"\nattempts = 1\n"),
+    );
+    let server = std::thread::spawn(move || {
+        let contents = [
+            format!("{{\"weights\": {{\"{KEY}\": 1}}}}"),
+            format!("{{\"weights\": {{\"pose\": 11}}, \"reason\": \"{}{KEY}\"}}", "x".repeat(1995)),
+        ];
+        for content in contents {
+            let (stream, _) = listener.accept().unwrap();
+            let mut reader = BufReader::new(stream);
+            let (mut length, mut line) = (0, String::new());
+            while reader.read_line(&mut line).unwrap() > 2 {
+                if let Some(value) = line.to_lowercase().strip_prefix("content-length:") {
+                    length = value.trim().parse().unwrap();
+                }
+                line.clear();
+            }
+            reader.read_exact(&mut vec![0; length]).unwrap();
+            let body =
+                serde_json::json!({ "model": KEY, "choices": [{ "message": { "content": content } }], KEY: KEY }).to_string();
+            let head = format!("HTTP/1.1 200 OK\r\ncontent-length: {}\r\nconnection: close\r\n\r\n", body.len());
+            reader.get_mut().write_all((head + &body).as_bytes()).unwrap();
+        }
+    });
+    let arguments = ["tune", "lean", "--policy", "zero", "--interval", "5", "--rounds", "3", "--out", "out"];
+    let mut command = project.command(&[&arguments[..], &["--reasoner", "http.toml"]].concat());
+    let done = crate::project::Done::from(command.env("MSK_TEST_KEY", KEY).output().unwrap()).succeeded();
+    server.join().unwrap();
+    let log = project.read("out/rounds.jsonl");
+    assert!(log.contains("there is no term `(key)`") && log.contains("xx(key)"), "{log}");
+    assert!(done.out.contains("there is no term `(key)`") && done.out.contains("pose 10 -> 11"), "{}", done.out);
+    for text in [log, done.out, done.err] {
+        assert!(!text.contains("sk-v"), "{text}");
+    }
+}

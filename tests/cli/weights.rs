@@ -203,3 +203,62 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
     assert!(again.err.contains("the same as in `out`, bit for bit"), "{}", again.err);
     project.msk(&["run", "lean", "--again", "out", "--episode", "99999"]).failed(1, &["holds no episode 99999"]);
 }
+
+/// What a folder from somebody else may hold: none of it lets a change out of the folder.
+#[cfg(unix)]
+#[test]
+fn links_in_a_folder_from_somebody_else_lead_nowhere() {
+    use std::os::unix::fs::symlink;
+    let source = ["weights", "set", "lean.msk", "pose=11"];
+    let overlay = ["weights", "set", "lean.msk", "pose=11", "--into", "weights.toml"];
+    let cases: [(&[&str], &str, bool); 9] = [
+        (&source, ".msk/lean.msk.lock", true),
+        (&source, ".msk/lean.msk.history.jsonl", true),
+        (&source, ".msk", true),
+        // Names that earlier versions used.
+        (&source, ".msk/lean.msk.new", false),
+        (&source, ".msk/weights.jsonl", false),
+        (&overlay, ".msk/weights.toml.lock", true),
+        (&overlay, ".msk/weights.toml.history.jsonl", true),
+        (&overlay, ".msk", true),
+        (&overlay, ".msk/weights.toml.new", false),
+    ];
+    for (command, link, refused) in cases {
+        let (project, elsewhere) = (Project::lean(), tempfile::tempdir().unwrap());
+        let victim = elsewhere.path().join(".bashrc");
+        std::fs::write(&victim, "precious\n").unwrap();
+        let link = project.path(link);
+        std::fs::create_dir_all(link.parent().unwrap()).unwrap();
+        symlink(if link.ends_with(".msk") { elsewhere.path() } else { &victim }, &link).unwrap();
+        let done = project.msk(command);
+        if refused {
+            done.failed(1, &["is a symbolic link, which is not followed here", link.to_str().unwrap()]);
+            assert!(project.read("lean.msk") == LEAN && !project.path("weights.toml").exists());
+        } else {
+            done.succeeded();
+        }
+        assert_eq!(std::fs::read_to_string(&victim).unwrap(), "precious\n", "{}", link.display());
+        assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 1, "{}", link.display());
+    }
+}
+
+/// The finding: two files of one folder had one history under two locks, which lost changes and could then not be read.
+#[test]
+fn many_programs_that_change_two_files_of_a_folder_lose_nothing() {
+    let project = Project::lean();
+    let other = LEAN.replace("task lean", "task other");
+    project.write("other.msk", &other);
+    let set = |file: &str, weight: u32| project.command(&["weights", "set", file, &format!("pose={weight}")]).spawn().unwrap();
+    let running: Vec<_> = (11..17).flat_map(|weight| [set("lean.msk", weight), set("other.msk", weight)]).collect();
+    for child in running {
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    for (file, text) in [("lean.msk", LEAN), ("other.msk", &other)] {
+        let log = project.read(format!(".msk/{file}.history.jsonl"));
+        let lines: Vec<Value> = log.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        assert_eq!((lines.len(), lines.iter().filter(|line| line["end"] == "made").count()), (12, 6), "{log}");
+        project.msk(&["weights", "reset", file]).succeeded();
+        assert_eq!(project.read(file), text);
+    }
+}

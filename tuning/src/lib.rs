@@ -1,12 +1,11 @@
 //! Weights of compiled tasks while they are used: overlays, files that change under a running evaluation, and tuning.
 //!
 //! 1. An [`overlay::Overlay`] is a weights file, checked against the tasks that it lies over;
-//! 2. a [`store::Store`] replaces such a file in one step, under a lock, with a history that is complete;
+//! 2. a [`store::Store`] replaces such a file, or a source, in one step, under a lock, with a history that is complete;
 //! 3. [`live::Live`] feeds a running evaluation (or any loop of episodes) from it;
 //! 4. [`statistics`] says of episodes what each term did in them;
 //! 5. a [`reasoner::Reasoner`] proposes other weights from that, and [`session`] is the loop around it.
 
-pub mod history;
 pub mod live;
 pub mod overlay;
 pub mod reasoner;

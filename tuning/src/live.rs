@@ -5,6 +5,7 @@ use crate::store::{Store, StoreError, Version};
 use msk_compiler::diagnostics::{Report, SourceMap};
 use msk_compiler::task::{CompiledTask, Origin};
 use msk_runtime::evaluate::{Fed, Feed};
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -59,8 +60,34 @@ impl Live {
         tasks: Vec<Arc<CompiledTask>>,
         told: impl Fn(&str) + Send + Sync + 'static,
     ) -> Result<Self, LiveError> {
-        let store = Store::new(path);
         let name = path.display().to_string();
+        // A folder that is not there has no weights file either.
+        let store = Store::open(path).map_err(|error| match error {
+            StoreError::Storage(error) if error.kind() == Some(ErrorKind::NotFound) => LiveError::Missing(name.clone()),
+            error => error.into(),
+        })?;
+        Self::begin(store, name, tasks, told)
+    }
+
+    /// Begins with the file of a store as it is, like [`Live::open`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn over(
+        store: Store,
+        tasks: Vec<Arc<CompiledTask>>,
+        told: impl Fn(&str) + Send + Sync + 'static,
+    ) -> Result<Self, LiveError> {
+        let name = store.path().display().to_string();
+        Self::begin(store, name, tasks, told)
+    }
+
+    fn begin(
+        store: Store,
+        name: String,
+        tasks: Vec<Arc<CompiledTask>>,
+        told: impl Fn(&str) + Send + Sync + 'static,
+    ) -> Result<Self, LiveError> {
         let version = store.read()?.ok_or_else(|| LiveError::Missing(name.clone()))?;
         let taken = Arc::new(InForce::of(&name, &version, &tasks).map_err(|report| LiveError::Refused(Box::new(report)))?);
         let present = Mutex::new(Present { seen: Some(version.hash), taken });

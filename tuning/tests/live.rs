@@ -102,7 +102,8 @@ fn the_command_line_wins_over_every_version() {
 fn threads_never_go_back_to_an_older_version() {
     let room = Room::new();
     let write = |path: &Path, weight: f64| {
-        Store::new(path)
+        Store::open(path)
+            .unwrap()
             .change::<(), StoreError>("test", |now| Ok((edited(&now.text, &[("lean", "pose", weight)]).unwrap(), ())))
             .unwrap();
     };

@@ -69,9 +69,12 @@ fn the_prompt_holds_terms_with_ranges_bounds_and_units_and_wants_data_only() {
 #[test]
 fn answers_are_read_strictly_but_words_around_them_are_forgiven() {
     let request = asked();
-    let proposal =
-        read("Sure!\n```json\n{\"weights\": {\"alive\": 4, \"pose\": 11.5}, \"reason\": \"more of it\"}\n```", &request, &Secrets::default())
-        .unwrap();
+    let proposal = read(
+        "Sure!\n```json\n{\"weights\": {\"alive\": 4, \"pose\": 11.5}, \"reason\": \"more of it\"}\n```",
+        &request,
+        &Secrets::default(),
+    )
+    .unwrap();
     assert_eq!(proposal.weights, [("pose".to_owned(), 11.5), ("alive".to_owned(), 4.0)]);
     assert_eq!(proposal.reason, "more of it");
     assert_eq!(read("{\"pose\": 11}", &request, &Secrets::default()).unwrap().weights, [("pose".to_owned(), 11.0)]);
@@ -464,7 +467,8 @@ fn a_program_gets_the_variables_that_its_settings_name_and_their_values_are_not_
         propose(&process, &asked())
     };
     let names = "env | cut -d= -f1 | tr '\n' ' '";
-    let told = ask(&format!("echo \"{{\\\"weights\\\": {{\\\"pose\\\": 11}}, \\\"reason\\\": \\\"$({names})\\\"}}\"")).unwrap().reason;
+    let told =
+        ask(&format!("echo \"{{\\\"weights\\\": {{\\\"pose\\\": 11}}, \\\"reason\\\": \\\"$({names})\\\"}}\"")).unwrap().reason;
     let got: Vec<&str> = told.split(' ').collect();
     assert!(got.contains(&"PATH") && got.contains(&"TOKEN") && got.contains(&"DEVICE"), "{told}");
     // Cargo sets this for every test; a key of the user's would be no different.

@@ -164,7 +164,7 @@ fn what_was_logged_and_not_yet_applied_is_applied_on_return() {
     // As if the program had died after the first line of the log: the file is the one before, the journal has no more.
     std::fs::write(out.join("rounds.jsonl"), format!("{}\n{}", log.lines().next().unwrap(), &log.lines().nth(1).unwrap()[..40]))
         .unwrap();
-    let store = msk_tuning::store::Store::new(&out.join("weights.toml"));
+    let store = msk_tuning::store::Store::open(&out.join("weights.toml")).unwrap();
     let before = store.history().unwrap().into_iter().find(|entry| entry.version == next.before).unwrap();
     std::fs::write(out.join("weights.toml"), before.text).unwrap();
     let mut session = open(&out, one_more, &trial);

@@ -1,4 +1,4 @@
-//! Sixteen writers and sixteen readers of one file, as programs that are killed at random.
+//! Sixteen writers and sixteen readers of two files in one folder, as programs that are killed at random.
 //!
 //! This test binary is also the program of the writers and readers: it starts itself again with a role in its environment.
 
@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk_tuning::store::{OUTSIDE, Outcome, Store, StoreError, Version};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, OpenOptions};
 use std::io::Write;
 use std::path::Path;
@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 
 const ROLE: &str = "MSK_STRESS_ROLE";
 const FOLDER: &str = "MSK_STRESS_FOLDER";
+const FILES: [&str; 2] = ["weights.toml", "other.toml"];
 
 /// A text that shows when a part of it is missing or of another version: every line carries the same number.
 fn text(number: u64) -> String {
@@ -39,12 +40,16 @@ fn number(version: &Version) -> u64 {
 fn role() {
     let (Ok(role), Ok(folder)) = (std::env::var(ROLE), std::env::var(FOLDER)) else { return };
     let folder = Path::new(&folder);
-    let store = Store::new(&folder.join("weights.toml"));
+    let stores = FILES.map(|file| Store::open(&folder.join(file)).unwrap());
     let note = folder.join(format!("{role}-{}.txt", std::process::id()));
     let mut note = OpenOptions::new().create(true).append(true).open(note).unwrap();
     // An orphan ends by itself.
     let start = Instant::now();
-    while start.elapsed() < Duration::from_secs(120) {
+    for turn in 0.. {
+        if start.elapsed() > Duration::from_secs(120) {
+            break;
+        }
+        let (file, store) = (FILES[turn % 2], &stores[turn % 2]);
         let version = if role == "write" {
             let outcome = store.change::<(), StoreError>("writer", |now| Ok((text(number(now) + 1), ())));
             match outcome.unwrap() {
@@ -54,7 +59,7 @@ fn role() {
             store.read().unwrap().unwrap()
         };
         let number = number(&version);
-        note.write_all(format!("{} {number}\n", version.hash).as_bytes()).unwrap();
+        note.write_all(format!("{file} {} {number}\n", version.hash).as_bytes()).unwrap();
         if role == "read" {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -82,8 +87,10 @@ struct Figures {
 
 fn stress(each: usize, length: Duration) -> Figures {
     let folder = tempfile::tempdir().unwrap();
-    let store = Store::new(&folder.path().join("weights.toml"));
-    store.change::<(), StoreError>("begin", |_| Ok((text(0), ()))).unwrap();
+    let stores = FILES.map(|file| Store::open(&folder.path().join(file)).unwrap());
+    for store in &stores {
+        store.change::<(), StoreError>("begin", |_| Ok((text(0), ()))).unwrap();
+    }
     let role = |index: usize| if index < each { "write" } else { "read" };
     let mut children: Vec<Child> = (0..2 * each).map(|index| start(role(index), folder.path())).collect();
     let (begin, mut chance, mut killed) = (Instant::now(), 42_u64, 0);
@@ -96,7 +103,14 @@ fn stress(each: usize, length: Duration) -> Figures {
     }
     children.into_iter().for_each(kill);
 
-    // One more change brings file and history together, whatever the last writer left.
+    let known: BTreeSet<String> = FILES.iter().zip(&stores).flat_map(|(file, store)| versions(file, store)).collect();
+    let reads = check_notes(folder.path(), &known);
+    Figures { killed, versions: known.len(), reads }
+}
+
+/// The versions of a file, as the notes name them. Each was made by a writer and follows on the one before.
+fn versions(file: &str, store: &Store) -> Vec<String> {
+    // One more change follows on whatever the last writer left.
     store.change::<(), StoreError>("end", |now| Ok((text(number(now) + 1), ()))).unwrap();
     let history = store.history().unwrap();
     for (index, entry) in history.iter().enumerate() {
@@ -106,19 +120,24 @@ fn stress(each: usize, length: Duration) -> Figures {
         assert_eq!(entry.before, (index > 0).then(|| history[index - 1].version.clone()));
     }
     assert_eq!(store.read().unwrap().unwrap().hash, history.last().unwrap().version);
-    let known: BTreeSet<String> = history.iter().enumerate().map(|(index, entry)| format!("{} {index}", entry.version)).collect();
+    history.iter().enumerate().map(|(index, entry)| format!("{file} {} {index}", entry.version)).collect()
+}
+
+/// Every version that a writer made or a reader saw is known, and nobody went back. Gives how many were seen.
+fn check_notes(folder: &Path, known: &BTreeSet<String>) -> usize {
     let (mut written, mut reads) = (BTreeSet::new(), 0);
-    for note in fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path()) {
+    for note in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         let name = note.file_name().unwrap().to_string_lossy().into_owned();
         if !name.ends_with(".txt") {
             continue;
         }
-        let (notes, mut newest) = (fs::read_to_string(&note).unwrap(), 0);
+        let (notes, mut newest) = (fs::read_to_string(&note).unwrap(), BTreeMap::new());
         for line in notes.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(str::trim_end) {
             assert!(known.contains(line), "{name} knows the version {line}, the history does not");
-            let number: u64 = line.split(' ').nth(1).unwrap().parse().unwrap();
-            assert!(newest <= number, "{name} went back from {newest} to {number}");
-            newest = number;
+            let [file, _, number] = line.split(' ').collect::<Vec<_>>()[..] else { panic!("{line}") };
+            let number: u64 = number.parse().unwrap();
+            let before = newest.insert(file, number).unwrap_or(0);
+            assert!(before <= number, "{name} went back from {before} to {number}");
             if name.starts_with("write") {
                 assert!(written.insert(line.to_owned()), "two writers made {line}");
             } else {
@@ -127,7 +146,7 @@ fn stress(each: usize, length: Duration) -> Figures {
         }
     }
     assert!(!written.is_empty() && reads > 0, "nobody came to work");
-    Figures { killed, versions: history.len(), reads }
+    reads
 }
 
 #[test]
@@ -140,5 +159,5 @@ fn no_read_is_torn_and_no_version_is_lost() {
 #[ignore = "a minute"]
 fn no_read_is_torn_and_no_version_is_lost_in_a_minute() {
     let Figures { killed, versions, reads } = stress(16, Duration::from_secs(60));
-    println!("16 writers, 16 readers, 60 s: {killed} killed, {versions} versions, {reads} reads");
+    println!("16 writers, 16 readers, two files, 60 s: {killed} killed, {versions} versions, {reads} reads");
 }

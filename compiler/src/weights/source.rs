@@ -43,7 +43,7 @@ impl Edit {
 }
 
 /// A weight that changed.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Change {
     /// The task.
     pub task: String,

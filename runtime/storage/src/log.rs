@@ -53,6 +53,23 @@ impl Log {
         Ok(bytes)
     }
 
+    /// The last `count` whole lines, or all of them if there are fewer, with their line ends. Only the end of the file is read.
+    ///
+    /// # Errors
+    /// More than `limit` bytes, or a refusal of the operating system.
+    pub fn last_lines(&mut self, count: usize, limit: u64) -> Result<Vec<u8>, StorageError> {
+        let mut find = || -> io::Result<(u64, u64)> {
+            let end = self.find_end()?;
+            // The line end at `end` is the first of them.
+            Ok((self.after_line_end(end, count + 1)?, end))
+        };
+        let (start, end) = find().map_err(|source| self.cannot("read", source))?;
+        if end - start > limit {
+            return Err(StorageError::TooLarge { path: self.path(), limit });
+        }
+        self.read_between(start, end).map_err(|source| self.cannot("read", source))
+    }
+
     /// Appends `line`, a line end, and waits until they are on the disk.
     ///
     /// The line must not contain a line end; one that does is refused.
@@ -90,23 +107,33 @@ impl Log {
 
     /// The end of the last whole line. What other logs have appended meanwhile is seen.
     fn find_end(&mut self) -> io::Result<u64> {
-        const PIECE: u64 = 4096;
         let length = self.file.metadata()?.len();
-        if self.end == Some(length) {
-            return Ok(length);
-        }
-        let mut end = length;
+        if self.end == Some(length) { Ok(length) } else { self.after_line_end(length, 1) }
+    }
+
+    /// The position after the `nth` line end before `end`, counted backwards from 1; 0 if there are fewer.
+    fn after_line_end(&mut self, mut end: u64, nth: usize) -> io::Result<u64> {
+        const PIECE: u64 = 4096;
+        let mut left = nth;
         while end > 0 {
             let start = end.saturating_sub(PIECE);
-            let mut piece = Vec::new();
-            self.file.seek(SeekFrom::Start(start))?;
-            Read::by_ref(&mut self.file).take(end - start).read_to_end(&mut piece)?;
-            if let Some(at) = piece.iter().rposition(|&byte| byte == b'\n') {
-                return Ok(start + at as u64 + 1);
+            let piece = self.read_between(start, end)?;
+            for (at, _) in piece.iter().enumerate().rev().filter(|&(_, &byte)| byte == b'\n') {
+                left -= 1;
+                if left == 0 {
+                    return Ok(start + at as u64 + 1);
+                }
             }
             end = start;
         }
         Ok(0)
+    }
+
+    fn read_between(&mut self, start: u64, end: u64) -> io::Result<Vec<u8>> {
+        let mut piece = Vec::new();
+        self.file.seek(SeekFrom::Start(start))?;
+        Read::by_ref(&mut self.file).take(end - start).read_to_end(&mut piece)?;
+        Ok(piece)
     }
 
     fn write_at(&mut self, end: u64, bytes: &[u8]) -> io::Result<()> {

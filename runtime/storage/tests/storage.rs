@@ -240,3 +240,24 @@ mod unix {
         assert_eq!(fs::read_dir(outside.path()).unwrap().count(), 0);
     }
 }
+
+#[test]
+fn the_last_lines_of_a_log_are_read_from_its_end() {
+    let here = tempfile::tempdir().unwrap();
+    let folder = Folder::open(here.path()).unwrap();
+    let mut log = folder.log("log").unwrap();
+    assert!(log.last_lines(2, 10).unwrap().is_empty());
+    let lines: Vec<String> = [1, 5000, 0, 4096, 9000, 3].map(|length| "x".repeat(length)).to_vec();
+    for line in &lines {
+        log.append(line.as_bytes()).unwrap();
+    }
+    let mut file = std::fs::OpenOptions::new().append(true).open(here.path().join("log")).unwrap();
+    std::io::Write::write_all(&mut file, b"torn").unwrap();
+    for count in 0..8 {
+        let expected: String = lines[lines.len().saturating_sub(count)..].iter().map(|line| format!("{line}\n")).collect();
+        assert_eq!(folder.log("log").unwrap().last_lines(count, 1 << 20).unwrap(), expected.as_bytes(), "{count}");
+        let limit = (expected.len() as u64).saturating_sub(1);
+        let short = folder.log("log").unwrap().last_lines(count, limit);
+        assert_eq!(matches!(short, Err(StorageError::TooLarge { .. })), count > 0, "{count}");
+    }
+}

@@ -105,8 +105,7 @@ impl Process {
         let mut command = Command::new(program);
         command.args(arguments).env_clear().envs(self.variables.iter().map(|(name, value)| (name, value)));
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        Group::start(&mut command)
-            .map_err(|error| ReasonerError::Refuses(format!("`{program}` cannot be started: {error}")))
+        Group::start(&mut command).map_err(|error| ReasonerError::Refuses(format!("`{program}` cannot be started: {error}")))
     }
 
     fn failure(&self, status: ExitStatus, errors: &[u8]) -> String {

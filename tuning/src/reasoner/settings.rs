@@ -1,21 +1,20 @@
 //! Which reasoner, from a file of settings.
 
 use super::{Http, Process, Reasoner, RuleBook, Secret};
+use msk_storage::{StorageError, read_text_file};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// Largest file of settings that is read, bytes.
+const LARGEST: u64 = 1 << 16;
 
 /// Why a reasoner cannot be had.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
     /// The file cannot be read.
-    #[error("cannot read the reasoner's settings `{}`", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: std::io::Error,
-    },
+    #[error("cannot read the reasoner's settings: {0}")]
+    Unreadable(#[from] StorageError),
     /// The file is not what is expected.
     #[error("`{}` holds no settings of a reasoner: {reason}", path.display())]
     Wrong {
@@ -80,7 +79,7 @@ fn usual_temperature() -> f64 {
 /// # Errors
 /// A file that cannot be read or is not understood, or a variable that is not set.
 pub fn from_file(path: &Path, environment: impl Fn(&str) -> Option<String>) -> Result<Box<dyn Reasoner>, SettingsError> {
-    let text = std::fs::read_to_string(path).map_err(|source| SettingsError::Unreadable { path: path.into(), source })?;
+    let text = read_text_file(path, LARGEST)?;
     let wrong = |reason: String| SettingsError::Wrong { path: path.into(), reason };
     // Without the text of the line, which the parser would repeat: a key that somebody wrote there by mistake stays there.
     let settings: Settings = toml::from_str(&text).map_err(|error| {

@@ -2,13 +2,14 @@
 
 use crate::reasoner::Proposal;
 use crate::statistics::Statistics;
+use msk_storage::{Folder, StorageError};
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 const ROUNDS: &str = "rounds.jsonl";
+/// Largest log that is read, bytes.
+const LARGEST: u64 = 1 << 30;
 
 /// A round that is over.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,14 +54,9 @@ pub struct Applied {
 /// Why the log cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
-    /// The operating system refused.
-    #[error("cannot use the log `{}`", path.display())]
-    System {
-        /// The log.
-        path: PathBuf,
-        /// The reason.
-        source: io::Error,
-    },
+    /// It cannot be read or written.
+    #[error(transparent)]
+    Storage(#[from] StorageError),
     /// A line of it is damaged.
     #[error("line {line} of the log `{}` is damaged: {reason}", path.display())]
     Damaged {
@@ -68,15 +64,14 @@ pub enum LogError {
         path: PathBuf,
         /// From 1.
         line: usize,
-        /// What the parser says.
+        /// What is wrong with it.
         reason: String,
     },
 }
 
 /// An open log.
 pub(super) struct Log {
-    path: PathBuf,
-    file: File,
+    log: msk_storage::Log,
     rounds: Vec<Round>,
 }
 
@@ -86,39 +81,34 @@ pub(super) fn now() -> u64 {
 }
 
 impl Log {
-    /// The log in `folder` with the rounds that it holds. A last line that was cut short is dropped: its round is judged again.
-    pub fn open(folder: &Path) -> Result<(Self, Vec<Round>), LogError> {
-        let path = folder.join(ROUNDS);
-        let system = |source| LogError::System { path: path.clone(), source };
-        let bytes = match fs::read(&path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
-            bytes => bytes.map_err(system)?,
-        };
-        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
-        let mut rounds = Vec::new();
-        for (index, line) in bytes[..whole].split_inclusive(|&byte| byte == b'\n').enumerate() {
-            let round = serde_json::from_slice(line).map_err(|error| LogError::Damaged {
-                path: path.clone(),
-                line: index + 1,
-                reason: error.to_string(),
-            })?;
+    /// The log in `folder` with the rounds that it holds. The journal's lock keeps other sessions out. A last line that was cut
+    /// short is none: its round is judged again.
+    pub fn open(folder: &Folder) -> Result<Self, LogError> {
+        let mut log = folder.log(ROUNDS)?;
+        let bytes = log.read(LARGEST)?;
+        let mut rounds: Vec<Round> = Vec::new();
+        for (index, line) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
+            let damaged = |reason: String| LogError::Damaged { path: log.path(), line: index + 1, reason };
+            let round: Round = serde_json::from_slice(line).map_err(|error| damaged(error.to_string()))?;
+            let [first, end] = round.episodes;
+            let begins_at = rounds.last().map_or(0, |before| before.episodes[1]);
+            if round.round != index as u64 + 1 || first != begins_at || end < first {
+                let found = format!("round {} of the episodes {first}..{end}", round.round);
+                return Err(damaged(format!("expected round {} from episode {begins_at}, found {found}", index + 1)));
+            }
             rounds.push(round);
         }
-        let file = OpenOptions::new().create(true).append(true).open(&path).map_err(system)?;
-        file.set_len(whole as u64).map_err(system)?;
-        Ok((Self { path, file, rounds: rounds.clone() }, rounds))
+        Ok(Self { log, rounds })
     }
 
     pub fn rounds(&self) -> &[Round] {
         &self.rounds
     }
 
-    /// Adds a round, and waits until it is on the disk.
+    /// Adds a round, and waits until it is on the disk. If it fails the log is what it was.
     pub fn append(&mut self, round: &Round) -> Result<(), LogError> {
         // Strings and finite numbers always have a JSON form.
-        let line = serde_json::to_string(round).unwrap_or_default() + "\n";
-        let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
-        written.map_err(|source| LogError::System { path: self.path.clone(), source })?;
+        self.log.append(serde_json::to_string(round).unwrap_or_default().as_bytes())?;
         self.rounds.push(round.clone());
         Ok(())
     }

@@ -29,8 +29,9 @@ use log::{Log, LogError};
 use msk_compiler::weights::rules::{RuleError, Weight, normalized};
 use msk_compiler::weights::{Bounds, Problem};
 use msk_runtime::evaluate::{EpisodeRecord, EvaluationError, Journal, JournalError, Plan, Protocol, RunSettings, Trial};
+use msk_storage::{Folder, StorageError};
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -80,6 +81,9 @@ pub enum SessionError {
     /// The episodes cannot be played.
     #[error(transparent)]
     Evaluation(#[from] EvaluationError),
+    /// The folder, or a file in it, cannot be used.
+    #[error(transparent)]
+    Storage(#[from] StorageError),
     /// The log cannot be used.
     #[error(transparent)]
     Log(#[from] LogError),
@@ -96,7 +100,7 @@ pub enum SessionError {
 
 /// A session in its folder.
 pub struct Session {
-    folder: PathBuf,
+    folder: Folder,
     settings: Settings,
     trial: Trial,
     in_scope: Vec<bool>,
@@ -120,6 +124,19 @@ impl Session {
         trial: Trial,
         told: impl Fn(&str) + Send + Sync + 'static,
     ) -> Result<Self, SessionError> {
+        Self::open_in(Folder::create(folder)?, settings, trial, told)
+    }
+
+    /// [`Session::open`] in an opened folder.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn open_in(
+        folder: Folder,
+        settings: Settings,
+        trial: Trial,
+        told: impl Fn(&str) + Send + Sync + 'static,
+    ) -> Result<Self, SessionError> {
         settings.check(&trial.task)?;
         let in_scope = settings.scope(&trial.task)?;
         let first = settings.first_weights(&trial.task, &in_scope)?;
@@ -129,15 +146,21 @@ impl Session {
             // How many episodes there will be is not known beforehand.
             protocol: Protocol { episodes: 0, seed: settings.seed },
         };
-        let (journal, episodes) = Journal::open(folder, &RunSettings::of(&plan).live(WEIGHTS))?;
-        settings.claim(folder, &trial)?;
-        let (log, rounds) = Log::open(folder)?;
-        let store = Store::new(&folder.join(WEIGHTS));
-        begin_weights(&store, &trial, &in_scope, &first, rounds.last())?;
-        let live = Live::open(&folder.join(WEIGHTS), vec![trial.task.clone()], told)?;
-        let counted = rounds.last().map_or(0, |round| round.episodes[1]);
+        let (journal, episodes) = Journal::open(folder.path(), &RunSettings::of(&plan).live(WEIGHTS))?;
+        settings.claim(&folder, &trial)?;
+        let log = Log::open(&folder)?;
+        let store = Store::new(&folder, Path::new(WEIGHTS))?;
+        begin_weights(&store, &trial, &in_scope, &first, log.rounds().last())?;
+        let live = Live::over(store.clone(), vec![trial.task.clone()], told)?;
+        let counted = log.rounds().last().map_or(0, |round| round.episodes[1]);
         let open = episodes.into_iter().filter(|record| record.episode >= counted).collect();
-        Ok(Self { folder: folder.into(), settings, trial, in_scope, store, live: Arc::new(live), journal, log, open })
+        let live = Arc::new(live);
+        let session = Self { folder, settings, trial, in_scope, store, live, journal, log, open };
+        // A session that ended between its log and this file left an earlier one.
+        if let Some(best) = session.best().filter(|best| best.round == session.rounds().len() as u64) {
+            session.keep_best(best)?;
+        }
+        Ok(session)
     }
 
     /// The rounds that are over.
@@ -155,7 +178,7 @@ impl Session {
 
     /// The folder.
     pub fn folder(&self) -> &Path {
-        &self.folder
+        self.folder.path()
     }
 
     /// Plays rounds until the budget is used up, `stop` becomes true, or the reasoner fails and that is to end it.
@@ -334,9 +357,10 @@ impl Session {
         let task = &self.trial.task.name;
         let weights: Vec<(&str, &str, f64)> =
             round.weights.iter().map(|(term, weight)| (task.as_str(), term.as_str(), *weight)).collect();
-        Store::new(&self.folder.join(BEST)).change::<(), SessionError>(&format!("tune, round {}", round.round), |version| {
-            Ok((edited(&version.text, &weights)?, ()))
-        })?;
+        Store::new(&self.folder, Path::new(BEST))?
+            .change::<(), SessionError>(&format!("tune, round {}", round.round), |version| {
+                Ok((edited(&version.text, &weights)?, ()))
+            })?;
         Ok(())
     }
 }

@@ -2,14 +2,17 @@
 
 use super::SessionError;
 use crate::statistics::Statistics;
-use crate::store::{Store, StoreError};
 use msk_compiler::task::CompiledTask;
 use msk_compiler::weights::rules::Rules;
 use msk_compiler::weights::{Bounds, Problem};
 use msk_runtime::evaluate::Trial;
+use msk_storage::Folder;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
+
+/// Largest description of a session that is read, bytes.
+const LARGEST: u64 = 1 << 20;
 
 /// How a session is run. What it may spend may differ from one call to the next; the rest is its identity.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +143,7 @@ impl Settings {
     }
 
     /// Makes `folder` the place of this session, or checks that it is.
-    pub(super) fn claim(&self, folder: &Path, trial: &Trial) -> Result<(), SessionError> {
+    pub(super) fn claim(&self, folder: &Folder, trial: &Trial) -> Result<(), SessionError> {
         let identity = json!({
             "task": trial.task.name,
             "task_hash": trial.task.hash,
@@ -153,17 +156,12 @@ impl Settings {
             "objective": self.objective,
         });
         let text = format!("{identity:#}\n");
-        let other =
-            |difference: String| SessionError::Setting(format!("`{}` holds another session: {difference}", folder.display()));
-        let store = Store::new(&folder.join("tune.json"));
-        let before = match store.read()? {
-            Some(before) => before,
-            None => {
-                store.change::<(), StoreError>("tune", |_| Ok((text, ())))?;
-                return Ok(());
-            }
+        let other = |difference: String| {
+            SessionError::Setting(format!("`{}` holds another session: {difference}", folder.path().display()))
         };
-        let before: Value = serde_json::from_str(&before.text).map_err(|error| other(format!("tune.json: {error}")))?;
+        let path = Path::new("tune.json");
+        let Some(before) = folder.read_text(path, LARGEST)? else { return Ok(folder.replace(path, text.as_bytes())?) };
+        let before: Value = serde_json::from_str(&before).map_err(|error| other(format!("tune.json: {error}")))?;
         for (name, value) in identity.as_object().into_iter().flatten() {
             if before[name] != *value {
                 return Err(other(format!("its {name} is {}, not {value}", before[name])));

@@ -1,17 +1,23 @@
-//! The history of a file: a line of JSON for each version, in order, each with the whole text.
+//! The history of a file: lines of JSON, for each change one that begins it, with the whole text, and one that says what became
+//! of it.
 
 use super::{StoreError, Version};
+use msk_compiler::weights::Change;
+use msk_storage::Log;
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File};
-use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Who made a change that did not go through the store: an editor, for example.
 pub const OUTSIDE: &str = "outside";
 
-/// A change.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// Largest history that is read whole, bytes.
+pub(super) const LARGEST: u64 = 1 << 30;
+/// Longest end of a history that is read for its last two lines, bytes: two texts of the largest size, escaped.
+const LONGEST_END: u64 = 1 << 24;
+
+/// A change that was made.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// Seconds since 1970.
     pub time: u64,
@@ -23,71 +29,174 @@ pub struct Entry {
     pub version: String,
     /// That version, whole: any may be gone back to.
     pub text: String,
+    /// The weights of the source that it changed, if they are known.
+    pub changes: Vec<Change>,
 }
 
-impl Entry {
-    pub(super) fn now(by: &str, before: Option<&Version>, next: &Version) -> Self {
-        let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-        let before = before.map(|version| version.hash.clone());
-        Self { time, by: by.into(), before, version: next.hash.clone(), text: next.text.clone() }
+/// The line that begins a change.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Begun {
+    time: u64,
+    by: String,
+    /// The version that the changes before came to; none if there was no file.
+    before: Option<String>,
+    /// What the file held instead, if somebody had changed it past the store.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    found: Option<String>,
+    pub version: String,
+    text: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    changes: Vec<Change>,
+}
+
+/// The line that says what became of the change before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum End {
+    /// The file was replaced.
+    Made,
+    /// The file stayed as it was.
+    Undone,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Line {
+    Begun(Begun),
+    End { end: End, version: String },
+}
+
+/// The end of a history: its last change, and what became of it if that is written down.
+#[derive(Debug)]
+pub(super) struct Last {
+    begun: Begun,
+    end: Option<End>,
+}
+
+impl Begun {
+    /// The beginning of a change from the `present` file, after `last`, to `next`.
+    pub fn now(by: &str, last: Option<&Last>, present: Option<&Version>, next: &Version, changes: &[Change]) -> Self {
+        let known = last.and_then(Last::known);
+        let hash = present.map(|version| &version.hash);
+        let found = present.filter(|_| known.as_ref() != hash).map(|version| version.text.clone());
+        Self {
+            time: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()),
+            by: by.into(),
+            // A file that was removed is not what the changes before came to.
+            before: known.filter(|_| present.is_some()),
+            found,
+            version: next.hash.clone(),
+            text: next.text.clone(),
+            changes: changes.to_vec(),
+        }
     }
 
-    /// Strings and a number always have a JSON form.
-    pub(super) fn line(&self) -> String {
-        serde_json::to_string(self).unwrap_or_default() + "\n"
+    /// The version of the file when the change was begun.
+    fn base(&self) -> Option<String> {
+        self.found.as_ref().map(|found| Version::of(found.as_str()).hash).or_else(|| self.before.clone())
+    }
+
+    /// Whether a change of which nothing more is written down was made. Its program died, so nobody was promised that it was: a
+    /// file that still is what it was before has not been replaced.
+    fn was_made(&self, present: Option<&Version>) -> bool {
+        self.base().as_ref() != present.map(|version| &version.hash)
+    }
+
+    /// The changes that it stands for: what was found, and its own.
+    fn entries(self) -> impl Iterator<Item = Entry> {
+        let base = self.base();
+        let (time, before) = (self.time, self.before);
+        let outside = self.found.zip(base.clone()).map(|(text, version)| Entry {
+            time,
+            by: OUTSIDE.into(),
+            before,
+            version,
+            text,
+            changes: Vec::new(),
+        });
+        let own = Entry { time, by: self.by, before: base, version: self.version, text: self.text, changes: self.changes };
+        outside.into_iter().chain([own])
     }
 }
 
-/// The last whole line of a history; and, if a line after it was cut short, how many bytes are whole. Only the end is read.
-pub(super) fn last(path: &Path) -> Result<(Option<Entry>, Option<u64>), StoreError> {
-    let cannot = |source| StoreError::System { action: "read", path: path.into(), source };
-    let mut file = match File::open(path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok((None, None)),
-        file => file.map_err(cannot)?,
+impl Last {
+    /// Writes down what became of the last change, if its program did not live to do so.
+    pub fn settle(&mut self, log: &mut Log, present: Option<&Version>) -> Result<(), StoreError> {
+        if self.end.is_none() {
+            let end = if self.begun.was_made(present) { End::Made } else { End::Undone };
+            self::end(log, &self.begun.version, end)?;
+            self.end = Some(end);
+        }
+        Ok(())
+    }
+
+    /// The version that all changes together came to.
+    fn known(&self) -> Option<String> {
+        if self.end == Some(End::Undone) { self.begun.before.clone() } else { Some(self.begun.version.clone()) }
+    }
+}
+
+/// Begins a change.
+pub(super) fn begin(log: &mut Log, begun: Begun) -> Result<(), StoreError> {
+    append(log, &Line::Begun(begun))
+}
+
+/// Writes down what became of a change.
+pub(super) fn end(log: &mut Log, version: &str, end: End) -> Result<(), StoreError> {
+    append(log, &Line::End { end, version: version.into() })
+}
+
+fn append(log: &mut Log, line: &Line) -> Result<(), StoreError> {
+    // Strings and numbers always have a JSON form.
+    Ok(log.append(serde_json::to_string(line).unwrap_or_default().as_bytes())?)
+}
+
+/// The end of a history.
+pub(super) fn last(log: &mut Log) -> Result<Option<Last>, StoreError> {
+    let path = log.path();
+    let damaged = |reason: String| StoreError::History { path: path.clone(), line: "its end".into(), reason };
+    let bytes = log.last_lines(2, LONGEST_END)?;
+    let mut lines = bytes.split_inclusive(|&byte| byte == b'\n').rev().map(|line| parse(line).map_err(damaged));
+    let end = match lines.next().transpose()? {
+        None => return Ok(None),
+        Some(Line::Begun(begun)) => return Ok(Some(Last { begun, end: None })),
+        Some(Line::End { end, version }) => (end, version),
     };
-    let size = file.metadata().map_err(cannot)?.len();
-    let mut tail: u64 = 4096;
-    loop {
-        let begin = size.saturating_sub(tail);
-        file.seek(SeekFrom::Start(begin)).map_err(cannot)?;
-        let mut bytes = Vec::new();
-        file.by_ref().take(size - begin).read_to_end(&mut bytes).map_err(cannot)?;
-        let ends: Vec<usize> =
-            bytes.iter().enumerate().rev().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at).take(2).collect();
-        let line = match ends.as_slice() {
-            [end, before] => &bytes[before + 1..=*end],
-            [end] if begin == 0 => &bytes[..=*end],
-            [] if begin == 0 => return Ok((None, (size > 0).then_some(0))),
-            _ => {
-                tail = tail.saturating_mul(4);
-                continue;
-            }
-        };
-        let whole = begin + ends[0] as u64 + 1;
-        let entry = serde_json::from_slice(line).map_err(|error| StoreError::History {
-            path: path.into(),
-            line: "its last line".into(),
-            reason: error.to_string(),
-        })?;
-        return Ok((Some(entry), (whole < size).then_some(whole)));
+    match lines.next().transpose()? {
+        Some(Line::Begun(begun)) if begun.version == end.1 => Ok(Some(Last { begun, end: Some(end.0) })),
+        _ => Err(damaged(STRAY.into())),
     }
 }
 
-/// The lines of a history; and, if the last one was cut short, how many bytes are whole.
-pub(super) fn read(path: &Path) -> Result<(Vec<Entry>, Option<u64>), StoreError> {
-    let bytes = match fs::read(path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok((Vec::new(), None)),
-        bytes => bytes.map_err(|source| StoreError::System { action: "read", path: path.into(), source })?,
-    };
-    let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+/// All changes of a history that were made, in order.
+pub(super) fn read(bytes: &[u8], path: &Path, present: Option<&Version>) -> Result<Vec<Entry>, StoreError> {
     let mut entries = Vec::new();
-    for (index, line) in bytes[..whole].split_inclusive(|&byte| byte == b'\n').enumerate() {
-        let entry = serde_json::from_slice(line).map_err(|error| StoreError::History {
-            path: path.into(),
-            line: format!("line {}", index + 1),
-            reason: error.to_string(),
-        })?;
-        entries.push(entry);
+    let mut open: Option<Begun> = None;
+    for (index, line) in Log::whole_lines(bytes).split_inclusive(|&byte| byte == b'\n').enumerate() {
+        let damaged = |reason| StoreError::History { path: path.into(), line: format!("line {}", index + 1), reason };
+        let made = match (parse(line).map_err(damaged)?, open.take()) {
+            (Line::Begun(next), before) => {
+                open = Some(next);
+                before
+            }
+            (Line::End { end, version }, Some(begun)) if begun.version == version => Some(begun).filter(|_| end == End::Made),
+            (Line::End { .. }, _) => return Err(damaged(STRAY.into())),
+        };
+        entries.extend(made.into_iter().flat_map(Begun::entries));
     }
-    Ok((entries, (whole < bytes.len()).then_some(whole as u64)))
+    let made = open.filter(|begun| begun.was_made(present));
+    entries.extend(made.into_iter().flat_map(Begun::entries));
+    Ok(entries)
+}
+
+const STRAY: &str = "the end of a change that was not begun";
+
+fn parse(line: &[u8]) -> Result<Line, String> {
+    let line = serde_json::from_slice(line).map_err(|error| error.to_string())?;
+    match &line {
+        Line::Begun(begun) if Version::of(begun.text.as_str()).hash != begun.version => {
+            Err(format!("its text is not version {}", begun.version))
+        }
+        _ => Ok(line),
+    }
 }

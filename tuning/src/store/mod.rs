@@ -1,41 +1,41 @@
 //! A text file that many programs may read and change at once, with its whole history.
 //!
-//! * A change is made under an advisory lock, which the operating system takes back when a program dies.
-//! * The next text is prepared, the history is written, the file is replaced, in this order: whoever comes after a program that
-//!   died in between finishes what it began, or finds that it had not begun.
-//! * The file is replaced in one move, so readers need no lock and see one version or the next, never half of one.
-//! * A version is the hash of the file's bytes. What an editor changed past this module is noted by the next change.
+//! The folder `.msk` beside a file `NAME` has its lock, `NAME.lock`, and its history, `NAME.history.jsonl`. None of them may be a
+//! link, so that a folder from somebody else leads nowhere.
+//!
+//! * A change is made under the lock, which the operating system takes back when a program dies.
+//! * A line with the whole next text is appended to the history, the file is replaced in one move, and a second line says so.
+//!   Whoever comes after a program that died before the second line writes it: the change was made unless the file still is what
+//!   it was before. The file itself is never touched by that, so what a person has put there stays.
+//! * Readers need no lock and see one version or the next, never half of one.
+//! * A version is the hash of the file's bytes. What was changed past this module is noted by the next change, in the same line:
+//!   a file that is what it was before a change whose second line is there was put back by hand.
 
 mod history;
 
 pub use history::{Entry, OUTSIDE};
 
+use history::{Begun, End};
+use msk_compiler::weights::Change;
+use msk_storage::{Folder, StorageError};
 use sha2::{Digest, Sha256};
-use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// Largest file that is read, bytes: no weights file comes near.
+/// Largest file that is read or written, bytes: no weights file comes near.
 const LARGEST: u64 = 1 << 20;
+/// The folder of locks and histories.
+const ASIDE: &str = ".msk";
 
 /// Why a file cannot be read or changed.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// The operating system refused.
-    #[error("cannot {action} `{}`", path.display())]
-    System {
-        /// What was being done.
-        action: &'static str,
-        /// To which file.
-        path: PathBuf,
-        /// The reason.
-        source: io::Error,
-    },
-    /// A file that is no weights file.
-    #[error("`{}` is larger than {LARGEST} bytes or no text", path.display())]
-    NoText {
-        /// The file.
+    /// The file, its lock or its history cannot be used.
+    #[error(transparent)]
+    Storage(#[from] StorageError),
+    /// A path that ends in no name, or in one that is not UTF-8.
+    #[error("`{}` does not end in a file name of UTF-8 text", path.display())]
+    Name {
+        /// The path.
         path: PathBuf,
     },
     /// The history holds something else than what is written there.
@@ -45,7 +45,7 @@ pub enum StoreError {
         path: PathBuf,
         /// Which line, in words.
         line: String,
-        /// What the parser says.
+        /// What is wrong with it.
         reason: String,
     },
 }
@@ -77,54 +77,51 @@ pub enum Outcome<T> {
     Same(Version, T),
 }
 
-/// The lock of a file, held.
-#[derive(Debug)]
-pub struct Held {
-    _lock: File,
-}
-
-/// A file with its lock and history, which lie in the folder `.msk` beside it.
+/// A file with its lock and history.
 #[derive(Debug, Clone)]
 pub struct Store {
-    path: PathBuf,
-    aside: PathBuf,
-    name: OsString,
+    folder: Folder,
+    name: String,
 }
 
 impl Store {
-    /// The store of a file, which need not exist yet. A link is followed, so that what it leads to is changed.
-    pub fn new(path: &Path) -> Self {
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-        let name = path.file_name().unwrap_or_default().to_os_string();
-        let aside = path.parent().unwrap_or(Path::new("")).join(".msk");
-        Self { path, aside, name }
+    /// The store of a file beneath `folder`, which need not exist yet; the folder that it lies in must.
+    ///
+    /// # Errors
+    /// A path that leads out of the folder or names no file, or a folder that cannot be opened.
+    pub fn new(folder: &Folder, path: &Path) -> Result<Self, StoreError> {
+        let folder = folder.subfolder(path.parent().unwrap_or(Path::new("")))?;
+        Self::of(folder, Path::new(path.file_name().unwrap_or_default()))
     }
 
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
+    /// The store of a file that the user named, wherever it lies. A link is followed, so that what it leads to is changed.
+    ///
+    /// # Errors
+    /// A path that names no file, or a folder that cannot be opened.
+    pub fn open(path: &Path) -> Result<Self, StoreError> {
+        let (folder, name) = Folder::of_file(path)?;
+        Self::of(folder, &name)
+    }
+
+    /// Lock and history are named after the file, so two files must not come to the same name.
+    fn of(folder: Folder, name: &Path) -> Result<Self, StoreError> {
+        match name.to_str().filter(|name| !name.is_empty()) {
+            Some(name) => Ok(Self { name: name.into(), folder }),
+            None => Err(StoreError::Name { path: folder.path().join(name) }),
+        }
+    }
+
+    /// Where the file lies, for messages.
+    pub fn path(&self) -> PathBuf {
+        self.folder.path().join(&self.name)
     }
 
     /// The file as it is now; `None` if there is none. Needs no lock.
     ///
     /// # Errors
-    /// A file that cannot be read or is no text.
+    /// A file that cannot be read, is larger than 1 MiB or no text.
     pub fn read(&self) -> Result<Option<Version>, StoreError> {
-        let size = match fs::metadata(&self.path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            metadata => metadata.map_err(|source| self.cannot("read", &self.path, source))?.len(),
-        };
-        if size > LARGEST {
-            return Err(StoreError::NoText { path: self.path.clone() });
-        }
-        match fs::read(&self.path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            bytes => {
-                let bytes = bytes.map_err(|source| self.cannot("read", &self.path, source))?;
-                let text = String::from_utf8(bytes).map_err(|_| StoreError::NoText { path: self.path.clone() })?;
-                Ok(Some(Version::of(text)))
-            }
-        }
+        Ok(self.folder.read_text(Path::new(&self.name), LARGEST)?.map(Version::of))
     }
 
     /// Changes the file: `change` gets the present version (an empty text if there is no file) and gives the next text and
@@ -137,132 +134,86 @@ impl Store {
         by: &str,
         change: impl FnOnce(&Version) -> Result<(String, T), E>,
     ) -> Result<Outcome<T>, E> {
-        let _lock = self.lock()?;
-        let present = self.recover()?;
+        self.transact(by, change, |_| &[])
+    }
+
+    /// Changes weights of a source, like [`Store::change`], and keeps in the history which weights they are. Gives the changes.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn edit<E: From<StoreError>>(
+        &self,
+        by: &str,
+        edit: impl FnOnce(&Version) -> Result<(String, Vec<Change>), E>,
+    ) -> Result<Vec<Change>, E> {
+        let (Outcome::Changed(_, changes) | Outcome::Same(_, changes)) = self.transact(by, edit, |changes| changes)?;
+        Ok(changes)
+    }
+
+    /// All changes that were made, in order, the first first. A line whose writing was cut short is not among them: it changed
+    /// nothing. Needs no lock.
+    ///
+    /// # Errors
+    /// A history that cannot be read or is damaged.
+    pub fn history(&self) -> Result<Vec<Entry>, StoreError> {
+        let Some(aside) = self.folder.existing_private_subfolder(ASIDE)? else { return Ok(Vec::new()) };
+        let name = PathBuf::from(self.beside("history.jsonl"));
+        let bytes = aside.read_private(&name, history::LARGEST)?.unwrap_or_default();
+        // After the history, so that a change which is not in it is not taken for one that was made past the store.
+        history::read(&bytes, &aside.path().join(name), self.read()?.as_ref())
+    }
+
+    /// The first change of every weight of a source that went through [`Store::edit`]: what going back to the beginning restores.
+    ///
+    /// # Errors
+    /// Those of [`Store::history`].
+    pub fn first_changes(&self) -> Result<Vec<Change>, StoreError> {
+        let mut first: Vec<Change> = Vec::new();
+        for change in self.history()?.into_iter().flat_map(|entry| entry.changes) {
+            if !first.iter().any(|known| known.task == change.task && known.term == change.term) {
+                first.push(change);
+            }
+        }
+        Ok(first)
+    }
+
+    fn transact<T, E: From<StoreError>>(
+        &self,
+        by: &str,
+        change: impl FnOnce(&Version) -> Result<(String, T), E>,
+        changes: impl FnOnce(&T) -> &[Change],
+    ) -> Result<Outcome<T>, E> {
+        let storage = |error: StorageError| E::from(error.into());
+        let aside = self.folder.private_subfolder(ASIDE).map_err(storage)?;
+        let _lock = aside.lock(Path::new(&self.beside("lock"))).map_err(storage)?;
+        let present = self.read()?;
         let before = present.clone().unwrap_or_else(|| Version::of(""));
         let (text, told) = change(&before)?;
         if present.is_some() && text == before.text {
             return Ok(Outcome::Same(before, told));
         }
+        if text.len() as u64 > LARGEST {
+            return Err(storage(StorageError::TooLarge { path: self.path(), limit: LARGEST }));
+        }
         let next = Version::of(text);
-        self.prepare(&next.text)?;
-        self.append(&Entry::now(by, present.as_ref(), &next))?;
-        self.commit()?;
-        Ok(Outcome::Changed(next, told))
-    }
-
-    /// Keeps all others from changing the file while what comes back lives. It must not be asked for twice at once.
-    ///
-    /// # Errors
-    /// A lock that cannot be made.
-    pub fn hold(&self) -> Result<Held, StoreError> {
-        Ok(Held { _lock: self.lock()? })
-    }
-
-    /// Replaces the file in one move, with the lock held, past the history of versions: for files that have another one.
-    ///
-    /// # Errors
-    /// A file that cannot be written; it is then what it was.
-    pub fn replace(&self, _: &Held, text: &str) -> Result<(), StoreError> {
-        self.prepare(text)?;
-        self.commit()
-    }
-
-    /// All changes in order, the first first. A line whose writing was cut short is not among them: it changed nothing.
-    ///
-    /// # Errors
-    /// A history that cannot be read or is damaged.
-    pub fn history(&self) -> Result<Vec<Entry>, StoreError> {
-        Ok(history::read(&self.history_path())?.0)
-    }
-
-    /// Waits for the lock; it goes when the file is dropped, and when the program ends in whatever way.
-    fn lock(&self) -> Result<File, StoreError> {
-        fs::create_dir_all(&self.aside).map_err(|source| self.cannot("make", &self.aside, source))?;
-        let path = self.beside(".lock");
-        let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
-        let file = file.map_err(|source| self.cannot("open", &path, source))?;
-        file.lock().map_err(|source| self.cannot("lock", &path, source))?;
-        Ok(file)
-    }
-
-    /// Brings file and history together, with the lock held: finishes a change that its program did not live to finish, and
-    /// notes what was changed by others.
-    fn recover(&self) -> Result<Option<Version>, StoreError> {
-        let path = self.history_path();
-        let (last, whole) = history::last(&path)?;
-        if let Some(whole) = whole {
-            // A line that was cut short stood for a change that had not begun.
-            let file = OpenOptions::new().write(true).open(&path).map_err(|source| self.cannot("write", &path, source))?;
-            file.set_len(whole).map_err(|source| self.cannot("write", &path, source))?;
+        let mut log = aside.log(&self.beside("history.jsonl")).map_err(storage)?;
+        let mut last = history::last(&mut log)?;
+        if let Some(last) = &mut last {
+            last.settle(&mut log, present.as_ref())?;
         }
-        let present = self.read()?;
-        let hash = present.as_ref().map(|version| version.hash.as_str());
-        match (&last, &present) {
-            (Some(last), _) if hash == Some(last.version.as_str()) => Ok(present),
-            (Some(last), _) if hash == last.before.as_deref() && self.prepared(last) => {
-                self.commit()?;
-                Ok(Some(Version::of(last.text.clone())))
-            }
-            (last, Some(found)) => {
-                let known = last.as_ref().map(|last| Version::of(last.text.clone()));
-                self.append(&Entry::now(OUTSIDE, known.as_ref(), found))?;
-                Ok(present)
-            }
-            (_, None) => Ok(None),
+        let begun = Begun::now(by, last.as_ref(), present.as_ref(), &next, changes(&told));
+        history::begin(&mut log, begun)?;
+        let replaced = self.folder.replace(Path::new(&self.name), next.text.as_bytes());
+        // After a failure what readers see decides. If the second line cannot be written the next change writes it.
+        let made = replaced.is_ok() || self.read().is_ok_and(|now| now.is_some_and(|now| now.hash == next.hash));
+        let _ = history::end(&mut log, &next.hash, if made { End::Made } else { End::Undone });
+        match replaced {
+            Err(error) if !made => Err(storage(error)),
+            _ => Ok(Outcome::Changed(next, told)),
         }
     }
 
-    /// Whether the change stands ready beside the file: after a change that came to its end nothing does.
-    fn prepared(&self, entry: &Entry) -> bool {
-        fs::read(self.beside(".new")).is_ok_and(|bytes| bytes == entry.text.as_bytes())
-    }
-
-    /// Adds a line to the history, and waits until it is on the disk.
-    fn append(&self, entry: &Entry) -> Result<(), StoreError> {
-        let path = self.history_path();
-        let cannot = |source| self.cannot("write", &path, source);
-        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(cannot)?;
-        file.write_all(entry.line().as_bytes()).map_err(cannot)?;
-        file.sync_data().map_err(cannot)
-    }
-
-    /// Writes the next text beside the file, with the lock held.
-    fn prepare(&self, text: &str) -> Result<(), StoreError> {
-        // Beside the file and of one name, so that a program that dies here leaves no litter; the lock keeps others from it.
-        let fresh = self.beside(".new");
-        let cannot = |source| self.cannot("write", &fresh, source);
-        let mut file = File::create(&fresh).map_err(cannot)?;
-        file.write_all(text.as_bytes()).map_err(cannot)?;
-        if let Ok(before) = fs::metadata(&self.path) {
-            file.set_permissions(before.permissions()).map_err(cannot)?;
-        }
-        file.sync_all().map_err(cannot)
-    }
-
-    /// Puts what has been prepared in the place of the file, in one move.
-    fn commit(&self) -> Result<(), StoreError> {
-        let fresh = self.beside(".new");
-        fs::rename(&fresh, &self.path).map_err(|source| self.cannot("replace", &self.path, source))?;
-        // The move itself lasts only once the folder is on the disk; where folders cannot be opened, it is left to the system.
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if let Ok(folder) = File::open(folder) {
-            let _ = folder.sync_all();
-        }
-        Ok(())
-    }
-
-    fn history_path(&self) -> PathBuf {
-        self.beside(".history.jsonl")
-    }
-
-    fn beside(&self, ending: &str) -> PathBuf {
-        let mut name = self.name.clone();
-        name.push(ending);
-        self.aside.join(name)
-    }
-
-    fn cannot(&self, action: &'static str, path: &Path, source: io::Error) -> StoreError {
-        StoreError::System { action, path: path.to_path_buf(), source }
+    fn beside(&self, ending: &str) -> String {
+        format!("{}.{ending}", self.name)
     }
 }
