@@ -244,3 +244,19 @@ fn another_session_and_senseless_settings_are_refused() {
     let _first = open(&out, settings(), &trial);
     assert!(matches!(Session::open(&out, settings(), trial.clone(), |_| {}), Err(SessionError::Journal(_))), "one at a time");
 }
+
+#[test]
+fn a_journal_without_the_episodes_of_a_round_is_told_with_the_first_that_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let trial = trial(folder.path());
+    let out = folder.path().join("tune");
+    run(&mut open(&out, settings(), &trial), &RuleBook, 1);
+    let journal = std::fs::read_to_string(out.join("episodes.jsonl")).unwrap();
+    let lines: Vec<&str> = journal.split_inclusive('\n').collect();
+    for lost in [0, lines.len() - 1] {
+        let kept: String = lines.iter().enumerate().filter(|(index, _)| *index != lost).map(|(_, line)| *line).collect();
+        std::fs::write(out.join("episodes.jsonl"), kept).unwrap();
+        let error = Session::open(&out, Settings { rounds: 5, ..settings() }, trial.clone(), |_| {}).err().unwrap();
+        assert!(matches!(error, SessionError::Episodes { missing, .. } if missing == lost as u64), "{error}");
+    }
+}

@@ -87,6 +87,17 @@ pub enum SessionError {
     /// The log cannot be used.
     #[error(transparent)]
     Log(#[from] LogError),
+    /// The journal and the log contradict each other.
+    #[error(
+        "the journal of the session is damaged: expected the episodes in order, of which rounds.jsonl counts {counted}; episode \
+         {missing} is not in its place in episodes.jsonl"
+    )]
+    Episodes {
+        /// The first that is not there.
+        missing: u64,
+        /// How many episodes belong to rounds that are over.
+        counted: u64,
+    },
     /// The weights cannot keep the rules from the beginning.
     #[error("the weights cannot be brought to the norm: {0}")]
     Norm(String),
@@ -152,9 +163,7 @@ impl Session {
         let store = Store::new(&folder, Path::new(WEIGHTS))?;
         begin_weights(&store, &trial, &in_scope, &first, log.rounds().last())?;
         let live = Live::over(store.clone(), vec![trial.task.clone()], told)?;
-        let counted = log.rounds().last().map_or(0, |round| round.episodes[1]);
-        let open = episodes.into_iter().filter(|record| record.episode >= counted).collect();
-        let live = Arc::new(live);
+        let (live, open) = (Arc::new(live), uncounted(episodes, &log)?);
         let session = Self { folder, settings, trial, in_scope, store, live, journal, log, open };
         // A session that ended between its log and this file left an earlier one.
         if let Some(best) = session.best().filter(|best| best.round == session.rounds().len() as u64) {
@@ -363,6 +372,16 @@ impl Session {
             })?;
         Ok(())
     }
+}
+
+/// The episodes of the journal that no round of the log counts. They are appended in order, so all that rounds count are there.
+fn uncounted(mut episodes: Vec<EpisodeRecord>, log: &Log) -> Result<Vec<EpisodeRecord>, SessionError> {
+    let counted = log.rounds().last().map_or(0, |round| round.episodes[1]);
+    let whole = episodes.iter().zip(0..).take_while(|(record, index)| record.episode == *index).count();
+    if whole < episodes.len() || (whole as u64) < counted {
+        return Err(SessionError::Episodes { missing: whole as u64, counted });
+    }
+    Ok(episodes.split_off(usize::try_from(counted).unwrap_or(whole)))
 }
 
 /// Writes the first weights of a session, or those that a session had logged and not yet applied when it ended.
