@@ -141,7 +141,11 @@ fn excitations_that_do_not_fit_are_refused() {
     let rollout = |rest: &[&str], expected: &str| refused(&[&paths[..], rest].concat(), expected);
     rollout(&[output_text], "cannot read");
     fs::write(&input, b"no array").unwrap();
-    rollout(&[output_text], "cannot read");
+    rollout(&[output_text], "is no NumPy array");
+    // The number of its elements does not fit into 64 bits.
+    let shape = "{'descr': '<f8', 'fortran_order': False, 'shape': (1099511627776, 1099511627776), }\n";
+    fs::write(&input, [b"\x93NUMPY\x01\0", &(shape.len() as u16).to_le_bytes()[..], shape.as_bytes()].concat()).unwrap();
+    rollout(&[output_text], "must hold rows of");
     write_controls(&input, [2, width + 1], &vec![0.0; 2 * (width + 1) as usize]);
     rollout(&[output_text], "must hold rows of");
     write_controls(&input, [2, width], &vec![0.0; 2 * width as usize]);

@@ -2,11 +2,12 @@
 
 use super::Start;
 use crate::error::{Context, Error};
+use msk_runtime::inspect::Excitations;
 use msk_runtime::model::Model;
 use msk_runtime::physics::{self, State, Workspace};
-use npyz::{NpyFile, Order, WriterBuilder, npz::NpzWriter};
+use npyz::{WriterBuilder, npz::NpzWriter};
 use std::fs::File;
-use std::io::{self, BufReader, Seek, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -29,14 +30,17 @@ pub struct Args {
 /// The most numbers that a trajectory may hold: 8 GiB.
 const MOST_NUMBERS: usize = 1 << 30;
 
+/// The largest file of excitations that is read, bytes.
+const LARGEST: u64 = 4 << 30;
+
 /// Runs the subcommand.
 ///
 /// # Errors
 /// A model, state or array that cannot be read or does not fit, or a step that fails: the steps before it are written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (model, mut state) = args.start.load()?;
-    let controls = Controls::read(&args.ctrl, model.actuators.name.len())?;
-    let rows = controls.rows;
+    let controls = read(&args.ctrl, model.actuators.name.len())?;
+    let rows = controls.rows();
     let steps = args.steps.unwrap_or(rows);
     if steps > rows {
         return Err(Error::new(format!("{} has {rows} rows; {steps} steps need one each", args.ctrl.display())));
@@ -55,33 +59,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 }
 
 /// Excitations of all steps.
-struct Controls {
-    values: Vec<f64>,
-    rows: usize,
-    muscles: usize,
-}
-
-impl Controls {
-    fn read(path: &Path, muscles: usize) -> Result<Self, Error> {
-        let reading = || format!("cannot read {}", path.display());
-        let wrong = |what: String| Error::new(format!("{} {what}", path.display()));
-        let file = File::open(path).context(reading)?;
-        let size = file.metadata().context(reading)?.len();
-        let array = NpyFile::new(BufReader::new(file)).context(reading)?;
-        let shape = array.shape().to_vec();
-        if shape.len() != 2 || shape[1] != muscles as u64 || array.order() != Order::C {
-            return Err(wrong(format!("must hold rows of {muscles} excitations, found the shape {shape:?}")));
-        }
-        if shape[0].saturating_mul(shape[1]) > size {
-            return Err(wrong(format!("promises {} rows, but has only {size} bytes", shape[0])));
-        }
-        let rows = usize::try_from(shape[0])?;
-        Ok(Self { values: array.into_vec::<f64>().context(reading)?, rows, muscles })
-    }
-
-    fn row(&self, step: usize) -> &[f64] {
-        &self.values[step * self.muscles..(step + 1) * self.muscles]
-    }
+fn read(path: &Path, muscles: usize) -> Result<Excitations, Error> {
+    let bytes = msk_storage::read_file(path, LARGEST)?;
+    Excitations::from_npy(&bytes, muscles).map_err(|error| Error::new(format!("{} {error}", path.display())))
 }
 
 /// What is recorded after each step.
@@ -94,7 +74,7 @@ struct Trajectory {
 }
 
 impl Trajectory {
-    fn record(&mut self, model: &Model, state: &mut State<f64>, controls: &Controls, steps: usize) -> Result<(), Error> {
+    fn record(&mut self, model: &Model, state: &mut State<f64>, controls: &Excitations, steps: usize) -> Result<(), Error> {
         let mut workspace = Workspace::new(model);
         for step in 0..steps {
             state.control.copy_from_slice(controls.row(step));
