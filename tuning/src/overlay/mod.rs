@@ -17,6 +17,7 @@ pub use wish::{Laid, Wish, WishError, wished};
 use msk_compiler::diagnostics::{Diagnostic, FileId, SourceMap, Span, codes, nearest};
 use msk_compiler::task::{CompiledTask, Origin};
 use msk_compiler::weights::Problem;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use toml_edit::{Document, Item, TableLike};
 
@@ -54,7 +55,12 @@ impl Overlay {
             let told = Diagnostic::new(codes::weights::WEIGHTS_FILE, file, span, message);
             vec![told.help("a weights file holds a table for each task: `[stand]`, then `pose = 11.5`")]
         })?;
-        let mut reader = Reader { file, overlay: Self { file, tasks: Vec::new(), lines: Vec::new() }, told: Vec::new() };
+        let mut reader = Reader {
+            file,
+            overlay: Self { file, tasks: Vec::new(), lines: Vec::new() },
+            given: BTreeSet::new(),
+            told: Vec::new(),
+        };
         for (task, _) in document.as_table().iter() {
             let Some((key, item)) = document.as_table().get_key_value(task) else { continue };
             reader.task(task, span(key.span()), item);
@@ -126,6 +132,8 @@ impl Overlay {
 struct Reader {
     file: FileId,
     overlay: Overlay,
+    /// Tasks and terms that have a line.
+    given: BTreeSet<(String, String)>,
     told: Vec<Diagnostic>,
 }
 
@@ -155,9 +163,7 @@ impl Reader {
             let wrong = match number {
                 Some(weight) if !weight.is_finite() => Some(format!("the weight of `{term}` must be a finite number")),
                 None => Some(format!("the weight of `{term}` must be a number, not {}", kind(item))),
-                Some(_) if self.overlay.lines.iter().any(|line| line.task == task && line.term == term) => {
-                    Some(format!("`{term}` is given twice"))
-                }
+                Some(_) if !self.given.insert((task.to_owned(), term.clone())) => Some(format!("`{term}` is given twice")),
                 Some(weight) => {
                     self.overlay.lines.push(Line { task: task.to_owned(), term, weight, key, value });
                     None
