@@ -6,6 +6,7 @@ mod bad_input;
 mod check;
 mod diff;
 mod eval;
+mod exit_codes;
 mod explain;
 mod fmt;
 mod help;
