@@ -47,9 +47,14 @@ impl BodySource for Human {
     }
 
     fn vocabulary(&self, _: &BodyDescription) -> Result<Vocabulary, String> {
-        static HUMAN: OnceLock<Vocabulary> = OnceLock::new();
-        Ok(HUMAN.get_or_init(few_muscles).clone())
+        Ok(vocabulary().clone())
     }
+}
+
+/// What exists on that body.
+pub fn vocabulary() -> &'static Vocabulary {
+    static HUMAN: OnceLock<Vocabulary> = OnceLock::new();
+    HUMAN.get_or_init(few_muscles)
 }
 
 fn few_muscles() -> Vocabulary {
