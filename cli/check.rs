@@ -16,7 +16,8 @@ use std::process::ExitCode;
 ///
 /// Prints every error and warning with its place and what to do. A task without errors is also begun a few times on its body
 /// and put into many poses: what begins inside each other or apart, what ends or succeeds at the first step, and what no pose
-/// reaches or pays, is told. Exit code 0 if there is no error, 1 if there is.
+/// reaches or pays, is told. A file without a task is checked as a library; one that declares nothing is an error. Exit code 0
+/// if there is no error, 1 if there is.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files to check, with all that they use
@@ -57,6 +58,12 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         }
         let (report, tasks) = match compile_with(file, &FileLoader, &bodies, &args.settings.settings) {
             Ok(compilation) => {
+                if compilation.declarations == 0 && compilation.tasks.is_empty() {
+                    let nothing = Error::new(format!("`{}` declares nothing: there is nothing to check", file.display()));
+                    nothing.hint("a task begins with `task NAME {`").report();
+                    sound = false;
+                    continue;
+                }
                 let mut told = compilation.warnings;
                 if !args.no_probe {
                     told.extend(probe::new_of(&compilation.tasks, &bodies, &told));
@@ -112,5 +119,6 @@ fn plural(count: usize, one: &str, several: &str) -> String {
 
 fn found(tasks: usize, warnings: usize) -> String {
     let remarks = if warnings == 0 { "nothing to remark".into() } else { plural(warnings, "warning", "warnings") };
-    format!("{}, {remarks}", plural(tasks, "task", "tasks"))
+    let what = if tasks == 0 { "a library without tasks".into() } else { plural(tasks, "task", "tasks") };
+    format!("{what}, {remarks}")
 }

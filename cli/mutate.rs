@@ -50,6 +50,7 @@ enum Format {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     let mut all: Vec<Verdict> = Vec::new();
+    let mut known: Vec<String> = Vec::new();
     let parts = if args.surroundings { &Part::ALL[..] } else { &[Part::Meaning] };
     for file in &args.files {
         let project = Project::open(file, &[])?;
@@ -57,6 +58,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         for source in compilation.sources.files() {
             let (path, text) = (compilation.sources.path(source), compilation.sources.text(source));
             for name in mutation::tasks(text) {
+                known.push(name.clone());
                 if args.task.as_ref().is_some_and(|task| *task != name) {
                     continue;
                 }
@@ -76,6 +78,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                 all.extend(verdicts);
             }
         }
+    }
+    if let Some(task) = args.task.as_ref().filter(|task| !known.contains(task)) {
+        return Err(Error::new(format!("there is no task `{task}`")).hint(format!("there are: {}", known.join(", "))));
     }
     if all.is_empty() {
         return Err(Error::new("there is nothing to change").hint("give a file with tasks, or the name of one with `--task`"));

@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Run the tests inside files: `test "..." { }` and `cheat "..." { }` of all tasks
 ///
 /// What a test shows is played, or run where it says so, and what it expects is compared; nothing depends on chance or on the
-/// number of cores. Exit code 0 if every test passes, 1 if one does not.
+/// number of cores. Exit code 0 if every test passes, 1 if one does not or there is none to run.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files with tasks, or suites of them
@@ -43,7 +43,7 @@ enum Format {
 /// Runs the tests.
 ///
 /// # Errors
-/// Errors in a file, or a task without a body.
+/// Errors in a file, a task without a body, or no test to run.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     let mut seen = BTreeSet::new();
@@ -82,6 +82,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             }
         }
     }
+    if passed + failed == 0 {
+        return Err(none(args.filter.as_deref(), &seen));
+    }
     if args.format == Format::Text {
         if !without.is_empty() && args.filter.is_none() {
             writeln!(out, "without tests: {}", without.join(", "))?;
@@ -89,6 +92,18 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         writeln!(out, "{} passed, {failed} failed", passed)?;
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
+}
+
+/// Why no test was run.
+fn none(filter: Option<&str>, tasks: &BTreeSet<String>) -> Error {
+    let names: Vec<&str> = tasks.iter().map(String::as_str).collect();
+    match filter {
+        _ if names.is_empty() => Error::new("there is no task to test").hint("a task begins with `task NAME {`"),
+        Some(filter) => Error::new(format!("no test contains `{filter}` in its task and title, as in `stand: a fall ends it`"))
+            .hint(format!("the tasks are: {}", names.join(", "))),
+        None => Error::new(format!("there is no test to run: without tests are {}", names.join(", ")))
+            .hint("a test stands in its task: `test \"...\" { pose neutral; expect not success }`"),
+    }
 }
 
 fn tell(out: &mut impl Write, report: &TestReport, project: &Project) -> Result<(), Error> {

@@ -9,12 +9,18 @@ use tempfile::NamedTempFile;
 /// Files as they are; folders are looked through for `.msk` files, in order, hidden ones and build outputs left out.
 ///
 /// # Errors
-/// A path that does not exist, or a folder that cannot be read.
+/// A path that does not exist, a folder that cannot be read, or no text at all.
 pub fn find(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     let mut found = Vec::new();
     for path in paths {
         let meta = fs::metadata(path).context(|| format!("cannot read `{}`", path.display()))?;
         if meta.is_dir() { look_through(path, &mut found)? } else { found.push(path.clone()) }
+    }
+    if found.is_empty() {
+        let places: Vec<String> = paths.iter().map(|path| format!("`{}`", path.display())).collect();
+        return Err(
+            Error::new(format!("there is no `.msk` file in {}", places.join(", "))).hint("give a file, or a folder with some")
+        );
     }
     Ok(found)
 }

@@ -36,6 +36,10 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         let tunable = (0..task.terms.len()).filter(|&term| task.weight_bounds(term) != Bounds::Fixed);
         weights.extend(tunable.map(|term| (task.name.as_str(), task.terms[term].name.as_str(), task.terms[term].weight)));
     }
+    if weights.is_empty() {
+        let message = format!("`{}` holds no weight that is not fixed", args.target.file.display());
+        return Err(Error::new(message));
+    }
     write_overlay(&args.weights, &tasks, &weights, &args.target, "extract")
 }
 

@@ -20,11 +20,14 @@ pub struct Args {
 /// Prints the weights.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// A file that cannot be read, or that holds no weights.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let opened = Opened::read(&args.file)?;
     let mut out = io::stdout().lock();
     let entries = &opened.weights.entries;
+    if entries.is_empty() {
+        return Err(opened.none());
+    }
     if args.json {
         let entry = |entry: &msk::compiler::weights::Entry| serde_json::json!({ "task": entry.task, "term": entry.term, "weight": entry.value, "bounds": entry.bounds });
         writeln!(out, "{}", serde_json::Value::from(entries.iter().map(entry).collect::<Vec<_>>()))?;

@@ -99,8 +99,17 @@ impl Opened {
         }
     }
 
+    /// Why there is nothing to list or change.
+    fn none(&self) -> Error {
+        Error::new(format!("`{}` holds no weights", self.path.display()))
+            .hint("weights stand in a task: `reward { 10 pose = ... }`")
+    }
+
     /// The entries of the named terms; of all that are not fixed if none is named.
     fn chosen(&self, terms: &[String]) -> Result<Vec<usize>, Error> {
+        if self.weights.entries.is_empty() {
+            return Err(self.none());
+        }
         if terms.is_empty() {
             let bounds = |index: &usize| self.weights.entries[*index].bounds;
             return Ok((0..self.weights.entries.len())

@@ -20,7 +20,7 @@ pub struct BodyDescription {
     /// How actions become excitations.
     pub excitation: ExcitationMap,
     /// Whether tendons stretch.
-    #[serde(default, skip_serializing_if = "TendonKind::is_rigid")]
+    #[serde(default)]
     pub tendons: TendonKind,
     /// Landmarks.
     pub landmarks: Vec<LandmarkDescription>,
@@ -97,13 +97,6 @@ pub enum TendonKind {
     Rigid,
     /// They do: every muscle is a fibre in series with a spring, as in OpenSim.
     Elastic,
-}
-
-impl TendonKind {
-    // Rigid bodies keep the hashes they had before there was a choice.
-    fn is_rigid(&self) -> bool {
-        *self == Self::Rigid
-    }
 }
 
 /// A landmark of a body file.

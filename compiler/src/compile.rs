@@ -17,7 +17,7 @@ pub use inspection::{InspectedFile, Inspection, TaskScope};
 use crate::body::BodyDescription;
 use crate::check::scope::FileInSight;
 use crate::check::{self, Texts};
-use crate::diagnostics::{Diagnostic, FileId, Report, Severity, SourceMap, Span, codes};
+use crate::diagnostics::{Checked, Diagnostic, FileId, Report, Reported, SourceMap, Span, codes};
 use crate::files::{BodySource, LoadError, Loader, plain};
 use crate::syntax;
 use crate::syntax::tree::{self, Item, TaskStatement};
@@ -36,6 +36,8 @@ pub struct Compilation {
     pub bodies: Vec<Arc<BodyDescription>>,
     /// The suites of the entry file.
     pub suites: Vec<Suite>,
+    /// Declarations of the entry file (constants, functions, blocks of channels, bodies, tasks, sequences, suites).
+    pub declarations: usize,
     /// Warnings, sorted.
     pub warnings: Vec<Diagnostic>,
     /// The files that warnings point into.
@@ -95,11 +97,13 @@ pub fn compile_with(
     bodies: &dyn BodySource,
     settings: &[Setting],
 ) -> Result<Compilation, Report> {
-    let Inspection { report, tasks, bodies, suites, .. } = run(entry, loader, bodies, settings, false);
+    let Inspection { report, tasks, bodies, suites, files, .. } = run(entry, loader, bodies, settings, false);
     if report.has_errors() {
         return Err(report);
     }
-    Ok(Compilation { tasks, bodies, suites, warnings: report.diagnostics, sources: report.sources })
+    let items = files.first().map_or(&[][..], |file| &file.tree.items);
+    let declarations = items.iter().filter(|item| !matches!(item, Item::Use(_))).count();
+    Ok(Compilation { tasks, bodies, suites, declarations, warnings: report.diagnostics, sources: report.sources })
 }
 
 /// Compiles a file and all that it uses, and keeps what was understood of every place: for editors. Whatever is wrong, the
@@ -131,9 +135,10 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
         let in_sight = in_sight(&files, unit.home);
         let (described, texts, motions) = (&described, &texts, &motions);
         let compiler = units::Compiler { described, bodies, texts, motions, in_sight, noting, called: &called };
+        // One that fails has said why.
         tasks.extend(compiler.compile(unit, &mut scopes, &mut diagnostics).map(Arc::new));
     }
-    let known: Vec<&Vocabulary> = described.values().filter_map(|body| body.vocabulary.as_ref()).collect();
+    let known: Vec<&Vocabulary> = described.values().filter_map(|body| body.vocabulary.as_ref().ok()).collect();
     for home in 0..files.len() {
         let mut sight = in_sight(&files, home);
         // The file itself comes first.
@@ -275,8 +280,7 @@ impl Reader<'_> {
 /// A body with what tasks on it may name.
 struct Described {
     description: Arc<BodyDescription>,
-    /// `None` if the body is broken, which is reported.
-    vocabulary: Option<Vocabulary>,
+    vocabulary: Checked<Vocabulary>,
 }
 
 fn describe_bodies(
@@ -293,9 +297,12 @@ fn describe_bodies(
             let base = file.path.parent().map(Path::to_path_buf).unwrap_or_default();
             description.model = plain(&base.join(&description.model)).display().to_string();
             // A body whose text is broken is not bound: the model would only be blamed for it.
-            let broken = diagnostics.iter().chain(&own).any(|d| d.file() == file.tree.file && d.severity == Severity::Error);
+            let broken = Reported::among(diagnostics.iter().chain(&own).filter(|told| told.file() == file.tree.file));
             diagnostics.append(&mut own);
-            let vocabulary = if broken { None } else { bind(&description, body, file.tree.file, bodies, diagnostics) };
+            let vocabulary = match broken {
+                Some(reported) => Err(reported),
+                None => bind(&description, body, file.tree.file, bodies, diagnostics),
+            };
             let entry = Described { description: Arc::new(description), vocabulary };
             if described.insert(body.name.text.clone(), entry).is_some() {
                 let message = format!("there are two bodies called `{}`", body.name.text);
@@ -312,17 +319,16 @@ fn bind(
     file: FileId,
     bodies: &dyn BodySource,
     diagnostics: &mut Vec<Diagnostic>,
-) -> Option<Vocabulary> {
+) -> Checked<Vocabulary> {
     match bodies.vocabulary(description) {
-        Ok(vocabulary) => Some(vocabulary),
+        Ok(vocabulary) => Ok(vocabulary),
         Err(problems) => {
             let message = format!("the body `{}` does not fit its model", body.name.text);
             let mut diagnostic = Diagnostic::new(codes::names::BODY, file, body.name.span, message);
             for problem in problems.lines() {
                 diagnostic = diagnostic.help(problem);
             }
-            diagnostics.push(diagnostic);
-            None
+            Err(diagnostic.report(diagnostics))
         }
     }
 }
@@ -376,8 +382,17 @@ impl Texts for SourceTexts<'_> {
     }
 }
 
+/// The suites of the entry file; those of other files are checked, too.
 fn suites(files: &[SourceFile], tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Vec<Suite> {
-    let Some(entry) = files.first() else { return Vec::new() };
-    let suites = entry.tree.items.iter().filter_map(|item| if let Item::Suite(suite) = item { Some(suite) } else { None });
-    suites.map(|suite| check::suite::check(suite, entry.tree.file, tasks, diagnostics)).collect()
+    let mut suites = Vec::new();
+    for (index, file) in files.iter().enumerate() {
+        for item in &file.tree.items {
+            let Item::Suite(suite) = item else { continue };
+            let checked = check::suite::check(suite, file.tree.file, tasks, diagnostics);
+            if index == 0 {
+                suites.push(checked);
+            }
+        }
+    }
+    suites
 }

@@ -8,6 +8,7 @@
 use crate::graph::operation::Chance;
 use crate::lower::{NoneTaken, Scalar, View};
 use crate::motion::Start;
+use crate::numbers::for_people;
 use crate::task::{CompiledTask, FollowedMotion, Init, NonFiniteTerm, NotDrawn, Phase, StepReport, TaskFault, TaskState};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -289,7 +290,7 @@ impl CompiledTask {
 
     fn not_drawn(&self, phase: &Phase, none: NoneTaken, state: &TaskState) -> TaskFault {
         let random = &self.randoms[phase.streams[none.draw]];
-        let last = none.last.iter().map(|value| format!("{value}")).collect::<Vec<_>>().join(", ");
+        let last = none.last.iter().map(|value| for_people(*value)).collect::<Vec<_>>().join(", ");
         TaskFault::Draw(NotDrawn {
             random: random.name.clone(),
             tries: none.tries,

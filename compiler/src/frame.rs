@@ -148,6 +148,51 @@ impl Query {
 }
 
 impl Sensor {
+    /// The word for its kind in snapshots and hashes; it stays when the variant is renamed.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::LandmarkPosition(..) => "LandmarkPosition",
+            Self::LandmarkVelocity(..) => "LandmarkVelocity",
+            Self::LandmarkAcceleration(..) => "LandmarkAcceleration",
+            Self::LandmarkAxes(..) => "LandmarkAxes",
+            Self::LandmarkAngularVelocity(..) => "LandmarkAngularVelocity",
+            Self::LandmarkClearance(..) => "LandmarkClearance",
+            Self::JointPosition(..) => "JointPosition",
+            Self::JointVelocity(..) => "JointVelocity",
+            Self::JointAcceleration(..) => "JointAcceleration",
+            Self::JointTorque(..) => "JointTorque",
+            Self::MuscleLength(..) => "MuscleLength",
+            Self::MuscleVelocity(..) => "MuscleVelocity",
+            Self::MuscleForce(..) => "MuscleForce",
+            Self::MuscleFibreLength(..) => "MuscleFibreLength",
+            Self::MuscleFibreVelocity(..) => "MuscleFibreVelocity",
+            Self::MuscleTendonLength(..) => "MuscleTendonLength",
+            Self::MomentArm(..) => "MomentArm",
+            Self::MuscleActivation(..) => "MuscleActivation",
+            Self::MuscleExcitation(..) => "MuscleExcitation",
+            Self::Action(..) => "Action",
+            Self::ComPosition => "ComPosition",
+            Self::ComVelocity => "ComVelocity",
+            Self::ComAcceleration => "ComAcceleration",
+            Self::AngularMomentum => "AngularMomentum",
+            Self::CentreOfPressure => "CentreOfPressure",
+            Self::SupportMargin => "SupportMargin",
+            Self::RootPosition => "RootPosition",
+            Self::RootAxes => "RootAxes",
+            Self::RootVelocity => "RootVelocity",
+            Self::RootAngularVelocity => "RootAngularVelocity",
+            Self::GroundForce(..) => "GroundForce",
+            Self::GroundContact(..) => "GroundContact",
+            Self::Touching(..) => "Touching",
+            Self::ContactForce(..) => "ContactForce",
+            Self::ContactCount(..) => "ContactCount",
+            Self::SurfaceDistance(..) => "SurfaceDistance",
+            Self::Slip(..) => "Slip",
+            Self::Query(..) => "Query",
+            Self::Time => "Time",
+        }
+    }
+
     /// Number of values in the block.
     pub fn size(self) -> usize {
         use Sensor::*;

@@ -11,6 +11,7 @@ use crate::graph::Graph;
 use crate::graph::interval::Bounds;
 use crate::lower::{Outputs, Plan, Program};
 use crate::motion::{Motion, Start};
+use crate::numbers::for_people;
 use crate::scene::SceneDescription;
 use crate::syntax::tree::Expr;
 use crate::testing::TaskTests;
@@ -327,7 +328,7 @@ pub struct TaskState {
 
 /// A term whose value is not a finite number: an error of this episode, never a silent zero.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("term `{term}` is {value} at step {step}: {formula}")]
+#[error("term `{term}` is {} at step {step}: {formula}", for_people(*.value))]
 pub struct NonFiniteTerm {
     /// Label of the term.
     pub term: String,

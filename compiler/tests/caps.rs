@@ -85,3 +85,65 @@ fn what_a_task_remembers_is_bounded() {
     let many: String = (0..40).map(|index| format!("1 a_{index} = delay(torso.up.z, {} steps)\n", 99_000 - index)).collect();
     assert!(codes(&complete(&format!("reward {{\n{many}}}"))).contains(&"E0410"));
 }
+
+#[test]
+fn the_longest_delay_is_the_one_that_is_documented() {
+    let told = |steps: &str| codes(&complete(&format!("reward {{ 1 a = delay(torso.up.z, {steps} steps) }}")));
+    assert!(told("100000").is_empty(), "{:?}", told("100000"));
+    assert_eq!(told("100001"), ["E0310"]);
+}
+
+#[test]
+fn weights_are_bounded() {
+    for weight in ["1e308", "-1e308", "2e9", "5 (1..1e300)", "5 (-1e300..6)"] {
+        assert_eq!(codes(&complete(&format!("reward {{ {weight} a = torso.up.z }}"))), ["E0406"], "{weight}");
+    }
+    assert!(codes(&complete("reward { 1e9 a = torso.up.z }")).is_empty());
+}
+
+#[test]
+fn a_term_that_is_never_finite_is_an_error() {
+    for formula in ["1 / 0", "0 / 0", "max(torso.up.z, 1 / 0)", "torso.up.z + 1e308 * 10", "exp(1000)", "log(0)"] {
+        assert_eq!(codes(&complete(&format!("reward {{ 1 a = {formula} }}"))), ["E0411"], "{formula}");
+    }
+    // What is infinite and never paid is nobody's business.
+    assert!(!codes(&complete("reward { 1 a = min(torso.up.z, 1 / 0) }")).contains(&"E0411"));
+    assert!(!codes(&complete("reward { 1 a = 1 / torso.up.z }")).contains(&"E0411"));
+    let phases = "task second extends example { reward { 2 b = 1 / 0 } }\nsequence both { phase example until com.height > 2 m; phase second }";
+    assert!(codes(&format!("{}{phases}", complete(""))).contains(&"E0411"));
+}
+
+#[test]
+fn functions_and_names_hide_no_event() {
+    let library = "fn own_once(c) = once(c)\nfn own_rising(c) = rising(c)\nfn own_falling(c) = falling(c)\n";
+    let events = ["once", "own_once", "rising", "own_rising", "falling", "own_falling"];
+    for event in events {
+        let term = |kind: &str, formula: &str| {
+            codes(&format!(
+                "{library}{}",
+                complete(&format!("let there = {event}(com.height > 0.9 m)\n{kind} {{ 1 a = {formula} }}"))
+            ))
+        };
+        let direct = format!("{event}(com.height > 0.9 m)");
+        for formula in [&direct, "there", "there * torso.up.z", "1 when there"] {
+            assert!(term("reward per second", formula).contains(&"E0433"), "{event}: {formula}");
+            let told = term("reward", formula);
+            assert!(!told.iter().any(|code| code.starts_with('E')) && !told.contains(&"W0511"), "{event}: {formula}: {told:?}");
+        }
+        // How often something began is no single step.
+        assert!(!term("reward per second", &format!("count({direct}) / 10")).contains(&"E0433"), "{event}");
+    }
+}
+
+#[test]
+fn the_clock_of_a_sequence_counts_all_phases() {
+    let sequence = |list: &str| {
+        let index = format!("reward {{ 1 a = {list}[floor(episode.t / 1 s)] * torso.up.z }}");
+        let second = format!("task second extends first {{\n{} }}", index.replace("1 a", "1 b"));
+        let whole = complete("horizon 100 steps").replace("task example", "task first");
+        format!("{whole}{second}\nsequence both {{ phase first until com.height > 2 m; phase second }}")
+    };
+    // The second phase ends up to two seconds after the beginning of the episode.
+    assert!(codes(&sequence("[1, 2]")).contains(&"E0311"), "{:?}", codes(&sequence("[1, 2]")));
+    assert!(!codes(&sequence("[1, 2, 3]")).iter().any(|code| code.starts_with('E')), "{:?}", codes(&sequence("[1, 2, 3]")));
+}

@@ -1,6 +1,7 @@
 //! Motions as tables: what is read, what lies between the rows, and what is said of texts that are no motion.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+#![allow(clippy::disallowed_methods, reason = "what is expected need not agree between machines to the bit")]
 
 #[allow(dead_code)] // The pages have their own tests.
 mod support;

@@ -5,6 +5,7 @@
 mod bad_input;
 mod check;
 mod diff;
+mod empty;
 mod eval;
 mod exit_codes;
 mod explain;

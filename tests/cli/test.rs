@@ -40,6 +40,12 @@ fn what_does_not_hold_is_told_and_fails() {
 
 #[test]
 fn a_file_without_tests_says_so() {
-    let done = Project::lean().msk(&["test", "lean.msk"]).succeeded();
-    assert!(done.out.contains("without tests: lean") && done.out.contains("0 passed, 0 failed"), "{}", done.out);
+    Project::lean().msk(&["test", "lean.msk"]).failed(1, &["there is no test to run", "lean"]);
+}
+
+#[test]
+fn a_filter_that_fits_nothing_fails() {
+    let project = tested("test \"high\" { pose neutral; expect pelvis.height > 0.5 m }");
+    project.msk(&["test", "tested.msk", "--filter", "hihg"]).failed(1, &["no test contains `hihg`", "lean"]);
+    project.msk(&["test", "tested.msk", "--filter", "hihg", "--format", "json"]).failed(1, &["no test contains `hihg`"]);
 }

@@ -28,7 +28,7 @@ impl<'a> Checker<'a> {
             let right = self.data(right_expr);
             result = match (result, right) {
                 (Ok(left), Ok(right)) => self.infix(operator, operator_span, (left, left_expr), (right, right_expr)),
-                _ => Err(Reported),
+                (Err(reported), _) | (_, Err(reported)) => Err(reported),
             };
             left_expr = whole;
         }
@@ -226,7 +226,8 @@ impl<'a> Checker<'a> {
                 }
             });
         }
-        held.ok_or(Reported)
+        let span = operands.first().map_or(Span::default(), |operand| operand.span);
+        held.ok_or_else(|| self.error(codes::types::WRONG_TYPE, span, "a comparison has two sides"))
     }
 
     fn compare(&mut self, operator: CompareOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {

@@ -300,7 +300,7 @@ impl Reader<'_> {
             ExprKind::Text(text) => vec![text.clone()],
             ExprKind::Selector { pattern, .. } => vec![pattern.value.clone()],
             ExprKind::List(elements) => elements.iter().flat_map(|element| self.names(element)).collect(),
-            ExprKind::Error => Vec::new(),
+            ExprKind::Error(_) => Vec::new(),
             _ => {
                 self.error(codes::types::WRONG_TYPE, expr.span, "names of the model are wanted here");
                 Vec::new()

@@ -1,6 +1,6 @@
 //! Calls: built-in functions, and functions of the files, inlined and checked at each call.
 
-use super::context::{Checked, Checker, Reported, Step};
+use super::context::{Checked, Checker, Failures, Reported, Step};
 use super::dimension::Dimension;
 use super::functions;
 use super::scope::Definition;
@@ -103,18 +103,18 @@ impl<'a> Checker<'a> {
             }
         }
         let mut values = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for (parameter, slot) in callee.parameters.iter().zip(slots) {
             let Some(expr) = slot else { return Err(self.wrong_count(callee, arguments.len(), span)) };
             match self.value(expr) {
                 Ok(value) => {
-                    broken |= self.check_parameter(parameter, declared_in, &value, expr.span).is_err();
+                    failures.catch(self.check_parameter(parameter, declared_in, &value, expr.span));
                     values.push((parameter.name.text.clone(), value));
                 }
-                Err(Reported) => broken = true,
+                Err(reported) => failures.add(reported),
             }
         }
-        if broken { Err(Reported) } else { Ok(values) }
+        failures.or(values)
     }
 
     fn wrong_count(&mut self, callee: &Function, found: usize, span: Span) -> Reported {

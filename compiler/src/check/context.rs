@@ -10,21 +10,17 @@ use super::scope::{Names, Place};
 use super::value::Value;
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
+use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
 use crate::vocabulary::Vocabulary;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An error that is already reported; whoever gets it says no more.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Reported;
-
-/// A result whose error is already reported.
-pub(crate) type Checked<T> = Result<T, Reported>;
+pub(crate) use crate::diagnostics::{Checked, Failures, Reported};
 
 /// Expressions and lanes that one task may take: enough for any real task, little enough to stay far below a second.
 const BUDGET: usize = 100_000;
 
-/// Numbers that the graph of one task may hold: eight megabytes at run time.
+/// Numbers that the graph of one task may hold, those kept by delays with them: eight megabytes at run time.
 const LANES: usize = 1_000_000;
 
 /// Brackets, calls and names nested in each other; each level costs native stack.
@@ -45,8 +41,19 @@ pub(crate) struct Step {
 pub(crate) struct Timing {
     /// Length of a control step, s.
     pub interval: f64,
-    /// Control steps of an episode.
+    /// Control steps of the task, or of the phase that it is in a sequence.
     pub horizon: u32,
+    /// Control steps that the phases before may take.
+    pub before: u32,
+}
+
+impl Timing {
+    /// Between which times the task runs, s since the episode began.
+    pub(crate) fn episode(self) -> Bounds {
+        let steps = f64::from(self.before) + f64::from(self.horizon);
+        // The clock adds up physics steps, each with its rounding.
+        Bounds::new(0.0, steps * self.interval * (1.0 + 1e-9))
+    }
 }
 
 /// A reason for which an episode ends.
@@ -66,7 +73,7 @@ pub(crate) enum Ends {
     Unknown,
     Busy,
     Known(Vec<End>),
-    Broken,
+    Broken(Reported),
 }
 
 /// A comparison as it stands in a text, for those who look whether anything reaches it.
@@ -109,11 +116,13 @@ pub(crate) struct Checker<'a> {
     pub path: Vec<Step>,
     /// Whether declared states are read after their update, as observations do.
     pub after: bool,
-    /// Values of names already checked; `None` for those that are broken.
-    pub memo: BTreeMap<(Place, bool, String), Option<Value>>,
+    /// Values of names already checked.
+    pub memo: BTreeMap<(Place, bool, String), Checked<Value>>,
     /// Names of the task that something reads.
     pub used: BTreeSet<String>,
     pub cells: Vec<Cell>,
+    /// States whose declarations are broken.
+    pub broken_states: BTreeMap<String, Reported>,
     /// Reasons of `terminate`.
     pub ends: Ends,
     /// Reasons of `finish`.
@@ -124,6 +133,8 @@ pub(crate) struct Checker<'a> {
     pub motions: Option<Motions<'a>>,
     /// References, in the order of the text.
     pub references: Vec<KnownReference>,
+    /// References whose motion or start is broken.
+    pub broken_references: BTreeMap<String, Reported>,
     /// Names of the phases of the sequence before the present one.
     pub phases: Vec<String>,
     /// The present phase and whether it has succeeded, once that is known.
@@ -148,8 +159,8 @@ pub(crate) struct Checker<'a> {
     pub notes: Option<Taken>,
     depth: usize,
     budget: usize,
-    /// Whether it is told that nothing is left of the budget.
-    spent: bool,
+    /// That nothing is left of the budget, once that is reported.
+    spent: Option<Reported>,
 }
 
 impl<'a> Checker<'a> {
@@ -159,7 +170,7 @@ impl<'a> Checker<'a> {
             names,
             graph: Graph::default(),
             diagnostics: Vec::new(),
-            timing: Timing { interval: 0.01, horizon: 1 },
+            timing: Timing { interval: 0.01, horizon: 1, before: 0 },
             task_place: place,
             statements,
             place,
@@ -169,11 +180,13 @@ impl<'a> Checker<'a> {
             memo: BTreeMap::new(),
             used: BTreeSet::new(),
             cells: Vec::new(),
+            broken_states: BTreeMap::new(),
             ends: Ends::Unknown,
             finishes: Ends::Unknown,
             randoms: Vec::new(),
             motions: None,
             references: Vec::new(),
+            broken_references: BTreeMap::new(),
             phases: Vec::new(),
             own_success: None,
             allowed: BTreeSet::new(),
@@ -187,7 +200,7 @@ impl<'a> Checker<'a> {
             notes: names.notes.as_ref().map(|_| Taken::default()),
             depth: 0,
             budget: BUDGET,
-            spent: false,
+            spent: None,
         }
     }
 
@@ -202,8 +215,7 @@ impl<'a> Checker<'a> {
 
     /// Reports and gives what a failed check returns.
     pub(crate) fn report(&mut self, diagnostic: Diagnostic) -> Reported {
-        self.diagnostics.push(diagnostic);
-        Reported
+        diagnostic.report(&mut self.diagnostics)
     }
 
     /// Reports a plain error.
@@ -237,11 +249,40 @@ impl<'a> Checker<'a> {
             self.budget -= amount;
             return Ok(());
         }
-        if !std::mem::replace(&mut self.spent, true) {
-            let message = "the task becomes too large here: functions and lists unroll while compiling";
-            self.error(codes::tasks::TOO_LARGE, span, message);
+        if let Some(reported) = self.spent {
+            return Err(reported);
         }
-        Err(Reported)
+        let message = "the task becomes too large here: functions and lists unroll while compiling";
+        let reported = self.error(codes::tasks::TOO_LARGE, span, message);
+        self.spent = Some(reported);
+        Err(reported)
+    }
+
+    /// Asks for room for `amount` numbers that an operator keeps from step to step.
+    ///
+    /// # Errors
+    /// The task would hold too many.
+    pub(crate) fn hold(&mut self, amount: usize, span: Span) -> Checked<()> {
+        if self.graph.lanes().saturating_add(amount) <= LANES {
+            return Ok(());
+        }
+        let message = format!("the task would hold more than {LANES} numbers with the {amount} that this keeps");
+        let diagnostic = self.diagnostic(codes::tasks::TOO_LARGE, span, message);
+        Err(self.report(diagnostic.help("delay fewer numbers, or for a shorter time")))
+    }
+
+    /// Tries a check whose failure is none of the text's: all that it reported and learned of names is taken back, so that
+    /// whoever comes to these names again is told.
+    pub(crate) fn attempt<T>(&mut self, check: impl FnOnce(&mut Self) -> Checked<T>) -> Option<T> {
+        let (told, memo, spent) = (self.diagnostics.len(), self.memo.clone(), self.spent);
+        let ends = (self.ends.clone(), self.finishes.clone());
+        let result = check(self);
+        if result.is_err() {
+            self.diagnostics.truncate(told);
+            (self.memo, self.spent) = (memo, spent);
+            (self.ends, self.finishes) = ends;
+        }
+        result.ok()
     }
 
     /// Runs `check` where a statement of the task stands, which may be another file than the task's.

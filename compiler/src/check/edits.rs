@@ -1,6 +1,6 @@
 //! `body human with core.peak_force *= 3`: parameters of a body that a task changes.
 
-use super::context::{Checked, Checker, Reported};
+use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::inherit::WholeTask;
 use super::scope::{Names, Place};
@@ -11,22 +11,22 @@ use crate::diagnostics::{Diagnostic, FileId, codes, nearest};
 use crate::syntax::tree::{BodyEdit, BodyUse, ExprKind};
 use crate::vocabulary::{JointKind, Vocabulary};
 
-/// What `used` changes, resolved on the body as it is; `None` if something is wrong, which is told.
+/// What `used` changes, resolved on the body as it is.
 pub(crate) fn edits<'a>(
     used: &'a BodyUse,
     file: FileId,
     task: &'a WholeTask,
     names: &'a Names<'a>,
     vocabulary: &'a Vocabulary,
-) -> (Option<Vec<Change>>, Vec<Diagnostic>) {
+) -> (Checked<Vec<Change>>, Vec<Diagnostic>) {
     // Only names of the body and constants are in sight: what a task declares may read the body that is being changed.
     let mut checker = Checker::new(vocabulary, names, Place { file, in_task: false }, &task.statements);
     let mut changes: Vec<Change> = Vec::new();
-    let mut broken = false;
+    let mut failures = Failures::default();
     for edit in &used.edits {
-        broken |= checker.edit(edit, &mut changes).is_err();
+        failures.catch(checker.edit(edit, &mut changes));
     }
-    ((!broken).then_some(changes), checker.diagnostics)
+    (failures.or(changes), checker.diagnostics)
 }
 
 impl<'a> Checker<'a> {
@@ -121,8 +121,7 @@ impl<'a> Checker<'a> {
                 Err(self.error(codes::tasks::OUT_OF_RANGE, edit.value.span, "forces, damping and stiffness are not negative"))
             }
             None => {
-                self.error(codes::types::NOT_CONSTANT, edit.value.span, "a body is changed while compiling, by a constant");
-                Err(Reported)
+                Err(self.error(codes::types::NOT_CONSTANT, edit.value.span, "a body is changed while compiling, by a constant"))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What ends an episode, and what of it formulas may read; declared states and clocks.
 
-use super::context::{Checked, Checker, End, Ends as Known, Reported};
+use super::context::{Checked, Checker, End, Ends as Known, Failures};
 use super::dimension::Dimension;
 use super::inherit::Placed;
 use super::scope::Place;
@@ -10,6 +10,7 @@ use super::value::{Data, Form, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
+use crate::numbers::exact;
 use crate::syntax::tree::{Clock, Ends, Entry, Expr, ExprKind, Ident, Reason, TaskStatement};
 
 /// Failures, or ends that are none.
@@ -50,7 +51,7 @@ impl<'a> Checker<'a> {
         let statements = self.statements;
         match self.known_ends(kind) {
             Known::Known(reasons) => return Ok(reasons.clone()),
-            Known::Broken => return Err(Reported),
+            Known::Broken(reported) => return Err(*reported),
             Known::Busy => {
                 let found = statements.iter().find_map(|placed| Some((placed.file, kind.of(&placed.statement)?.span)));
                 let (file, span) = found.unwrap_or((self.task_place.file, Span::default()));
@@ -71,40 +72,40 @@ impl<'a> Checker<'a> {
         (self.after, self.path) = (after, path);
         *self.known_ends(kind) = match &reasons {
             Ok(known) => Known::Known(known.clone()),
-            Err(Reported) => Known::Broken,
+            Err(reported) => Known::Broken(*reported),
         };
         reasons
     }
 
     fn reasons(&mut self, statements: &'a [Placed], kind: Kind) -> Checked<Vec<End>> {
         let mut reasons: Vec<End> = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for placed in statements {
             let Some(ends) = kind.of(&placed.statement) else { continue };
             let found = self.in_file(placed.file, |checker| checker.reasons_of(ends, &mut reasons));
-            broken |= found.is_err();
+            failures.catch(found);
         }
-        if broken { Err(Reported) } else { Ok(reasons) }
+        failures.or(reasons)
     }
 
     fn reasons_of(&mut self, ends: &'a Ends, reasons: &mut Vec<End>) -> Checked<()> {
         let grace = ends.after.as_ref().map(|after| self.steps(after)).transpose();
-        let mut broken = grace.is_err();
-        let grace = grace.ok().flatten();
+        let mut failures = Failures::default();
+        let grace = failures.catch(grace).flatten();
         for entry in &ends.reasons {
             let Some(reason) = self.plain_entry(entry, "reason") else { continue };
             if reasons.iter().any(|known| known.name == reason.name.text) {
                 let message = format!("there are two reasons called `{}`", reason.name.text);
-                self.error(codes::tasks::LABEL_TWICE, reason.name.span, message);
+                failures.add(self.error(codes::tasks::LABEL_TWICE, reason.name.span, message));
             }
             match self.reason(reason, grace) {
                 Ok(node) => {
                     reasons.push(End { name: reason.name.text.clone(), node, file: self.place.file, span: reason.condition.span })
                 }
-                Err(Reported) => broken = true,
+                Err(reported) => failures.add(reported),
             }
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     /// A reason is named in results and in `ended by`, so failures and finishes share one namespace.
@@ -219,7 +220,10 @@ impl<'a> Checker<'a> {
                     .found(found);
                 let written = matches!(&expr.kind, ExprKind::Number(number) if number.whole && number.unit.is_none());
                 let diagnostic = match known.filter(|_| written) {
-                    Some(number) => diagnostic.suggest(format!("write `{number} steps`"), expr.span, format!("{number} steps")),
+                    Some(number) => {
+                        let steps = format!("{} steps", exact(number));
+                        diagnostic.suggest(format!("write `{steps}`"), expr.span, steps)
+                    }
                     None => diagnostic,
                 };
                 Err(self.report(diagnostic))
@@ -235,20 +239,27 @@ impl<'a> Checker<'a> {
             return Ok(rounded);
         }
         let (below, above) = (steps.floor() * self.timing.interval, steps.ceil() * self.timing.interval);
-        let diagnostic = self.diagnostic(codes::types::DURATION, span, "this is not a whole number of control steps").help(
-            format!("the nearest are {} s and {} s, {} and {} steps", tidy(below), tidy(above), steps.floor(), steps.ceil()),
-        );
+        let diagnostic =
+            self.diagnostic(codes::types::DURATION, span, "this is not a whole number of control steps").help(format!(
+                "the nearest are {} s and {} s, {} and {} steps",
+                tidy(below),
+                tidy(above),
+                exact(steps.floor()),
+                exact(steps.ceil())
+            ));
         Err(self.report(diagnostic))
     }
 
     /// The value of a declared state: before its update in formulas, after it in observations.
     pub(crate) fn state(&mut self, name: &str, span: Span) -> Checked<Value> {
         let Some(index) = self.cells.iter().position(|cell| cell.name == name) else {
-            let message = format!("`{name}` is a state whose declaration is broken");
-            return Err(if self.diagnostics.is_empty() {
-                self.error(codes::names::UNKNOWN_NAME, span, message)
-            } else {
-                Reported
+            return Err(match self.broken_states.get(name) {
+                Some(reported) => *reported,
+                None => {
+                    let message = format!("the state `{name}` has no value here yet");
+                    let diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
+                    self.report(diagnostic.help("what a state begins with may read only states that are declared above it"))
+                }
             });
         };
         let cell = self.cells[index].clone();
@@ -279,6 +290,6 @@ impl<'a> Checker<'a> {
 }
 
 /// A decimal without the tail of binary roundings.
-pub(crate) fn tidy(value: f64) -> f64 {
-    (value * 1e9).round() / 1e9
+pub(crate) fn tidy(value: f64) -> String {
+    exact(if value.abs() < 1e6 { (value * 1e9).round() / 1e9 } else { value })
 }

@@ -1,6 +1,6 @@
 //! Expressions: from the syntax tree to typed nodes of the graph.
 
-use super::context::{Checked, Checker, Reported};
+use super::context::{Checked, Checker, Failures, Reported};
 use super::dimension::Dimension;
 use super::types::Type;
 use super::unit;
@@ -62,7 +62,7 @@ impl<'a> Checker<'a> {
             // At which moment is the test's business.
             ExprKind::At { value, .. } if self.in_tests.is_some() => self.value(value),
             ExprKind::At { .. } => Err(self.error(codes::types::WRONG_TYPE, expr.span, "`at` a pose can only stand in `expect`")),
-            ExprKind::Error => Err(Reported),
+            ExprKind::Error(reported) => Err(*reported),
         }
     }
 
@@ -182,18 +182,16 @@ impl<'a> Checker<'a> {
     pub(crate) fn bracket(&mut self, values: Vec<(Checked<Value>, Span)>, span: Span) -> Checked<Value> {
         let mut data: Vec<(Data, Span)> = Vec::new();
         let mut things = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for (value, place) in values {
             match value {
                 Ok(Value::Data(element)) => data.push((element, place)),
                 Ok(Value::Thing(thing)) => things.push(thing),
                 Ok(Value::Things { members, .. }) => things.extend(members),
-                Err(Reported) => broken = true,
+                Err(reported) => failures.add(reported),
             }
         }
-        if broken {
-            return Err(Reported);
-        }
+        failures.or(())?;
         if data.is_empty() {
             return if things.is_empty() {
                 Err(self.error(codes::types::WRONG_TYPE, span, "a list needs at least one element"))
@@ -211,7 +209,7 @@ impl<'a> Checker<'a> {
         let scalars = data.iter().all(|(element, _)| matches!(element.kind, Type::Number(_) | Type::Int));
         let Some(model) = data.iter().find(|(element, _)| !element.is_zero()).or(data.first()).map(|(model, _)| model.clone())
         else {
-            return Err(Reported);
+            return Err(self.error(codes::types::WRONG_TYPE, span, "a list needs at least one element"));
         };
         let element = match model.kind.element() {
             Type::Int if scalars && data.iter().any(|(other, _)| matches!(other.kind, Type::Number(_))) => Type::PLAIN,
@@ -270,7 +268,7 @@ impl<'a> Checker<'a> {
             let branch = self.data(value);
             chosen = match (condition, branch, chosen) {
                 (Ok(condition), Ok(branch), Ok(rest)) => self.choose(&condition, (branch, value), (rest, otherwise)),
-                _ => Err(Reported),
+                (Err(reported), ..) | (_, Err(reported), _) | (.., Err(reported)) => Err(reported),
             };
         }
         chosen
@@ -359,14 +357,14 @@ impl<'a> Checker<'a> {
                 return Err(self.report(diagnostic));
             }
         };
-        let (horizon, interval) = (self.timing.horizon, self.timing.interval);
-        let ranges = super::ranges::Working { vocabulary: self.vocabulary, queries: &self.queries, horizon, interval };
+        let ranges = super::ranges::Working { vocabulary: self.vocabulary, queries: &self.queries, timing: self.timing };
         let bounds = crate::graph::interval::analyse_for(&self.graph, place.node, &ranges);
         let last = (length - 1) as f64;
         // A whole remainder stays below its divisor, where that of other numbers only comes near.
         let below = matches!(self.graph.node(place.node).operation, Operation::Binary(Binary::Modulo));
         let highest = if below { length as f64 } else { last };
-        if !bounds.iter().all(|bounds| bounds.low >= 0.0 && bounds.high <= highest) {
+        // An index is a whole number: what rounding may take from its bounds does not reach another.
+        if !bounds.iter().all(|bounds| bounds.low.ceil() >= 0.0 && bounds.high.floor() <= highest) {
             let diagnostic = self
                 .diagnostic(codes::types::INDEX, index.span, "nothing shows that this index lies within the list")
                 .expected(format!("0 .. {last}"))

@@ -9,7 +9,8 @@
 //! A row keeps the file that it was written in: its names are looked up there, and errors point there.
 
 use super::observe::{Texts, label_of};
-use crate::diagnostics::{Diagnostic, FileId, Span, codes, nearest};
+use crate::diagnostics::{Checked, Diagnostic, Failures, FileId, Span, codes, nearest};
+use crate::numbers::told_apart;
 use crate::syntax::tree::{
     Block, Bounds, Channel, Ends, Entry, Ident, Remove, Reward, Task, TaskParameter, TaskStatement, Term, Weight,
 };
@@ -89,22 +90,22 @@ enum Change {
     Remove(Section, Remove, FileId),
 }
 
-/// The task with what it inherits; `None` if that cannot be said, which is reported. `find` looks a task up from a file.
+/// The task with what it inherits. `find` looks a task up from a file.
+///
+/// # Errors
+/// A circle, a task that is not in sight, or a row that overrides nothing.
 pub(crate) fn whole<'a>(
     task: InFile<'a>,
     find: Find<'_, 'a>,
     texts: &dyn Texts,
     diagnostics: &mut Vec<Diagnostic>,
-) -> Option<WholeTask> {
+) -> Checked<WholeTask> {
     let mut chain = vec![task];
     while let Some(parent) = chain.last().and_then(|last| last.task.extends.as_ref().map(|name| (name, last.file))) {
         let (name, file) = parent;
         let found = match find(file, &name.text) {
             Ok(found) => found,
-            Err(known) => {
-                diagnostics.push(unknown_task(name, file, &known));
-                return None;
-            }
+            Err(known) => return Err(unknown_task(name, file, &known).report(diagnostics)),
         };
         if chain.iter().any(|known| std::ptr::eq(known.task, found.task)) {
             let mut names: Vec<&str> = chain.iter().map(|known| known.task.name.text.as_str()).collect();
@@ -112,8 +113,7 @@ pub(crate) fn whole<'a>(
             let diagnostic = Diagnostic::new(codes::names::CYCLE, file, name.span, "a task cannot extend itself")
                 .here("this closes the circle")
                 .help(format!("the circle: {}", names.join(" -> ")));
-            diagnostics.push(diagnostic);
-            return None;
+            return Err(diagnostic.report(diagnostics));
         }
         chain.push(found);
     }
@@ -122,10 +122,10 @@ pub(crate) fn whole<'a>(
         statements.map(|statement| Placed { statement, file: of.file, layer }).collect::<Vec<_>>()
     };
     if chain.len() == 1 {
-        return Some(WholeTask { task: task.task.clone(), file: task.file, statements: plain(task, 0) });
+        return Ok(WholeTask { task: task.task.clone(), file: task.file, statements: plain(task, 0) });
     }
     let mut rows: Vec<Row> = Vec::new();
-    let mut sound = true;
+    let mut failures = Failures::default();
     for (place, one) in chain.iter().rev().enumerate() {
         // Tests belong to the task that they test.
         let inherited = place + 1 < chain.len();
@@ -134,15 +134,15 @@ pub(crate) fn whole<'a>(
                 continue;
             }
             for change in changes(placed, texts) {
-                match change {
-                    Change::Row(row) => sound &= apply(*row, place > 0, &mut rows, diagnostics),
-                    Change::Remove(section, remove, file) => sound &= take_out(section, &remove, file, &mut rows, diagnostics),
-                }
+                failures.catch(match change {
+                    Change::Row(row) => apply(*row, place > 0, &mut rows, diagnostics),
+                    Change::Remove(section, remove, file) => take_out(section, &remove, file, &mut rows, diagnostics),
+                });
             }
         }
     }
     let statements = rows.into_iter().map(|row| row.placed).collect();
-    sound.then(|| WholeTask { task: task.task.clone(), file: task.file, statements })
+    failures.or(WholeTask { task: task.task.clone(), file: task.file, statements })
 }
 
 /// A phase of a sequence: the task with what the sequence says for all its phases. What is there once for the whole episode
@@ -261,8 +261,8 @@ fn rows<T>(
     changes
 }
 
-/// Puts a row in the place of the one it overrides, or behind all; gives whether that was possible.
-fn apply(row: Row, extending: bool, rows: &mut Vec<Row>, diagnostics: &mut Vec<Diagnostic>) -> bool {
+/// Puts a row in the place of the one it overrides, or behind all.
+fn apply(row: Row, extending: bool, rows: &mut Vec<Row>, diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
     let replaces = extending && !matches!(row.section, Section::Loose | Section::Layered(_));
     let known = rows.iter_mut().find(|known| replaces && known.section == row.section && known.name == row.name);
     match known {
@@ -274,23 +274,23 @@ fn apply(row: Row, extending: bool, rows: &mut Vec<Row>, diagnostics: &mut Vec<D
             {
                 let names = rows.iter().filter(|known| known.section == Section::Term).map(|known| known.name.as_str());
                 let (name, span) = (&term.name.text, term.name.span);
-                diagnostics.push(overrides_nothing(lacks("term", name), name, row.placed.file, span, names));
-                return false;
+                let diagnostic = overrides_nothing(lacks("term", name), name, row.placed.file, span, names);
+                return Err(diagnostic.report(diagnostics));
             }
             rows.push(row);
-            true
+            Ok(())
         }
     }
 }
 
-fn override_row(known: &mut Row, row: Row, diagnostics: &mut Vec<Diagnostic>) -> bool {
+fn override_row(known: &mut Row, row: Row, diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
     let file = row.placed.file;
     if let (Some(old), Some(new)) = (term_of(&known.placed.statement), term_of(&row.placed.statement)) {
         match (&new.weight, &new.formula) {
             (Some(weight), None) => {
-                let Some(weight) = narrowed(weight, old, file, diagnostics) else { return false };
+                let weight = narrowed(weight, old, file, diagnostics)?;
                 set_weight(&mut known.placed.statement, weight);
-                return true;
+                return Ok(());
             }
             (None, Some(_)) => {
                 let weight = old.weight.clone();
@@ -298,7 +298,7 @@ fn override_row(known: &mut Row, row: Row, diagnostics: &mut Vec<Diagnostic>) ->
                 if let Some(weight) = weight {
                     set_weight(&mut known.placed.statement, weight);
                 }
-                return true;
+                return Ok(());
             }
             _ => {}
         }
@@ -311,30 +311,30 @@ fn override_row(known: &mut Row, row: Row, diagnostics: &mut Vec<Diagnostic>) ->
         let mut parameter = old.clone();
         parameter.set.push((new.value.clone(), file));
         set_parameter(&mut known.placed.statement, parameter);
-        return true;
+        return Ok(());
     }
     *known = row;
-    true
+    Ok(())
 }
 
 /// The new weight of a term whose range stays unless another is written with it.
-fn narrowed(weight: &Weight, old: &Term, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Weight> {
+fn narrowed(weight: &Weight, old: &Term, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Checked<Weight> {
     let mut new = weight.clone();
     if let (Bounds::Free, Some(old)) = (&weight.bounds, &old.weight) {
         if let Bounds::Range { low, high, .. } = old.bounds
             && !(low..=high).contains(&weight.value)
         {
+            let shown = told_apart(&[low, high, weight.value]);
             let diagnostic =
                 Diagnostic::new(codes::tasks::WEIGHT, file, weight.span, "this weight lies outside the range that the term has")
-                    .expected(format!("{low} .. {high}"))
-                    .found(format!("{}", weight.value))
+                    .expected(format!("{} .. {}", shown[0], shown[1]))
+                    .found(&*shown[2])
                     .help("another range may be written behind the weight: `40 (5..50) name`");
-            diagnostics.push(diagnostic);
-            return None;
+            return Err(diagnostic.report(diagnostics));
         }
         new.bounds = old.bounds.clone();
     }
-    Some(new)
+    Ok(new)
 }
 
 fn term_of(statement: &TaskStatement) -> Option<&Term> {
@@ -363,16 +363,21 @@ fn set_parameter(statement: &mut TaskStatement, parameter: TaskParameter) {
     }
 }
 
-fn take_out(section: Section, remove: &Remove, file: FileId, rows: &mut Vec<Row>, diagnostics: &mut Vec<Diagnostic>) -> bool {
+fn take_out(
+    section: Section,
+    remove: &Remove,
+    file: FileId,
+    rows: &mut Vec<Row>,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Checked<()> {
     let fits = |row: &Row| row.section == section && row.name == remove.name.text;
     if rows.iter().any(fits) {
         rows.retain(|row| !fits(row));
-        return true;
+        return Ok(());
     }
     let names = rows.iter().filter(|row| row.section == section).map(|row| row.name.as_str());
     let name = &remove.name.text;
-    diagnostics.push(overrides_nothing(lacks(section.word(), name), name, file, remove.name.span, names));
-    false
+    Err(overrides_nothing(lacks(section.word(), name), name, file, remove.name.span, names).report(diagnostics))
 }
 
 fn lacks(word: &str, name: &str) -> String {

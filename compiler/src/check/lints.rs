@@ -1,5 +1,6 @@
 //! Lints: what compiles, but is probably not what was meant. Each can be allowed in place by its name.
 
+pub(crate) mod events;
 mod folded;
 mod pay;
 mod sight;
@@ -10,10 +11,10 @@ use super::reward::PaidTerm;
 use super::scope::Definition;
 use super::task::CheckedTask;
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes, nearest};
-use crate::explain::short;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
+use crate::numbers::for_people;
 use crate::syntax::tree::{Allow, BinaryOperator, Expr, ExprKind};
 use crate::task::RootPlacement;
 use std::collections::{BTreeMap, BTreeSet};
@@ -97,12 +98,7 @@ pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
 
 /// Lints on a task that compiles; the result is between which values each term stays.
 pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) -> Vec<Bounds> {
-    let ranges = Working {
-        vocabulary: checker.vocabulary,
-        horizon: task.timing.horizon,
-        interval: task.timing.interval,
-        queries: &task.queries,
-    };
+    let ranges = Working { vocabulary: checker.vocabulary, timing: task.timing, queries: &task.queries };
     let bounds = interval::analyse(&task.graph, &ranges);
     for term in &task.terms {
         let found = interval::of_scalar(&bounds, term.node);
@@ -144,9 +140,15 @@ fn at(checker: &Checker<'_>, code: &'static Code, term: &PaidTerm<'_>, message: 
 /// A term that is the same at every step pays nothing for anything.
 fn constant_term(checker: &Checker<'_>, term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
     let Some(value) = bounds.single() else { return };
+    if !value.is_finite() {
+        let message = format!("the term `{}` is {} whatever the body does", term.name, for_people(value));
+        let diagnostic = at(checker, codes::tasks::NOT_FINITE, term, message);
+        diagnostics.push(diagnostic.help("every episode would end in a fault at its first step"));
+        return;
+    }
     let (lint, code) =
         if value == 0.0 { ("dead_term", codes::lints::DEAD_TERM) } else { ("constant_term", codes::lints::CONSTANT_TERM) };
-    let message = format!("the term `{}` is {value} whatever the body does", term.name);
+    let message = format!("the term `{}` is {} whatever the body does", term.name, for_people(value));
     let diagnostic =
         at(checker, code, term, message).help("what it reads cannot change it: look for a swapped side or a saturated bound");
     push_term(checker, term, lint, diagnostic, diagnostics);
@@ -241,26 +243,24 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
     for term in &task.terms {
         let (range, start) = (interval::of_scalar(bounds, term.node), interval::of_scalar(&reset, term.node));
         let Some(value) = start.single().filter(|_| term.weight > 0.0 && range.single().is_none()) else { continue };
-        if range.low >= 0.0 && range.high.is_finite() && value < DEAD * range.high && !gated(term.formula) {
+        if range.low >= 0.0 && range.high.is_finite() && value < DEAD * range.high && !gated(term.formula, &task.graph, term.node)
+        {
             let message = format!("the term `{}` pays almost nothing in the pose in which the task begins", term.name);
             let diagnostic = at(checker, codes::lints::DEAD_AT_RESET, term, message)
-                .expected(format!("more than a twentieth of its highest value, {}", short(range.high)))
-                .found(short(value))
+                .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
+                .found(for_people(value))
                 .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
             push_term(checker, term, "dead_at_reset", diagnostic, diagnostics);
         }
     }
 }
 
-/// Whether a formula says itself that it does not always pay.
-pub(crate) fn gated(formula: &Expr) -> bool {
+/// Whether a formula says itself that it does not always pay: as it is written, or as what it computes behind functions and names.
+pub(crate) fn gated(formula: &Expr, graph: &Graph, node: NodeId) -> bool {
     match &formula.kind {
         ExprKind::When { .. } | ExprKind::If { .. } | ExprKind::Compare { .. } | ExprKind::EndedBy(_) => true,
-        ExprKind::Paren(inner) => gated(inner),
-        ExprKind::Call { function, .. } => {
-            matches!(&function.kind, ExprKind::Name(name) if matches!(name.text.as_str(), "once" | "rising" | "ever" | "held"))
-        }
-        _ => false,
+        ExprKind::Paren(inner) => gated(inner, graph, node),
+        _ => events::is_gated(graph, node),
     }
 }
 

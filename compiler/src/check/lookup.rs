@@ -200,7 +200,12 @@ impl<'a> Checker<'a> {
             self.used.insert(text.to_owned());
         }
         let binding = match declared.definition {
-            Definition::Const(binding) | Definition::Let(binding) => binding,
+            Definition::Const(binding) | Definition::Let(binding) => {
+                if !place.in_task {
+                    self.names.called.borrow_mut().insert((declared.file, text.to_owned()));
+                }
+                binding
+            }
             Definition::State(_) => return self.state(text, span),
             Definition::Clock(clock) => return self.clock(clock, place).map(Value::Data),
             Definition::Parameter(parameter) => return self.parameter_value(parameter, place.file),
@@ -220,7 +225,7 @@ impl<'a> Checker<'a> {
         };
         let key = (place, self.after, text.to_owned());
         if let Some(known) = self.memo.get(&key) {
-            return known.clone().ok_or(Reported);
+            return known.clone();
         }
         self.enter(Step { name: text.to_owned(), file: self.place.file, span, call: false }, declared)?;
         let value = self.elsewhere(place, |checker| {
@@ -229,7 +234,7 @@ impl<'a> Checker<'a> {
             Ok(value)
         });
         self.path.pop();
-        self.memo.insert(key, value.as_ref().ok().cloned());
+        self.memo.insert(key, value.clone());
         value
     }
 

@@ -43,7 +43,7 @@ pub(crate) mod uncalled;
 pub mod unit;
 mod value;
 
-pub(crate) use context::Compared;
+pub(crate) use context::{Compared, Timing};
 pub(crate) use lints::gated;
 pub use lints::{DEAD, names as lints};
 pub(crate) use observe::{Texts, written};

@@ -111,8 +111,7 @@ impl Checker<'_> {
     /// Hands the notes over, with the bounds of what the graph computes.
     pub(crate) fn hand_over_notes(&mut self, graph: &Graph) {
         let (Some(taken), Some(book)) = (self.notes.take(), &self.names.notes) else { return };
-        let (horizon, interval) = (self.timing.horizon, self.timing.interval);
-        let ranges = Working { vocabulary: self.vocabulary, queries: &self.queries, horizon, interval };
+        let ranges = Working { vocabulary: self.vocabulary, queries: &self.queries, timing: self.timing };
         let bounds = interval::analyse(graph, &ranges);
         let notes = taken.0.into_iter().map(|((file, span), draft)| self.finished(file, span, draft, &bounds));
         book.borrow_mut().extend(notes);

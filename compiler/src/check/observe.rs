@@ -1,6 +1,6 @@
 //! Observations: named channels, blocks of a library unfolded.
 
-use super::context::{Checked, Checker, Reported};
+use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::scope::{Definition, Place};
 use super::task::summary;
@@ -66,12 +66,12 @@ impl<'a> Checker<'a> {
         block: Option<Block<'a>>,
         found: &mut Vec<ObservedChannel>,
     ) -> Checked<()> {
-        let mut broken = false;
+        let mut failures = Failures::default();
         for entry in entries {
             let Some(channel) = self.plain_entry(entry, "channel") else { continue };
-            broken |= self.channel(channel, texts, block, found).is_err();
+            failures.catch(self.channel(channel, texts, block, found));
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     fn channel(
@@ -85,6 +85,7 @@ impl<'a> Checker<'a> {
             && let Some((declared, place)) = self.names.find(self.place, &name.text)
             && let Definition::Observation(observation) = declared.definition
         {
+            self.names.called.borrow_mut().insert((declared.file, name.text.clone()));
             let block = block.unwrap_or(Block { name: &name.text, file: self.place.file, span: channel.span });
             return self.deeper(channel.span, |checker| {
                 checker.elsewhere(place, |checker| checker.channels(&observation.channels, texts, Some(block), found))

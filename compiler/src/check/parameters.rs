@@ -1,13 +1,14 @@
 //! `params`: numbers that may be set from outside, where a task is compiled.
 
-use super::context::{Checked, Checker, Reported};
+use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::scope::Place;
 use super::types::Type;
 use super::unit;
 use super::value::{Data, Form, Value};
 use crate::diagnostics::{FileId, Span, codes};
-use crate::syntax::tree::{Entry, Expr, ExprKind, TaskParameter, TaskStatement, UnaryOperator};
+use crate::numbers::told_apart;
+use crate::syntax::tree::{Expr, ExprKind, TaskParameter, TaskStatement, UnaryOperator};
 use crate::task::Parameter;
 
 impl<'a> Checker<'a> {
@@ -15,7 +16,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn parameters(&mut self) -> Checked<Vec<Parameter>> {
         let statements = self.statements;
         let mut parameters: Vec<Parameter> = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for placed in statements {
             let TaskStatement::Params(block) = &placed.statement else { continue };
             for entry in &block.entries {
@@ -25,23 +26,23 @@ impl<'a> Checker<'a> {
                 });
                 match found {
                     Some(Ok((_, parameter))) => parameters.push(parameter),
-                    Some(Err(Reported)) => broken = true,
+                    Some(Err(reported)) => failures.add(reported),
                     // A removal outside of an extending task is reported; a lint allowed is no parameter.
-                    None => broken |= matches!(entry, Entry::Remove(_)),
+                    None => {}
                 }
             }
         }
-        if broken { Err(Reported) } else { Ok(parameters) }
+        failures.or(parameters)
     }
 
     /// The value in force of a parameter that is read.
     pub(crate) fn parameter_value(&mut self, parameter: &'a TaskParameter, file: FileId) -> Checked<Value> {
         let key = (Place { file, in_task: true }, false, parameter.name.text.clone());
         if let Some(known) = self.memo.get(&key) {
-            return known.clone().ok_or(Reported);
+            return known.clone();
         }
         let value = self.in_file(file, |checker| checker.parameter(parameter, file)).map(|(value, _)| value);
-        self.memo.insert(key, value.as_ref().ok().cloned());
+        self.memo.insert(key, value.clone());
         value
     }
 
@@ -158,10 +159,11 @@ impl<'a> Checker<'a> {
     fn must_lie_within(&mut self, value: f64, range: Option<[f64; 2]>, name: &str, span: Span) -> Checked<()> {
         match range {
             Some([low, high]) if !(low..=high).contains(&value) => {
+                let shown = told_apart(&[low, high, value]);
                 let diagnostic = self
                     .diagnostic(codes::tasks::OUT_OF_RANGE, span, format!("the parameter `{name}` lies outside its range"))
-                    .expected(format!("{low} .. {high} in SI units"))
-                    .found(format!("{value}"));
+                    .expected(format!("{} .. {} in SI units", shown[0], shown[1]))
+                    .found(&*shown[2]);
                 Err(self.report(diagnostic))
             }
             _ => Ok(()),

@@ -3,7 +3,7 @@
 //! A draw is a formula of raw numbers: `uniform(a..b)` is `a + (b - a) u`. The graph holds that formula, and the condition that
 //! a draw must fulfil, as inputs of the random itself; the program tries them until one is taken.
 
-use super::context::{Checked, Checker, Reported, Step};
+use super::context::{Checked, Checker, Failures, Step};
 use super::scope::{Declared, Definition};
 use super::types::Type;
 use super::value::{Data, Form, Value};
@@ -40,18 +40,18 @@ impl<'a> Checker<'a> {
     /// When randoms are drawn anew; after everything else is known, since that may read anything.
     pub(crate) fn redraws(&mut self) -> Checked<()> {
         let statements = self.statements;
-        let mut broken = false;
+        let mut failures = Failures::default();
         for placed in statements {
             let TaskStatement::Random(random) = &placed.statement else { continue };
             let Some(redraw) = &random.redraw else { continue };
             let when = self.in_file(placed.file, |checker| checker.single_condition(redraw));
             let known = self.randoms.iter_mut().find(|known| known.name == random.name.text);
-            match (when, known) {
-                (Ok(when), Some(known)) => known.redraw = Some(when.node),
-                _ => broken = true,
+            // A random that is not known is broken, which its declaration reported.
+            if let (Some(when), Some(known)) = (failures.catch(when), known) {
+                known.redraw = Some(when.node);
             }
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     /// The value of a random: before its redraw in formulas, after it in observations.
@@ -59,8 +59,8 @@ impl<'a> Checker<'a> {
         let name = &random.name.text;
         if !self.randoms.iter().any(|known| known.name == *name) {
             let key = (self.task_place, false, name.clone());
-            if self.memo.contains_key(&key) {
-                return Err(Reported);
+            if let Some(Err(reported)) = self.memo.get(&key) {
+                return Err(*reported);
             }
             let after = std::mem::replace(&mut self.after, false);
             self.enter(Step { name: name.clone(), file: self.place.file, span, call: false }, declared)?;
@@ -72,13 +72,15 @@ impl<'a> Checker<'a> {
                     let known = KnownRandom { name: name.clone(), data, redraw: None };
                     self.randoms.push(known);
                 }
-                Err(Reported) => {
-                    self.memo.insert(key, None);
-                    return Err(Reported);
+                Err(reported) => {
+                    self.memo.insert(key, Err(reported));
+                    return Err(reported);
                 }
             }
         }
-        let Some(index) = self.randoms.iter().position(|known| known.name == *name) else { return Err(Reported) };
+        let Some(index) = self.randoms.iter().position(|known| known.name == *name) else {
+            return Err(self.error(codes::composition::DRAW, span, format!("`{name}` is not drawn yet here")));
+        };
         let mut data = self.randoms[index].data.clone();
         if self.after {
             let inputs = self.graph.node(data.node).inputs.clone();
@@ -171,17 +173,15 @@ impl<'a> Checker<'a> {
     fn draw_uniform(&mut self, ranges: &'a [Argument], index: usize, span: Span) -> Checked<Data> {
         let noise = self.chance(index, Chance::Uniform, ranges.len());
         let mut parts = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for (place, range) in ranges.iter().enumerate() {
             let u = self.graph.select([place], noise);
             match self.between(&range.value, u) {
                 Ok(data) => parts.push((Ok(Value::Data(data)), range.value.span)),
-                Err(Reported) => broken = true,
+                Err(reported) => failures.add(reported),
             }
         }
-        if broken {
-            return Err(Reported);
-        }
+        failures.or(())?;
         if let [(Ok(Value::Data(only)), _)] = parts.as_slice() {
             return Ok(only.clone());
         }

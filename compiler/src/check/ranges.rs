@@ -1,5 +1,6 @@
 //! Between which bounds sensors stay: while an episode runs, and in the standing pose.
 
+use super::context::Timing;
 use crate::frame::{Query, Sensor};
 use crate::graph::interval::{Bounds, Ranges};
 use crate::vocabulary::{Landmark, Vocabulary};
@@ -7,9 +8,7 @@ use crate::vocabulary::{Landmark, Vocabulary};
 /// Any state of an episode: joint ranges, unit vectors, activations.
 pub(crate) struct Working<'a> {
     pub vocabulary: &'a Vocabulary,
-    pub horizon: u32,
-    /// Length of a control step, s.
-    pub interval: f64,
+    pub timing: Timing,
     pub queries: &'a [Query],
 }
 
@@ -28,13 +27,13 @@ impl Ranges for Working<'_> {
             }
             Sensor::ContactCount(..) | Sensor::Slip(..) => Bounds::POSITIVE,
             Sensor::Query(index, _) => self.queries.get(index).map_or(Bounds::ANY, query_bounds),
-            Sensor::Time => Bounds::new(0.0, f64::from(self.horizon) * self.interval),
+            Sensor::Time => self.timing.episode(),
             _ => Bounds::ANY,
         }
     }
 
     fn step(&self) -> Bounds {
-        Bounds::new(0.0, f64::from(self.horizon))
+        Bounds::new(0.0, f64::from(self.timing.horizon))
     }
 }
 

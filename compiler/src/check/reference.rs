@@ -16,7 +16,8 @@ use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Chance, Memory, Operation};
 use crate::graph::track::Track;
 use crate::motion::{Motion, RootPart};
-use crate::syntax::tree::{Argument, Expr, ExprKind, Name, Reference, TaskStatement};
+use crate::numbers::for_people;
+use crate::syntax::tree::{Argument, Expr, ExprKind, Name, Reference, TaskStatement, Text};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -27,8 +28,8 @@ pub(crate) struct Table {
     pub motion: Arc<Motion>,
 }
 
-/// Motions by the file that names them and the path as it stands there. What could not be read is reported, and not here.
-pub(crate) type Tables = BTreeMap<(FileId, String), Table>;
+/// Motions by the file that names them and the path as it stands there, as far as they could be read.
+pub(crate) type Tables = BTreeMap<(FileId, String), Checked<Table>>;
 
 /// Places of a body's landmarks at the rows of a motion; why there are none, in words.
 pub(crate) type Trace<'a> = &'a dyn Fn(&Motion) -> Result<Vec<Vec<[f64; 3]>>, String>;
@@ -60,24 +61,44 @@ impl<'a> Checker<'a> {
         let statements = self.statements;
         for placed in statements {
             if let TaskStatement::Reference(reference) = &placed.statement {
-                let known = self.in_file(placed.file, |checker| checker.declare_reference(reference, placed.file));
-                self.references.extend(known);
+                match self.in_file(placed.file, |checker| checker.declare_reference(reference, placed.file)) {
+                    Ok(known) => self.references.push(known),
+                    Err(reported) => {
+                        self.broken_references.insert(reference.name.text.clone(), reported);
+                    }
+                }
             }
         }
     }
 
     fn declare_reference(&mut self, reference: &'a Reference, file: FileId) -> Checked<KnownReference> {
         let start = self.start(reference);
-        let Some(motions) = self.motions else { return Err(Reported) };
-        // A motion that could not be read is reported where it is named.
-        let Some(table) = motions.tables.get(&(file, reference.motion.value.clone())) else { return Err(Reported) };
+        let table = self.table(file, &reference.motion)?;
         let problems = table.motion.problems(table.file, self.vocabulary);
-        let broken = !problems.is_empty();
+        let misfit = Reported::among(&problems);
         self.diagnostics.extend(problems);
-        if broken {
-            return Err(Reported);
-        }
+        misfit.map_or(Ok(()), Err)?;
         Ok(KnownReference { name: reference.name.text.clone(), motion: table.motion.clone(), sites: None, start: start? })
+    }
+
+    /// The table of a motion that `file` names; one that could not be read is reported there.
+    pub(crate) fn table(&mut self, file: FileId, named: &Text) -> Checked<Table> {
+        let known = self.motions.and_then(|motions| motions.tables.get(&(file, named.value.clone())));
+        match known {
+            Some(table) => table.clone(),
+            None => Err(self.error(codes::composition::MOTION, named.span, "no motion can be followed here")),
+        }
+    }
+
+    /// A reference by its name, or why there is none.
+    pub(crate) fn known_reference(&mut self, name: &str, span: Span) -> Checked<usize> {
+        if let Some(index) = self.references.iter().position(|known| known.name == name) {
+            return Ok(index);
+        }
+        match self.broken_references.get(name) {
+            Some(reported) => Err(*reported),
+            None => Err(self.error(codes::names::UNKNOWN_NAME, span, format!("the reference `{name}` is not known yet here"))),
+        }
     }
 
     /// The phase at which an episode starts.
@@ -97,7 +118,7 @@ impl<'a> Checker<'a> {
                 let diagnostic = self
                     .diagnostic(codes::composition::MOTION, start.span, "a motion starts at a phase of its own")
                     .expected("a number from 0 to 1, or `uniform`")
-                    .found(format!("{phase}"));
+                    .found(for_people(phase));
                 Err(self.report(diagnostic))
             }
             Some(_) => Ok(data.node),
@@ -113,9 +134,7 @@ impl<'a> Checker<'a> {
             return None;
         }
         self.used.insert(name.text.clone());
-        let known = self.references.iter().position(|known| known.name == name.text);
-        // One that is not known is broken, which is reported.
-        Some(known.ok_or(Reported))
+        Some(self.known_reference(&name.text, name.span))
     }
 
     /// `gait.phase`, `gait.q(knee_angle_r)`; `None` if the base is no reference.
@@ -338,7 +357,10 @@ impl<'a> Checker<'a> {
         let motion = self.traced(index, span)?;
         let mut places = Vec::new();
         for landmark in landmarks {
-            let Some(first) = motion.site(&self.vocabulary.landmarks[landmark].name) else { return Err(Reported) };
+            let Some(first) = motion.site(&self.vocabulary.landmarks[landmark].name) else {
+                let message = format!("where `{}` is in the motion is not known", self.vocabulary.landmarks[landmark].name);
+                return Err(self.error(codes::composition::MOTION, span, message));
+            };
             places.push(self.carried(index, motion.clone(), vec![first, first + 1, first + 2]));
         }
         let node = self.graph.join(&places);
@@ -351,7 +373,9 @@ impl<'a> Checker<'a> {
         if let Some(known) = &self.references[index].sites {
             return Ok(known.clone());
         }
-        let Some(motions) = self.motions else { return Err(Reported) };
+        let Some(motions) = self.motions else {
+            return Err(self.error(codes::composition::MOTION, span, "no motion can be followed here"));
+        };
         // Landmarks move on arcs between rows, which so many places follow to a fraction of a millimetre.
         let motion = self.references[index].motion.finer(PLACES);
         let names: Vec<&str> = self

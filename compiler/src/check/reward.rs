@@ -1,14 +1,17 @@
 //! Reward terms: weights, bounds, and formulas that must be plain numbers.
 
-use super::context::{Checked, Checker, Reported};
+use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::functions::divide_by;
+use super::lints::events;
 use super::types::Type;
 use super::value::Data;
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Binary;
+use crate::numbers::{exact, for_people, told_apart};
 use crate::syntax::tree::{Bounds, Docs, Entry, Expr, ExprKind, Reward, Term};
+use crate::weights::{LARGEST, may_be};
 
 /// A term that the graph computes.
 #[derive(Debug, Clone)]
@@ -34,7 +37,7 @@ pub(crate) struct PaidTerm<'a> {
 impl<'a> Checker<'a> {
     /// Checks the terms of a reward block.
     pub(crate) fn reward(&mut self, reward: &'a Reward, terms: &mut Vec<PaidTerm<'a>>) -> Checked<()> {
-        let mut broken = false;
+        let mut failures = Failures::default();
         let mut allowed = Vec::new();
         for entry in &reward.terms {
             if let Entry::Allow(allow) = entry {
@@ -44,15 +47,14 @@ impl<'a> Checker<'a> {
             let Some(term) = self.plain_entry(entry, "term") else { continue };
             if terms.iter().any(|known| known.name == term.name.text) {
                 let message = format!("there are two terms called `{}`", term.name.text);
-                self.error(codes::tasks::LABEL_TWICE, term.name.span, message);
-                broken = true;
+                failures.add(self.error(codes::tasks::LABEL_TWICE, term.name.span, message));
             }
             match self.term(term, reward.per_second) {
                 Ok(paid) => terms.push(PaidTerm { allowed: std::mem::take(&mut allowed), ..paid }),
-                Err(Reported) => broken = true,
+                Err(reported) => failures.add(reported),
             }
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     fn term(&mut self, term: &'a Term, per_second: bool) -> Checked<PaidTerm<'a>> {
@@ -66,8 +68,13 @@ impl<'a> Checker<'a> {
         };
         let data = self.data(formula).and_then(|data| self.must_be_payable(data, formula, &term.name.text));
         let ((weight, range, fixed), mut data) = (weight?, data?);
+        if let Some(value) = self.graph.constant_value(data.node).filter(|value| !value.is_finite()) {
+            let message = format!("the term `{}` is {} whatever the body does", term.name.text, for_people(value));
+            let diagnostic = self.diagnostic(codes::tasks::NOT_FINITE, formula.span, message);
+            return Err(self.report(diagnostic.help("every episode would end in a fault at its first step")));
+        }
         if per_second {
-            self.must_be_a_rate(formula, &term.name.text)?;
+            self.must_be_a_rate(formula, data.node, &term.name.text)?;
             let interval = self.graph.constant(self.timing.interval);
             data = Data::new(self.graph.binary(Binary::Multiply, data.node, interval), Type::PLAIN);
         }
@@ -87,12 +94,19 @@ impl<'a> Checker<'a> {
     }
 
     /// What is paid once would be paid a fraction as a rate: `once` does not go with `reward per second`.
-    fn must_be_a_rate(&mut self, formula: &Expr, name: &str) -> Checked<()> {
-        let Some((word, span)) = single_event(formula) else { return Ok(()) };
+    fn must_be_a_rate(&mut self, formula: &Expr, node: NodeId, name: &str) -> Checked<()> {
+        let written = single_event(formula);
+        if written.is_none() && events::single_event(&self.graph, node).is_none() {
+            return Ok(());
+        }
+        let (here, span) = match written {
+            Some((word, span)) => (format!("`{word}` holds at one step"), span),
+            None => ("behind a name in this, `once`, `rising` or `falling` holds at one step".to_owned(), formula.span),
+        };
         let message = format!("the term `{name}` pays a single step, but `reward per second` pays over time");
         let diagnostic = self
             .diagnostic(codes::composition::ONCE_PER_SECOND, span, message)
-            .here(format!("`{word}` holds at one step"))
+            .here(here)
             .help("move the term into `reward { }`, which pays per control step");
         Err(self.report(diagnostic))
     }
@@ -104,27 +118,32 @@ impl<'a> Checker<'a> {
                 self.diagnostic(codes::tasks::MISSING, term.name.span, message).help("the weight stands first: `10 pose = ...`");
             return Err(self.report(diagnostic));
         };
-        if !weight.value.is_finite() {
-            return Err(self.error(codes::tasks::WEIGHT, weight.span, "a weight is a finite number"));
+        let ends = if let Bounds::Range { low, high, .. } = weight.bounds { [low, high] } else { [weight.value; 2] };
+        if ![weight.value, ends[0], ends[1]].into_iter().all(may_be) {
+            let message = format!("the weight of `{}` is larger than any weight may be", term.name.text);
+            let diagnostic = self.diagnostic(codes::tasks::WEIGHT, weight.span, message);
+            let most = for_people(LARGEST);
+            return Err(self.report(diagnostic.expected(format!("a number from -{most} to {most}, and such a range"))));
         }
         match weight.bounds {
             Bounds::Free => Ok((weight.value, None, false)),
             Bounds::Fixed(_) => Ok((weight.value, None, true)),
             Bounds::Range { low, high, span } => {
-                if low.is_finite() && high.is_finite() && low <= weight.value && weight.value <= high {
+                if low <= weight.value && weight.value <= high {
                     return Ok((weight.value, Some([low, high]), false));
                 }
                 if low > high {
                     let message = format!("the range of `{}` is empty: its lower end lies above its upper", term.name.text);
                     let diagnostic = self.diagnostic(codes::tasks::WEIGHT, span, message);
-                    let swapped = format!("({high}..{low})");
+                    let swapped = format!("({}..{})", exact(high), exact(low));
                     return Err(self.report(diagnostic.suggest(format!("write `{swapped}`"), span, swapped)));
                 }
                 let message = format!("the weight of `{}` lies outside its own range", term.name.text);
+                let shown = told_apart(&[low, high, weight.value]);
                 let diagnostic = self
                     .diagnostic(codes::tasks::WEIGHT, weight.span, message)
-                    .expected(format!("{low} .. {high}"))
-                    .found(format!("{}", weight.value))
+                    .expected(format!("{} .. {}", shown[0], shown[1]))
+                    .found(&*shown[2])
                     .label(self.place.file, span, "the range");
                 Err(self.report(diagnostic))
             }

@@ -9,6 +9,15 @@ use crate::syntax::tree::{self, FieldValue};
 /// Checks a suite against the names of all tasks in sight.
 pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Suite {
     let mut checked = Suite { name: suite.name.text.clone(), families: Vec::new(), protocol: Protocol::default() };
+    let mut empty = |what: &str, name: &tree::Ident| {
+        let diagnostic =
+            Diagnostic::new(codes::tasks::MISSING, file, name.span, format!("the {what} `{}` names no task", name.text));
+        diagnostics.push(diagnostic.help("write `family stabilization { stand, walk }`"));
+    };
+    if suite.families.is_empty() {
+        empty("suite", &suite.name);
+    }
+    suite.families.iter().filter(|family| family.tasks.is_empty()).for_each(|family| empty("family", &family.name));
     for family in &suite.families {
         let mut members = Vec::new();
         for task in &family.tasks {

@@ -1,6 +1,6 @@
 //! A task: its statements in any order, from tree to [`CheckedTask`].
 
-use super::context::{Cell, Checked, Checker, Compared, End, Reported, Timing};
+use super::context::{Cell, Checked, Checker, Compared, End, Failures, Reported, Timing};
 use super::dimension::Dimension;
 use super::inherit::{Placed, WholeTask};
 use super::init::{Beginning, Layer};
@@ -12,11 +12,12 @@ use super::reward::PaidTerm;
 use super::scene::Surroundings;
 use super::scope::{Names, Place};
 use super::tests::CheckedTests;
-use super::value::Data;
-use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use super::value::{Data, Value};
+use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
+use crate::numbers::for_people;
 use crate::scene::SceneDescription;
 use crate::syntax::tree::{BodyUse, Docs, Expr, StateDeclaration, TaskStatement, Test};
 use crate::task::{Disturbance, Init, Parameter};
@@ -91,6 +92,8 @@ pub(crate) struct InSequence<'a> {
     pub tests: bool,
     /// Control steps of all its phases, as far as tests are concerned.
     pub horizon: u32,
+    /// Control steps that the phases before this one may take.
+    pub before: u32,
 }
 
 /// Something of a task with the file in which it stands.
@@ -127,7 +130,7 @@ pub(crate) fn check<'a>(
     around: Around<'a>,
     sequence: InSequence<'a>,
     queries: Vec<Query>,
-) -> (Option<CheckedTask<'a>>, Vec<Diagnostic>) {
+) -> (Checked<CheckedTask<'a>>, Vec<Diagnostic>) {
     let Around { vocabulary, surroundings, texts, motions } = around;
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     checker.known = surroundings.known.clone();
@@ -136,22 +139,22 @@ pub(crate) fn check<'a>(
     checker.motions = Some(motions);
     // Phases of a sequence share one frame, and so the numbers of the queries.
     checker.queries = queries;
+    checker.timing.before = sequence.before;
     checker.phases = sequence.phases.iter().take(sequence.index).cloned().collect();
-    let checked = checker.task(task, texts, sequence).ok();
-    let broken = checker.diagnostics.iter().any(|diagnostic| diagnostic.severity == crate::diagnostics::Severity::Error);
+    let checked = checker.task(task, texts, sequence);
+    let broken = Reported::among(&checker.diagnostics);
     let mut diagnostics = std::mem::take(&mut checker.diagnostics);
     let graph = std::mem::take(&mut checker.graph);
     checker.hand_over_notes(checked.as_ref().map_or(&graph, |checked| &checked.graph));
-    let mut checked = checked.filter(|_| !broken);
-    if let Some(checked) = &mut checked {
+    let mut checked = checked.and_then(|checked| broken.map_or(Ok(checked), Err));
+    if let Ok(checked) = &mut checked {
         // A task is looked at by itself; as a phase it would only be told of again.
         let mut warnings = Vec::new();
         lints::unused(&checker, &mut warnings);
         checked.term_bounds = lints::task(&checker, checked, &mut warnings);
         checked.allowed.clone_from(&checker.allowed);
-        if sequence.phases.is_empty() {
-            diagnostics.append(&mut warnings);
-        }
+        let whole = sequence.phases.is_empty();
+        diagnostics.extend(warnings.into_iter().filter(|told| whole || told.severity == Severity::Error));
     }
     (checked, diagnostics)
 }
@@ -193,11 +196,12 @@ impl<'a> Checker<'a> {
         let (updates, redraws) = (self.updates(), self.redraws());
         let channels = self.observations(texts);
         self.parameters_in_use();
-        self.must_be_complete(task, &parts);
+        let complete = self.must_be_complete(task, &parts);
         let (control_frequency, _) = (frequency?, (horizon?, redraws?));
-        let staged = staged?;
-        let (Some(control_frequency), Some(init), Some(success)) = (control_frequency, init?, success?) else {
-            return Err(Reported);
+        let (staged, init, success) = (staged?, init?, success?);
+        complete?;
+        let (Some(control_frequency), Some(init), Some(success)) = (control_frequency, init, success) else {
+            return Err(self.incomplete(task, "`control`, `init` or `success`"));
         };
         let tests = match (&terms, &terminations, &finishes) {
             (Ok(terms), Ok(_), Ok(_)) => self.own_tests(sequence, &init, terms, success.node, texts)?,
@@ -286,43 +290,43 @@ impl<'a> Checker<'a> {
     fn observations(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
         let statements = self.statements;
         let mut channels = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         self.after = true;
         for placed in statements {
             if let TaskStatement::Observe(block) = &placed.statement {
                 let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut channels));
-                broken |= found.is_err();
+                failures.catch(found);
             }
         }
         self.after = false;
-        if broken { Err(Reported) } else { Ok(channels) }
+        failures.or(channels)
     }
 
     /// All `metrics` blocks, in order: logged, never paid.
     fn metrics(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
         let statements = self.statements;
         let mut metrics = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for placed in statements {
             if let TaskStatement::Metrics(block) = &placed.statement {
                 let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut metrics));
-                broken |= found.is_err();
+                failures.catch(found);
             }
         }
-        if broken { Err(Reported) } else { Ok(metrics) }
+        failures.or(metrics)
     }
 
     /// All `reward` blocks, in order.
     fn rewards(&mut self) -> Checked<Vec<PaidTerm<'a>>> {
         let statements = self.statements;
         let mut terms = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for placed in statements {
             if let TaskStatement::Reward(reward) = &placed.statement {
-                broken |= self.in_file(placed.file, |checker| checker.reward(reward, &mut terms)).is_err();
+                failures.catch(self.in_file(placed.file, |checker| checker.reward(reward, &mut terms)));
             }
         }
-        if broken { Err(Reported) } else { Ok(terms) }
+        failures.or(terms)
     }
 
     /// A list is said once in each task; what a task inherits comes row by row, from elsewhere.
@@ -383,7 +387,7 @@ impl<'a> Checker<'a> {
         self.error(codes::tasks::REPEATED, span, message);
     }
 
-    fn must_be_complete(&mut self, task: &WholeTask, parts: &Parts<'a>) {
+    fn must_be_complete(&mut self, task: &WholeTask, parts: &Parts<'a>) -> Checked<()> {
         let says = |word: fn(&TaskStatement) -> bool| task.statements.iter().any(|placed| word(&placed.statement));
         let wanted = [
             ("body", parts.body.is_some()),
@@ -395,13 +399,15 @@ impl<'a> Checker<'a> {
             ("success", parts.success.is_some()),
         ];
         let missing: Vec<String> = wanted.iter().filter(|(_, there)| !there).map(|(word, _)| format!("`{word}`")).collect();
-        if !missing.is_empty() {
-            let message = format!("the task `{}` does not say {}", task.task.name.text, missing.join(", "));
-            let diagnostic = self.diagnostic(codes::tasks::MISSING, task.task.name.span, message).help(
-                "nothing has a silent default: an episode must say how it begins, what is seen, what pays and what succeeds",
-            );
-            self.report(diagnostic);
-        }
+        if missing.is_empty() { Ok(()) } else { Err(self.incomplete(task, &missing.join(", "))) }
+    }
+
+    fn incomplete(&mut self, task: &WholeTask, missing: &str) -> Reported {
+        let message = format!("the task `{}` does not say {missing}", task.task.name.text);
+        let diagnostic = self
+            .diagnostic(codes::tasks::MISSING, task.task.name.span, message)
+            .help("nothing has a silent default: an episode must say how it begins, what is seen, what pays and what succeeds");
+        self.report(diagnostic)
     }
 
     /// A declaration that has the name of a signal or of a part of the body would hide it.
@@ -435,7 +441,7 @@ impl<'a> Checker<'a> {
             let diagnostic = self
                 .diagnostic(codes::tasks::TIMING, expr.span, "a control step must be a whole number of physics steps")
                 .expected(format!("{physics} Hz divided by a whole number"))
-                .found(format!("{frequency} Hz"));
+                .found(format!("{} Hz", for_people(frequency)));
             return Err(self.report(diagnostic));
         }
         self.timing.interval = steps.round() * self.vocabulary.physics_step;
@@ -464,11 +470,15 @@ impl<'a> Checker<'a> {
         for (state, file) in self.declared_states() {
             let initial: Checked<Data> = self.in_file(file, |checker| {
                 let initial = checker.data(&state.initial)?;
-                checker.check_annotation(state.annotation.as_ref(), &super::value::Value::Data(initial.clone()))?;
+                checker.check_annotation(state.annotation.as_ref(), &Value::Data(initial.clone()))?;
                 Ok(initial)
             });
-            if let Ok(initial) = initial {
-                self.cells.push(Cell { name: state.name.text.clone(), kind: initial.kind, initial: initial.node });
+            let name = state.name.text.clone();
+            match initial {
+                Ok(initial) => self.cells.push(Cell { name, kind: initial.kind, initial: initial.node }),
+                Err(reported) => {
+                    self.broken_states.insert(name, reported);
+                }
             }
         }
     }
@@ -476,15 +486,26 @@ impl<'a> Checker<'a> {
     /// New values of the declared states: the first `becomes` whose condition holds, else what it was.
     fn updates(&mut self) -> Checked<Vec<NodeId>> {
         let mut nodes = Vec::new();
+        let mut failures = Failures::default();
         for (state, file) in self.declared_states() {
-            let Ok(super::value::Value::Data(present)) = self.state(&state.name.text, state.name.span) else { continue };
+            let present = match self.state(&state.name.text, state.name.span) {
+                Ok(Value::Data(present)) => present,
+                Ok(other) => {
+                    failures.add(self.not_numbers(&other, state.name.span));
+                    continue;
+                }
+                Err(reported) => {
+                    failures.add(reported);
+                    continue;
+                }
+            };
             let mut next = present.clone();
             for update in state.updates.iter().rev() {
                 next = self.in_file(file, |checker| checker.update(update, &present, next))?;
             }
             nodes.push(next.node);
         }
-        if nodes.len() == self.declared_states().len() { Ok(nodes) } else { Err(Reported) }
+        failures.or(nodes)
     }
 
     fn update(&mut self, update: &'a crate::syntax::tree::Update, present: &Data, otherwise: Data) -> Checked<Data> {

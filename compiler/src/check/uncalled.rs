@@ -1,18 +1,19 @@
-//! Functions that nothing calls. What a function is can only be checked at a call; what it names can be looked at without.
+//! Functions, constants and blocks of channels that nothing reads. What they are is only checked where they are read; what they
+//! name can be looked at without.
 
 use super::functions;
 use super::scope::{Definition, FileInSight, Names, Place};
 use super::signals::{self, Owner};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes, nearest};
 use crate::syntax::tree::walk::{Visitor, walk_expression};
-use crate::syntax::tree::{Expr, ExprKind, Function, Item, NamePart};
+use crate::syntax::tree::{Entry, Expr, ExprKind, Function, Item, NamePart, Observation};
 use crate::vocabulary::Vocabulary;
 use std::collections::BTreeSet;
 
 /// Words that every body and the language know beside signals and functions.
 const WORDS: [&str; 10] = ["com", "ground", "robot", "joints", "hinges", "slides", "independent", "muscles", "world", "heading"];
 
-/// Looks at the functions of the first file in `sight` that are not in `called`: names that mean nothing, and circles. Parts of
+/// Looks at the declarations of the first file in `sight` that are not in `called`: names that mean nothing, and circles. Parts of
 /// bodies are only judged where there is a body.
 pub(crate) fn check(
     sight: &[FileInSight<'_>],
@@ -21,19 +22,31 @@ pub(crate) fn check(
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let Some(own) = sight.first() else { return };
-    // Clashes are told by the tasks, or by nobody where there is none to be confused.
-    let names = Names::collect(sight, None, &mut Vec::new());
+    let names = Names::collect(sight, None, diagnostics);
     let place = Place { file: own.tree.file, in_task: false };
     for item in &own.tree.items {
-        let Item::Function(function) = item else { continue };
-        if called.contains(&(own.tree.file, function.name.text.clone())) {
+        let (name, formulas): (_, Vec<&Expr>) = match item {
+            Item::Function(function) => (&function.name, vec![&function.body]),
+            Item::Const(binding) => (&binding.name, vec![&binding.value]),
+            Item::Observation(observation) => (&observation.name, channels(observation)),
+            _ => continue,
+        };
+        if called.contains(&(own.tree.file, name.text.clone())) {
             continue;
         }
-        let locals = function.parameters.iter().map(|parameter| parameter.name.text.as_str()).collect();
+        let parameters = if let Item::Function(function) = item { &function.parameters[..] } else { &[] };
+        let locals = parameters.iter().map(|parameter| parameter.name.text.as_str()).collect();
         let mut reader = Reader { names: &names, place, bodies, locals, diagnostics };
-        reader.expression(&function.body);
-        circle(function, &names, place, diagnostics);
+        formulas.into_iter().for_each(|formula| reader.expression(formula));
+        if let Item::Function(function) = item {
+            circle(function, &names, place, diagnostics);
+        }
     }
+}
+
+fn channels(observation: &Observation) -> Vec<&Expr> {
+    let items = observation.channels.iter();
+    items.filter_map(|entry| if let Entry::Item(channel) = entry { Some(&channel.value) } else { None }).collect()
 }
 
 struct Reader<'a, 'd> {

@@ -2,7 +2,7 @@
 
 use super::{SourceFile, plain};
 use crate::check::reference::{Table, Tables};
-use crate::diagnostics::{Diagnostic, FileId, SourceMap, codes};
+use crate::diagnostics::{Checked, Diagnostic, FileId, SourceMap, codes};
 use crate::files::Loader;
 use crate::motion::Motion;
 use crate::syntax::tree::{Item, Played, Sequence, Task, TaskStatement, TestStatement, Text};
@@ -19,35 +19,24 @@ pub(super) fn read(
 ) -> Tables {
     let mut tables = Tables::new();
     // A motion that several texts name is read once; what is wrong with it is said once.
-    let mut known: BTreeMap<PathBuf, Option<Table>> = BTreeMap::new();
+    let mut known: BTreeMap<PathBuf, Checked<Table>> = BTreeMap::new();
     for file in files {
         let base = file.path.parent().map(Path::to_path_buf).unwrap_or_default();
         for named in file.tree.items.iter().flat_map(named) {
             let path = plain(&base.join(&named.value));
             let table = known.entry(path.clone()).or_insert_with(|| match loader.load(&path) {
                 Ok(text) => table(&path, text, sources, diagnostics),
-                Err(problem) => {
-                    diagnostics.push(cannot_read(file.tree.file, named, &problem.to_string()));
-                    None
-                }
+                Err(problem) => Err(cannot_read(file.tree.file, named, &problem.to_string()).report(diagnostics)),
             });
-            if let Some(table) = table {
-                tables.insert((file.tree.file, named.value.clone()), table.clone());
-            }
+            tables.insert((file.tree.file, named.value.clone()), table.clone());
         }
     }
     tables
 }
 
-fn table(path: &Path, text: String, sources: &mut SourceMap, diagnostics: &mut Vec<Diagnostic>) -> Option<Table> {
+fn table(path: &Path, text: String, sources: &mut SourceMap, diagnostics: &mut Vec<Diagnostic>) -> Checked<Table> {
     let file = sources.add(path.display().to_string(), text);
-    match Motion::read(file, sources.text(file)) {
-        Ok(motion) => Some(Table { file, motion: Arc::new(motion) }),
-        Err(told) => {
-            diagnostics.extend(told);
-            None
-        }
-    }
+    Motion::read_into(file, sources.text(file), diagnostics).map(|motion| Table { file, motion: Arc::new(motion) })
 }
 
 fn cannot_read(file: FileId, named: &Text, problem: &str) -> Diagnostic {

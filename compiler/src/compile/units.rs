@@ -8,7 +8,7 @@ use crate::check::reference::{Motions, Tables};
 use crate::check::scope::{FileInSight, Names};
 use crate::check::task::{Around, InSequence, body_of};
 use crate::check::{self, CheckedTests, Texts, written};
-use crate::diagnostics::{Diagnostic, FileId, Severity, codes};
+use crate::diagnostics::{Checked, Diagnostic, Failures, FileId, Reported, Severity, codes};
 use crate::explain::definitions;
 use crate::files::BodySource;
 use crate::frame::Query;
@@ -29,7 +29,7 @@ pub(super) struct Unit<'a> {
     /// In which file it stands, by its place among all.
     pub home: usize,
     file: FileId,
-    /// One for a task.
+    /// One for a task, two or more for a sequence.
     pub phases: Vec<PhaseTask<'a>>,
     /// What the sequence itself says.
     sequence: Option<Vec<Placed>>,
@@ -103,9 +103,11 @@ fn phases<'a>(
     find: Find<'_, 'a>,
     texts: &dyn Texts,
     diagnostics: &mut Vec<Diagnostic>,
-) -> Option<Vec<PhaseTask<'a>>> {
-    let errors = diagnostics.len();
-    let mut said = |message: String, span| diagnostics.push(Diagnostic::new(codes::composition::SEQUENCE, file, span, message));
+) -> Checked<Vec<PhaseTask<'a>>> {
+    let mut failures = Failures::default();
+    let mut said = |message: String, span| {
+        failures.add(Diagnostic::new(codes::composition::SEQUENCE, file, span, message).report(diagnostics));
+    };
     let declared: Vec<&Phase> =
         sequence.statements.iter().filter_map(|s| if let TaskStatement::Phase(p) = s { Some(p) } else { None }).collect();
     if declared.len() < 2 {
@@ -134,23 +136,30 @@ fn phases<'a>(
     for phase in declared {
         match find(file, &phase.task.text) {
             Ok(found) => {
-                tasks.extend(inherit::whole(found, find, texts, diagnostics).map(|task| PhaseTask { task, phase: Some(phase) }))
+                let whole = failures.catch(inherit::whole(found, find, texts, diagnostics));
+                tasks.extend(whole.map(|task| PhaseTask { task, phase: Some(phase) }));
             }
-            Err(known) => diagnostics.push(inherit::unknown_task(&phase.task, file, &known)),
+            Err(known) => failures.add(inherit::unknown_task(&phase.task, file, &known).report(diagnostics)),
         }
     }
-    same_body(&tasks, &own, file, texts, diagnostics);
-    if diagnostics.len() > errors {
-        return None;
-    }
-    let first = tasks.first()?.task.clone();
+    failures.catch(same_body(&tasks, &own, file, texts, diagnostics));
+    let tasks = failures.or(tasks)?;
+    // Fewer than two are refused above.
+    let first = tasks[0].task.clone();
     let merged = tasks.into_iter().map(|one| PhaseTask { task: inherit::in_sequence(one.task, &first, &own, texts), ..one });
-    Some(merged.collect())
+    Ok(merged.collect())
 }
 
 /// Phases written for different bodies, or different control frequencies, do not make one episode, unless the sequence itself
 /// says which.
-fn same_body(tasks: &[PhaseTask<'_>], own: &[Placed], file: FileId, texts: &dyn Texts, diagnostics: &mut Vec<Diagnostic>) {
+fn same_body(
+    tasks: &[PhaseTask<'_>],
+    own: &[Placed],
+    file: FileId,
+    texts: &dyn Texts,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Checked<()> {
+    let mut failures = Failures::default();
     let says = |statements: &[Placed], body: bool| {
         statements.iter().find_map(|placed| match &placed.statement {
             TaskStatement::Body(used) if body => Some(texts.text(placed.file, used.span).trim().to_owned()),
@@ -171,10 +180,11 @@ fn same_body(tasks: &[PhaseTask<'_>], own: &[Placed], file: FileId, texts: &dyn 
                     .expected(first.clone().unwrap_or_default())
                     .found(other.unwrap_or_default())
                     .help(format!("say `{what}` in the sequence: it then holds for all phases"));
-                diagnostics.push(diagnostic);
+                failures.add(diagnostic.report(diagnostics));
             }
         }
     }
+    failures.or(())
 }
 
 /// The notes of all phases, one for each place.
@@ -187,19 +197,23 @@ fn gathered(all_names: &[Names<'_>]) -> Vec<Note> {
 }
 
 /// Checks all phases of a unit, or the one that a task is. Each knows which `queries` of the ground those before it make.
+/// All are there, or none.
 fn phases_of<'a>(
     unit: &'a Unit<'_>,
     all_names: &'a [Names<'a>],
     around: Around<'a>,
     whole: InSequence<'a>,
     mut queries: Vec<Query>,
-) -> (Vec<CheckedPhase<'a>>, Vec<Diagnostic>) {
+) -> (Checked<Vec<CheckedPhase<'a>>>, Vec<Diagnostic>) {
     let (mut checked, mut diagnostics) = (Vec::new(), Vec::new());
+    let mut failures = Failures::default();
     for (index, (phase, names)) in unit.phases.iter().zip(all_names).enumerate() {
         let until = phase.phase.and_then(|phase| phase.until.as_ref()).map(|until| (until, unit.file));
-        let sequence = InSequence { index, until, ..whole };
+        let before = checked.iter().fold(0_u32, |sum, phase: &CheckedPhase<'_>| sum.saturating_add(phase.checked.timing.horizon));
+        let sequence = InSequence { index, until, before, ..whole };
         let (found, told) = check::task::check(&phase.task, names, around, sequence, queries.clone());
         diagnostics.extend(told);
+        let found = failures.catch(found);
         if let Some(found) = &found {
             queries.clone_from(
                 found.tests.as_ref().filter(|_| !whole.phases.is_empty()).map_or(&found.queries, |tests| &tests.queries),
@@ -210,7 +224,7 @@ fn phases_of<'a>(
             CheckedPhase { source: &phase.task, checked, until, definitions }
         }));
     }
-    (checked, diagnostics)
+    (failures.or(checked), diagnostics)
 }
 
 fn is_test(placed: &Placed) -> bool {
@@ -223,16 +237,11 @@ fn tests_taken<'a>(checked: &mut [CheckedPhase<'a>]) -> Option<Tested<'a>> {
     Some(Tested { phases: vec![checked.first()?.clone()], tests: vec![tests] })
 }
 
-/// The tests of a sequence, put together from all its phases. `None` if they are broken, which is reported.
-fn tests_of<'a>(mut phases: Vec<CheckedPhase<'a>>, diagnostics: &mut Vec<Diagnostic>) -> Option<Option<Tested<'a>>> {
+/// The tests of a sequence, put together from all its phases.
+fn tests_of<'a>(mut phases: Vec<CheckedPhase<'a>>, diagnostics: &mut Vec<Diagnostic>) -> Checked<Tested<'a>> {
     let mut tests: Vec<CheckedTests> = phases.iter_mut().filter_map(|phase| phase.checked.tests.take()).collect();
-    match CheckedTests::gather(&mut tests.iter_mut().collect::<Vec<_>>()) {
-        Ok(()) => Some(Some(Tested { phases, tests })),
-        Err(told) => {
-            diagnostics.extend(told);
-            None
-        }
-    }
+    CheckedTests::gather(&mut tests.iter_mut().collect::<Vec<_>>(), diagnostics)?;
+    Ok(Tested { phases, tests })
 }
 
 /// Compiles units.
@@ -254,14 +263,14 @@ impl Compiler<'_> {
         unit: &Unit<'_>,
         scopes: &mut Vec<TaskScope>,
         diagnostics: &mut Vec<Diagnostic>,
-    ) -> Option<CompiledTask> {
-        let first = &unit.phases.first()?.task;
+    ) -> Checked<CompiledTask> {
+        let first = &unit.phases[0].task;
         let mut all_names: Vec<Names<'_>> =
             unit.phases.iter().map(|phase| Names::collect(&self.in_sight, Some(&phase.task), diagnostics)).collect();
         if self.noting {
             all_names.iter_mut().for_each(|names| names.notes = Some(Notebook::default()));
         }
-        let (description, vocabulary) = self.body(first, all_names.first()?, diagnostics)?;
+        let (description, vocabulary) = self.body(first, &all_names[0], diagnostics)?;
         let phase_names: Vec<String> = match &unit.sequence {
             Some(_) => unit.phases.iter().map(|phase| phase.task.task.name.text.clone()).collect(),
             None => Vec::new(),
@@ -271,8 +280,8 @@ impl Compiler<'_> {
             _ => None,
         });
         // All phases share the scene: it is that of the first.
-        let (surroundings, told) = check::scene::surroundings(first, all_names.first()?, &vocabulary);
-        let broken = told.iter().any(|told| told.severity == Severity::Error);
+        let (surroundings, told) = check::scene::surroundings(first, &all_names[0], &vocabulary);
+        let broken = Reported::among(&told);
         diagnostics.extend(told);
         let vocabulary = vocabulary.with_scene(&surroundings.scene);
         let trace = |motion: &Motion| self.bodies.trace(&description, motion);
@@ -283,22 +292,26 @@ impl Compiler<'_> {
             motions: Motions { tables: self.motions, trace: &trace },
         };
         let whole = InSequence { phases: &phase_names, success, tests: phase_names.is_empty(), ..InSequence::default() };
-        let (mut checked, mut told) = phases_of(unit, &all_names, around, whole, Vec::new());
-        if broken {
+        let (checked, mut told) = phases_of(unit, &all_names, around, whole, Vec::new());
+        if broken.is_some() {
             // What formulas do not find may be what is broken in the scene: only the scene is at fault.
             told.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
         }
         diagnostics.extend(told);
-        let complete = !broken && checked.len() == unit.phases.len();
-        let tested = match (&unit.sequence, checked.last()) {
-            (Some(statements), Some(last)) if complete && statements.iter().any(is_test) => {
+        let mut checked = broken.map_or(checked, Err);
+        let tested = match (&unit.sequence, &mut checked) {
+            (Some(statements), Ok(checked)) if statements.iter().any(is_test) => {
                 // The tests of a sequence in a pass of their own: they may ask for more of the ground than all phases do.
-                let known = last.checked.queries.clone();
+                let known = checked.last().map(|last| last.checked.queries.clone()).unwrap_or_default();
                 let horizon = checked.iter().fold(0_u32, |sum, phase| sum.saturating_add(phase.checked.timing.horizon));
                 let tested = InSequence { tests: true, horizon, ..whole };
-                tests_of(phases_of(unit, &all_names, around, tested, known).0, diagnostics)?
+                let (phases, mut told) = phases_of(unit, &all_names, around, tested, known);
+                // What it warns of is told already.
+                diagnostics.extend(told.drain(..).filter(|told| phases.is_err() && told.severity == Severity::Error));
+                Some(tests_of(phases?, diagnostics)?)
             }
-            _ => tests_taken(&mut checked),
+            (_, Ok(checked)) => tests_taken(checked),
+            (_, Err(_)) => None,
         };
         for names in &all_names {
             self.called.borrow_mut().append(&mut names.called.borrow_mut());
@@ -307,9 +320,7 @@ impl Compiler<'_> {
             let (name, span) = (unit.name.text.clone(), unit.name.span);
             scopes.push(TaskScope { name, file: unit.file, span, notes: gathered(&all_names), vocabulary: vocabulary.clone() });
         }
-        if !complete {
-            return None;
-        }
+        let checked = checked?;
         let shared = unit.sequence.iter().flatten().filter_map(|placed| match &placed.statement {
             TaskStatement::Random(random) => Some(random.name.text.clone()),
             _ => None,
@@ -323,7 +334,7 @@ impl Compiler<'_> {
             success,
             shared: shared.collect(),
         };
-        finish(heading, checked, tested, self.texts)
+        Ok(finish(heading, checked, tested, self.texts))
     }
 
     /// The body that a task runs on, with what the task changes on it.
@@ -332,35 +343,34 @@ impl Compiler<'_> {
         task: &WholeTask,
         names: &Names<'_>,
         diagnostics: &mut Vec<Diagnostic>,
-    ) -> Option<(Arc<BodyDescription>, Cow<'_, Vocabulary>)> {
+    ) -> Checked<(Arc<BodyDescription>, Cow<'_, Vocabulary>)> {
         let Some((used, file)) = body_of(&task.statements) else {
             let message = format!("the task `{}` does not say on which `body`", task.task.name.text);
             let diagnostic = Diagnostic::new(codes::tasks::MISSING, task.file, task.task.name.span, message);
-            diagnostics.push(diagnostic.help("without a body no name can be looked up, so nothing else was checked"));
-            return None;
+            let diagnostic = diagnostic.help("without a body no name can be looked up, so nothing else was checked");
+            return Err(diagnostic.report(diagnostics));
         };
         let name = &used.name;
         let Some(described) = self.described.get(&name.text) else {
             let message = format!("there is no body `{}`", name.text);
             let help = format!("a body stands in `bodies/{}.msk` beside or above the task, or is built in: `human`", name.text);
-            diagnostics.push(Diagnostic::new(codes::names::BODY, file, name.span, message).help(help));
-            return None;
+            return Err(Diagnostic::new(codes::names::BODY, file, name.span, message).help(help).report(diagnostics));
         };
-        let vocabulary = described.vocabulary.as_ref()?;
+        let vocabulary = described.vocabulary.as_ref().map_err(|reported| *reported)?;
         if used.edits.is_empty() {
-            return Some((described.description.clone(), Cow::Borrowed(vocabulary)));
+            return Ok((described.description.clone(), Cow::Borrowed(vocabulary)));
         }
         let (changes, told) = check::edits::edits(used, file, task, names, vocabulary);
         diagnostics.extend(told);
         let mut description = BodyDescription::clone(&described.description);
         description.changes = changes?;
         match self.bodies.vocabulary(&description) {
-            Ok(vocabulary) => Some((Arc::new(description), Cow::Owned(vocabulary))),
+            Ok(vocabulary) => Ok((Arc::new(description), Cow::Owned(vocabulary))),
             Err(problems) => {
                 let message = format!("the body `{}` cannot be changed like this", name.text);
                 let diagnostic = Diagnostic::new(codes::names::BODY, file, used.span, message);
-                diagnostics.push(problems.lines().fold(diagnostic, |diagnostic, problem| diagnostic.help(problem)));
-                None
+                let diagnostic = problems.lines().fold(diagnostic, |diagnostic, problem| diagnostic.help(problem));
+                Err(diagnostic.report(diagnostics))
             }
         }
     }

@@ -11,6 +11,7 @@ mod fix;
 mod json;
 mod nearest;
 mod render;
+mod reported;
 mod source;
 mod synonyms;
 
@@ -18,6 +19,8 @@ pub use codes::Code;
 pub use fix::fixed;
 pub use nearest::nearest;
 pub use render::Style;
+pub(crate) use reported::Failures;
+pub use reported::{Checked, Reported};
 pub use source::{FileId, SourceMap, Span};
 pub use synonyms::synonyms;
 

@@ -1,6 +1,6 @@
 //! Everything that is told of a task, as plain data in SI units. Its JSON form is stable: fields are added, never changed.
 
-use super::text::short;
+use crate::numbers::for_people;
 use serde::Serialize;
 
 /// Number of the form of an [`Account`] as JSON.
@@ -100,8 +100,9 @@ impl MotionAccount {
     /// Everything but its name, on one line.
     pub(super) fn in_words(&self) -> String {
         let kind = if self.cycle { "a cycle" } else { "a motion" };
-        let start = self.start.map_or("a phase drawn for each episode".to_owned(), |phase| format!("phase {}", short(phase)));
-        format!("{}, {kind} of {} s, {} joints, from {start}", self.title, short(self.duration), self.joints)
+        let start =
+            self.start.map_or("a phase drawn for each episode".to_owned(), |phase| format!("phase {}", for_people(phase)));
+        format!("{}, {kind} of {} s, {} joints, from {start}", self.title, for_people(self.duration), self.joints)
     }
 }
 
@@ -234,7 +235,7 @@ impl JointAccount {
     pub(super) fn angle(&self) -> String {
         match self.unit.as_str() {
             "rad" => format!("{:.1}\u{b0}", self.value.to_degrees()),
-            unit => format!("{} {unit}", short(self.value)),
+            unit => format!("{} {unit}", for_people(self.value)),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use super::account::*;
 use super::formula::escaped;
-use super::text::short;
+use crate::extremes::maximum;
+use crate::numbers::for_people;
 use std::fmt::Write;
 
 /// Tasks as one self-contained page under a title.
@@ -38,8 +39,8 @@ fn section(task: &Account, text: &mut String) {
     }
     let mut facts: Vec<String> = [&task.family].into_iter().filter(|family| !family.is_empty()).cloned().collect();
     facts.push(format!("body {}", task.body));
-    facts.push(format!("control {} Hz", short(task.control_frequency)));
-    facts.push(format!("horizon {} steps ({} s)", task.horizon, short(task.duration)));
+    facts.push(format!("control {} Hz", for_people(task.control_frequency)));
+    facts.push(format!("horizon {} steps ({} s)", task.horizon, for_people(task.duration)));
     facts.extend(task.symmetric.then(|| "symmetric".to_owned()));
     let _ = writeln!(text, "<p class=\"facts\">{}</p>", escaped(&facts.join(" \u{b7} ")));
     for phase in &task.phases {
@@ -52,7 +53,7 @@ fn section(task: &Account, text: &mut String) {
         metrics(phase, text);
     }
     if let Some(reward) = task.reward_at_reset {
-        let _ = writeln!(text, "<p class=\"soft\">In the first snapshot the terms add up to {}.</p>", short(reward));
+        let _ = writeln!(text, "<p class=\"soft\">In the first snapshot the terms add up to {}.</p>", for_people(reward));
     }
     scene(task, text);
     beginning(task, text);
@@ -75,7 +76,7 @@ fn close(text: &mut String) {
 }
 
 fn rewards(phase: &PhaseAccount, text: &mut String) {
-    let largest = phase.terms.iter().map(|term| term.weight.abs()).fold(0.0, f64::max);
+    let largest = phase.terms.iter().map(|term| term.weight.abs()).fold(0.0, maximum);
     let _ = writeln!(text, "<h3>Reward per control step</h3>");
     open(&[("Weight", true), ("", false), ("Term", false), ("Formula", false), ("Between", false), ("At reset", true)], text);
     for term in &phase.terms {
@@ -83,20 +84,20 @@ fn rewards(phase: &PhaseAccount, text: &mut String) {
         let class = if term.weight < 0.0 { " class=\"cost\"" } else { "" };
         let range = match (term.fixed, term.weight_range) {
             (true, _) => "<br><span class=\"soft\">fixed</span>".to_owned(),
-            (_, Some([low, high])) => format!("<br><span class=\"soft\">{}..{}</span>", short(low), short(high)),
+            (_, Some([low, high])) => format!("<br><span class=\"soft\">{}..{}</span>", for_people(low), for_people(high)),
             _ => String::new(),
         };
         let docs =
             if term.docs.is_empty() { String::new() } else { format!("<div class=\"docs\">{}</div>", escaped(&term.docs)) };
         let rate = if term.per_second { " <span class=\"soft\">per second</span>" } else { "" };
-        let bound = |bound: Option<f64>, none: &str| bound.map_or_else(|| none.to_owned(), short);
+        let bound = |bound: Option<f64>, none: &str| bound.map_or_else(|| none.to_owned(), for_people);
         let between = format!("{} .. {}", bound(term.bounds[0], "\u{2212}\u{221e}"), bound(term.bounds[1], "\u{221e}"));
-        let at_reset = term.at_reset.map(short).unwrap_or_default();
+        let at_reset = term.at_reset.map(for_people).unwrap_or_default();
         let _ = writeln!(
             text,
             "<tr><td class=\"number\">{}{range}</td><td class=\"bar\"><span{class} style=\"width:{share:.1}%\"></span></td>\
              <td>{}</td><td>{}{rate}{docs}</td><td class=\"soft\">{between}</td><td class=\"number\">{at_reset}</td></tr>",
-            short(term.weight),
+            for_people(term.weight),
             escaped(&term.name),
             math(&term.formula)
         );
@@ -182,8 +183,8 @@ fn scene(task: &Account, text: &mut String) {
         let marks = [(object.walkable, "walkable"), (!object.solid, "not solid")];
         let marks: Vec<&str> = marks.into_iter().filter(|(holds, _)| *holds).map(|(_, word)| word).collect();
         let kind = format!("{} {} {}", object.kind, object.size, marks.join(", "));
-        let mass = if object.mass > 0.0 { short(object.mass) } else { String::new() };
-        let place = format!("[{}]{on}", object.position.map(short).join(", "));
+        let mass = if object.mass > 0.0 { for_people(object.mass) } else { String::new() };
+        let place = format!("[{}]{on}", object.position.map(for_people).join(", "));
         let _ = writeln!(
             text,
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{mass}</td></tr>",
@@ -202,8 +203,13 @@ fn scene(task: &Account, text: &mut String) {
     notes.extend(scene.groups.iter().map(|(name, members)| format!("group {name}: {}", members.join(", "))));
     notes.extend(scene.markers.iter().map(|marker| format!("marked: {marker}")));
     for push in &task.disturbances {
-        let force = push.force.map(short).join(", ");
-        notes.push(format!("{} is pushed by [{force}] N at {} s for {} s", push.on, short(push.start), short(push.duration)));
+        let force = push.force.map(for_people).join(", ");
+        notes.push(format!(
+            "{} is pushed by [{force}] N at {} s for {} s",
+            push.on,
+            for_people(push.start),
+            for_people(push.duration)
+        ));
     }
     list(&notes, text);
 }
@@ -237,8 +243,9 @@ fn settings(task: &Account, text: &mut String) {
     let _ = writeln!(text, "<h3>Parameters, motions and chance</h3>");
     let mut lines = Vec::new();
     for parameter in &task.parameters {
-        let range = parameter.range.map_or_else(String::new, |[low, high]| format!(", {} .. {}", short(low), short(high)));
-        lines.push(format!("{} = {} {}{range}", parameter.name, short(parameter.value), parameter.unit));
+        let range =
+            parameter.range.map_or_else(String::new, |[low, high]| format!(", {} .. {}", for_people(low), for_people(high)));
+        lines.push(format!("{} = {} {}{range}", parameter.name, for_people(parameter.value), parameter.unit));
     }
     lines.extend(task.motions.iter().map(|motion| format!("{} follows {}", motion.name, motion.in_words())));
     for random in &task.randoms {

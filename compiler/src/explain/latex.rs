@@ -3,7 +3,7 @@
 
 use super::account::*;
 use super::formula::latex_words;
-use super::text::short;
+use crate::numbers::for_people;
 use std::fmt::Write;
 
 const PREAMBLE: &str = r"\documentclass[10pt]{article}
@@ -71,9 +71,13 @@ fn math(formula: &FormulaAccount) -> String {
     format!("${}$", formula.latex)
 }
 
-/// A number with a true minus.
+/// A number with a true minus, and powers of ten as such.
 fn weight(value: f64) -> String {
-    format!("${}$", short(value))
+    let text = for_people(value);
+    match text.split_once('e') {
+        Some((mantissa, power)) => format!("${mantissa} \\cdot 10^{{{power}}}$"),
+        None => format!("${text}$"),
+    }
 }
 
 fn rewards(tasks: &[(usize, &Account)], part: &str, family: &str, text: &mut String) {
@@ -192,7 +196,8 @@ fn successes(tasks: &[Account], text: &mut String) {
     for task in tasks {
         let success = task.phases.iter().rev().find_map(|phase| phase.success.as_ref());
         let criterion = success.map_or_else(String::new, |success| math(&success.condition));
-        let _ = writeln!(text, "{} & {criterion} & {} steps ({} s) \\\\", title(&task.name), task.horizon, short(task.duration));
+        let _ =
+            writeln!(text, "{} & {criterion} & {} steps ({} s) \\\\", title(&task.name), task.horizon, for_people(task.duration));
     }
     close("success", text);
 }

@@ -18,5 +18,4 @@ pub(crate) use formula::{mathematics, names_in};
 pub use gather::{Options, account};
 pub use html::html;
 pub use latex::latex;
-pub(crate) use text::short;
 pub use text::text;

@@ -2,6 +2,7 @@
 
 use super::account::*;
 use super::gather::{Options, account};
+use crate::numbers::{exact, for_people};
 use crate::task::CompiledTask;
 use std::fmt::Write;
 
@@ -23,7 +24,7 @@ pub fn text(task: &CompiledTask, options: &Options<'_>) -> String {
         let _ = writeln!(text, "\nReward, per control step: the sum of weight times term");
         phase.terms.iter().for_each(|term| explain_term(term, &mut text));
         if let (Some(reward), true) = (account.reward_at_reset, phase.terms.iter().any(|term| term.at_reset.is_some())) {
-            let _ = writeln!(text, "\n  at reset the sum is {}", short(reward));
+            let _ = writeln!(text, "\n  at reset the sum is {}", for_people(reward));
         }
         definitions(phase, &mut text);
         ends(phase, &mut text);
@@ -52,7 +53,7 @@ fn head(account: &Account, text: &mut String) {
         account.body,
         account.control_frequency,
         account.horizon,
-        short(account.duration),
+        for_people(account.duration),
         if account.symmetric { ", symmetric" } else { "" }
     );
 }
@@ -68,9 +69,9 @@ fn scene(account: &Account, text: &mut String) {
         let mut parts = vec![object.kind.clone()];
         parts.extend([&object.size].into_iter().filter(|size| !size.is_empty()).cloned());
         let on = if object.parent == "world" { String::new() } else { format!(" of {}", object.parent) };
-        parts.push(format!("at [{}] m{on}", object.position.map(short).join(", ")));
+        parts.push(format!("at [{}] m{on}", object.position.map(for_people).join(", ")));
         parts.extend((object.motion != "fixed").then(|| object.motion.clone()));
-        parts.extend((object.mass > 0.0).then(|| format!("{} kg", short(object.mass))));
+        parts.extend((object.mass > 0.0).then(|| format!("{} kg", for_people(object.mass))));
         parts.extend(object.walkable.then(|| "walkable".to_owned()));
         parts.extend((!object.solid).then(|| "not solid".to_owned()));
         let _ = writeln!(text, "  {:<width$}  {}", object.name, parts.join(", "));
@@ -86,13 +87,13 @@ fn scene(account: &Account, text: &mut String) {
         let _ = writeln!(text, "  marked: {}", scene.markers.join(", "));
     }
     for push in &account.disturbances {
-        let (force, torque) = (push.force.map(short).join(", "), push.torque.map(short).join(", "));
+        let (force, torque) = (push.force.map(for_people).join(", "), push.torque.map(for_people).join(", "));
         let _ = writeln!(
             text,
             "  disturbs {}: force [{force}] N, torque [{torque}] N m, at {} s for {} s",
             push.on,
-            short(push.start),
-            short(push.duration)
+            for_people(push.start),
+            for_people(push.duration)
         );
     }
 }
@@ -122,10 +123,14 @@ fn settings(account: &Account, text: &mut String) {
     }
     for parameter in &account.parameters {
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
-        let range = parameter.range.map_or(String::new(), |[low, high]| format!(", {} .. {}{unit}", short(low), short(high)));
-        let set =
-            if parameter.value == parameter.default { String::new() } else { format!(", usually {}", short(parameter.default)) };
-        let _ = writeln!(text, "  {} = {}{unit}{range}{set}", parameter.name, short(parameter.value));
+        let range =
+            parameter.range.map_or(String::new(), |[low, high]| format!(", {} .. {}{unit}", for_people(low), for_people(high)));
+        let set = if parameter.value == parameter.default {
+            String::new()
+        } else {
+            format!(", usually {}", for_people(parameter.default))
+        };
+        let _ = writeln!(text, "  {} = {}{unit}{range}{set}", parameter.name, for_people(parameter.value));
     }
     if !account.motions.is_empty() {
         let _ = writeln!(text, "\nFollows");
@@ -146,14 +151,14 @@ fn settings(account: &Account, text: &mut String) {
 fn explain_term(term: &TermAccount, text: &mut String) {
     let bounds = match (term.fixed, term.weight_range) {
         (true, _) => " (fixed)".to_owned(),
-        (_, Some([low, high])) => format!(" ({low}..{high})"),
+        (_, Some([low, high])) => format!(" ({}..{})", exact(low), exact(high)),
         _ => String::new(),
     };
     let from = match term.weight_from == crate::task::Origin::Source.to_string() {
         true => String::new(),
-        false => format!("   (weight from {}; {} in the source)", term.weight_from, short(term.weight_in_source)),
+        false => format!("   (weight from {}; {} in the source)", term.weight_from, for_people(term.weight_in_source)),
     };
-    let _ = writeln!(text, "\n  {:>7}{bounds} {}{from}", short(term.weight), term.name);
+    let _ = writeln!(text, "\n  {:>7}{bounds} {}{from}", for_people(term.weight), term.name);
     let _ = writeln!(text, "          = {}{}", term.formula.text, if term.per_second { ", per second" } else { "" });
     if !term.docs.is_empty() {
         let _ = writeln!(text, "          {}", term.docs);
@@ -167,7 +172,7 @@ fn explain_term(term: &TermAccount, text: &mut String) {
         let _ = writeln!(text, "          remembers {}", term.remembers.join("; "));
     }
     if let Some(value) = term.at_reset {
-        let _ = writeln!(text, "          at reset {}, pays {}", short(value), short(value * term.weight));
+        let _ = writeln!(text, "          at reset {}, pays {}", for_people(value), for_people(value * term.weight));
     }
 }
 
@@ -221,27 +226,9 @@ fn channels(account: &Account, text: &mut String) {
 
 fn range([low, high]: [Option<f64>; 2]) -> String {
     match (low, high) {
-        (Some(low), Some(high)) => format!("between {} and {}", short(low), short(high)),
-        (Some(low), None) => format!("never below {}", short(low)),
-        (None, Some(high)) => format!("never above {}", short(high)),
+        (Some(low), Some(high)) => format!("between {} and {}", for_people(low), for_people(high)),
+        (Some(low), None) => format!("never below {}", for_people(low)),
+        (None, Some(high)) => format!("never above {}", for_people(high)),
         (None, None) => "unbounded".to_owned(),
     }
-}
-
-/// At most six significant digits; far from one as a power of ten.
-pub(crate) fn short(value: f64) -> String {
-    if value == 0.0 {
-        // Nothing times a negative weight is plain nothing to a reader.
-        return "0".to_owned();
-    }
-    if !value.is_finite() {
-        return format!("{value}");
-    }
-    let exponent = value.abs().log10().floor() as i32;
-    if !(-4..9).contains(&exponent) {
-        return format!("{value:.2e}");
-    }
-    let digits = (5 - exponent).clamp(0, 9) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }

@@ -4,6 +4,7 @@
 
 use super::operation::{Binary, Memory, Operation, Reduction, Unary};
 use super::{Graph, NodeId};
+use crate::extremes::maximum;
 
 /// A node that gives the same bits as the operation would, if there is a simpler one.
 pub(super) fn simplify(graph: &mut Graph, operation: &Operation, inputs: &[NodeId], width: usize) -> Option<NodeId> {
@@ -89,7 +90,7 @@ pub fn evaluate(operation: &Operation, inputs: &[&[f64]], out: &mut [f64]) {
             let width = *lanes as usize;
             // The checker has proven that the index lies within; a number that is none picks the first element.
             let count = inputs[0].len() / width.max(1);
-            let place = (lane(1, 0).max(0.0) as usize).min(count.saturating_sub(1));
+            let place = (maximum(lane(1, 0), 0.0) as usize).min(count.saturating_sub(1));
             out.copy_from_slice(&inputs[0][place * width..(place + 1) * width]);
         }
         Operation::Follow(track) => track.read(lane(0, 0), out),
@@ -115,8 +116,8 @@ fn simplify_binary(graph: &mut Graph, function: Binary, left: NodeId, right: Nod
         (Binary::Multiply, Some(1.0), _) if keeps_width(graph, right) => Some(right),
         (Binary::Multiply, _, Some(-1.0)) if keeps_width(graph, left) => Some(graph.unary(Unary::Negate, left)),
         (Binary::Multiply, Some(-1.0), _) if keeps_width(graph, right) => Some(graph.unary(Unary::Negate, right)),
+        // The power itself squares so. It takes no root so: of -0 it gives 0, of minus infinity infinity.
         (Binary::Power, _, Some(2.0)) => Some(graph.binary(Binary::Multiply, left, left)),
-        (Binary::Power, _, Some(0.5)) => Some(graph.unary(Unary::SquareRoot, left)),
         _ => None,
     }
 }

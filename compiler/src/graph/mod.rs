@@ -11,6 +11,7 @@ pub mod interval;
 pub mod operation;
 pub mod text;
 pub mod track;
+mod words;
 
 use crate::frame::Sensor;
 use operation::{Binary, Bits, Memory, Operation, Reduction, Unary};
@@ -39,6 +40,16 @@ pub struct Node {
     pub width: usize,
 }
 
+impl Node {
+    /// Numbers that it takes room for: its lanes, or all that it remembers of them.
+    fn held(&self) -> usize {
+        match self.operation {
+            Operation::Memory(memory) => self.width.saturating_mul(memory.cells()),
+            _ => self.width,
+        }
+    }
+}
+
 /// One dataflow graph: nodes in an order in which every input stands before its readers.
 #[derive(Debug, Clone, Default)]
 pub struct Graph {
@@ -48,7 +59,7 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// Lanes of all nodes together: what the graph takes of memory and time.
+    /// Lanes of all nodes together, and what delays keep: what the graph takes of memory and time.
     pub fn lanes(&self) -> usize {
         self.lanes
     }
@@ -98,7 +109,7 @@ impl Graph {
         match self.known.entry(node) {
             Entry::Occupied(known) => *known.get(),
             Entry::Vacant(new) => {
-                self.lanes += new.key().width;
+                self.lanes += new.key().held();
                 self.nodes.push(new.key().clone());
                 *new.insert(id)
             }

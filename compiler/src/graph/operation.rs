@@ -2,6 +2,7 @@
 //! of the tests share.
 
 use super::track::Track;
+use crate::extremes::{between, maximum, minimum};
 use crate::frame::Sensor;
 use serde::{Deserialize, Serialize};
 
@@ -184,8 +185,8 @@ impl Unary {
             Self::Cosine => libm::cos(x),
             Self::Tangent => libm::tan(x),
             // Products of unit vectors overshoot 1 by a rounding error; that is no reason for a non-finite pay.
-            Self::ArcSine => libm::asin(x.clamp(-1.0, 1.0)),
-            Self::ArcCosine => libm::acos(x.clamp(-1.0, 1.0)),
+            Self::ArcSine => libm::asin(between(x, -1.0, 1.0)),
+            Self::ArcCosine => libm::acos(between(x, -1.0, 1.0)),
             Self::Floor => x.floor(),
             Self::Sign => f64::from(u8::from(x > 0.0)) - f64::from(u8::from(x < 0.0)),
             Self::Not => f64::from(u8::from(x == 0.0)),
@@ -198,6 +199,8 @@ impl Unary {
 fn wrap(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let remainder = angle - TAU * (angle / TAU).round();
+    // Of large angles rounding leaves more than half a turn; the exact remainder takes longer.
+    let remainder = if remainder.abs() <= PI { remainder } else { libm::remainder(angle, TAU) };
     if remainder <= -PI { remainder + TAU } else { remainder }
 }
 
@@ -212,21 +215,9 @@ impl Binary {
             Self::Multiply => a * b,
             Self::Divide => a / b,
             Self::Power => libm::pow(a, b),
-            // Not f64::min: a NaN must come through and be reported, never be swallowed.
-            Self::Minimum => {
-                if a < b || a.is_nan() {
-                    a
-                } else {
-                    b
-                }
-            }
-            Self::Maximum => {
-                if a > b || a.is_nan() {
-                    a
-                } else {
-                    b
-                }
-            }
+            // What is no number must come through and be reported, never be swallowed.
+            Self::Minimum => minimum(a, b),
+            Self::Maximum => maximum(a, b),
             Self::ArcTangent2 => libm::atan2(a, b),
             Self::Hypotenuse => libm::hypot(a, b),
             Self::Modulo => a - b * (a / b).floor(),
@@ -248,6 +239,8 @@ impl Reduction {
             Self::Product => lanes.iter().product(),
             Self::Minimum => lanes.iter().copied().fold(f64::INFINITY, |a, b| Binary::Minimum.apply(a, b)),
             Self::Maximum => lanes.iter().copied().fold(f64::NEG_INFINITY, |a, b| Binary::Maximum.apply(a, b)),
+            // Of one number the root of the square, without its loss of digits beyond 1e-154 and 1e154.
+            Self::Norm if lanes.len() == 1 => lanes[0].abs(),
             Self::Norm => sum(lanes.len(), |index| lanes[index] * lanes[index]).sqrt(),
             Self::ArgMinimum => place(lanes, |candidate, best| candidate < best),
             Self::ArgMaximum => place(lanes, |candidate, best| candidate > best),
@@ -264,7 +257,7 @@ const COLUMNS: usize = 8;
 #[inline(always)]
 pub(crate) fn sum(count: usize, number: impl Fn(usize) -> f64) -> f64 {
     if count <= 2 * COLUMNS {
-        return (0..count).map(number).sum();
+        return chain((0..count).map(number));
     }
     let (mut columns, whole) = ([0.0; COLUMNS], count - count % COLUMNS);
     for row in (0..whole).step_by(COLUMNS) {
@@ -275,7 +268,13 @@ pub(crate) fn sum(count: usize, number: impl Fn(usize) -> f64) -> f64 {
     for (column, index) in columns.iter_mut().zip(whole..count) {
         *column += number(index);
     }
-    columns.iter().sum()
+    chain(columns.into_iter())
+}
+
+/// Numbers added from the first to the last. The sum of none is minus zero, to which every number can be added unchanged.
+#[inline(always)]
+fn chain(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(-0.0, |sum, number| sum + number)
 }
 
 fn place(lanes: &[f64], better: impl Fn(f64, f64) -> bool) -> f64 {
@@ -298,7 +297,7 @@ pub fn quaternion(axes: [f64; 9]) -> [f64; 4] {
     } else {
         [xy - yx, zx + xz, yz + zy, 1.0 + zz - xx - yy]
     };
-    let norm = raw.iter().map(|x| x * x).sum::<f64>().sqrt() * if raw[0] < 0.0 { -1.0 } else { 1.0 };
+    let norm = chain(raw.iter().map(|x| x * x)).sqrt() * if raw[0] < 0.0 { -1.0 } else { 1.0 };
     raw.map(|x| x / norm)
 }
 

@@ -9,6 +9,7 @@ use crate::check::task::{CheckedTask, summary};
 use crate::check::{Texts, written};
 use crate::diagnostics::FileId;
 use crate::explain::names_in;
+use crate::frame::FrameLayout;
 use crate::motion::Start;
 use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
 use crate::task::{
@@ -56,23 +57,19 @@ pub(crate) fn finish(
     phases: Vec<CheckedPhase<'_>>,
     tested: Option<Tested<'_>>,
     texts: &dyn Texts,
-) -> Option<CompiledTask> {
-    let probed = tested.and_then(|tested| with_probes(&heading, tested, texts));
-    let mut task = lower(heading, phases, texts)?;
+) -> CompiledTask {
+    let probed = tested.map(|tested| with_probes(&heading, tested, texts));
+    let mut task = lower(heading, phases, texts);
     task.hash = task.content_hash();
     task.tests = probed.map(|(mut probed, first, tests)| {
         probed.hash.clone_from(&task.hash);
         Arc::new(TaskTests { task: Arc::new(probed), first, tests })
     });
-    Some(task)
+    task
 }
 
 /// The task that tests run: each phase has all that they look at behind its metrics. Also where that begins, and the tests.
-fn with_probes(
-    heading: &Heading<'_>,
-    tested: Tested<'_>,
-    texts: &dyn Texts,
-) -> Option<(CompiledTask, Vec<usize>, Vec<TaskTest>)> {
+fn with_probes(heading: &Heading<'_>, tested: Tested<'_>, texts: &dyn Texts) -> (CompiledTask, Vec<usize>, Vec<TaskTest>) {
     let (mut phases, mut all, mut places, mut count) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for (mut phase, tests) in tested.phases.into_iter().zip(tested.tests) {
         let CheckedTests { graph, queries, beginning, probes, tests, .. } = tests;
@@ -83,19 +80,20 @@ fn with_probes(
         phases.push(CheckedPhase { checked, ..phase });
         all.push(tests);
     }
-    let task = lower(heading.clone(), phases, texts)?;
+    let task = lower(heading.clone(), phases, texts);
     let first = places.into_iter().map(|place| task.metrics.get(place).map_or(0, |probe| probe.offset)).collect();
-    Some((task, first, all.into_iter().next()?))
+    (task, first, all.into_iter().next().unwrap_or_default())
 }
 
-/// Lowers checked tasks.
-fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts) -> Option<CompiledTask> {
+/// Lowers checked tasks, of which there is at least one.
+fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts) -> CompiledTask {
     let all_outputs: Vec<Outputs> = phases.iter().map(|phase| outputs(&phase.checked)).collect();
     let queries = phases.last().map(|phase| phase.checked.queries.clone()).unwrap_or_default();
     let frame = layout(phases.iter().map(|phase| &phase.checked.graph).zip(&all_outputs), &queries);
     let several = phases.len() > 1;
     let mut whole = Whole { several, ..Whole::default() };
-    let mut compiled: Option<CompiledTask> = None;
+    // A task is one phase; the checker refuses sequences of fewer than two.
+    let mut compiled = begun(&heading, &phases[0].checked, &frame);
     let mut made = Vec::new();
     for (phase, outputs) in phases.into_iter().zip(all_outputs) {
         let CheckedPhase { source, checked, until, definitions } = phase;
@@ -125,39 +123,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
             let parameter_name = labelled(several, &name, &parameter.name);
             whole.parameters.push(crate::task::Parameter { name: parameter_name, ..parameter.clone() });
         }
-        if compiled.is_none() {
-            compiled = Some(CompiledTask {
-                name: heading.name.to_owned(),
-                family: heading.family.clone(),
-                summary: summary(heading.docs),
-                body: heading.body.clone(),
-                vocabulary: heading.vocabulary.clone(),
-                control_frequency: checked.control_frequency,
-                horizon: 0,
-                symmetric: checked.symmetric,
-                scene: checked.scene.clone(),
-                init: checked.init.clone(),
-                disturbances: checked.disturbances.clone(),
-                releases: checked.releases.iter().map(|(connection, _)| *connection).collect(),
-                markers: checked.markers.iter().map(|(name, _)| name.clone()).collect(),
-                channels: Vec::new(),
-                terms: Vec::new(),
-                terminations: Vec::new(),
-                finishes: Vec::new(),
-                metrics: Vec::new(),
-                randoms: Vec::new(),
-                parameters: Vec::new(),
-                motions: Vec::new(),
-                frame: frame.clone(),
-                hash: String::new(),
-                tests: None,
-                places: Places { init: checked.init_at, ..Places::default() },
-                phases: [].into(),
-            });
-        }
-        if let Some(compiled) = &mut compiled {
-            compiled.places.add(&checked);
-        }
+        compiled.places.add(&checked);
         whole.horizon = whole.horizon.saturating_add(checked.timing.horizon);
         let horizon = checked.timing.horizon;
         let (observation, measured) = (Plan::default(), (0, 0..0));
@@ -178,7 +144,6 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
             meaning,
         });
     }
-    let mut compiled = compiled?;
     if several {
         let offset = whole.channels.last().map_or(0, |channel| channel.offset + channel.size);
         whole.channels.push(Channel { name: "phase".to_owned(), offset, size: made.len(), unit: String::new() });
@@ -194,7 +159,39 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
     (compiled.randoms, compiled.parameters) = (whole.randoms, whole.parameters);
     compiled.motions = whole.motions;
     compiled.phases = made.into();
-    Some(compiled)
+    compiled
+}
+
+/// What a task takes from its first phase; what its phases share is still empty.
+fn begun(heading: &Heading<'_>, first: &CheckedTask<'_>, frame: &FrameLayout) -> CompiledTask {
+    CompiledTask {
+        name: heading.name.to_owned(),
+        family: heading.family.clone(),
+        summary: summary(heading.docs),
+        body: heading.body.clone(),
+        vocabulary: heading.vocabulary.clone(),
+        control_frequency: first.control_frequency,
+        horizon: 0,
+        symmetric: first.symmetric,
+        scene: first.scene.clone(),
+        init: first.init.clone(),
+        disturbances: first.disturbances.clone(),
+        releases: first.releases.iter().map(|(connection, _)| *connection).collect(),
+        markers: first.markers.iter().map(|(name, _)| name.clone()).collect(),
+        channels: Vec::new(),
+        terms: Vec::new(),
+        terminations: Vec::new(),
+        finishes: Vec::new(),
+        metrics: Vec::new(),
+        randoms: Vec::new(),
+        parameters: Vec::new(),
+        motions: Vec::new(),
+        frame: frame.clone(),
+        hash: String::new(),
+        tests: None,
+        places: Places { init: first.init_at, ..Places::default() },
+        phases: [].into(),
+    }
 }
 
 impl Phase {

@@ -3,6 +3,7 @@
 use super::formula::View;
 use super::lane::{Run, STEP};
 use super::program::{Deed, Program, Statement};
+use crate::extremes::maximum;
 use crate::graph::operation::{Chance, Memory};
 
 /// Which moment of the episode is computed.
@@ -174,7 +175,7 @@ impl Program {
                 let place = place.read(&View { frame, record });
                 // Proven to lie within while compiling; a number that is none picks the first element.
                 let last = (list.length / (*width).max(1)).saturating_sub(1);
-                let from = list.from + (place.max(0.0) as usize).min(last) * width;
+                let from = list.from + (maximum(place, 0.0) as usize).min(last) * width;
                 Run { from, length: *width, ..*list }.copy_within(frame, record, *at);
             }
             Deed::Follow { track, time, at } => {

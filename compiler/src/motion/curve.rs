@@ -3,6 +3,8 @@
 //! Reference: de Boor, A Practical Guide to Splines, chapter IV. The second derivatives at the rows solve a system with three
 //! diagonals; for a cycle its corners are taken in by one rank-one change (Sherman and Morrison).
 
+use crate::extremes::{maximum, minimum};
+
 /// A cubic between every two rows: a + b s + c s² + d s³, where s is the time since the earlier row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Curve {
@@ -31,7 +33,7 @@ impl Piece {
     /// Where the rate vanishes within the piece.
     fn turning_points(&self) -> impl Iterator<Item = f64> + use<> {
         let ([_, b, c, d], length) = (self.coefficients, self.length);
-        let root = (c * c - 3.0 * b * d).max(0.0).sqrt();
+        let root = maximum(c * c - 3.0 * b * d, 0.0).sqrt();
         // Citardauq's form: it stays exact where the cubic is nearly a parabola.
         let sum = -(c + if c < 0.0 { -root } else { root });
         [sum / (3.0 * d), b / sum].into_iter().filter(move |s| (0.0..=length).contains(s))
@@ -89,7 +91,7 @@ impl Curve {
 }
 
 fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [minimum(low, value), maximum(high, value)])
 }
 
 /// Second derivatives at the rows where those at both ends vanish.

@@ -4,6 +4,7 @@ use super::{Motion, Target};
 use crate::check::dimension::Dimension;
 use crate::check::unit;
 use crate::diagnostics::{Diagnostic, FileId, codes, nearest};
+use crate::numbers::told_apart;
 use crate::vocabulary::{Joint, JointKind, Vocabulary};
 
 /// How far a spline may leave the range of a joint between rows that keep it, rad or m.
@@ -49,12 +50,10 @@ impl Motion {
         }
         let column = &self.columns[column];
         let factor = unit::find(&column.unit).map_or(1.0, |unit| unit.factor);
-        let shown = |low: f64, high: f64| {
-            let tidy = |value: f64| (value / factor * 100.0).round() / 100.0;
-            format!("{} .. {} {}", tidy(low), tidy(high), column.unit)
-        };
+        let shown = told_apart(&[low, high, least, most].map(|value| value / factor));
+        let between = |low: usize| format!("{} .. {} {}", shown[low], shown[low + 1], column.unit);
         let message = format!("`{}` leaves the range of the joint", joint.name);
         let problem = Diagnostic::new(codes::composition::MOTION_COLUMN, file, column.span, message);
-        Some(problem.expected(shown(low, high)).found(shown(least, most)))
+        Some(problem.expected(between(0)).found(between(2)))
     }
 }

@@ -16,6 +16,7 @@ pub use begin::{Following, Parts, Path, Start};
 
 use crate::check::dimension::Dimension;
 use crate::diagnostics::Span;
+use crate::extremes::{between, maximum, minimum};
 use curve::Curve;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
@@ -171,7 +172,7 @@ impl Motion {
     /// stands still at its ends.
     pub fn rate_range(&self, column: usize) -> [f64; 2] {
         let [low, high] = self.curves[column].rate_range();
-        if self.cycle { [low, high] } else { [low.min(0.0), high.max(0.0)] }
+        if self.cycle { [low, high] } else { [minimum(low, 0.0), maximum(high, 0.0)] }
     }
 
     /// How far a column goes on in one turn of a cycle, in rad or m; zero for those that do not.
@@ -187,7 +188,7 @@ impl Motion {
     /// The fraction of the motion that has passed at `time` (s): in [0, 1) for a cycle, in [0, 1] for another motion.
     pub fn phase_of(&self, time: f64) -> f64 {
         let turns = time / self.duration;
-        if self.cycle { turns - turns.floor() } else { turns.clamp(0.0, 1.0) }
+        if self.cycle { turns - turns.floor() } else { between(turns, 0.0, 1.0) }
     }
 
     /// Identifies what the motion shows: two tables with the same one show the same to the bit, whatever they are called.
@@ -217,7 +218,7 @@ impl Motion {
             (0.0, time, !(0.0..=self.duration).contains(&time))
         };
         // Rounding may leave the table by a hair; a time that is no number stands at the first row.
-        let within = within.max(0.0).min(self.duration);
+        let within = minimum(maximum(within, 0.0), self.duration);
         let last = self.times.len().saturating_sub(2);
         let row = self.times.partition_point(|known| *known <= within).saturating_sub(1).min(last);
         Moment { row, after: within - self.times[row], turns, still }

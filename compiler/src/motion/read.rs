@@ -4,7 +4,8 @@ use super::curve::Curve;
 use super::{Column, Motion, RootPart, Target};
 use crate::check::dimension::Dimension;
 use crate::check::unit;
-use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes, nearest};
+use crate::diagnostics::{Checked, Code, Diagnostic, Failures, FileId, Reported, Span, codes, nearest};
+use crate::numbers::{for_people, told_apart};
 
 /// What the head of a motion may say.
 const WORDS: [&str; 5] = ["name", "source", "cycle", "duration", "advances"];
@@ -14,6 +15,9 @@ const CLOSING: f64 = 1e-4;
 
 /// How far the last time may differ from the duration, as a fraction of it.
 const TIMING: f64 = 1e-6;
+
+/// Largest number of a table, in whatever unit: beyond it curves through the rows would lose all digits, or overflow.
+const LARGEST: f64 = 1e6;
 
 /// Rows that a cycle needs, and another motion.
 const FEWEST: [usize; 2] = [4, 2];
@@ -28,12 +32,17 @@ impl Motion {
     /// # Errors
     /// Every error of the text.
     pub fn read(file: FileId, text: &str) -> Result<Self, Vec<Diagnostic>> {
+        let mut diagnostics = Vec::new();
+        Self::read_into(file, text, &mut diagnostics).map_err(|_| diagnostics)
+    }
+
+    /// Reads a table; its errors go to `diagnostics`.
+    pub(crate) fn read_into(file: FileId, text: &str, diagnostics: &mut Vec<Diagnostic>) -> Checked<Self> {
         let mut reader = Reader { file, diagnostics: Vec::new() };
         let motion = reader.motion(text);
-        match motion {
-            Some(motion) if reader.diagnostics.is_empty() => Ok(motion),
-            _ => Err(reader.diagnostics),
-        }
+        let broken = Reported::among(&reader.diagnostics);
+        diagnostics.append(&mut reader.diagnostics);
+        motion.and_then(|motion| broken.map_or(Ok(motion), Err))
     }
 }
 
@@ -102,7 +111,13 @@ impl Reader {
         &mut self.diagnostics[last]
     }
 
-    fn motion(&mut self, text: &str) -> Option<Motion> {
+    fn failed(&mut self, code: &'static Code, span: Span, message: impl Into<String>, help: Option<&str>) -> Reported {
+        let mut diagnostic = Diagnostic::new(code, self.file, span, message);
+        diagnostic.help.extend(help.map(str::to_owned));
+        diagnostic.report(&mut self.diagnostics)
+    }
+
+    fn motion(&mut self, text: &str) -> Checked<Motion> {
         let mut head = Head::default();
         let mut headings: Option<Part<'_>> = None;
         let mut rows: Vec<Part<'_>> = Vec::new();
@@ -120,10 +135,8 @@ impl Reader {
         }
         let end = Span::at(text.len());
         let Some(headings) = headings else {
-            self.error(codes::composition::MOTION_TABLE, end, "there is no table here")
-                .help
-                .push("after the lines that begin with `#` come headings, `phase, hip_flexion_r [deg]`, and the rows".to_owned());
-            return None;
+            let help = "after the lines that begin with `#` come headings, `phase, hip_flexion_r [deg]`, and the rows";
+            return Err(self.failed(codes::composition::MOTION_TABLE, end, "there is no table here", Some(help)));
         };
         let (clock, mut columns) = self.headings(headings)?;
         for wanted in &head.advances {
@@ -132,23 +145,22 @@ impl Reader {
         let table = self.rows(&rows, columns.len() + 1, clock);
         let (name, cycle) = self.complete(&head, headings.span())?;
         let (mut times, values) = table?;
-        let duration = self.timing(&head, clock, &mut times, &rows, headings.span())?;
         if rows.len() < FEWEST[usize::from(!cycle)] {
             let (kind, fewest) = if cycle { ("a cycle", "four") } else { ("a motion", "two") };
             let message = format!("{kind} has at least {fewest} rows, this one has {}", rows.len());
-            self.error(codes::composition::MOTION_TABLE, headings.span(), message);
-            return None;
+            return Err(self.failed(codes::composition::MOTION_TABLE, headings.span(), message, None));
         }
+        let duration = self.timing(&head, clock, &mut times, &rows, headings.span())?;
         // Columns of the text in SI units, one list for each.
         let factor = |column: &Column| unit::find(&column.unit).map_or(1.0, |unit| unit.factor);
         let column = |index: usize| values.iter().map(|row| row[index] * factor(&columns[index])).collect::<Vec<f64>>();
         let lists: Vec<Vec<f64>> = (0..columns.len()).map(column).collect();
         if cycle {
-            self.must_close(&columns, &lists, rows.last()?.span());
+            self.must_close(&columns, &lists, rows.last().map_or(headings.span(), |row| row.span()));
         }
         let curves = lists.iter().map(|values| Curve::through(&times, values, cycle)).collect();
         let source = head.sources.join("\n");
-        Some(Motion { name, source, cycle, duration, columns, times, curves, digest: String::new() }.identified())
+        Ok(Motion { name, source, cycle, duration, columns, times, curves, digest: String::new() }.identified())
     }
 
     fn head_line<'a>(&mut self, said: Part<'a>, head: &mut Head<'a>) {
@@ -184,7 +196,7 @@ impl Reader {
             let unit = unit::find(unit.trim()).filter(|unit| unit.dimension == Dimension::TIME)?;
             number.parse::<f64>().ok().map(|number| number * unit.factor)
         });
-        let good = parsed.filter(|duration| duration.is_finite() && *duration > 0.0);
+        let good = parsed.filter(|duration| *duration > 0.0 && *duration <= LARGEST);
         if good.is_none() {
             let found = value.text.to_owned();
             let diagnostic = self.error(codes::composition::MOTION_TABLE, value.span(), "a duration is a positive time");
@@ -194,58 +206,61 @@ impl Reader {
     }
 
     /// How time is counted, and the columns.
-    fn headings(&mut self, line: Part<'_>) -> Option<(Clock, Vec<Column>)> {
+    fn headings(&mut self, line: Part<'_>) -> Checked<(Clock, Vec<Column>)> {
         let cells = line.cells();
-        let (first, others) = cells.split_first()?;
-        let (name, unit) = named(*first);
+        // A line has a cell before its first comma.
+        let (first, others) = (cells[0], &cells[1..]);
+        let mut failures = Failures::default();
+        let (name, unit) = named(first);
         let clock = match (name.text, unit.map(|unit| unit.text)) {
             ("phase", None) => Some(Clock::Phase),
             ("time", Some(unit)) => unit::find(unit).filter(|u| u.dimension == Dimension::TIME).map(|u| Clock::Time(u.factor)),
             _ => None,
         };
         if clock.is_none() {
-            let found = first.text.to_owned();
-            let diagnostic =
-                self.error(codes::composition::MOTION_COLUMN, first.span(), "the first column says when each row is");
-            (diagnostic.expected, diagnostic.found) = (Some("`time [s]`, or `phase` from 0 to 1".to_owned()), Some(found));
+            let message = "the first column says when each row is";
+            let diagnostic = Diagnostic::new(codes::composition::MOTION_COLUMN, self.file, first.span(), message)
+                .expected("`time [s]`, or `phase` from 0 to 1")
+                .found(first.text);
+            failures.add(diagnostic.report(&mut self.diagnostics));
         }
         let mut columns: Vec<Column> = Vec::new();
         for cell in others {
-            let Some(column) = self.column(*cell) else { continue };
+            let Some(column) = failures.catch(self.column(*cell)) else { continue };
             if let Some(known) = columns.iter().find(|known| known.target == column.target) {
-                let (message, first) = (format!("there are two columns `{}`", column.target.name()), known.span);
-                let file = self.file;
-                let diagnostic = self.error(codes::composition::MOTION_COLUMN, cell.span(), message);
-                diagnostic.labels.push(crate::diagnostics::Label { file, span: first, text: "the first".to_owned() });
+                let message = format!("there are two columns `{}`", column.target.name());
+                let diagnostic = Diagnostic::new(codes::composition::MOTION_COLUMN, self.file, cell.span(), message);
+                let diagnostic = diagnostic.label(self.file, known.span, "the first");
+                failures.add(diagnostic.report(&mut self.diagnostics));
                 continue;
             }
             columns.push(column);
         }
         if others.is_empty() {
-            self.error(codes::composition::MOTION_COLUMN, line.span(), "the table moves nothing: it has no column but the first");
+            let message = "the table moves nothing: it has no column but the first";
+            failures.add(self.failed(codes::composition::MOTION_COLUMN, line.span(), message, None));
         }
-        let whole = columns.len() == others.len() && !columns.is_empty();
-        clock.filter(|_| whole).map(|clock| (clock, columns))
+        // Without a clock there is a failure.
+        failures.or((clock.unwrap_or(Clock::Phase), columns))
     }
 
-    fn column(&mut self, cell: Part<'_>) -> Option<Column> {
+    fn column(&mut self, cell: Part<'_>) -> Checked<Column> {
         let (name, written) = named(cell);
         let root = name.text.starts_with("root.");
         let part = RootPart::ALL.into_iter().find(|part| part.heading() == name.text);
         let target = match (name.text, part) {
             ("", _) => {
-                self.error(codes::composition::MOTION_COLUMN, cell.span(), "a column without a name");
-                return None;
+                return Err(self.failed(codes::composition::MOTION_COLUMN, cell.span(), "a column without a name", None));
             }
             (_, Some(part)) => Target::Root(part),
             (_, None) if root => {
                 let message = format!("the root has no `{}`", name.text);
                 let parts = RootPart::ALL.map(RootPart::heading);
                 let near = nearest(name.text, parts);
-                let diagnostic = self.error(codes::composition::MOTION_COLUMN, name.span(), message);
+                let mut diagnostic = Diagnostic::new(codes::composition::MOTION_COLUMN, self.file, name.span(), message);
                 diagnostic.help.extend(near.first().map(|near| format!("did you mean `{near}`?")));
-                diagnostic.help.push(format!("it has {}", parts.join(", ")));
-                return None;
+                let diagnostic = diagnostic.help(format!("it has {}", parts.join(", ")));
+                return Err(diagnostic.report(&mut self.diagnostics));
             }
             _ => Target::Joint(name.text.to_owned()),
         };
@@ -263,12 +278,10 @@ impl Reader {
                 Some(_) => format!("an angle: `{} [deg]`", name.text),
                 None => format!("an angle or, along a slide, a length: `{} [deg]`", name.text),
             };
-            let found = found.to_owned();
-            let diagnostic = self.error(codes::composition::MOTION_COLUMN, span, message);
-            (diagnostic.expected, diagnostic.found) = (Some(expected), Some(found));
-            return None;
+            let diagnostic = Diagnostic::new(codes::composition::MOTION_COLUMN, self.file, span, message);
+            return Err(diagnostic.expected(expected).found(found).report(&mut self.diagnostics));
         };
-        Some(Column { target, unit: unit.name.to_owned(), dimension: unit.dimension, advances: false, span: name.span() })
+        Ok(Column { target, unit: unit.name.to_owned(), dimension: unit.dimension, advances: false, span: name.span() })
     }
 
     /// Marks a column that goes on from turn to turn.
@@ -285,42 +298,55 @@ impl Reader {
     }
 
     /// Times as written, and the numbers of each row.
-    fn rows(&mut self, rows: &[Part<'_>], width: usize, clock: Clock) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+    fn rows(&mut self, rows: &[Part<'_>], width: usize, clock: Clock) -> Checked<(Vec<f64>, Vec<Vec<f64>>)> {
         let (mut times, mut values) = (Vec::new(), Vec::new());
-        let errors = self.diagnostics.len();
+        let mut failures = Failures::default();
         for row in rows {
             let cells = row.cells();
             if cells.len() != width {
-                let (expected, found) = (format!("{width} numbers"), format!("{}", cells.len()));
-                let diagnostic = self.error(codes::composition::MOTION_TABLE, row.span(), "a row has a number for every heading");
-                (diagnostic.expected, diagnostic.found) = (Some(expected), Some(found));
+                let message = "a row has a number for every heading";
+                let diagnostic = Diagnostic::new(codes::composition::MOTION_TABLE, self.file, row.span(), message)
+                    .expected(format!("{width} numbers"))
+                    .found(cells.len().to_string());
+                failures.add(diagnostic.report(&mut self.diagnostics));
                 continue;
             }
-            let mut numbers = cells.iter().map(|cell| self.number(*cell)).collect::<Vec<_>>().into_iter();
-            let Some(Some(time)) = numbers.next() else { continue };
+            let mut numbers = Vec::with_capacity(width);
+            for cell in &cells {
+                numbers.extend(failures.catch(self.number(*cell)));
+            }
+            if numbers.len() < width {
+                continue;
+            }
+            let time = numbers.remove(0);
             if times.last().is_some_and(|last| *last >= time) {
                 let word = if clock == Clock::Phase { "phases" } else { "times" };
-                self.error(codes::composition::MOTION_TABLE, cells[0].span(), format!("{word} increase from row to row"));
+                let message = format!("{word} increase from row to row");
+                failures.add(self.failed(codes::composition::MOTION_TABLE, cells[0].span(), message, None));
             } else if times.is_empty() && time != 0.0 {
-                self.error(codes::composition::MOTION_TABLE, cells[0].span(), "the first row stands at 0");
+                let message = "the first row stands at 0";
+                failures.add(self.failed(codes::composition::MOTION_TABLE, cells[0].span(), message, None));
             }
             times.push(time);
-            values.extend(numbers.collect::<Option<Vec<f64>>>());
+            values.push(numbers);
         }
-        (self.diagnostics.len() == errors).then_some((times, values))
+        failures.or((times, values))
     }
 
-    fn number(&mut self, cell: Part<'_>) -> Option<f64> {
-        let number = cell.text.parse::<f64>().ok().filter(|number| number.is_finite());
-        if number.is_none() {
-            let message = format!("`{}` is no number", cell.text);
-            self.error(codes::composition::MOTION_TABLE, cell.span(), message);
-        }
-        number
+    fn number(&mut self, cell: Part<'_>) -> Checked<f64> {
+        let message = match cell.text.parse::<f64>() {
+            Ok(number) if number.abs() <= LARGEST => return Ok(number),
+            Ok(number) if number.is_finite() => {
+                format!("`{}` is too large: the largest number of a motion is {}", cell.text, for_people(LARGEST))
+            }
+            _ => format!("`{}` is no number", cell.text),
+        };
+        Err(self.failed(codes::composition::MOTION_TABLE, cell.span(), message, None))
     }
 
     /// What every head says: a name and whether it is a cycle.
-    fn complete(&mut self, head: &Head<'_>, place: Span) -> Option<(String, bool)> {
+    fn complete(&mut self, head: &Head<'_>, place: Span) -> Checked<(String, bool)> {
+        let mut failures = Failures::default();
         let missing = [("name", head.name.is_none()), ("source", head.sources.is_empty()), ("cycle", head.cycle.is_none())];
         for (word, _) in missing.iter().filter(|(_, missing)| *missing) {
             let example = match *word {
@@ -328,48 +354,48 @@ impl Reader {
                 "source" => "# source: where the figures come from",
                 _ => "# cycle: yes",
             };
-            self.error(codes::composition::MOTION_TABLE, place, format!("the motion does not say its `{word}`"))
-                .help
-                .push(format!("write `{example}` above the headings"));
+            let (message, help) =
+                (format!("the motion does not say its `{word}`"), format!("write `{example}` above the headings"));
+            failures.add(self.failed(codes::composition::MOTION_TABLE, place, message, Some(&help)));
         }
-        Some((head.name?.text.to_owned(), head.cycle?))
+        // What is missing is a failure.
+        failures.or((head.name.map_or("", |name| name.text).to_owned(), head.cycle.unwrap_or_default()))
     }
 
     /// The duration; `times` become seconds.
-    fn timing(&mut self, head: &Head<'_>, clock: Clock, times: &mut [f64], rows: &[Part<'_>], headings: Span) -> Option<f64> {
+    fn timing(&mut self, head: &Head<'_>, clock: Clock, times: &mut [f64], rows: &[Part<'_>], headings: Span) -> Checked<f64> {
         let last_row = rows.last().map_or(headings, |row| row.cells().first().map_or(headings, |cell| cell.span()));
-        let last = *times.last()?;
+        // A table without rows is refused before.
+        let last = times.last().copied().unwrap_or(0.0);
         let (factor, duration) = match (clock, head.duration) {
             (Clock::Phase, None) => {
-                self.error(codes::composition::MOTION_TABLE, headings, "a table over phases must say its `duration`")
-                    .help
-                    .push("write `# duration: 1.1 s` above the headings".to_owned());
-                return None;
+                let (message, help) =
+                    ("a table over phases must say its `duration`", "write `# duration: 1.1 s` above the headings");
+                return Err(self.failed(codes::composition::MOTION_TABLE, headings, message, Some(help)));
             }
             (Clock::Phase, Some((duration, _))) if last == 1.0 => (duration, duration),
             (Clock::Phase, Some(_)) => {
-                self.error(codes::composition::MOTION_TABLE, last_row, "the last row stands at phase 1");
-                return None;
+                return Err(self.failed(codes::composition::MOTION_TABLE, last_row, "the last row stands at phase 1", None));
             }
             (Clock::Time(factor), None) => (factor, last * factor),
             (Clock::Time(factor), Some((duration, span))) => {
                 if (last * factor - duration).abs() > TIMING * duration {
-                    let found = format!("{} s", last * factor);
-                    let expected = format!("{duration} s");
-                    let file = self.file;
-                    let diagnostic =
-                        self.error(codes::composition::MOTION_TABLE, last_row, "the last row does not stand at the duration");
-                    (diagnostic.expected, diagnostic.found) = (Some(expected), Some(found));
-                    diagnostic.labels.push(crate::diagnostics::Label { file, span, text: "the duration".to_owned() });
-                    return None;
+                    let message = "the last row does not stand at the duration";
+                    let diagnostic = Diagnostic::new(codes::composition::MOTION_TABLE, self.file, last_row, message)
+                        .expected(format!("{} s", for_people(duration)))
+                        .found(format!("{} s", for_people(last * factor)))
+                        .label(self.file, span, "the duration");
+                    return Err(diagnostic.report(&mut self.diagnostics));
                 }
                 (factor, duration)
             }
         };
         times.iter_mut().for_each(|time| *time *= factor);
         // The table ends where the motion does, to the bit.
-        *times.last_mut()? = duration;
-        Some(duration)
+        if let Some(last) = times.last_mut() {
+            *last = duration;
+        }
+        Ok(duration)
     }
 
     /// A cycle ends as it began, but for what goes on.
@@ -379,8 +405,9 @@ impl Reader {
             if (first - last).abs() > CLOSING {
                 let name = column.target.name();
                 let factor = unit::find(&column.unit).map_or(1.0, |unit| unit.factor);
-                let shown = |value: f64| format!("{} {}", (value / factor * 1e6).round() / 1e6, column.unit);
-                let (expected, found, file, span) = (shown(*first), shown(*last), self.file, column.span);
+                let tidy = |value: f64| (value / factor * 1e6).round() / 1e6;
+                let shown = told_apart(&[tidy(*first), tidy(*last)]).map(|value| format!("{value} {}", column.unit));
+                let ([expected, found], file, span) = (shown, self.file, column.span);
                 let message = format!("the cycle does not close: `{name}` ends elsewhere than it begins");
                 let diagnostic = self.error(codes::composition::MOTION_CYCLE, last_row, message);
                 (diagnostic.expected, diagnostic.found) = (Some(expected), Some(found));

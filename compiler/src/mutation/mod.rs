@@ -8,6 +8,7 @@ mod regions;
 mod swaps;
 
 use crate::diagnostics::{FileId, Span};
+use crate::extremes::maximum;
 use crate::syntax::scanner::{self, Token, TokenKind};
 use crate::syntax::tree::Item;
 use crate::syntax::{self};
@@ -171,7 +172,7 @@ fn sizes(text: &str, token: &Token, class: Class, push: Push<'_>) {
     }
     let whole = !written.contains(['.', 'e', 'E']);
     // A whole number stays one; a tenth of a small one is one more.
-    let slight = if whole { value + (value / 10.0).round().max(1.0) } else { 1.1 * value };
+    let slight = if whole { value + maximum((value / 10.0).round(), 1.0) } else { 1.1 * value };
     let half = if whole { (value / 2.0).floor() } else { value / 2.0 };
     let mut known: Vec<String> = Vec::new();
     for changed in [half, slight, 2.0 * value] {

@@ -4,6 +4,7 @@
 //! are read, and parts of body and scene go by their names. So a change of one term changes the section of that term only, and
 //! [`difference`](crate::difference) can tell in words what has changed.
 
+mod encoding;
 pub(crate) mod names;
 mod scene;
 mod section;
@@ -15,6 +16,7 @@ use crate::body::BodyDescription;
 use crate::explain::mathematics;
 use crate::graph::NodeId;
 use crate::graph::text::{Labels, Writer};
+use crate::numbers::exact;
 use crate::syntax::tree::Expr;
 use crate::task::{CompiledTask, ConditionMeaning, Phase};
 use names::Names;
@@ -43,9 +45,9 @@ impl CompiledTask {
         Snapshot { sections }
     }
 
-    /// SHA-256 of what the task and its body mean, where models lie on the disk left out.
+    /// SHA-256 of what the task and its body mean, where models lie on the disk left out, in an encoding of its own.
     pub(crate) fn content_hash(&self) -> String {
-        let mut text = String::new();
+        let mut text = format!("{}\n", encoding::VERSION);
         for section in self.frame_sections() {
             meant(&section, &mut text);
         }
@@ -78,8 +80,8 @@ impl CompiledTask {
         let mut sections = vec![head];
         for parameter in &self.parameters {
             let section = Section::new("parameter", &parameter.name)
-                .field("value", format!("{} {}", parameter.value, parameter.unit).trim());
-            let range = parameter.range.map(|[low, high]| format!("{low}..{high}"));
+                .field("value", format!("{} {}", exact(parameter.value), parameter.unit).trim());
+            let range = parameter.range.map(|[low, high]| format!("{}..{}", exact(low), exact(high)));
             sections.push(range.into_iter().fold(section, |section, range| section.field("range", range)));
         }
         for followed in &self.motions {
@@ -127,10 +129,10 @@ impl CompiledTask {
             }
         }
         for (place, (term, &node)) in self.terms[phase.terms.clone()].iter().zip(&outputs.terms).enumerate() {
-            let mut section = Section::new("term", &term.name).field("weight", term.weight);
+            let mut section = Section::new("term", &term.name).field("weight", exact(term.weight));
             match (term.fixed, term.weight_range) {
                 (true, _) => section = section.field("range", "fixed"),
-                (_, Some([low, high])) => section = section.field("range", format!("{low}..{high}")),
+                (_, Some([low, high])) => section = section.field("range", format!("{}..{}", exact(low), exact(high))),
                 _ => {}
             }
             write(section, meaning.terms.get(place).map(|term| &term.formula), node, "pays");
@@ -192,10 +194,7 @@ fn own_graph(phase: &Phase, names: &dyn Labels, node: NodeId) -> Vec<String> {
 
 /// A short hash of a body: of everything that its file says, but not of where the model lies.
 fn body_digest(body: &BodyDescription) -> String {
-    let mut body = body.clone();
-    body.model = std::path::Path::new(&body.model).file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    // A description is plain data: writing it cannot fail, and its fields come in the order of their declaration.
-    let mut hash = digest(&serde_json::to_vec(&body).unwrap_or_default());
+    let mut hash = digest(encoding::body(body).as_bytes());
     hash.truncate(16);
     hash
 }

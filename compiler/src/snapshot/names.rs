@@ -19,8 +19,7 @@ impl Labels for Names<'_> {
     fn sensors(&self, sensors: &[Sensor]) -> String {
         let mut text = String::new();
         for alike in sensors.chunk_by(|a, b| discriminant(a) == discriminant(b)) {
-            let kind = format!("{:?}", alike[0]);
-            let kind = kind.split('(').next().unwrap_or_default();
+            let kind = alike[0].word();
             // Writing to a string cannot fail.
             let _ = write!(text, "{}{kind}", if text.is_empty() { "" } else { " " });
             let subjects: Vec<Subject> = alike.iter().map(|sensor| sensor.subject()).collect();

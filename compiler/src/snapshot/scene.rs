@@ -1,11 +1,10 @@
 //! Scene and beginning in a snapshot.
 
 use super::names;
-use super::{Section, digest};
+use super::{Section, digest, encoding};
 use crate::graph::text::values;
 use crate::scene::{Object, Parent};
 use crate::task::{CompiledTask, Spread};
-use serde::Serialize;
 
 /// Longest list of numbers that is written out.
 const LONGEST: usize = 300;
@@ -13,7 +12,7 @@ const LONGEST: usize = 300;
 impl CompiledTask {
     pub(super) fn scene_sections(&self, sections: &mut Vec<Section>) {
         let scene = &self.scene;
-        let ground = scene.ground.map_or_else(|| "none".to_owned(), |surface| plain(&surface));
+        let ground = scene.ground.map_or_else(|| "none".to_owned(), |surface| plain(encoding::surface(&surface)));
         sections.push(Section::new("ground", "").field("surface", ground));
         for object in &scene.objects {
             sections.push(self.object_section(object));
@@ -51,12 +50,12 @@ impl CompiledTask {
         };
         Section::new("object", &object.name)
             .field("on", parent)
-            .field("shape", object.shape.as_ref().map_or_else(|| "none".to_owned(), plain))
+            .field("shape", object.shape.as_ref().map_or_else(|| "none".to_owned(), |shape| plain(encoding::shape(shape))))
             .field("position", format!("{:?} m", object.position))
             .field("orientation", format!("{:?}", object.orientation))
-            .field("motion", plain(&object.motion))
+            .field("motion", plain(encoding::motion(&object.motion)))
             .field("mass", format!("{:?} kg", object.mass))
-            .field("surface", plain(&object.surface))
+            .field("surface", plain(encoding::surface(&object.surface)))
     }
 
     /// A connection under the names of its ends.
@@ -89,7 +88,10 @@ impl CompiledTask {
                 Section::new("follows", "")
                     .field("motion", following.motion.digest())
                     .field("joints", self.joint_runs(&joints))
-                    .field("root", format!("{:?}", following.parts.root))
+                    .field(
+                        "root",
+                        format!("[{}]", following.parts.root.iter().map(|part| part.heading()).collect::<Vec<_>>().join(", ")),
+                    )
                     .field("velocity", following.parts.velocity),
             );
         }
@@ -169,9 +171,7 @@ pub(crate) fn by_spread(spreads: &[Spread]) -> Vec<(Spread, Vec<usize>)> {
 }
 
 /// Plain data on one line; long lists, such as the heights of a terrain, as their hash.
-fn plain(value: &impl Serialize) -> String {
-    // Plain data in the order of its declaration: writing it cannot fail.
-    let text = serde_json::to_string(value).unwrap_or_default();
+fn plain(text: String) -> String {
     if text.len() <= LONGEST { text } else { format!("{} characters, sha256 {}", text.len(), digest(text.as_bytes())) }
 }
 

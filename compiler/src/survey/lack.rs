@@ -1,6 +1,7 @@
 //! How far a condition is from holding and from failing, and a number from being anything but 0: of a comparison the gap between its sides; of several conditions that must
 //! all hold the sum, of those of which one is enough the least. (Known as the robustness of a formula in temporal logics.)
 
+use crate::extremes::{maximum, minimum};
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
@@ -19,7 +20,7 @@ impl Lack {
     }
 
     fn and(self, other: Self) -> Self {
-        Self { to_hold: self.to_hold + other.to_hold, to_fail: self.to_fail.min(other.to_fail) }
+        Self { to_hold: self.to_hold + other.to_hold, to_fail: minimum(self.to_fail, other.to_fail) }
     }
 
     fn or(self, other: Self) -> Self {
@@ -77,7 +78,7 @@ pub(super) fn of(graph: &Graph, id: NodeId, bounds: &[Vec<Bounds>], known: &BTre
         Operation::Binary(Binary::Less | Binary::LessEqual) => (0..node.width)
             .map(|lane| {
                 let (a, b) = (bound(0, lane), bound(1, lane));
-                Lack { to_hold: (a.low - b.high).max(0.0), to_fail: (b.low - a.high).max(0.0) }
+                Lack { to_hold: maximum(a.low - b.high, 0.0), to_fail: maximum(b.low - a.high, 0.0) }
             })
             .collect(),
         Operation::Binary(Binary::And | Binary::Multiply) => pair(Lack::and),
@@ -91,13 +92,13 @@ pub(super) fn of(graph: &Graph, id: NodeId, bounds: &[Vec<Bounds>], known: &BTre
             let missing = |input: usize, lane: usize| {
                 let lanes = &sides[input];
                 let lack = if lanes.len() == 1 { lanes[0] } else { lanes[lane] };
-                if lack.to_hold > 0.0 { lack.to_hold } else { (-bound(input, lane).high).max(0.0) }
+                if lack.to_hold > 0.0 { lack.to_hold } else { maximum(-bound(input, lane).high, 0.0) }
             };
             let is_free = |input: &usize| graph.constant_lanes(node.inputs[*input]).is_none();
             let lane = |index: usize| {
                 let whole = Lack::of_bounds(bounds[id.index()].get(index).copied().unwrap_or(Bounds::ANY));
                 let each = [0, 1].into_iter().filter(is_free).map(|input| missing(input, index));
-                let least = if *kind == Binary::Maximum { each.reduce(f64::min) } else { each.reduce(f64::max) };
+                let least = if *kind == Binary::Maximum { each.reduce(minimum) } else { each.reduce(maximum) };
                 Lack { to_hold: if whole.to_hold > 0.0 { least.unwrap_or(1.0) } else { 0.0 }, ..whole }
             };
             (0..node.width).map(lane).collect()

@@ -8,8 +8,9 @@
 mod lack;
 mod seen;
 
-use crate::check::{Working, gated};
+use crate::check::{Timing, Working, gated};
 use crate::diagnostics::{FileId, Span};
+use crate::extremes::minimum;
 use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
@@ -73,13 +74,13 @@ pub struct Survey<'a> {
 
 impl<'a> Survey<'a> {
     /// For a phase of a task: 0 for a task by itself.
-    pub fn new(task: &'a CompiledTask, phase: usize) -> Option<Self> {
-        let phase = task.phases.get(phase)?;
+    pub fn new(task: &'a CompiledTask, index: usize) -> Option<Self> {
+        let phase = task.phases.get(index)?;
+        let before = task.phases[..index].iter().fold(0_u32, |sum, phase| sum.saturating_add(phase.horizon));
         let (graph, outputs) = (&phase.meaning.graph, &phase.meaning.outputs);
         let ranges = Working {
             vocabulary: &task.vocabulary,
-            horizon: phase.horizon,
-            interval: 1.0 / task.control_frequency,
+            timing: Timing { interval: 1.0 / task.control_frequency, horizon: phase.horizon, before },
             queries: task.frame.queries(),
         };
         let mut bounds: Vec<Vec<Bounds>> = vec![Vec::new(); graph.nodes().len()];
@@ -118,8 +119,18 @@ impl<'a> Survey<'a> {
             };
         }
         let ends: BTreeSet<NodeId> = outputs.terminations.iter().chain(&outputs.finishes).copied().collect();
-        let gates: BTreeMap<usize, bool> =
-            phase.terms.clone().zip(phase.meaning.terms.iter().map(|term| term.condition || gated(&term.formula))).collect();
+        let gates: BTreeMap<usize, bool> = phase
+            .terms
+            .clone()
+            .zip(
+                phase
+                    .meaning
+                    .terms
+                    .iter()
+                    .zip(&outputs.terms)
+                    .map(|(term, &node)| term.condition || gated(&term.formula, self.graph, node)),
+            )
+            .collect();
         let mut add = |about, at, node: NodeId, sides: Option<[NodeId; 2]>, unit: String| {
             let reached = self.graph.reachable([node]);
             let range = interval::of_scalar(&self.bounds, node);
@@ -208,7 +219,7 @@ impl<'a> Survey<'a> {
         let known = self.subjects.get(subject).and_then(|subject| self.lacks.get(&subject.node));
         let lanes = known.map_or(&[][..], Vec::as_slice).iter();
         let missing = lanes.map(|lack| if wanted { lack.to_hold } else { lack.to_fail });
-        missing.reduce(f64::min).unwrap_or(0.0)
+        missing.reduce(minimum).unwrap_or(0.0)
     }
 
     /// Whether a subject reads another one.

@@ -1,6 +1,7 @@
 //! Between which bounds sensors are in a pose.
 
 use crate::check::Working;
+use crate::extremes::{maximum, minimum};
 use crate::frame::{Query, Sensor};
 use crate::graph::interval::{Bounds, Ranges};
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,7 +60,7 @@ impl Ranges for Seen<'_> {
             (Some(slack), Some(value)) if value.is_finite() => {
                 let near = Bounds::new(value - slack, value + slack);
                 match sensor {
-                    Sensor::LandmarkAxes(_) | Sensor::RootAxes => Bounds::new(near.low.max(-1.0), near.high.min(1.0)),
+                    Sensor::LandmarkAxes(_) | Sensor::RootAxes => Bounds::new(maximum(near.low, -1.0), minimum(near.high, 1.0)),
                     _ => near,
                 }
             }

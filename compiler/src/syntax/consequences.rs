@@ -4,8 +4,8 @@
 //! about a text that nobody wrote. The first error of such a line is told; whatever else is wrong with it shows when that is
 //! mended.
 
-use crate::diagnostics::Diagnostic;
 use crate::diagnostics::codes::syntax as codes;
+use crate::diagnostics::{Diagnostic, Severity};
 
 /// Keeps of every line on which a bracket is wrong the first error only. `diagnostics` are sorted by place in `text`.
 pub(super) fn forget(text: &str, diagnostics: &mut Vec<Diagnostic>) {
@@ -25,7 +25,8 @@ pub(super) fn forget(text: &str, diagnostics: &mut Vec<Diagnostic>) {
             together.push(next);
         }
         if together.iter().any(is_of_a_bracket) {
-            together.truncate(1);
+            let first = together.iter().position(|told| told.severity == Severity::Error);
+            together.truncate(first.map_or(1, |first| first + 1));
         }
         kept.append(&mut together);
     }

@@ -130,6 +130,10 @@ pub(super) fn unreadable(file: FileId, span: Span) -> Diagnostic {
     Diagnostic::new(codes::UNREADABLE, file, span, "this text is too deeply nested to be read")
 }
 
+pub(super) fn missing_expression(file: FileId) -> Diagnostic {
+    Diagnostic::new(codes::UNREADABLE, file, Span::default(), "an expression is missing somewhere in this file")
+}
+
 pub(super) fn stray_docs(file: FileId, span: Span) -> Diagnostic {
     Diagnostic::new(lints::STRAY_DOCS, file, span, "this documentation belongs to nothing")
         .help("put it directly above a declaration, or write an ordinary comment with `//`")

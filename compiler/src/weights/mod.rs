@@ -8,12 +8,19 @@
 //! An edit of the source replaces the digits of the weights concerned; every other byte stays.
 
 mod applied;
-mod number;
 pub mod rules;
 mod source;
 
-pub use number::written;
+pub use crate::numbers::exact as written;
 pub use source::{Change, Edit, Entry, Problem, Refused, Weights};
+
+/// Largest size of a weight: what a step pays then stays a number that sums and tables can hold.
+pub const LARGEST: f64 = 1e9;
+
+/// Whether a number may be a weight at all: finite, and not beyond [`LARGEST`].
+pub fn may_be(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
 
 /// What a tuner may do with a weight.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

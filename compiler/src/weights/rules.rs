@@ -8,6 +8,8 @@
 //!   plane is clip(m - ν, low, high), where the ν that meets the sum is found exactly, piece by piece.
 
 use super::Bounds;
+use crate::extremes::{maximum, minimum};
+use crate::numbers::for_people;
 
 /// What a change must keep to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +68,7 @@ pub enum RuleError {
         found: usize,
     },
     /// A proposal is no number.
-    #[error("proposal {index} is {value}, not a finite number")]
+    #[error("proposal {index} is {}, not a number from -{most} to {most}", for_people(*.value), most = for_people(super::LARGEST))]
     NotFinite {
         /// Which.
         index: usize,
@@ -74,7 +76,7 @@ pub enum RuleError {
         value: f64,
     },
     /// The weights cannot reach the norm in one step.
-    #[error("sizes that sum to {wanted} cannot be reached in one step: within bounds they sum to {low} to {high}")]
+    #[error("sizes that sum to {} cannot be reached in one step: within bounds they sum to {} to {}", for_people(*.wanted), for_people(*.low), for_people(*.high))]
     Unreachable {
         /// The norm.
         wanted: f64,
@@ -112,7 +114,7 @@ impl Rules {
         if weights.len() != proposal.len() {
             return Err(RuleError::Count { expected: weights.len(), found: proposal.len() });
         }
-        if let Some(index) = proposal.iter().position(|value| !value.is_finite()) {
+        if let Some(index) = proposal.iter().position(|value| !super::may_be(*value)) {
             return Err(RuleError::NotFinite { index, value: proposal[index] });
         }
         let mut sizes = Vec::new();
@@ -145,7 +147,7 @@ impl Rules {
             Bounds::Range(least, most) => {
                 let (a, b) = (least * weight.value.signum(), most * weight.value.signum());
                 // The present weight lies within its bounds, so that the boxes overlap.
-                (low.max(a.min(b)).min(size), high.min(a.max(b)).max(size))
+                (minimum(maximum(low, minimum(a, b)), size), maximum(minimum(high, maximum(a, b)), size))
             }
         }
     }

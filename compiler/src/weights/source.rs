@@ -1,7 +1,8 @@
 //! Weights in a text: where they stand, and how they are changed without touching anything else.
 
-use super::{Bounds, written};
+use super::{Bounds, LARGEST, written};
 use crate::diagnostics::{Diagnostic, FileId, Severity, Span, nearest};
+use crate::numbers::for_people;
 use crate::syntax::parse;
 use crate::syntax::tree::{self, Item, Task, TaskStatement, walk};
 use crate::task::CompiledTask;
@@ -93,8 +94,8 @@ pub enum Problem {
         /// As wished.
         term: String,
     },
-    /// No number.
-    #[error("the weight of `{term}` must be a finite number, not {value}")]
+    /// No number, or one beyond [`LARGEST`].
+    #[error("the weight of `{term}` must be a number from -{most} to {most}, not {}", for_people(*.value), most = for_people(LARGEST))]
     NotFinite {
         /// As wished.
         term: String,
@@ -120,7 +121,7 @@ pub enum Problem {
 impl Problem {
     /// What is wrong with the wish that the weight of `task` and `term`, which is `now`, become `value`.
     pub(super) fn of(wished: &str, value: f64, (task, term): (&str, &str), now: f64, bounds: Bounds) -> Option<Self> {
-        if !value.is_finite() {
+        if !super::may_be(value) {
             return Some(Self::NotFinite { term: wished.to_owned(), value });
         }
         if bounds.allow(now, value) {

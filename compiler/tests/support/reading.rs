@@ -50,7 +50,7 @@ pub fn reading(expr: &Expr) -> String {
         ExprKind::When { value, condition } => format!("{} when {}", operand(value), operand(condition)),
         ExprKind::EndedBy(reason) => format!("ended by {}", reason.text),
         ExprKind::At { value, pose } => format!("{} at {}", operand(value), pose.text),
-        ExprKind::Error => "<error>".to_owned(),
+        ExprKind::Error(_) => "<error>".to_owned(),
     }
 }
 

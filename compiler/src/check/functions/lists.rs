@@ -148,7 +148,7 @@ fn extreme<'a>(checker: &mut Checker<'a>, call: &Call<'a>, reduction: Reduction,
                     (Ok(best), Ok(next)) => {
                         lower_or_higher(checker, call, function, (best, &first.value), (next, &argument.value))
                     }
-                    _ => Err(crate::check::context::Reported),
+                    (Err(reported), _) | (_, Err(reported)) => Err(reported),
                 };
             }
             best

@@ -165,7 +165,7 @@ impl<'a> Call<'a> {
         for slot in found {
             filled.push(slot.ok_or_else(|| self.wrong_arguments(checker))?);
         }
-        <[&'a Expr; COUNT]>::try_from(filled).or(Err(Reported))
+        <[&'a Expr; COUNT]>::try_from(filled).map_err(|_| self.wrong_arguments(checker))
     }
 
     pub(crate) fn wrong_arguments(&self, checker: &mut Checker<'a>) -> Reported {

@@ -252,7 +252,7 @@ pub(super) fn delay<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<D
     if steps == 0.0 {
         return Ok(data);
     }
-    checker.spend(steps as usize * checker.graph.width(data.node), duration.span)?;
+    checker.hold(steps as usize * checker.graph.width(data.node), duration.span)?;
     let node = checker.graph.memory(Memory::Delay(steps as u32), &[data.node]);
     Ok(Data { node, kind: data.kind, form: keep_form(data.form) })
 }

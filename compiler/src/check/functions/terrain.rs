@@ -43,8 +43,8 @@ impl<'a> Checker<'a> {
                 None => Err(self.not_a_query(expr)),
             };
         }
-        let Value::Data(data) = value else { return Err(Reported) };
-        match self.place_asked_for(&data, offset) {
+        let origin = if let Value::Data(data) = value { self.place_asked_for(&data, offset) } else { None };
+        match origin {
             Some(origin) => Ok((vec![origin], false)),
             None => Err(self.not_a_query(expr)),
         }

@@ -2,7 +2,7 @@
 //! name there, in its place; the rest is added; `remove` takes out.
 
 use super::Layer;
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Failures};
 use crate::check::inherit::overrides_nothing;
 use crate::check::lookup::fits;
 use crate::check::scene::object::dotted;
@@ -24,11 +24,11 @@ impl<'a> Checker<'a> {
     /// The statements of all layers, those that are overridden left out.
     pub(super) fn layered(&mut self, layers: &[Layer<'a>]) -> Checked<Vec<Row<'a>>> {
         let mut rows: Vec<Row<'a>> = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for (layer, (block, file)) in layers.iter().enumerate() {
             for statement in &block.entries {
                 if let InitStatement::Remove(remove) = statement {
-                    broken |= self.in_file(*file, |checker| checker.leave_out(remove, layer, &mut rows)).is_err();
+                    failures.catch(self.in_file(*file, |checker| checker.leave_out(remove, layer, &mut rows)));
                     continue;
                 }
                 let new = Row { statement, file: *file, name: name_of(statement), layer };
@@ -38,12 +38,12 @@ impl<'a> Checker<'a> {
                 rows.insert(place, new);
             }
         }
-        if broken { Err(Reported) } else { Ok(rows) }
+        failures.or(rows)
     }
 
     /// `remove settle`: of what extended tasks say.
     fn leave_out(&mut self, remove: &'a Remove, layer: usize, rows: &mut Vec<Row<'a>>) -> Checked<()> {
-        let mut broken = false;
+        let mut failures = Failures::default();
         for pattern in self.names_of(&remove.name)? {
             let before = rows.len();
             rows.retain(|row| row.layer >= layer || !row.name.as_deref().is_some_and(|name| fits(&pattern, name)));
@@ -54,11 +54,11 @@ impl<'a> Checker<'a> {
                     0 => "only a task that extends another can remove a part of its beginning".to_owned(),
                     _ => format!("the extended task's beginning has no `{pattern}`"),
                 };
-                self.report(overrides_nothing(message, &pattern, self.place.file, remove.name.span, names));
-                broken = true;
+                let diagnostic = overrides_nothing(message, &pattern, self.place.file, remove.name.span, names);
+                failures.add(self.report(diagnostic));
             }
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 }
 

@@ -7,10 +7,11 @@ mod objects;
 mod pose;
 mod root;
 
-use super::context::{Checked, Checker, Reported};
+use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
+use crate::numbers::for_people;
 use crate::scene::Motion;
 use crate::syntax::tree::{Block, InitStatement, Settle};
 use crate::task::{self, Init, ObjectStart, Setting};
@@ -40,7 +41,8 @@ impl<'a> Checker<'a> {
     fn rows_of_init(&mut self, rows: &[Row<'a>], span: Span) -> Checked<Beginning> {
         let mut beginning = Beginning { init: self.starting_objects(), ..Beginning::default() };
         let mut posed: Option<Span> = None;
-        let mut broken = self.drawn_places(&mut beginning).is_err();
+        let mut failures = Failures::default();
+        failures.catch(self.drawn_places(&mut beginning));
         // What is placed may differ from the pose: the pose comes first, wherever it stands.
         let is_pose = |row: &&Row<'a>| matches!(row.statement, InitStatement::Pose(_));
         let poses = rows.iter().filter(is_pose);
@@ -62,7 +64,7 @@ impl<'a> Checker<'a> {
                 // Carried out already.
                 InitStatement::Remove(_) => Ok(()),
             });
-            broken |= result.is_err();
+            failures.catch(result);
         }
         if posed.is_none() {
             let diagnostic = self
@@ -72,14 +74,16 @@ impl<'a> Checker<'a> {
         }
         let root = &beginning.init.root;
         let placed = beginning.init.drawn.iter().any(|(setting, _)| *setting == Setting::RootHeight);
-        if root.height.is_none() && root.meets.is_empty() && !placed && !broken && !self.has_ground() {
+        if root.height.is_none() && root.meets.is_empty() && !placed && !failures.any() && !self.has_ground() {
             let diagnostic = self
                 .diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground on which the body could begin")
                 .help("say `ground` in the scene, or where the root is: `root { height 1 m }`, `root { so palm_l at bar.grip }`");
             return Err(self.report(diagnostic));
         }
-        broken = broken || self.must_begin_within_ranges(&beginning.init, span).is_err();
-        if broken { Err(Reported) } else { Ok(beginning) }
+        if !failures.any() {
+            self.must_begin_within_ranges(&beginning.init, span)?;
+        }
+        failures.or(beginning)
     }
 
     /// Joints at zero and every free object where the scene has it.
@@ -132,7 +136,7 @@ impl<'a> Checker<'a> {
         if (steps - steps.round()).abs() < 1e-6 && (1.0..=1e6).contains(&steps.round()) {
             return Ok(steps.round() as u32);
         }
-        let message = format!("this is not a whole number of physics steps of {step} s, from 1 to a million");
+        let message = format!("this is not a whole number of physics steps of {} s, from 1 to a million", for_people(step));
         Err(self.error(codes::types::DURATION, expr.span, message))
     }
 }

@@ -1,7 +1,7 @@
 //! Where the objects of the scene start, and how fast.
 
 use super::Beginning;
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{codes, nearest};
@@ -16,7 +16,7 @@ impl<'a> Checker<'a> {
     /// Free objects whose place in the scene is drawn.
     pub(super) fn drawn_places(&mut self, beginning: &mut Beginning) -> Checked<()> {
         let Some(surroundings) = self.surroundings else { return Ok(()) };
-        let mut broken = false;
+        let mut failures = Failures::default();
         for start in &surroundings.starts {
             let Some(place) = beginning.init.objects.iter().position(|known| known.object == start.object) else { continue };
             let settings = [0, 1, 2].map(|axis| Setting::ObjectPosition(place, axis));
@@ -25,9 +25,9 @@ impl<'a> Checker<'a> {
                     checker.begin_bracket(start.place, Dimension::LENGTH, "`at`", settings, beginning)
                 })
             });
-            broken |= result.is_err();
+            failures.catch(result);
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     /// `cube { at [1 m, 0, 1 m], velocity [-4 m/s, 0, 1 m/s] }`, `door { swing 10 deg }`
@@ -37,13 +37,13 @@ impl<'a> Checker<'a> {
             Value::Things { members, .. } => members,
             Value::Data(_) => Vec::new(),
         };
-        let mut broken = false;
+        let mut failures = Failures::default();
         for thing in things {
             for field in &element.fields {
-                broken |= self.placement_field(thing, field, beginning).is_err();
+                failures.catch(self.placement_field(thing, field, beginning));
             }
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     fn object_named(&mut self, element: &'a Placement) -> Checked<Value> {

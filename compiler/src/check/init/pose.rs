@@ -1,12 +1,13 @@
 //! The pose of a beginning: a pose of the body, adjusted by name.
 
 use super::Beginning;
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
 use crate::check::scope::{Declared, Definition};
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
 use crate::motion::{Following, Parts, RootPart, Start};
+use crate::numbers::told_apart;
 use crate::syntax::tree::{Assignment, Expr, Ident, PoseUse};
 use crate::task::Init;
 use crate::vocabulary::JointKind;
@@ -20,33 +21,30 @@ impl<'a> Checker<'a> {
         let init = &mut beginning.init;
         self.named_pose(&pose.name, init)?;
         let mut set = vec![false; init.coordinates.len()];
-        let mut broken = false;
+        let mut failures = Failures::default();
         for adjustment in &pose.adjustments {
-            broken |= self.adjust(adjustment, &mut init.coordinates, &mut set).is_err();
+            failures.catch(self.adjust(adjustment, &mut init.coordinates, &mut set));
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     /// `pose gait`: the body where the motion is when the episode starts, and as fast. Joints that the motion does not move stand
     /// as in the standing pose; those that are adjusted begin at rest.
     fn pose_of_motion(&mut self, pose: &'a PoseUse, beginning: &mut Beginning) -> Checked<()> {
         self.used.insert(pose.name.text.clone());
-        let known = self.references.iter().find(|known| known.name == pose.name.text).cloned();
-        // A reference that is not known is broken, which is reported.
-        let known = known.ok_or(Reported)?;
+        let known = self.known_reference(&pose.name.text, pose.name.span)?;
+        let known = self.references[known].clone();
         let (joints, init) = (&self.vocabulary.joints, &mut beginning.init);
         for (coordinate, joint) in init.coordinates.iter_mut().zip(joints) {
             *coordinate = joint.neutral;
         }
         init.velocities = vec![0.0; joints.len()];
         let mut set = vec![false; joints.len()];
-        let mut broken = false;
+        let mut failures = Failures::default();
         for adjustment in &pose.adjustments {
-            broken |= self.adjust(adjustment, &mut init.coordinates, &mut set).is_err();
+            failures.catch(self.adjust(adjustment, &mut init.coordinates, &mut set));
         }
-        if broken {
-            return Err(Reported);
-        }
+        failures.or(())?;
         let moved = joints.iter().enumerate().filter(|(index, joint)| joint.independent && !set[*index]);
         let motion = known.motion;
         let parts = Parts {
@@ -129,11 +127,11 @@ impl<'a> Checker<'a> {
         if let Some([low, high]) = joint.range
             && !(low..=high).contains(&chosen)
         {
-            let tidy = |value: f64| (value * factor * 10.0).round() / 10.0;
+            let shown = told_apart(&[low * factor, high * factor, chosen * factor]);
             let diagnostic = self
                 .diagnostic(codes::tasks::OUT_OF_RANGE, value.span, format!("`{}` cannot be placed there", joint.name))
-                .expected(format!("{} .. {} {unit}", tidy(low), tidy(high)))
-                .found(format!("{} {unit}", tidy(chosen)));
+                .expected(format!("{} .. {} {unit}", shown[0], shown[1]))
+                .found(format!("{} {unit}", shown[2]));
             return Err(self.report(diagnostic));
         }
         Ok(chosen)
@@ -141,7 +139,7 @@ impl<'a> Checker<'a> {
 
     /// Joints of objects begin at zero unless they are told: then zero must be in their range.
     pub(super) fn must_begin_within_ranges(&mut self, init: &Init, span: Span) -> Checked<()> {
-        let mut broken = false;
+        let mut failures = Failures::default();
         for (joint, coordinate) in self.vocabulary.joints.iter().zip(&init.coordinates).filter(|(joint, _)| joint.of_scene) {
             let Some([low, high]) = joint.range else { continue };
             if !(low..=high).contains(coordinate) {
@@ -149,20 +147,19 @@ impl<'a> Checker<'a> {
                     JointKind::Hinge => ("deg", 180.0 / std::f64::consts::PI),
                     JointKind::Slide => ("m", 1.0),
                 };
-                let tidy = |value: f64| (value * factor * 1000.0).round() / 1000.0;
+                let shown = told_apart(&[low * factor, high * factor, *coordinate * factor]);
                 let (object, word) = joint.name.rsplit_once('.').unwrap_or((&joint.name, "q"));
                 let diagnostic = self
                     .diagnostic(
                         codes::tasks::OUT_OF_RANGE,
                         span,
-                        format!("`{}` begins at {} {unit}, outside its range", joint.name, tidy(*coordinate)),
+                        format!("`{}` begins at {} {unit}, outside its range", joint.name, shown[2]),
                     )
-                    .expected(format!("{} .. {} {unit}", tidy(low), tidy(high)))
+                    .expected(format!("{} .. {} {unit}", shown[0], shown[1]))
                     .help(format!("say in `init` where it begins: `{object} {{ {word} ... }}`"));
-                self.report(diagnostic);
-                broken = true;
+                failures.add(self.report(diagnostic));
             }
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 }

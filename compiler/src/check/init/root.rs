@@ -1,7 +1,7 @@
 //! Where the root starts.
 
 use super::Beginning;
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::codes;
@@ -31,23 +31,22 @@ impl Beginning {
 
 impl<'a> Checker<'a> {
     pub(in crate::check) fn root(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
-        let mut broken = false;
+        let mut failures = Failures::default();
         let mut said: Vec<&str> = Vec::new();
         for field in &element.fields {
             let word = field.name.text.as_str();
             if said.contains(&word) && word != "so" {
-                self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is said twice"));
-                broken = true;
+                failures.add(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is said twice")));
                 continue;
             }
             said.push(word);
-            broken |= self.root_field(field, beginning).is_err();
+            failures.catch(self.root_field(field, beginning));
         }
-        if !broken && said.contains(&"so") && (said.contains(&"height") || said.contains(&"at")) {
+        if !failures.any() && said.contains(&"so") && (said.contains(&"height") || said.contains(&"at")) {
             let message = "`so ... at` already says where the root is; `height` and `at` would say it again";
             return Err(self.error(codes::tasks::REPEATED, element.span, message));
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     fn root_field(&mut self, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {

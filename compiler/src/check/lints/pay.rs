@@ -1,15 +1,17 @@
 //! Lints on what is paid: how much, how often, and what it costs to end.
 
+use super::events::is_event;
 use super::{at, push, push_term};
 use crate::check::context::Checker;
 use crate::check::reward::PaidTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::explain::short;
+use crate::extremes::{maximum, minimum};
 use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
-use crate::graph::operation::{Binary, Memory, Operation, Unary};
+use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
+use crate::numbers::for_people;
 
 /// How many times as much as all others a term may pay.
 const MOST: f64 = 100.0;
@@ -19,19 +21,19 @@ const SMALL: f64 = 0.5;
 /// Lints on the amounts of all terms.
 pub(super) fn amounts(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
     let ranges: Vec<Bounds> = task.terms.iter().map(|term| paid(term, interval::of_scalar(bounds, term.node))).collect();
-    let size = |range: &Bounds| range.high.abs().max(range.low.abs());
+    let size = |range: &Bounds| maximum(range.high.abs(), range.low.abs());
     for (index, term) in task.terms.iter().enumerate() {
         let others = || ranges.iter().enumerate().filter(move |(other, _)| *other != index).map(|(_, range)| range);
         let rest: f64 = others().map(size).sum();
         if rest > 0.0 && size(&ranges[index]) > MOST * rest && size(&ranges[index]).is_finite() {
             let message = format!("the term `{}` can pay more than {MOST} times as much as all others together", term.name);
             let diagnostic = at(checker, codes::intent::OUTWEIGHS, term, message)
-                .expected(format!("at most {MOST} times {}", short(rest)))
-                .found(short(size(&ranges[index])))
+                .expected(format!("at most {MOST} times {}", for_people(rest)))
+                .found(for_people(size(&ranges[index])))
                 .help("what the others pay for is lost beside it; a weight that stands in the formula as well is counted twice");
             push_term(checker, term, "outweighs", diagnostic, diagnostics);
         }
-        let gains: f64 = others().map(|range| range.high.max(0.0)).sum();
+        let gains: f64 = others().map(|range| maximum(range.high, 0.0)).sum();
         if term.condition
             && gains > 0.0
             && ranges[index].high > gains
@@ -40,8 +42,8 @@ pub(super) fn amounts(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[V
         {
             let message = format!("the term `{}` pays its whole weight at every step at which it holds", term.name);
             let diagnostic = at(checker, codes::intent::PAID_EVERY_STEP, term, message)
-                .expected(format!("at most {} a step, as all others together", short(gains)))
-                .found(short(ranges[index].high))
+                .expected(format!("at most {} a step, as all others together", for_people(gains)))
+                .found(for_people(ranges[index].high))
                 .help("pay an event once, `once(...)`, or each time that it begins, `rising(...)`");
             push_term(checker, term, "paid_every_step", diagnostic, diagnostics);
         }
@@ -59,15 +61,15 @@ pub(super) fn amounts(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[V
 fn paid(term: &PaidTerm<'_>, range: Bounds) -> Bounds {
     let by = |value: f64| if term.weight == 0.0 { 0.0 } else { term.weight * value };
     let (a, b) = (by(range.low), by(range.high));
-    Bounds::new(a.min(b), a.max(b))
+    Bounds::new(minimum(a, b), maximum(a, b))
 }
 
 /// Where each step can cost and no term knows of the end, ending early can be what pays most.
 fn ending(checker: &Checker<'_>, task: &CheckedTask<'_>, ranges: &[Bounds], diagnostics: &mut Vec<Diagnostic>) {
     // What is written as a cost; a term that is paid and may sink below zero is none.
     let charged = task.terms.iter().zip(ranges).filter(|(term, _)| term.weight < 0.0);
-    let costs: f64 = charged.map(|(_, range)| (-range.low).max(0.0)).sum();
-    let gains: f64 = ranges.iter().map(|range| range.high.max(0.0)).sum();
+    let costs: f64 = charged.map(|(_, range)| maximum(-range.low, 0.0)).sum();
+    let gains: f64 = ranges.iter().map(|range| maximum(range.high, 0.0)).sum();
     let Some(first) = task.terminations.first() else { return };
     if costs <= SMALL * gains || task.terms.iter().any(|term| reads_ends(task, term)) {
         return;
@@ -82,23 +84,6 @@ fn ending(checker: &Checker<'_>, task: &CheckedTask<'_>, ranges: &[Bounds], diag
 fn reads_ends(task: &CheckedTask<'_>, term: &PaidTerm<'_>) -> bool {
     let read = task.graph.reachable([term.node]);
     task.terminations.iter().any(|end| read.contains(&end.node))
-}
-
-/// Whether a condition holds at single steps only: `once(c)`, `rising(c)`, and such together with others.
-fn is_event(graph: &Graph, node: NodeId) -> bool {
-    let Operation::Binary(Binary::And) = graph.node(node).operation else { return false };
-    let inputs = graph.node(node).inputs.iter();
-    inputs.copied().any(|input| match graph.node(input).operation {
-        Operation::Binary(Binary::Equal) => {
-            graph.node(input).inputs.iter().any(|counted| remembers(graph, *counted, Memory::Accumulate))
-        }
-        Operation::Unary(Unary::Not) => graph.node(input).inputs.iter().any(|before| remembers(graph, *before, Memory::Delay(1))),
-        _ => is_event(graph, input),
-    })
-}
-
-fn remembers(graph: &Graph, node: NodeId, memory: Memory) -> bool {
-    graph.node(node).operation == Operation::Memory(memory)
 }
 
 /// Whether a node reads what a contact makes jump within one step.

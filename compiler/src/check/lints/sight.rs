@@ -5,11 +5,11 @@ use crate::check::context::Checker;
 use crate::check::scope::Definition;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::explain::short;
 use crate::frame::{Sensor, Subject};
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Binary, Memory, Operation, Unary};
 use crate::graph::{Graph, NodeId};
+use crate::numbers::for_people;
 use crate::scene::{Motion, Object, Parent, Part};
 use crate::syntax::tree::TaskStatement;
 use std::collections::BTreeSet;
@@ -199,8 +199,8 @@ fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec
             let (name, unlike) = (&joint.name, &joints[other].name);
             let message = format!(
                 "the task is `symmetric`, but begins with `{name}` at {} and `{unlike}` at {}",
-                short(left),
-                short(right)
+                for_people(left),
+                for_people(right)
             );
             let place = task.success_at;
             let span = checker.statements.iter().rev().find_map(|placed| match &placed.statement {

@@ -1,6 +1,6 @@
 //! What is held to what, places that are shown, and forces that disturb: their formulas see the whole vocabulary.
 
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
 use crate::check::scene::expand::Unrolled;
 use crate::check::types::{Frame, Type};
@@ -30,20 +30,18 @@ impl<'a> Checker<'a> {
         let scene = self.surroundings.map(|surroundings| surroundings.scene.clone()).unwrap_or_default();
         let statements = self.statements;
         let mut disturbances = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for placed in statements {
             if let TaskStatement::Disturb(element) = &placed.statement {
                 match self.in_file(placed.file, |checker| checker.disturbance(element)) {
                     Ok(disturbance) => disturbances.push(disturbance),
-                    Err(Reported) => broken = true,
+                    Err(reported) => failures.add(reported),
                 }
             }
         }
         let (connections, markers) = (self.connections(), self.markers());
         let ((connections, releases), markers) = (connections?, markers?);
-        if broken {
-            return Err(Reported);
-        }
+        failures.or(())?;
         Ok(Staged { scene: SceneDescription { connections, ..scene }, releases, markers, disturbances })
     }
 
@@ -62,17 +60,17 @@ impl<'a> Checker<'a> {
     fn connections(&mut self) -> Checked<Connections> {
         let Some(surroundings) = self.surroundings else { return Ok(Connections::default()) };
         let (mut connections, mut releases) = Connections::default();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for Unrolled { statement, locals, file, .. } in &surroundings.statements.connections {
             match self.in_file(*file, |checker| checker.with_locals(locals, |checker| checker.connection(statement))) {
                 Ok((held, release)) => {
                     releases.extend(release.map(|node| (connections.len(), node)));
                     connections.push(held);
                 }
-                Err(Reported) => broken = true,
+                Err(reported) => failures.add(reported),
             }
         }
-        if broken { Err(Reported) } else { Ok((connections, releases)) }
+        failures.or((connections, releases))
     }
 
     fn connection(&mut self, connection: &'a tree::Connection) -> Checked<(Connection, Option<NodeId>)> {
@@ -115,7 +113,7 @@ impl<'a> Checker<'a> {
     fn markers(&mut self) -> Checked<Vec<(String, NodeId)>> {
         let Some(surroundings) = self.surroundings else { return Ok(Vec::new()) };
         let mut markers: Vec<(String, NodeId)> = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         for Unrolled { statement: marker, name, locals, file, .. } in &surroundings.statements.markers {
             let name = name.clone().unwrap_or_default();
             let found = self.in_file(*file, |checker| {
@@ -128,10 +126,10 @@ impl<'a> Checker<'a> {
             });
             match found {
                 Ok(node) => markers.push((name, node)),
-                Err(Reported) => broken = true,
+                Err(reported) => failures.add(reported),
             }
         }
-        if broken { Err(Reported) } else { Ok(markers) }
+        failures.or(markers)
     }
 
     fn marked_place(&mut self, expr: &'a Expr) -> Checked<NodeId> {

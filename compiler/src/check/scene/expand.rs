@@ -95,14 +95,23 @@ impl<'a> Checker<'a> {
     fn expand_repeat(&mut self, repeat: &'a Repeat, locals: &Locals, found: &mut Expanded<'a>) {
         let Ok(values) = self.with_locals(locals, |checker| checker.loop_values(&repeat.range)) else { return };
         for value in values {
-            let Value::Data(Data { node, .. }) = value else { continue };
-            let Some(number) = self.graph.constant_value(node) else { continue };
+            let number = match &value {
+                Value::Data(Data { node, kind: Type::Int, .. }) => self.graph.constant_value(*node),
+                _ => None,
+            };
+            let Some(number) = number else {
+                let diagnostic = self
+                    .diagnostic(codes::types::NOT_CONSTANT, repeat.range.span, "a scene repeats over whole numbers")
+                    .help("write the range of a number: `repeat i in 0..4 { ... }`");
+                self.report(diagnostic);
+                return;
+            };
             let mut inner = locals.clone();
             inner.push((repeat.variable.text.clone(), number));
             let told = self.diagnostics.len();
             self.expand_scene(&repeat.statements, &inner, found);
             // What is wrong in one round is wrong in all of them.
-            if self.diagnostics.len() > told {
+            if Reported::among(&self.diagnostics[told..]).is_some() {
                 break;
             }
         }
@@ -112,18 +121,13 @@ impl<'a> Checker<'a> {
         if count < MOST {
             return Ok(());
         }
-        if count == MOST && !self.diagnostics.iter().any(|told| told.code == codes::tasks::TOO_LARGE) {
-            self.error(codes::tasks::TOO_LARGE, span, format!("a scene holds at most {MOST} elements"));
-        }
-        Err(Reported)
+        let told = Reported::among(self.diagnostics.iter().filter(|told| told.code == codes::tasks::TOO_LARGE));
+        Err(told.unwrap_or_else(|| self.error(codes::tasks::TOO_LARGE, span, format!("a scene holds at most {MOST} elements"))))
     }
 
     fn expand_removal(&mut self, remove: &'a Remove, locals: &Locals, found: &mut Expanded<'a>) {
-        let pattern = match self.with_locals(locals, |checker| checker.names_of(&remove.name)) {
-            Ok(patterns) => patterns,
-            Err(Reported) => return,
-        };
-        for pattern in pattern {
+        let Ok(patterns) = self.with_locals(locals, |checker| checker.names_of(&remove.name)) else { return };
+        for pattern in patterns {
             let gone = [
                 take_out(&mut found.elements, &pattern),
                 take_out(&mut found.connections, &pattern),

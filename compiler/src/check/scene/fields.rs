@@ -1,7 +1,7 @@
 //! Fields of elements: which there are, each once, and their values, all known while compiling.
 
 use super::elements::{FIELDS, Kind};
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::types::{Frame, Type};
 use crate::check::value::{Data, Value};
@@ -32,20 +32,18 @@ impl<'a> Fields<'a> {
 impl<'a> Checker<'a> {
     /// Looks at the words of an element's fields.
     pub(super) fn fields(&mut self, element: &'a Element, kind: &'static Kind) -> Checked<Fields<'a>> {
-        let mut broken = false;
+        let mut failures = Failures::default();
         for (index, field) in element.fields.iter().enumerate() {
             let name = field.name.text.as_str();
             if !kind.fields().any(|known| known == name) {
-                broken = true;
-                self.unknown_field(field, kind);
+                failures.add(self.unknown_field(field, kind));
             } else if element.fields[..index].iter().any(|earlier| earlier.name.text == name) {
-                broken = true;
-                self.error(codes::tasks::REPEATED, field.span, format!("`{name}` is said twice"));
+                failures.add(self.error(codes::tasks::REPEATED, field.span, format!("`{name}` is said twice")));
             }
         }
         let missing: Vec<&str> =
             kind.required.iter().copied().filter(|name| !element.fields.iter().any(|field| field.name.text == *name)).collect();
-        if !missing.is_empty() && !broken {
+        if !missing.is_empty() && !failures.any() {
             let forms = FIELDS.iter().filter(|row| missing.contains(&row.name)).map(|row| format!("`{}`", row.form));
             let message = format!("this `{}` does not say its {}", kind.name, missing.join(", "));
             let diagnostic = self
@@ -53,10 +51,10 @@ impl<'a> Checker<'a> {
                 .help(format!("write {}", forms.collect::<Vec<_>>().join(", ")));
             return Err(self.report(diagnostic));
         }
-        if broken { Err(Reported) } else { Ok(Fields { kind, fields: &element.fields, span: element.kind.span }) }
+        failures.or(Fields { kind, fields: &element.fields, span: element.kind.span })
     }
 
-    fn unknown_field(&mut self, field: &Field, kind: &Kind) {
+    fn unknown_field(&mut self, field: &Field, kind: &Kind) -> Reported {
         let name = field.name.text.as_str();
         let known: Vec<&str> = kind.fields().collect();
         let message = format!("`{}` has no field `{name}`", kind.name);
@@ -68,7 +66,7 @@ impl<'a> Checker<'a> {
         for known in near {
             diagnostic = diagnostic.suggest(format!("did you mean `{known}`?"), field.name.span, known);
         }
-        self.report(diagnostic);
+        self.report(diagnostic)
     }
 
     /// The value behind a field's word.

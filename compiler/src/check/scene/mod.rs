@@ -25,7 +25,7 @@ mod repeats;
 mod rotation;
 mod shapes;
 
-use super::context::Checker;
+use super::context::{Checker, Reported};
 use super::inherit::{Placed, WholeTask};
 use super::scope::{Names, Place};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
@@ -187,7 +187,7 @@ impl<'a> Checker<'a> {
                 Some(name) => checker.object(&mut stage, element, name, None, locals),
             };
             let result = self.in_file(*file, |checker| checker.with_locals(locals, check));
-            if result.is_err() || self.diagnostics.len() > told {
+            if result.is_err() || Reported::among(&self.diagnostics[told..]).is_some() {
                 broken.push((*file, element.span));
             }
         }
@@ -202,7 +202,9 @@ impl<'a> Checker<'a> {
     }
 
     fn ground(&mut self, stage: &mut Stage<'a>, element: &'a crate::syntax::tree::Element) -> super::context::Checked<()> {
-        let Some(kind) = elements::find("ground") else { return Ok(()) };
+        let Some(kind) = elements::find("ground") else {
+            return Err(self.error(codes::tasks::UNKNOWN_SETTING, element.kind.span, "a scene has no `ground` here"));
+        };
         let fields = self.fields(element, kind)?;
         if let Some(part) = element.parts.first() {
             let message = "the ground holds no parts; elements stand beside it";

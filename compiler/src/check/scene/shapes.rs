@@ -5,6 +5,7 @@ use super::rotation;
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::diagnostics::codes;
+use crate::extremes::{maximum, minimum};
 use crate::scene::{Shape, Terrain};
 use crate::syntax::tree::{Expr, FieldValue};
 use std::f64::consts::PI;
@@ -56,14 +57,10 @@ impl<'a> Checker<'a> {
             return Ok((self.fixed_bracket(expr, Dimension::LENGTH, "`at`")?, None));
         }
         // The place of a free thing may be drawn: that is looked at with the beginning, when what is drawn is known.
-        let told = self.diagnostics.len();
-        match self.fixed_bracket(expr, Dimension::LENGTH, "`at`") {
-            Ok(place) => Ok((place, None)),
-            Err(_) => {
-                self.diagnostics.truncate(told);
-                Ok(([0.0; 3], Some(expr)))
-            }
-        }
+        Ok(match self.attempt(|checker| checker.fixed_bracket(expr, Dimension::LENGTH, "`at`")) {
+            Some(place) => (place, None),
+            None => ([0.0; 3], Some(expr)),
+        })
     }
 
     fn orientation_of(&mut self, fields: &Fields<'a>) -> Checked<[f64; 4]> {
@@ -167,7 +164,7 @@ impl<'a> Checker<'a> {
 pub(super) fn volume(shape: &Shape) -> Option<f64> {
     Some(match shape {
         Shape::Box([x, y, z]) => x * y * z,
-        Shape::Sphere(radius) => 4.0 / 3.0 * PI * radius.powi(3),
+        Shape::Sphere(radius) => 4.0 / 3.0 * PI * radius * radius * radius,
         Shape::Capsule(radius, length) => PI * radius * radius * (length + 4.0 / 3.0 * radius),
         Shape::Cylinder(radius, length) => PI * radius * radius * length,
         Shape::Ellipsoid([a, b, c]) => 4.0 / 3.0 * PI * a * b * c,
@@ -186,16 +183,16 @@ pub(super) fn reach(shape: &Shape, axes: &[f64; 9]) -> Option<[f64; 2]> {
         Shape::Sphere(radius) => symmetric(*radius),
         Shape::Capsule(radius, length) => symmetric(radius + 0.5 * length * up[2].abs()),
         Shape::Cylinder(radius, length) => {
-            symmetric(0.5 * length * up[2].abs() + radius * libm::sqrt((1.0 - up[2] * up[2]).max(0.0)))
+            symmetric(0.5 * length * up[2].abs() + radius * libm::sqrt(maximum(1.0 - up[2] * up[2], 0.0)))
         }
-        Shape::Ellipsoid(half) => symmetric(libm::sqrt((0..3).map(|k| (half[k] * up[k]).powi(2)).sum())),
+        Shape::Ellipsoid(half) => symmetric(libm::sqrt((0..3).map(|k| half[k] * up[k]).map(|part| part * part).sum())),
         Shape::Plane => None,
         Shape::Terrain(terrain) if up[2] > 1.0 - 1e-12 => Some(match terrain {
             Terrain::Stairs { count, rise, .. } => ends(0.0, f64::from(*count) * rise),
             Terrain::Slope { length, angle, .. } => ends(0.0, length * libm::tan(*angle)),
             Terrain::Heights { heights, .. } => {
-                let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
-                let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let lowest = heights.iter().copied().fold(f64::INFINITY, minimum);
+                let highest = heights.iter().copied().fold(f64::NEG_INFINITY, maximum);
                 [lowest, highest]
             }
         }),
@@ -204,7 +201,7 @@ pub(super) fn reach(shape: &Shape, axes: &[f64; 9]) -> Option<[f64; 2]> {
 }
 
 fn ends(a: f64, b: f64) -> [f64; 2] {
-    [a.min(b), a.max(b)]
+    [minimum(a, b), maximum(a, b)]
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What a test expects.
 
 use super::{Draft, Found, Reader, Wanted};
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Failures};
 use crate::check::observe::{ObservedChannel, Texts, unit_of, written};
 use crate::check::types::Type;
 use crate::check::value::Data;
@@ -20,7 +20,7 @@ impl<'a> Checker<'a> {
         texts: &dyn Texts,
     ) -> Checked<Vec<Found>> {
         let mut found: Vec<Found> = Vec::new();
-        let mut broken = false;
+        let mut failures = Failures::default();
         if test.cheat
             && let Some(success) = self.test_name("success")
         {
@@ -38,12 +38,12 @@ impl<'a> Checker<'a> {
             let mut parts = Vec::new();
             match self.expectation(wanted, &reader.drafts, probes, texts, &mut parts) {
                 Ok(()) => found.push(Ok(parts)),
-                Err(Reported) if self.in_sequence() => found.push(Err(self.diagnostics.split_off(told))),
-                Err(Reported) => broken = true,
+                Err(reported) if self.in_sequence() => found.push(Err((reported, self.diagnostics.split_off(told)))),
+                Err(reported) => failures.add(reported),
             }
             self.locals = locals;
         }
-        if broken { Err(Reported) } else { Ok(found) }
+        failures.or(found)
     }
 
     fn expectation(
@@ -127,8 +127,8 @@ impl<'a> Checker<'a> {
         }
         let name = format!("test {}", probes.len());
         let (unit, source, docs, block) = (unit_of(&data.kind), String::new(), String::new(), String::new());
-        // Nobody is told of a probe, so it needs no formula.
-        let formula = Expr { kind: ExprKind::Error, span };
+        // Nobody is told of a probe, so its formula does not matter.
+        let formula = Expr { kind: ExprKind::Bool(true), span };
         probes.push(ObservedChannel { name, node: data.node, unit, source, formula, docs, block, file: self.place.file, span });
         vec![Some(probes.len() - 1)]
     }

@@ -12,7 +12,7 @@ mod phases;
 mod play;
 mod situation;
 
-use super::context::{Checked, Checker, Reported};
+use super::context::{Checked, Checker, Failures, Reported};
 use super::init::Beginning;
 use super::observe::{ObservedChannel, Texts};
 use super::reward::PaidTerm;
@@ -20,10 +20,10 @@ use super::task::InSequence;
 use super::types::Type;
 use super::value::{Data, Value};
 use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
-use crate::explain::short;
 use crate::frame::Query;
 use crate::graph::operation::{Binary, Memory};
 use crate::graph::{Graph, NodeId};
+use crate::numbers::for_people;
 use crate::syntax::tree::{Expr, Ident, Test, TestStatement};
 use crate::task::Spread;
 use crate::testing::{Expectation, Keyframe, Run, Take, TaskTest};
@@ -43,10 +43,12 @@ pub(crate) struct CheckedTests {
     pub found: Vec<Vec<Found>>,
     /// What is wrong with the scripts of a sequence's tests.
     pub told: Vec<Diagnostic>,
+    /// Whether something is.
+    pub broken: Option<Reported>,
 }
 
 /// What an `expect` comes to in a phase of a sequence, or why it means nothing there.
-pub(crate) type Found = Result<Vec<Expectation>, Vec<Diagnostic>>;
+pub(crate) type Found = Result<Vec<Expectation>, (Reported, Vec<Diagnostic>)>;
 
 /// What names mean in tests only.
 #[derive(Debug, Clone)]
@@ -143,17 +145,17 @@ impl<'a> Checker<'a> {
         self.in_tests = Some(InTests { pays, success, phases, phase: sequence.index, horizon });
         let (mut probes, mut drawn) = (Vec::new(), init.drawn.clone());
         let (mut compiled, mut all_found) = (Vec::new(), Vec::new());
-        let mut broken = false;
+        let mut failures = Failures::default();
         for &(test, file) in tests {
             match self.in_file(file, |checker| checker.test(test, init, &mut drawn, &mut probes, texts)) {
                 Ok((test, found)) => {
                     compiled.push(test);
                     all_found.push(found);
                 }
-                Err(Reported) => {
+                Err(reported) => {
                     // The tests of a sequence keep their places in all phases.
                     all_found.push(Vec::new());
-                    broken = true;
+                    failures.add(reported);
                 }
             }
         }
@@ -165,10 +167,11 @@ impl<'a> Checker<'a> {
         // What is wrong in a script is so in every phase; told once, when the tests are gathered.
         let mut told = if sequence.phases.is_empty() { Vec::new() } else { self.diagnostics.split_off(errors) };
         told.retain(|told| told.severity == Severity::Error);
-        if broken && sequence.phases.is_empty() {
-            return Err(Reported);
+        let broken = failures.or(()).err();
+        if let (Some(reported), true) = (broken, sequence.phases.is_empty()) {
+            return Err(reported);
         }
-        Ok(Some(CheckedTests { graph, queries, beginning: drawn, probes, tests: compiled, found: all_found, told }))
+        Ok(Some(CheckedTests { graph, queries, beginning: drawn, probes, tests: compiled, found: all_found, told, broken }))
     }
 
     fn test(
@@ -187,8 +190,9 @@ impl<'a> Checker<'a> {
         let course = if init.motion.is_some() { 0.0 } else { begins.root.heading };
         let own = Draft::beginning(Scene { init: begins, activation: 0.0, course });
         let mut reader = Reader { drafts: vec![own], wanted: Vec::new() };
-        let mut broken = self.test_statements(&test.statements, 0, &mut reader, drawn).is_err();
-        if reader.wanted.is_empty() && !test.cheat && !broken {
+        let mut failures = Failures::default();
+        failures.catch(self.test_statements(&test.statements, 0, &mut reader, drawn));
+        if reader.wanted.is_empty() && !test.cheat && !failures.any() {
             let message = format!("the test \"{}\" expects nothing", test.title.value);
             let diagnostic = self.diagnostic(codes::tests::EXPECTS_NOTHING, test.title.span, message).help(
                 "say what must hold: `expect success`, `expect ended by fallen`, `expect reward.pose at a < reward.pose at b`",
@@ -196,12 +200,10 @@ impl<'a> Checker<'a> {
             return Err(self.report(diagnostic));
         }
         for draft in &reader.drafts {
-            broken |= self.must_move_by_script(draft).is_err();
+            failures.catch(self.must_move_by_script(draft));
         }
         let expectations = self.expectations(test, &reader, probes, texts);
-        if broken {
-            return Err(Reported);
-        }
+        failures.or(())?;
         let mut found = expectations?;
         // The test's own episode comes last, if anything looks at it.
         let count = reader.drafts.len();
@@ -232,10 +234,9 @@ impl<'a> Checker<'a> {
         reader: &mut Reader<'a>,
         drawn: &mut Vec<NodeId>,
     ) -> Checked<()> {
-        let mut broken = false;
+        let mut failures = Failures::default();
         for statement in statements {
-            if self.test_statement(statement, take, reader, drawn).is_err() {
-                broken = true;
+            if failures.catch(self.test_statement(statement, take, reader, drawn)).is_none() {
                 // Whoever looks at that moment is not told that there is none.
                 let label = match statement {
                     TestStatement::Keyframe { label, .. } => label.as_ref(),
@@ -245,7 +246,7 @@ impl<'a> Checker<'a> {
                 reader.drafts[take].labels.extend(label.map(|label| (label.text.clone(), 0)));
             }
         }
-        if broken { Err(Reported) } else { Ok(()) }
+        failures.or(())
     }
 
     fn test_statement(
@@ -421,7 +422,7 @@ impl<'a> Checker<'a> {
             return Ok(());
         }
         let interval = self.timing.interval;
-        let in_words = |steps: u32| format!("{steps} steps ({} s)", short(f64::from(steps) * interval));
+        let in_words = |steps: u32| format!("{steps} steps ({} s)", for_people(f64::from(steps) * interval));
         let diagnostic = self
             .diagnostic(codes::tests::TEST_LONG, span, "the episode is over before this is shown")
             .expected(format!("at most {}, the task's horizon", in_words(horizon)))

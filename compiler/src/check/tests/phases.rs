@@ -5,34 +5,43 @@
 //! is an error.
 
 use super::{CheckedTests, Found};
-use crate::diagnostics::Diagnostic;
+use crate::diagnostics::{Checked, Diagnostic, Failures};
 use crate::testing::{Check, Expectation, Probe};
 
 impl CheckedTests {
     /// Puts what all phases know of the tests into those of the first phase.
     ///
     /// # Errors
-    /// What no phase of the sequence can read, as the first phase tells it.
-    pub(crate) fn gather(phases: &mut [&mut Self]) -> Result<(), Vec<Diagnostic>> {
+    /// What no phase of the sequence can read, as the first phase reports it.
+    pub(crate) fn gather(phases: &mut [&mut Self], diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
         let known: Vec<Vec<Vec<Found>>> = phases.iter_mut().map(|phase| std::mem::take(&mut phase.found)).collect();
         let Some(first) = phases.first_mut() else { return Ok(()) };
-        let mut told = std::mem::take(&mut first.told);
+        diagnostics.append(&mut first.told);
+        let mut failures = Failures::default();
+        if let Some(reported) = first.broken {
+            failures.add(reported);
+        }
         for (place, test) in first.tests.iter_mut().enumerate() {
             for row in 0..known[0].get(place).map_or(0, Vec::len) {
                 let of_row = |phase: &Vec<Vec<Found>>| phase.get(place)?.get(row).cloned();
                 match together(known.iter().map(of_row).collect()) {
-                    Ok(expectations) => test.expectations.extend(expectations),
-                    Err(why) => told.extend(why),
+                    Some(Ok(expectations)) => test.expectations.extend(expectations),
+                    Some(Err((reported, why))) => {
+                        failures.add(reported);
+                        diagnostics.extend(why);
+                    }
+                    // No phase has looked at it: its test is broken, and told.
+                    None => {}
                 }
             }
             test.drop_unread();
         }
-        if told.is_empty() { Ok(()) } else { Err(told) }
+        failures.or(())
     }
 }
 
 /// What the phases know of one `expect`.
-fn together(found: Vec<Option<Found>>) -> Result<Vec<Expectation>, Vec<Diagnostic>> {
+fn together(found: Vec<Option<Found>>) -> Option<Found> {
     let phases = found.len();
     let mut whole: Option<Vec<Expectation>> = None;
     let mut why = None;
@@ -50,9 +59,9 @@ fn together(found: Vec<Option<Found>>) -> Result<Vec<Expectation>, Vec<Diagnosti
             None => {}
         }
     }
-    let mut whole = whole.ok_or_else(|| why.unwrap_or_default())?;
+    let Some(mut whole) = whole else { return why.map(Err) };
     whole.iter_mut().for_each(Expectation::settle);
-    Ok(whole)
+    Some(Ok(whole))
 }
 
 impl Expectation {

@@ -11,6 +11,7 @@ use crate::check::scope::{Declared, Definition};
 use crate::diagnostics::codes;
 use crate::graph::NodeId;
 use crate::motion::{Following, Motion, Parts, Path, RootPart, Start};
+use crate::numbers::for_people;
 use crate::syntax::tree::{Change, ExprKind, Played, Playing};
 use crate::task::{Init, Setting};
 use std::sync::Arc;
@@ -73,19 +74,17 @@ impl<'a> Checker<'a> {
                     let diagnostic = self
                         .diagnostic(codes::composition::MOTION, written.span, "a motion starts at a phase of its own")
                         .expected("a number from 0 to 1")
-                        .found(format!("{start}"));
+                        .found(for_people(start));
                     return Err(self.report(diagnostic));
                 }
-                let table = self.motions.and_then(|motions| motions.tables.get(&(self.place.file, path.value.clone())));
-                // A motion that could not be read is reported where it is named.
-                let table = table.ok_or(Reported)?.clone();
+                let table = self.table(self.place.file, path)?;
                 let problems = table.motion.problems(table.file, self.vocabulary);
-                let fits = problems.is_empty();
+                let misfit = Reported::among(&problems);
                 // One that a reference follows as well is told of once.
                 if !self.diagnostics.iter().any(|told| problems.contains(told)) {
                     self.diagnostics.extend(problems);
                 }
-                if fits { Ok((table.motion, Start::Phase(start), 0.0)) } else { Err(Reported) }
+                misfit.map_or(Ok((table.motion, Start::Phase(start), 0.0)), Err)
             }
             Played::Reference(name) => {
                 let declared = self.names.find(self.place, &name.text);
@@ -93,8 +92,8 @@ impl<'a> Checker<'a> {
                     let known = self.references.iter().map(|known| known.name.clone()).collect();
                     return Err(self.unknown_name(&name.text, name.span, known));
                 }
-                // A reference that is not known is broken, which is reported.
-                let known = self.references.iter().find(|known| known.name == name.text).cloned().ok_or(Reported)?;
+                let known = self.known_reference(&name.text, name.span)?;
+                let known = self.references[known].clone();
                 if let Some(start) = &playing.start {
                     let message = "a reference has a phase of its own at every moment of the episode";
                     let diagnostic = self.diagnostic(codes::composition::MOTION, start.span, message);

@@ -1,7 +1,7 @@
 //! What a test shows: a pose, the root, objects.
 
 use super::Scene;
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
@@ -16,24 +16,25 @@ const ROOT: &str = "`root.height`, `root.lift`, `root.at`, `root.heading`, `root
 impl<'a> Checker<'a> {
     /// Changes a scene as a statement says; what it does not name stays. Gives, joint by joint, whether it is set.
     pub(super) fn situation(&mut self, situation: &'a Situation, scene: &mut Scene) -> Checked<Vec<bool>> {
-        let mut broken = match &situation.pose {
-            Some(pose) => self.named_pose(pose, &mut scene.init).is_err(),
-            None => false,
-        };
+        let mut failures = Failures::default();
+        if let Some(pose) = &situation.pose {
+            failures.catch(self.named_pose(pose, &mut scene.init));
+        }
         let mut set = vec![false; scene.init.coordinates.len()];
         let mut met = false;
         for change in &situation.changes {
-            broken |= match change {
-                Change::Assign(assignment) => self.assign(assignment, scene, &mut set).is_err(),
+            let changed = match change {
+                Change::Assign(assignment) => self.assign(assignment, scene, &mut set),
                 Change::Meet { place, target, .. } => {
                     if !std::mem::replace(&mut met, true) {
                         scene.init.root.meets.clear();
                     }
-                    self.meeting(place, target, &mut scene.init.root.meets).is_err()
+                    self.meeting(place, target, &mut scene.init.root.meets)
                 }
             };
+            failures.catch(changed);
         }
-        if broken { Err(Reported) } else { Ok(set) }
+        failures.or(set)
     }
 
     fn assign(&mut self, assignment: &'a Assignment, scene: &mut Scene, set: &mut [bool]) -> Checked<()> {

@@ -57,4 +57,11 @@ codes! {
         example: "reward { 1 a = sum([i for i in 0..1000000]) * torso.up.z }",
         fix: "reward { 1 a = sum([i for i in 0..100]) * torso.up.z }",
     }
+    NOT_FINITE = "E0411" {
+        title: "a term that is never a finite number",
+        explanation: "What a term pays must be a finite number, or the episode ends in a fault. This one is infinite, or no number at \
+            all, whatever the body does: a division by zero, or a number beyond 1.8e308.",
+        example: "reward { 1 a = 1 / 0 }",
+        fix: "reward { 1 a = torso.up.z }",
+    }
 }

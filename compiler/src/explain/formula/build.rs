@@ -2,6 +2,7 @@
 
 use super::letters::{declared, readable, signal};
 use super::{Fence, Formula, Letter, Sign};
+use crate::numbers::exact;
 use crate::syntax::tree::{Argument, BinaryOperator, CompareOperator, Expr, ExprKind, Quantity, UnaryOperator};
 
 /// A formula as mathematics.
@@ -55,7 +56,7 @@ pub(crate) fn formula(expr: &Expr) -> Formula {
         }
         ExprKind::EndedBy(reason) => Formula::Words(format!("ended by {}", reason.text.replace('_', " "))),
         ExprKind::At { value, pose } => Formula::Below(Box::new(formula(value)), readable(&pose.text)),
-        ExprKind::Error => Formula::Words("?".to_owned()),
+        ExprKind::Error(_) => Formula::Words("?".to_owned()),
     }
 }
 
@@ -208,7 +209,7 @@ fn call(function: &Expr, arguments: &[Argument]) -> Formula {
 }
 
 fn number(quantity: &Quantity) -> Formula {
-    let digits = Formula::Number(quantity.value.to_string());
+    let digits = Formula::Number(exact(quantity.value));
     match &quantity.unit {
         Some(unit) => Formula::Row(vec![digits, unit_of(&unit.factors)]),
         None => digits,

@@ -1,5 +1,6 @@
 //! Mathematics in plain characters.
 
+use crate::numbers::exact;
 use crate::syntax::tree::{Argument, BinaryOperator, CompareOperator, Expr, ExprKind, Frame, Quantity, UnaryOperator};
 
 /// A formula as mathematics.
@@ -37,7 +38,7 @@ pub(crate) fn mathematics(expr: &Expr) -> String {
         ExprKind::When { value, condition } => format!("{} \u{00b7} [{}]", mathematics(value), mathematics(condition)),
         ExprKind::EndedBy(reason) => format!("ended by {}", reason.text),
         ExprKind::At { value, pose } => format!("{} at {}", mathematics(value), pose.text),
-        ExprKind::Error => "?".to_owned(),
+        ExprKind::Error(_) => "?".to_owned(),
     }
 }
 
@@ -90,8 +91,8 @@ fn list<'a>(elements: impl Iterator<Item = &'a Expr>) -> String {
 
 fn number(quantity: &Quantity) -> String {
     match &quantity.unit {
-        Some(unit) => format!("{} {}", quantity.value, unit.text),
-        None => format!("{}", quantity.value),
+        Some(unit) => format!("{} {}", exact(quantity.value), unit.text),
+        None => exact(quantity.value),
     }
 }
 

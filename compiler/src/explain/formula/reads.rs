@@ -34,7 +34,7 @@ fn collect(expr: &Expr, names: &mut Vec<String>) {
             collect(otherwise, names);
         }
         ExprKind::When { value, condition } => [value, condition].into_iter().for_each(|part| collect(part, names)),
-        ExprKind::Number(_) | ExprKind::Bool(_) | ExprKind::Text(_) | ExprKind::EndedBy(_) | ExprKind::Error => {}
+        ExprKind::Number(_) | ExprKind::Bool(_) | ExprKind::Text(_) | ExprKind::EndedBy(_) | ExprKind::Error(_) => {}
     }
 }
 

@@ -1,8 +1,8 @@
 //! Scene and beginning in words.
 
 use super::super::account::*;
-use super::super::text::short;
 use super::drawn;
+use crate::numbers::for_people;
 use crate::scene::{Motion, Object, ObjectJointKind, Parent, Shape, Terrain};
 use crate::snapshot::names;
 use crate::task::{CompiledTask, Init, Spread};
@@ -56,27 +56,30 @@ pub(super) fn scene(task: &CompiledTask, init: &Init) -> SceneAccount {
 /// What an element is, and how large.
 fn shape(object: &Object) -> (&'static str, String) {
     let extents = |lengths: &[f64]| {
-        let lengths: Vec<String> = lengths.iter().map(|length| short(*length)).collect();
+        let lengths: Vec<String> = lengths.iter().map(|length| for_people(*length)).collect();
         format!("{} m", lengths.join(" \u{d7} "))
     };
     match &object.shape {
         None => ("body", String::new()),
         Some(Shape::Box(size)) => ("box", extents(size)),
-        Some(Shape::Sphere(radius)) => ("sphere", format!("radius {} m", short(*radius))),
-        Some(Shape::Capsule(radius, length)) => ("capsule", format!("radius {} m, length {} m", short(*radius), short(*length))),
+        Some(Shape::Sphere(radius)) => ("sphere", format!("radius {} m", for_people(*radius))),
+        Some(Shape::Capsule(radius, length)) => {
+            ("capsule", format!("radius {} m, length {} m", for_people(*radius), for_people(*length)))
+        }
         Some(Shape::Cylinder(radius, length)) => {
-            ("cylinder", format!("radius {} m, length {} m", short(*radius), short(*length)))
+            ("cylinder", format!("radius {} m, length {} m", for_people(*radius), for_people(*length)))
         }
         Some(Shape::Ellipsoid(axes)) => ("ellipsoid", format!("half axes {}", extents(axes))),
         Some(Shape::Plane) => ("plane", String::new()),
-        Some(Shape::Terrain(Terrain::Stairs { count, rise, run, width })) => {
-            ("stairs", format!("{count} steps of {} m over {} m, {} m wide", short(*rise), short(*run), short(*width)))
-        }
+        Some(Shape::Terrain(Terrain::Stairs { count, rise, run, width })) => (
+            "stairs",
+            format!("{count} steps of {} m over {} m, {} m wide", for_people(*rise), for_people(*run), for_people(*width)),
+        ),
         Some(Shape::Terrain(Terrain::Heights { size, samples, .. })) => {
             ("heights", format!("{}, {} \u{d7} {} samples", extents(size), samples[0], samples[1]))
         }
         Some(Shape::Terrain(Terrain::Slope { length, width, angle })) => {
-            ("slope", format!("{} m long, {} m wide, {} rad", short(*length), short(*width), short(*angle)))
+            ("slope", format!("{} m long, {} m wide, {} rad", for_people(*length), for_people(*width), for_people(*angle)))
         }
     }
 }
@@ -92,8 +95,9 @@ fn motion(motion: &Motion) -> String {
                     ObjectJointKind::Slide => ("slide", "m"),
                     ObjectJointKind::Ball => ("ball", "rad"),
                 };
-                let range =
-                    joint.range.map_or_else(String::new, |[low, high]| format!(" {} to {} {unit}", short(low), short(high)));
+                let range = joint
+                    .range
+                    .map_or_else(String::new, |[low, high]| format!(" {} to {} {unit}", for_people(low), for_people(high)));
                 format!("{kind} {}{range}", joint.name)
             });
             told.collect::<Vec<_>>().join(", ")
@@ -143,7 +147,7 @@ pub(super) fn beginning(task: &CompiledTask, init: &Init) -> BeginningAccount {
         drawn: drawn(task),
         settle: init.settle.as_ref().map_or_else(String::new, |settle| {
             let rest = if settle.at_rest { ", then at rest" } else { "" };
-            format!("{} physics steps with activation {}{rest}", settle.steps, short(settle.activation))
+            format!("{} physics steps with activation {}{rest}", settle.steps, for_people(settle.activation))
         }),
     }
 }
@@ -151,8 +155,8 @@ pub(super) fn beginning(task: &CompiledTask, init: &Init) -> BeginningAccount {
 fn spread_in_words(spread: Spread, per: &str) -> String {
     match spread {
         Spread::None => "none".to_owned(),
-        Spread::Normal(deviation) => format!("normal, standard deviation {} rad{per}", short(deviation)),
-        Spread::Uniform(low, high) => format!("uniform, {} to {} rad{per}", short(low), short(high)),
+        Spread::Normal(deviation) => format!("normal, standard deviation {} rad{per}", for_people(deviation)),
+        Spread::Uniform(low, high) => format!("uniform, {} to {} rad{per}", for_people(low), for_people(high)),
     }
 }
 
@@ -160,21 +164,22 @@ fn root(task: &CompiledTask, init: &Init) -> String {
     let root = &init.root;
     let mut parts = Vec::new();
     if root.meets.is_empty() {
-        parts
-            .push(root.height.map_or_else(|| "on the ground".to_owned(), |height| format!("at a height of {} m", short(height))));
+        parts.push(
+            root.height.map_or_else(|| "on the ground".to_owned(), |height| format!("at a height of {} m", for_people(height))),
+        );
         if root.position != [0.0; 2] {
-            parts.push(format!("at x {} m, y {} m", short(root.position[0]), short(root.position[1])));
+            parts.push(format!("at x {} m, y {} m", for_people(root.position[0]), for_people(root.position[1])));
         }
     }
     if root.lift != 0.0 {
-        parts.push(format!("lifted by {} m", short(root.lift)));
+        parts.push(format!("lifted by {} m", for_people(root.lift)));
     }
     for (landmark, place) in &root.meets {
         parts.push(format!("{} at {}", names::landmark(&task.vocabulary, *landmark), names::origin(&task.vocabulary, place)));
     }
     for (word, angle) in [("heading", root.heading), ("pitched", root.pitch), ("rolled", root.roll)] {
         if angle != 0.0 {
-            parts.push(format!("{word} {}\u{b0}", short(angle.to_degrees())));
+            parts.push(format!("{word} {}\u{b0}", for_people(angle.to_degrees())));
         }
     }
     if init.follows.is_some() {
@@ -190,7 +195,7 @@ fn root(task: &CompiledTask, init: &Init) -> String {
 }
 
 fn vector(vector: [f64; 3]) -> String {
-    format!("[{}]", vector.map(short).join(", "))
+    format!("[{}]", vector.map(for_people).join(", "))
 }
 
 /// Free elements that move, or start elsewhere than they stand in the scene.

@@ -2,6 +2,7 @@
 
 use super::{Interpreter, Moment};
 use crate::frame::Sensor;
+use crate::graph::fold::evaluate;
 use crate::graph::operation::{Binary, Memory, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
 use crate::lower::{Outputs, View, assemble, layout};
@@ -108,5 +109,112 @@ proptest! {
                 prop_assert_eq!(found, expected, "step {}, node {:?}", step, node);
             }
         }
+    }
+}
+
+/// Numbers at which rewrites go wrong: zeros, infinities, no number, what a square loses.
+const CRITICAL: [f64; 18] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.5,
+    -0.5,
+    2.0,
+    -2.0,
+    3.0,
+    0.1,
+    1e-200,
+    -1e-200,
+    1e200,
+    5e-324,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::NAN,
+    f64::MAX,
+];
+
+/// A number and whether it is known while compiling.
+type Given = (f64, bool);
+
+fn given() -> impl Strategy<Value = Given> {
+    (prop_oneof![prop::sample::select(CRITICAL.to_vec()), -4.0_f64..4.0, any::<f64>()], any::<bool>())
+}
+
+/// What the program gives for an operation on lists of numbers, each read from a sensor or known while compiling.
+fn computed(operation: &Operation, inputs: &[&[Given]]) -> Vec<f64> {
+    let mut graph = Graph::default();
+    let mut values = Vec::new();
+    let mut lane = |graph: &mut Graph, (value, known): Given| {
+        if known {
+            return graph.constant(value);
+        }
+        values.push(value);
+        graph.sensors(vec![Sensor::JointPosition(values.len() - 1)])
+    };
+    let lists: Vec<NodeId> = inputs
+        .iter()
+        .map(|list| {
+            let lanes: Vec<NodeId> = list.iter().map(|given| lane(&mut graph, *given)).collect();
+            graph.join(&lanes)
+        })
+        .collect();
+    let node = graph.add(operation.clone(), &lists);
+    let outputs = Outputs { channels: vec![node], ..Outputs::default() };
+    let layout = layout(std::iter::once((&graph, &outputs)), &[]);
+    let program = assemble(&graph, &outputs, &layout);
+    let mut frame = vec![0.0; layout.size()];
+    for (sensor, offset) in layout.entries() {
+        if let Sensor::JointPosition(index) = sensor {
+            frame[*offset] = values[*index];
+        }
+    }
+    let mut record = Vec::new();
+    program.prepare(&[], &mut record);
+    program.reset(&frame, &mut record, &|_| false, &mut |_, _| 0.5).unwrap();
+    let mut found = vec![0.0; program.channels[0].width()];
+    program.channels[0].write(&View { frame: &frame, record: &record }, &mut found);
+    found
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    #[test]
+    fn folding_is_never_noticed(a in prop::collection::vec(given(), 20), b in prop::collection::vec(given(), 20), width in 1_usize..20) {
+        let agree = |operation: Operation, inputs: &[&[Given]], width: usize| {
+            let values: Vec<Vec<f64>> = inputs.iter().map(|list| list.iter().map(|given| given.0).collect()).collect();
+            let mut expected = vec![0.0; width];
+            evaluate(&operation, &values.iter().map(Vec::as_slice).collect::<Vec<_>>(), &mut expected);
+            let found = computed(&operation, inputs);
+            let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+            prop_assert!(
+                found.len() == expected.len() && found.iter().zip(&expected).all(same),
+                "{operation:?} of {inputs:?}: {found:?}, not {expected:?}"
+            );
+            Ok(())
+        };
+        let (a, b) = (&a[..], &b[..]);
+        for &function in Unary::ALL {
+            agree(Operation::Unary(function), &[&a[..width]], width)?;
+        }
+        for &function in Binary::ALL {
+            agree(Operation::Binary(function), &[&a[..width], &b[..width]], width)?;
+            agree(Operation::Binary(function), &[&a[..width], &b[..1]], width)?;
+            agree(Operation::Binary(function), &[&a[..1], &b[..width]], width)?;
+            // Of the exponents and factors that are rewritten every one meets every base.
+            for factor in [1.0, -1.0, 2.0, 0.5, 0.0, -0.0] {
+                agree(Operation::Binary(function), &[&a[..width], &[(factor, true)]], width)?;
+                agree(Operation::Binary(function), &[&[(factor, true)], &a[..width]], width)?;
+            }
+        }
+        for &reduction in Reduction::ALL {
+            agree(Operation::Reduce(reduction, width as u32), &[&a[..width]], 1)?;
+            agree(Operation::Reduce(reduction, 1), &[&a[..width]], width)?;
+        }
+        agree(Operation::Choose, &[&b[..1], &a[..width], &b[..width]], width)?;
+        agree(Operation::Select((0..width as u32).rev().collect()), &[&a[..width]], width)?;
+        agree(Operation::Join, &[&a[..width], &b[..width]], 2 * width)?;
+        agree(Operation::Quaternion, &[&a[..9]], 4)?;
     }
 }

@@ -4,7 +4,7 @@
 //! next tighter one for its operands, so that the depth of the call stack does not depend on the length of the list.
 
 use super::{Builder, part};
-use crate::diagnostics::Span;
+use crate::diagnostics::{Checked, Span};
 use crate::syntax::MAXIMUM_OPERATORS;
 use crate::syntax::grammar::{Pair, Rule};
 use crate::syntax::tree::{BinaryOperator, CompareOperator, Expr, ExprKind, Frame, UnaryOperator};
@@ -20,7 +20,7 @@ enum Piece {
     Compare(CompareOperator, Span),
     Sum(BinaryOperator, Span),
     Product(BinaryOperator, Span),
-    InFrame(Option<Frame>, Span),
+    InFrame(Checked<Frame>, Span),
 }
 
 type Pieces = Peekable<IntoIter<Piece>>;
@@ -95,8 +95,8 @@ impl Builder<'_> {
     }
 
     /// The right side of `in`: a name, or `heading(NAME)`.
-    fn frame(&mut self, pair: &Pair<'_>) -> Option<Frame> {
-        let operand = self.postfixed(&part(pair, Rule::postfixed)?);
+    fn frame(&mut self, pair: &Pair<'_>) -> Checked<Frame> {
+        let operand = self.expression(part(pair, Rule::postfixed));
         let span = operand.span;
         let frame = match operand.kind {
             ExprKind::Name(name) => Some(Frame { name, heading: false, span }),
@@ -109,11 +109,8 @@ impl Builder<'_> {
             }
             _ => None,
         };
-        if frame.is_none() {
-            let written = part(pair, Rule::postfixed).map_or("", |postfixed| postfixed.as_str()).trim_end();
-            self.report(wording::not_a_frame(self.file, span, written));
-        }
-        frame
+        let written = part(pair, Rule::postfixed).map_or("", |postfixed| postfixed.as_str()).trim_end();
+        frame.ok_or_else(|| self.report(wording::not_a_frame(self.file, span, written)))
     }
 
     /// `or`, and inside it `and`.
@@ -188,8 +185,8 @@ impl Builder<'_> {
             }
             let whole = value.span.to(span);
             let kind = match frame {
-                Some(frame) => ExprKind::InFrame { value: Box::new(value), frame },
-                None => ExprKind::Error,
+                Ok(frame) => ExprKind::InFrame { value: Box::new(value), frame },
+                Err(reported) => ExprKind::Error(reported),
             };
             value = Expr { kind, span: whole };
             let arithmetic = |piece: &Piece| matches!(piece, Piece::Sum(..) | Piece::Product(..));

@@ -1,7 +1,7 @@
 //! Expressions but for precedence: literals, names with what is attached to them, lists, conditionals.
 
 use super::{Builder, part, parts};
-use crate::diagnostics::Diagnostic;
+use crate::diagnostics::{Diagnostic, Reported};
 use crate::syntax::grammar::{Pair, Rule};
 use crate::syntax::tree::{Argument, Expr, ExprKind, Text};
 use crate::syntax::{MAXIMUM_ERRORS, MAXIMUM_OPERATORS};
@@ -79,11 +79,9 @@ impl Builder<'_> {
         let diagnostic = wording::too_many_operators(self.file, span, MAXIMUM_OPERATORS);
         // The statement is left at its first excess; what is around it need not say so again.
         let told = self.diagnostics.iter().rev().take(MAXIMUM_ERRORS);
-        let told = told.into_iter().any(|told| told.code == diagnostic.code && told.span().end >= span.end);
-        if !told {
-            self.report(diagnostic);
-        }
-        Expr { kind: ExprKind::Error, span }
+        let told = Reported::among(told.filter(|told| told.code == diagnostic.code && told.span().end >= span.end));
+        let reported = told.unwrap_or_else(|| self.report(diagnostic));
+        Expr { kind: ExprKind::Error(reported), span }
     }
 
     fn atom(&mut self, pair: &Pair<'_>) -> Expr {
@@ -100,15 +98,12 @@ impl Builder<'_> {
             Rule::ended_by => ExprKind::EndedBy(self.identifier_in(pair)),
             Rule::round_list => ExprKind::Paren(Box::new(self.expression_in(pair))),
             Rule::square_list => self.list(pair),
-            Rule::glued => {
-                self.report(wording::glued_number(self.file, span, pair.as_str().trim_end()));
-                ExprKind::Error
-            }
+            Rule::glued => ExprKind::Error(self.report(wording::glued_number(self.file, span, pair.as_str().trim_end()))),
             Rule::bare_unit => {
-                self.report(self.bare_unit(pair));
-                ExprKind::Error
+                let diagnostic = self.bare_unit(pair);
+                ExprKind::Error(self.report(diagnostic))
             }
-            _ => ExprKind::Error,
+            _ => self.missing().kind,
         };
         Expr { kind, span }
     }

@@ -1,7 +1,7 @@
 //! Pest's pairs to the syntax tree.
 //!
-//! The grammar guarantees which parts a statement has; where a part is nevertheless asked for and missing, the tree gets an
-//! [`ExprKind::Error`] or an empty name rather than a panic.
+//! The grammar guarantees which parts a statement has; where a part is nevertheless asked for and missing, that is reported and
+//! the tree gets an [`ExprKind::Error`] or an empty name rather than a panic.
 
 mod bodies;
 mod chain;
@@ -15,7 +15,7 @@ use super::grammar::{Pair, Rule};
 use super::scanner::Scanned;
 use super::tree::{Allow, Binding, Docs, Entry, Expr, ExprKind, File, Function, Item, Observation, Parameter, Remove, Use};
 use super::{MAXIMUM_ERRORS, recovery, wording};
-use crate::diagnostics::{Diagnostic, FileId, Span};
+use crate::diagnostics::{Diagnostic, FileId, Reported, Span};
 use pest::iterators::Pairs;
 
 /// Builds the tree of a file.
@@ -63,8 +63,8 @@ impl Builder<'_> {
         self.scanned.masked.span(span.start(), span.end())
     }
 
-    fn report(&mut self, diagnostic: Diagnostic) {
-        self.diagnostics.push(diagnostic);
+    fn report(&mut self, diagnostic: Diagnostic) -> Reported {
+        diagnostic.report(self.diagnostics)
     }
 
     fn junk(&mut self, pair: &Pair<'_>, context: Rule) {
@@ -185,8 +185,10 @@ impl Builder<'_> {
         self.expression(value)
     }
 
-    fn missing(&self) -> Expr {
-        Expr { kind: ExprKind::Error, span: Span::default() }
+    /// In place of an expression that the grammar promises.
+    fn missing(&mut self) -> Expr {
+        let reported = self.report(wording::missing_expression(self.file));
+        Expr { kind: ExprKind::Error(reported), span: Span::default() }
     }
 }
 

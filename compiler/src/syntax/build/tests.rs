@@ -140,7 +140,7 @@ fn of_all(mut order: Expr) -> (Expr, Option<Ident>) {
     if others.iter().any(|other| matches!(other.kind, ExprKind::At { .. })) {
         return (order, None);
     }
-    match std::mem::replace(&mut last.kind, ExprKind::Error) {
+    match std::mem::replace(&mut last.kind, ExprKind::Bool(true)) {
         ExprKind::At { value, pose } => {
             *last = *value;
             (order, Some(pose))

@@ -1,7 +1,7 @@
 //! Expressions: formulas, conditions, places, lists.
 
 use super::{Ident, Name, Text};
-use crate::diagnostics::Span;
+use crate::diagnostics::{Reported, Span};
 
 /// An expression.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,8 +126,8 @@ pub enum ExprKind {
         /// At which pose.
         pose: Ident,
     },
-    /// What could not be read; the error is already reported.
-    Error,
+    /// What could not be read.
+    Error(Reported),
 }
 
 /// A literal with its unit.

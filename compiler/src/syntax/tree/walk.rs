@@ -242,7 +242,7 @@ pub fn walk_field<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, field: &'a Field
 pub fn walk_expression<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, expression: &'a Expr) {
     use ExprKind as K;
     match &expression.kind {
-        K::Number(_) | K::Bool(_) | K::Text(_) | K::Name(_) | K::Selector { .. } | K::EndedBy(_) | K::Error => {}
+        K::Number(_) | K::Bool(_) | K::Text(_) | K::Name(_) | K::Selector { .. } | K::EndedBy(_) | K::Error(_) => {}
         K::Field { base: inner, .. }
         | K::Paren(inner)
         | K::Unary { operand: inner, .. }

@@ -1,0 +1,95 @@
+//! Numbers as text: as few digits as a reader needs, or as many as bring every bit back.
+
+/// Significant digits that a reader is shown.
+const DIGITS: i32 = 4;
+
+/// Powers of ten within which a number is a plain decimal for a reader.
+const PLAIN: std::ops::Range<i32> = -4..5;
+
+/// A number for people, of at most four significant digits: `0.0313`, `-12.5`, `4.5e-6`, `1.2e5`; the whole part of a number
+/// below a hundred thousand is never cut.
+pub fn for_people(value: f64) -> String {
+    if value == 0.0 {
+        // Minus nothing is nothing to a reader.
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return format!("{value}");
+    }
+    let text = format!("{value:.0$e}", DIGITS as usize - 1);
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    // Of the number once rounded: 99999.7 is 1e5.
+    let power: i32 = exponent.parse().unwrap_or(0);
+    if !PLAIN.contains(&power) {
+        return format!("{}e{exponent}", trimmed(mantissa));
+    }
+    let decimals = (DIGITS - 1 - power).clamp(0, 9) as usize;
+    trimmed(&format!("{value:.decimals$}")).to_owned()
+}
+
+/// Numbers for people that differ to the eye where they differ: with as many digits as that takes.
+pub fn told_apart<const COUNT: usize>(values: &[f64; COUNT]) -> [String; COUNT] {
+    std::array::from_fn(|index| beside(values[index], values))
+}
+
+/// A number for people, with as many digits as tell it apart from those beside which it stands.
+pub fn beside(value: f64, others: &[f64]) -> String {
+    let shown = for_people(value);
+    let confused = others.iter().any(|other| *other != value && for_people(*other) == shown);
+    if confused { exact(value) } else { shown }
+}
+
+/// The shortest text that reads back as the same number, for machines and for sources: `12`, `-0.01`, `1e-7`.
+pub fn exact(value: f64) -> String {
+    let size = value.abs();
+    // Beyond these sizes a plain decimal is a row of zeros.
+    if size != 0.0 && !(1e-6..1e15).contains(&size) {
+        return format!("{value:e}");
+    }
+    // Minus nothing is nothing.
+    format!("{}", if value == 0.0 { 0.0 } else { value })
+}
+
+fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn people_are_shown_four_digits() {
+        let values = [0.031_25, 4.5e-6, 1.2e5, 12_345.678, -12.5, 0.1 + 0.2, 1e308, -0.0, 100.0, 0.999_96, 99_999.7, 2e-4];
+        let shown = values.map(for_people);
+        let expected = ["0.03125", "4.5e-6", "1.2e5", "12346", "-12.5", "0.3", "1e308", "0", "100", "1", "1e5", "0.0002"];
+        assert_eq!(shown, expected);
+        assert_eq!([f64::INFINITY, f64::NEG_INFINITY, f64::NAN].map(for_people), ["inf", "-inf", "NaN"]);
+    }
+
+    #[test]
+    fn what_differs_is_told_apart() {
+        assert_eq!(told_apart(&[0.5, 0.5, 1.0]), ["0.5", "0.5", "1"]);
+        assert_eq!(told_apart(&[0.5, 0.500_001]), ["0.5", "0.500001"]);
+    }
+
+    #[test]
+    fn exact_numbers_are_as_short_as_they_can_be() {
+        let texts = [12.0, -0.01, 0.1 + 0.2, 1e-7, 2.5e20, -0.0].map(exact);
+        assert_eq!(texts, ["12", "-0.01", "0.30000000000000004", "1e-7", "2.5e20", "0"]);
+    }
+
+    proptest! {
+        #[test]
+        fn no_number_is_long_for_people_and_none_is_lost_for_machines(value in any::<f64>()) {
+            let shown = for_people(value);
+            prop_assert!(shown.len() <= 11, "{}", shown);
+            if value.is_finite() {
+                let read: f64 = shown.parse().unwrap();
+                prop_assert!((read - value).abs() <= 5.1e-4 * value.abs(), "{} for {}", shown, value);
+                prop_assert_eq!(exact(value).parse::<f64>().unwrap(), value);
+            }
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! A run of nothing is no success: files, filters and suites that come to no task or test fail and say why.
+
+use crate::project::{LEAN, Project};
+
+#[test]
+fn a_file_that_declares_nothing() {
+    let project = Project::lean();
+    project.write("empty.msk", "// nothing yet\n");
+    let done = project.msk(&["check", "empty.msk", "lean.msk"]).failed(1, &["`empty.msk` declares nothing", "task NAME"]);
+    assert!(done.out.contains("lean.msk: 1 task"), "the other file is checked all the same: {}", done.out);
+    for arguments in [&["eval", "empty.msk", "--out", "out"][..], &["test", "empty.msk"], &["explain", "empty.msk"]] {
+        project.msk(arguments).failed(1, &["task"]);
+    }
+    assert!(!project.path("out").exists());
+}
+
+#[test]
+fn a_library_is_checked_as_one() {
+    let project = Project::empty();
+    project.write("lib.msk", "fn half(x) = x / 2\n");
+    let done = project.msk(&["check", "lib.msk"]).succeeded();
+    assert_eq!(done.out, "lib.msk: a library without tasks, nothing to remark\n");
+    project.write("lib.msk", "fn half(x) = x / 2\nfn half(y) = y / 2\n");
+    let done = project.msk(&["check", "lib.msk"]);
+    assert!(done.code == Some(1) && done.out.contains("`half` is declared twice"), "{done:?}");
+}
+
+#[test]
+fn a_task_that_is_not_there() {
+    let project = Project::lean();
+    project.msk(&["eval", "--task", "laen", "--out", "out"]).failed(1, &["there is no task `laen`", "lean"]);
+    project.msk(&["mutate", "lean.msk", "--task", "laen"]).failed(1, &["there is no task `laen`", "lean"]);
+    assert!(!project.path("out").exists());
+}
+
+#[test]
+fn a_suite_that_names_what_is_not_there() {
+    let project = Project::lean();
+    for (suite, said) in [
+        ("suite s { family f { laen } }", "there is no task `laen` in sight"),
+        ("suite s { family f { } }", "the family `f` names no task"),
+        ("suite s { }", "the suite `s` names no task"),
+    ] {
+        project.write("suite.msk", &format!("use \"lean.msk\"\n{suite}\n"));
+        project.msk(&["eval", "suite.msk", "--policy", "zero", "--out", "out"]).failed(1, &[said]);
+        // A suite that is used by another file is held to the same.
+        project.write("outer.msk", "use \"suite.msk\"\nuse \"lean.msk\"\nconst x = 1\n");
+        let done = project.msk(&["check", "outer.msk"]);
+        assert!(done.code == Some(1) && done.out.contains(said), "{done:?}");
+    }
+}
+
+#[test]
+fn a_folder_without_texts_and_a_file_without_weights() {
+    let project = Project::empty();
+    project.msk(&["fmt", "--check"]).failed(1, &["there is no `.msk` file in `.`"]);
+    project.write("lib.msk", "fn half(x) = x / 2\n");
+    for command in ["list", "scale", "reset"] {
+        let mut arguments = vec!["weights", command, "lib.msk"];
+        arguments.extend((command == "scale").then_some("2"));
+        project.msk(&arguments).failed(1, &["`lib.msk` holds no weights"]);
+    }
+}
+
+#[test]
+fn a_table_that_is_cut_behind_its_headings() {
+    let project = Project::lean();
+    let task = LEAN.replace("    init {", "    reference gait = motion \"walk.csv\"\n\n    init {");
+    project.write("lean.msk", &task.replace("pose neutral", "pose gait"));
+    project.write("walk.csv", "# name: walk\n# source: made up\n# cycle: yes\n# duration: 1 s\nphase, hip_flexion_r [deg]\n");
+    for command in ["check", "test"] {
+        let done = project.msk(&[command, "tasks.msk"]);
+        assert_eq!(done.code, Some(1), "{done:?}");
+        assert!(format!("{}{}", done.out, done.err).contains("a cycle has at least four rows, this one has 0"), "{done:?}");
+    }
+}
