@@ -4,6 +4,7 @@ use crate::condition::Condition;
 use crate::error::{Context, Error};
 use crate::overlays::Overlays;
 use crate::project::{Project, Settings};
+use msk::compiler::numbers::{exact, for_people};
 use msk::runtime::episode::{Ending, Episode, EpisodeKey};
 use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, play_past_ends, replay, report};
 use msk::runtime::inspect::StateFile;
@@ -90,7 +91,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             writeln!(out, "{}", report::metrics(&task.metrics))?;
         }
     }
-    writeln!(out, "return {:.3}, {}", record.total, if record.success { "success" } else { "no success" })?;
+    writeln!(out, "return {}, {}", for_people(record.total), if record.success { "success" } else { "no success" })?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -150,14 +151,18 @@ fn again(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode, Error> {
         writeln!(out, "{}", headline(&played, f64::from(played.steps) / trial.task.control_frequency))?;
         let paid =
             if record.weights_version.is_empty() { String::new() } else { format!(", weights {}", record.weights_version) };
-        writeln!(out, "return {:.3}{paid}", played.total)?;
+        writeln!(out, "return {}{paid}", for_people(played.total))?;
     }
     if played.same_as(record) {
         writeln!(io::stderr(), "the same as in `{}`, bit for bit", folder.display())?;
         return Ok(ExitCode::SUCCESS);
     }
-    let message =
-        format!("this is not the episode that `{}` holds: it paid {}, not {}", folder.display(), played.total, record.total);
+    let message = format!(
+        "this is not the episode that `{}` holds: it paid {}, not {}",
+        folder.display(),
+        exact(played.total),
+        exact(record.total)
+    );
     Err(Error::new(message).hint("another version of the program, or another machine's arithmetic, made it"))
 }
 

@@ -6,7 +6,7 @@ use crate::eval::stop_on_interrupt;
 use crate::overlays::Overlays;
 use crate::project::{Project, Settings as Parameters};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use msk::compiler::weights::written;
+use msk::compiler::numbers::{beside, for_people};
 use msk::runtime::evaluate::EpisodeRecord;
 use msk::tuning::reasoner::{Reasoner, RuleBook, from_file};
 use msk::tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, Settings, Watcher};
@@ -152,7 +152,7 @@ fn finish(session: &Session, ended: Ended) -> Result<ExitCode, Error> {
         writeln!(out, "{}", line(round))?;
     }
     if let Some(best) = session.best() {
-        writeln!(out, "\nBest: round {} with score {:.4}: `{folder}/best.toml`", best.round, best.score)?;
+        writeln!(out, "\nBest: round {} with score {}: `{folder}/best.toml`", best.round, for_people(best.score))?;
         writeln!(out, "Use it with `--weights {folder}/best.toml`, or write it into the source with `msk weights bake`.")?;
     }
     match ended {
@@ -176,9 +176,9 @@ fn finish(session: &Session, ended: Ended) -> Result<ExitCode, Error> {
 fn line(round: &Round) -> String {
     let statistics = &round.statistics;
     let head = format!(
-        "round {}: score {:.4}, {} episodes, {:.0} % succeeded",
+        "round {}: score {}, {} episodes, {:.0} % succeeded",
         round.round,
-        round.score,
+        for_people(round.score),
         statistics.episodes,
         100.0 * statistics.success_rate
     );
@@ -188,17 +188,14 @@ fn line(round: &Round) -> String {
         (None, Some(next)) => {
             let changed = round.weights.iter().zip(next).filter(|((_, before), (_, after))| before != after);
             let changed: Vec<String> = changed
-                .map(|((term, before), (_, after))| format!("{term} {} -> {}", rounded(*before), rounded(*after)))
+                .map(|((term, before), (_, after))| {
+                    format!("{term} {} -> {}", beside(*before, &[*after]), beside(*after, &[*before]))
+                })
                 .collect();
             if changed.is_empty() { "weights stay".into() } else { changed.join(", ") }
         }
     };
     format!("{head}; {changes}")
-}
-
-/// Four digits after the point are enough for the eye.
-fn rounded(weight: f64) -> String {
-    written((weight * 1e4).round() / 1e4)
 }
 
 fn say(message: &str) {
@@ -236,6 +233,6 @@ impl Watcher for Progress {
 
     fn round(&self, round: &Round) {
         self.bar.set_position(0);
-        self.bar.set_message(format!("round {}: score {:.4}", round.round, round.score));
+        self.bar.set_message(format!("round {}: score {}", round.round, for_people(round.score)));
     }
 }

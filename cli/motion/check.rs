@@ -2,6 +2,7 @@
 
 use super::Start;
 use crate::error::{Error, FAILURE};
+use msk::compiler::numbers::for_people;
 use msk::runtime::inspect::{MotionLimits, MotionReport, inspect_motion};
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -38,14 +39,14 @@ fn readable(report: &MotionReport, limits: &MotionLimits, faults: &[String]) -> 
     let mut out = String::new();
     let kind = if report.cycle { "a cycle" } else { "a motion" };
     // Writing to a string cannot fail.
-    let _ = writeln!(out, "{}: {kind} of {} s in {} rows", report.name, report.duration, report.rows);
+    let _ = writeln!(out, "{}: {kind} of {} s in {} rows", report.name, for_people(report.duration), report.rows);
     if let Some([stride, speed]) = report.stride {
-        let _ = writeln!(out, "one turn takes the root {stride:.3} m further, {speed:.2} m/s");
+        let _ = writeln!(out, "one turn takes the root {} m further, {} m/s", for_people(stride), for_people(speed));
     }
     let _ =
         writeln!(out, "\n{:<24} {:>5} {:>9} {:>9} {:>19} {:>11}", "column", "unit", "lowest", "highest", "range", "fastest, /s");
     for column in &report.columns {
-        let shown = |value: f64| format!("{:.2}", value / column.factor);
+        let shown = |value: f64| for_people((value / column.factor * 100.0).round() / 100.0);
         let range = column.range.map_or_else(|| "-".to_owned(), |[low, high]| format!("{} .. {}", shown(low), shown(high)));
         let [low, high] = column.values.map(shown);
         let residual = column.residual.map_or_else(String::new, |residual| format!("  off its coupling by {}", shown(residual)));

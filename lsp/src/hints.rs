@@ -4,6 +4,7 @@ use crate::positions::Lines;
 use lsp_types::{InlayHint, InlayHintLabel, InlayHintTooltip};
 use msk_compiler::compile::Inspection;
 use msk_compiler::diagnostics::Span;
+use msk_compiler::numbers::for_people;
 use msk_compiler::syntax::tree::{File, Item, TaskStatement, Term, walk};
 
 /// The share of every weight of a file within `range`.
@@ -34,7 +35,10 @@ pub fn shares(tree: &File, whole: &Inspection, lines: &Lines<'_>, range: Span) -
                 label: InlayHintLabel::String(share(weight.value.abs() / total)),
                 kind: None,
                 text_edits: None,
-                tooltip: Some(InlayHintTooltip::String(format!("share of the sum of all sizes of weights, {total}"))),
+                tooltip: Some(InlayHintTooltip::String(format!(
+                    "share of the sum of all sizes of weights, {}",
+                    for_people(total)
+                ))),
                 padding_left: Some(true),
                 padding_right: None,
                 data: None,

@@ -10,6 +10,7 @@ use msk_compiler::check::unit;
 use msk_compiler::compile::Inspection;
 use msk_compiler::diagnostics::{FileId, Span};
 use msk_compiler::graph::interval::Bounds;
+use msk_compiler::numbers::for_people;
 use std::path::Path;
 
 /// What there is to say at a byte of a file.
@@ -60,16 +61,11 @@ fn noted(whole: &Inspection, file: FileId, byte: usize) -> Option<(Span, String)
 
 /// Bounds in words.
 fn within(range: Bounds) -> String {
-    let number = |value: f64| {
-        let rounded = format!("{value:.4}");
-        let short = if rounded.contains('.') { rounded.trim_end_matches('0').trim_end_matches('.') } else { &rounded };
-        if value != 0.0 && value.abs() < 1e-3 { format!("{value:.2e}") } else { short.to_owned() }
-    };
     match (range.low.is_finite(), range.high.is_finite()) {
-        (true, true) if range.low == range.high => format!("the one value {}", number(range.low)),
-        (true, true) => format!("{} .. {} (SI)", number(range.low), number(range.high)),
-        (true, false) => format!("{} and above (SI)", number(range.low)),
-        _ => format!("{} and below (SI)", number(range.high)),
+        (true, true) if range.low == range.high => format!("the one value {}", for_people(range.low)),
+        (true, true) => format!("{} .. {} (SI)", for_people(range.low), for_people(range.high)),
+        (true, false) => format!("{} and above (SI)", for_people(range.low)),
+        _ => format!("{} and below (SI)", for_people(range.high)),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{MetricSummary, Spread, Summary, TaskSummary, TermSummary};
 use core::fmt::Write;
+use msk_compiler::numbers::{exact, for_people};
 
 /// The whole report.
 pub fn markdown(summary: &Summary) -> String {
@@ -64,8 +65,8 @@ pub fn metrics(metrics: &[MetricSummary]) -> String {
     let mut table = Table::new(&["metric", "mean", "at the end"]);
     let number = |spread: Option<Spread>| match spread {
         None => "-".into(),
-        Some(Spread { mean, deviation: None }) => significant(mean),
-        Some(Spread { mean, deviation: Some(deviation) }) => format!("{} ± {}", significant(mean), significant(deviation)),
+        Some(Spread { mean, deviation: None }) => for_people(mean),
+        Some(Spread { mean, deviation: Some(deviation) }) => format!("{} ± {}", for_people(mean), for_people(deviation)),
     };
     for metric in metrics {
         table.row(vec![metric.name.clone(), number(metric.mean), number(metric.last)]);
@@ -92,35 +93,26 @@ fn endings(ended_by: &[(String, u64)]) -> String {
 }
 
 fn term_row(term: &TermSummary) -> Vec<String> {
-    let number = |value: Option<f64>| value.map_or("-".into(), significant);
+    let number = |value: Option<f64>| value.map_or("-".into(), for_people);
     vec![
         term.name.clone(),
-        term.weight.to_string(),
+        exact(term.weight),
         number(term.value_per_step),
         number(term.pay_per_step),
         term.share.map_or("-".into(), |share| format!("{:.2} %", 100.0 * share)),
     ]
 }
 
-/// One decimal, or none where the numbers are large.
+/// One decimal, or none where the numbers are large, or powers of ten where they are very large.
 fn spread(spread: Option<Spread>) -> String {
     let Some(Spread { mean, deviation }) = spread else { return "-".into() };
+    if !mean.is_finite() || mean.abs() >= 1e6 {
+        let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {}", for_people(deviation)));
+        return for_people(mean) + &deviation;
+    }
     let decimals = usize::from(mean.abs() < 1000.0);
     let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {deviation:.decimals$}"));
     format!("{mean:.decimals$}{deviation}")
-}
-
-/// Four significant digits, in powers of ten where the number would be long.
-fn significant(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".into()
-    } else if !(1e-3..1e5).contains(&size) {
-        format!("{value:.3e}")
-    } else {
-        let before_point = size.log10().floor() as i32 + 1;
-        format!("{value:.*}", usize::try_from(4 - before_point).unwrap_or(0))
-    }
 }
 
 /// A Markdown table with aligned columns: words to the left, numbers to the right.
@@ -165,12 +157,6 @@ impl Table {
 mod tests {
     use super::super::{Protocol, wilson_interval};
     use super::*;
-
-    #[test]
-    fn numbers_keep_four_digits() {
-        let printed = [0.0, 1.0, -12.3456, 999.96, 0.012345, 1.5e-7, 123456.0].map(significant);
-        assert_eq!(printed, ["0", "1.000", "-12.35", "1000.0", "0.01235", "1.500e-7", "1.235e5"]);
-    }
 
     #[test]
     fn the_report_fits_a_terminal_and_renders_as_tables() {

@@ -9,6 +9,7 @@ use crate::physics::collision::{Placed, Scratch, distance};
 use msk_compiler::check::DEAD;
 use msk_compiler::diagnostics::codes::{lints, probing};
 use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
+use msk_compiler::numbers::for_people;
 use msk_compiler::survey::{About, Survey};
 use msk_compiler::task::CompiledTask;
 use std::collections::BTreeSet;
@@ -78,8 +79,8 @@ fn dead(task: &CompiledTask, found: &Tally, told: &mut Vec<Found>) {
         if range.low >= 0.0 && range.high.is_finite() && range.single().is_none() && most < DEAD * range.high {
             let message = format!("the term `{}` pays almost nothing where the task begins", term.name);
             let diagnostic = at(lints::DEAD_AT_RESET, subject.at, message)
-                .expected(format!("more than a twentieth of its highest value, {:.4}", range.high))
-                .found(format!("{most:.2e} at most in {SEEDS} episodes"))
+                .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
+                .found(format!("{} at most in {SEEDS} episodes", for_people(most)))
                 .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
             told.push((DEAD_AT_RESET, task.places.terms[index].1.clone(), diagnostic));
         }

@@ -10,6 +10,7 @@ use crate::episode::{EpisodeKey, Stream};
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
 use msk_compiler::frame::Sensor;
+use msk_compiler::numbers::for_people;
 use msk_compiler::survey::{About, Subject, Survey};
 use msk_compiler::task::CompiledTask;
 use std::collections::{BTreeMap, BTreeSet};
@@ -232,13 +233,16 @@ fn decided(about: &Subject, tally: &Tally, wanted: bool, count: usize, poses: &s
 /// `0.2 to 1.2 m`
 fn between([low, high]: [f64; 2], unit: &str) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let number = |value: f64| format!("{}", (value * 1e4).round() / 1e4);
-    if high - low < 1e-4 { format!("{}{unit}", number(low)) } else { format!("{} to {}{unit}", number(low), number(high)) }
+    if high - low < 1e-4 {
+        format!("{}{unit}", for_people(low))
+    } else {
+        format!("{} to {}{unit}", for_people(low), for_people(high))
+    }
 }
 
 /// `0`, `3e-20`
 fn amount(value: f64) -> String {
-    if value <= 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
+    for_people(f64::max(value, 0.0))
 }
 
 /// A term that never pays or always does.
@@ -277,7 +281,9 @@ fn term(
             let (low, high) = (tally.standing.low.0, about.range.high);
             let poses = search.looked - looked + shown.iter().filter(|shown| shown.stands).count();
             let message = format!(
-                " is at least {low:.2} of {high:.2} in {poses} poses with a flat foot on the ground: it pays whatever is done"
+                " is at least {} of {} in {poses} poses with a flat foot on the ground: it pays whatever is done",
+                for_people(low),
+                for_people(high)
             );
             return Some((ALWAYS_PAID, true, message));
         }

@@ -7,6 +7,7 @@ use super::{Found, at};
 use crate::episode::{Episode, EpisodeKey, Stream};
 use crate::physics::State;
 use msk_compiler::diagnostics::codes::probing;
+use msk_compiler::numbers::{beside, for_people};
 use msk_compiler::survey::{About, Survey};
 use msk_compiler::task::{CompiledTask, StepReport};
 use std::collections::BTreeSet;
@@ -56,16 +57,17 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], e
         let most = unlike.iter().max_by(|[a, b], [c, d]| (a - b).abs().total_cmp(&(c - d).abs()));
         let Some([here, there]) = most.filter(|_| unlike.len() >= WITNESSES) else { continue };
         let (name, message) = match subject.about {
-            About::Term(index) => {
-                (&task.terms[index].name, format!("is {here:.4} in a state and {there:.4} in its mirror image"))
-            }
+            About::Term(index) => (
+                &task.terms[index].name,
+                format!("is {} in a state and {} in its mirror image", beside(*here, &[*there]), beside(*there, &[*here])),
+            ),
             About::Termination(index) => (&task.terminations[index], "holds in a state and not in its mirror image".to_owned()),
             About::Finish(index) => (&task.finishes[index], "holds in a state and not in its mirror image".to_owned()),
             About::Success | About::Comparison => continue,
         };
         let message = format!("the task is `symmetric`, but `{name}` {message}");
         let diagnostic = at(probing::UNMIRRORED, subject.at, message)
-            .found(format!("{} of {} states differ, by {:.4} at most", unlike.len(), values.len(), (here - there).abs()))
+            .found(format!("{} of {} states differ, by {} at most", unlike.len(), values.len(), for_people((here - there).abs())))
             .help("read both sides alike, or leave out `symmetric`");
         let own = if let About::Term(index) = subject.about { task.places.terms[index].1.clone() } else { BTreeSet::new() };
         told.push((UNMIRRORED, own, diagnostic));

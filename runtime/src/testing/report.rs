@@ -4,6 +4,7 @@ use super::TestError;
 use super::take::Played;
 use crate::episode::Ending;
 use msk_compiler::diagnostics::{FileId, Span};
+use msk_compiler::numbers::beside;
 use msk_compiler::task::CompiledTask;
 use msk_compiler::testing::{Check, Comparison, Expectation, Reading, Side, TaskTest, TaskTests};
 use serde::Serialize;
@@ -184,25 +185,12 @@ fn holds(values: &[Option<f64>], comparisons: &[Comparison]) -> bool {
 
 /// `reward.pose = 9.87, pelvis.height = 0.93 m`
 fn in_words(sides: &[Side], values: &[Option<f64>]) -> String {
+    // What a comparison tells apart, the eye shall.
+    let known: Vec<f64> = values.iter().copied().flatten().collect();
     let told = sides.iter().zip(values).filter(|(side, _)| !side.constant);
     let told = told.map(|(side, value)| {
         let unit = if side.unit.is_empty() { String::new() } else { format!(" {}", side.unit) };
-        format!("{} = {}{unit}", side.source, value.map_or("?".into(), short))
+        format!("{} = {}{unit}", side.source, value.map_or("?".into(), |value| beside(value, &known)))
     });
     told.collect::<Vec<_>>().join(", ")
-}
-
-/// Six digits that count.
-fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let magnitude = libm::floor(libm::log10(value.abs())) as i32;
-    if (-4..7).contains(&magnitude) {
-        let decimals = usize::try_from(5 - magnitude).unwrap_or(0);
-        let text = format!("{value:.decimals$}");
-        let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-        return trimmed.to_owned();
-    }
-    format!("{value:.5e}")
 }

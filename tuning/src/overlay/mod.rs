@@ -15,8 +15,9 @@ pub use edit::{EditError, edited};
 pub use wish::{Laid, Wish, WishError, wished};
 
 use msk_compiler::diagnostics::{Diagnostic, FileId, SourceMap, Span, codes, nearest};
+use msk_compiler::numbers::for_people;
 use msk_compiler::task::{CompiledTask, Origin};
-use msk_compiler::weights::Problem;
+use msk_compiler::weights::{LARGEST, Problem, may_be};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use toml_edit::{Document, Item, TableLike};
@@ -161,7 +162,10 @@ impl Reader {
             let value = span(item.span());
             let number = item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64));
             let wrong = match number {
-                Some(weight) if !weight.is_finite() => Some(format!("the weight of `{term}` must be a finite number")),
+                Some(weight) if !may_be(weight) => {
+                    let most = for_people(LARGEST);
+                    Some(format!("the weight of `{term}` must be a number from -{most} to {most}"))
+                }
                 None => Some(format!("the weight of `{term}` must be a number, not {}", kind(item))),
                 Some(_) if !self.given.insert((task.to_owned(), term.clone())) => Some(format!("`{term}` is given twice")),
                 Some(weight) => {

@@ -2,6 +2,7 @@
 
 use super::Request;
 use crate::statistics::{Allowed, TermStatistics};
+use msk_compiler::numbers::for_people;
 use msk_compiler::weights::written;
 use std::fmt::Write;
 
@@ -55,9 +56,9 @@ fn allowed(term: &TermStatistics) -> String {
 
 fn range([low, high]: [Option<f64>; 2]) -> String {
     match (low, high) {
-        (Some(low), Some(high)) => format!("between {} and {}", rounded(low), rounded(high)),
-        (Some(low), None) => format!("at least {}", rounded(low)),
-        (None, Some(high)) => format!("at most {}", rounded(high)),
+        (Some(low), Some(high)) => format!("between {} and {}", for_people(low), for_people(high)),
+        (Some(low), None) => format!("at least {}", for_people(low)),
+        (None, Some(high)) => format!("at most {}", for_people(high)),
         (None, None) => "unbounded".into(),
     }
 }
@@ -108,12 +109,7 @@ fn rules(request: &Request, text: &mut String) {
 }
 
 fn number(value: Option<f64>) -> String {
-    value.map_or("unknown".into(), |value| format!("{value:.4}"))
-}
-
-/// Four digits are enough to know where a term stays.
-fn rounded(value: f64) -> String {
-    written(format!("{value:.3e}").parse().unwrap_or(value))
+    value.map_or("unknown".into(), for_people)
 }
 
 fn percent(value: Option<f64>) -> String {
