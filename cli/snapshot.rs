@@ -4,6 +4,7 @@ use crate::error::{Context, Error, FAILURE};
 use crate::project::{self, Settings, compiled};
 use msk::compiler::difference::Difference;
 use msk::compiler::snapshot::Snapshot;
+use msk_storage::{Folder, read_text_file};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -48,16 +49,21 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if args.check { check(&tasks, &args.out, whole) } else { write(&tasks, &args.out) }
 }
 
-fn place(folder: &Path, task: &str) -> PathBuf {
-    folder.join(format!("{task}.snapshot"))
+/// Largest snapshot that is read, bytes.
+const LARGEST: u64 = 1 << 24;
+
+fn name(task: &str) -> PathBuf {
+    format!("{task}.snapshot").into()
 }
 
 fn write(tasks: &[Snapshot], folder: &Path) -> Result<ExitCode, Error> {
-    fs::create_dir_all(folder).context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    // A folder from somebody else may hold links in place of snapshots: nothing is written through them.
+    let opened = Folder::create(folder)?;
     let mut out = io::stdout().lock();
     for task in tasks {
-        let (path, text) = (place(folder, task.task()), task.to_string());
-        let known = fs::read_to_string(&path).ok();
+        let (name, text) = (name(task.task()), task.to_string());
+        // What cannot be read as a snapshot has nothing to be compared with.
+        let known = opened.read_text(&name, LARGEST).ok().flatten();
         if known.as_deref() == Some(&text) {
             continue;
         }
@@ -68,8 +74,8 @@ fn write(tasks: &[Snapshot], folder: &Path) -> Result<ExitCode, Error> {
                 write!(out, "{difference}")?;
             }
         }
-        fs::write(&path, text).context(|| format!("cannot write `{}`", path.display()))?;
-        writeln!(out, "{}", path.display())?;
+        opened.replace(&name, text.as_bytes())?;
+        writeln!(out, "{}", folder.join(name).display())?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -78,13 +84,13 @@ fn check(tasks: &[Snapshot], folder: &Path, whole: bool) -> Result<ExitCode, Err
     let mut out = io::stdout().lock();
     let mut sound = true;
     for task in tasks {
-        let path = place(folder, task.task());
+        let path = folder.join(name(task.task()));
         if !path.exists() {
             writeln!(out, "{}\n  has no snapshot yet: write it with `msk snapshot`", task.task())?;
             sound = false;
             continue;
         }
-        let text = fs::read_to_string(&path).context(|| format!("cannot read `{}`", path.display()))?;
+        let text = read_text_file(&path, LARGEST)?;
         let before: Snapshot = text.parse().context(|| format!("cannot read `{}`", path.display()))?;
         let difference = Difference::between(&before, task, true);
         if !difference.is_empty() {

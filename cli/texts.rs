@@ -1,10 +1,9 @@
 //! Texts on disk: which there are, and how one is replaced so that no reader ever sees half of it.
 
 use crate::error::{Context, Error};
+use msk_storage::Folder;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// Files as they are; folders are looked through for `.msk` files, in order, hidden ones and build outputs left out.
 ///
@@ -44,22 +43,13 @@ fn look_through(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Replaces a file in one step: readers see the old text or the new one.
+/// Replaces a file in one step: readers see the old text or the new one. A link stays a link: what it leads to is replaced.
 ///
 /// # Errors
-/// The folder or the file cannot be written; the file is then what it was.
+/// The folder or the file cannot be written, or the file is read-only; it is then what it was.
 pub fn replace(path: &Path, text: &str) -> Result<(), Error> {
-    let cannot = || format!("cannot write `{}`", path.display());
-    // A link stays a link: what it leads to is replaced.
-    let path = fs::canonicalize(path).context(cannot)?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = NamedTempFile::new_in(folder).context(cannot)?;
-    file.write_all(text.as_bytes()).context(cannot)?;
-    file.as_file().sync_all().context(cannot)?;
-    let permissions = fs::metadata(&path).context(cannot)?.permissions();
-    file.as_file().set_permissions(permissions).context(cannot)?;
-    file.persist(&path).context(cannot)?;
-    Ok(())
+    let (folder, name) = Folder::of_file(path)?;
+    Ok(folder.replace(&name, text.as_bytes())?)
 }
 
 /// Replaces a file whose text is still `before`, and says whether it did: what somebody else wrote meanwhile is not lost.

@@ -28,7 +28,7 @@ pub struct Args {
     /// Name of a task in tasks.msk, or a file with one task
     task: String,
     /// Who proposes weights: rules (built in), or a TOML file with kind = "http" (url, model, key_variable), kind = "process"
-    /// (command) or kind = "rules"
+    /// (command, environment) or kind = "rules"
     #[arg(long, default_value = "rules", value_name = "rules | FILE")]
     reasoner: String,
     /// What acts: posture, witness, zero, random

@@ -63,3 +63,16 @@ fn a_snapshot_holds_through_comments_and_layout_and_breaks_with_the_meaning() {
     let done = differs(project.msk(&["snapshot", "--check"]));
     assert!(done.out.contains("gone\n  has a snapshot"), "{}", done.out);
 }
+
+/// A relative of the links in `.msk`: a folder from somebody else may hold a link where a snapshot is written.
+#[cfg(unix)]
+#[test]
+fn no_snapshot_is_written_through_a_link() {
+    let (project, elsewhere) = (Project::lean(), tempfile::tempdir().unwrap());
+    let victim = elsewhere.path().join(".bashrc");
+    std::fs::write(&victim, "precious\n").unwrap();
+    std::fs::create_dir(project.path("snapshots")).unwrap();
+    std::os::unix::fs::symlink(&victim, project.path("snapshots/lean.snapshot")).unwrap();
+    project.msk(&["snapshot"]).failed(1, &["lean.snapshot` is a symbolic link"]);
+    assert_eq!(std::fs::read_to_string(&victim).unwrap(), "precious\n");
+}

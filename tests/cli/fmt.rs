@@ -28,3 +28,15 @@ fn files_with_errors_are_reported_and_left_as_they_are() {
     assert_eq!(missing.code, Some(1));
     assert!(missing.err.contains("nothing.msk"), "{}", missing.err);
 }
+
+#[cfg(unix)]
+#[test]
+fn a_read_only_file_is_not_replaced() {
+    use std::os::unix::fs::PermissionsExt;
+    let project = Project::empty();
+    let text = LEAN.replace("    family   stabilization", "  family stabilization");
+    project.write("lean.msk", &text);
+    std::fs::set_permissions(project.path("lean.msk"), std::fs::Permissions::from_mode(0o444)).unwrap();
+    project.msk(&["fmt", "lean.msk"]).failed(1, &["lean.msk` is read-only", "chmod u+w"]);
+    assert_eq!(project.read("lean.msk"), text);
+}
