@@ -223,16 +223,16 @@ fn links_in_a_folder_from_somebody_else_lead_nowhere() {
         (&overlay, ".msk", true),
         (&overlay, ".msk/weights.toml.new", false),
     ];
-    for (command, link, refused) in cases {
+    for (command, name, refused) in cases {
         let (project, elsewhere) = (Project::lean(), tempfile::tempdir().unwrap());
         let victim = elsewhere.path().join(".bashrc");
         std::fs::write(&victim, "precious\n").unwrap();
-        let link = project.path(link);
+        let link = project.path(name);
         std::fs::create_dir_all(link.parent().unwrap()).unwrap();
         symlink(if link.ends_with(".msk") { elsewhere.path() } else { &victim }, &link).unwrap();
         let done = project.msk(command);
         if refused {
-            done.failed(1, &["is a symbolic link, which is not followed here", link.to_str().unwrap()]);
+            done.failed(1, &["is a symbolic link, which is not followed here", &format!("{name}`")]);
             assert!(project.read("lean.msk") == LEAN && !project.path("weights.toml").exists());
         } else {
             done.succeeded();
