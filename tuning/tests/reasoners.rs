@@ -52,11 +52,11 @@ fn the_prompt_holds_terms_with_ranges_bounds_and_units_and_wants_data_only() {
     let text = prompt(&Request { norm: Some(40.0), ..asked() });
     for part in [
         "- pose = exp(",
-        "weight 10, allowed 5 to 30; value between 0.000005835 and 1",
+        "weight 10, allowed 5 to 30; value between 5.835e-6 and 1",
         "weight 5, must stay above 0",
         "weight -1, must stay below 0",
         "weight 2, not to be changed",
-        "pelvis.height [m]: mean 0.9000",
+        "pelvis.height [m]: mean 0.9",
         "at most 20 % of its size",
         "must sum to 40",
         "Answer with data only",

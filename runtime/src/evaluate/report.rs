@@ -191,8 +191,8 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("\nFault in `single_leg_stand`, episode 31: at 0.2 s the velocity of joint `knee`"), "{text}");
-        assert!(text.contains("| lean   | 0.5000 |          - |"), "{text}");
-        assert!(text.contains("| pose |     10 |         0.9300 |        9.300 | 25.00 % |"), "{text}");
+        assert!(text.contains("| lean   |  0.5 |          - |"), "{text}");
+        assert!(text.contains("| pose |     10 |           0.93 |          9.3 | 25.00 % |"), "{text}");
     }
 
     #[test]
