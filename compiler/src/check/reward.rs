@@ -95,11 +95,10 @@ impl<'a> Checker<'a> {
 
     /// What is paid once would be paid a fraction as a rate: `once` does not go with `reward per second`.
     fn must_be_a_rate(&mut self, formula: &Expr, node: NodeId, name: &str) -> Checked<()> {
-        let written = single_event(formula);
-        if written.is_none() && events::single_event(&self.graph, node).is_none() {
+        if events::single_event(&self.graph, node).is_none() {
             return Ok(());
         }
-        let (here, span) = match written {
+        let (here, span) = match single_event(formula) {
             Some((word, span)) => (format!("`{word}` holds at one step"), span),
             None => ("behind a name in this, `once`, `rising` or `falling` holds at one step".to_owned(), formula.span),
         };
