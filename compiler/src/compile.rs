@@ -44,20 +44,22 @@ pub struct Compilation {
     pub sources: SourceMap,
 }
 
-/// Families of tasks and the protocol by which policies are compared.
+/// Families of tasks and the protocols by which policies are compared.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Suite {
     /// Its name.
     pub name: String,
     /// Families with the names of their tasks.
     pub families: Vec<(String, Vec<String>)>,
-    /// How many episodes, from which seed.
-    pub protocol: Protocol,
+    /// The ways to evaluate it; the first is the default.
+    pub protocols: Vec<Protocol>,
 }
 
-/// The protocol of a suite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A protocol of a suite: how many episodes, from which seed.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Protocol {
+    /// Its name; empty if it has none.
+    pub name: String,
     /// Episodes per task.
     pub episodes: u32,
     /// Seed of the first episode.
@@ -66,7 +68,7 @@ pub struct Protocol {
 
 impl Default for Protocol {
     fn default() -> Self {
-        Self { episodes: 50, seed: 0 }
+        Self { name: String::new(), episodes: 50, seed: 0 }
     }
 }
 

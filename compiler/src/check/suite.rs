@@ -1,4 +1,4 @@
-//! Suites: families of tasks and the protocol.
+//! Suites: families of tasks and protocols.
 
 use super::constant;
 use crate::compile::{Protocol, Suite};
@@ -8,7 +8,7 @@ use crate::syntax::tree::{self, FieldValue};
 
 /// Checks a suite against the names of all tasks in sight.
 pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Suite {
-    let mut checked = Suite { name: suite.name.text.clone(), families: Vec::new(), protocol: Protocol::default() };
+    let mut checked = Suite { name: suite.name.text.clone(), families: Vec::new(), protocols: Vec::new() };
     let mut empty = |what: &str, name: &tree::Ident| {
         let diagnostic =
             Diagnostic::new(codes::tasks::MISSING, file, name.span, format!("the {what} `{}` names no task", name.text));
@@ -37,11 +37,37 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
         }
         checked.families.push((family.name.text.clone(), members));
     }
-    for field in suite.protocol.iter().flat_map(|protocol| &protocol.fields) {
-        match (field.name.text.as_str(), &field.value) {
+    for protocol in &suite.protocols {
+        let repeated = |name: &tree::Ident| checked.protocols.iter().any(|before| before.name == name.text);
+        if let Some(name) = protocol.name.as_ref().filter(|name| repeated(name)) {
+            let message = format!("the suite has a protocol `{}` already", name.text);
+            diagnostics.push(Diagnostic::new(codes::tasks::REPEATED, file, name.span, message));
+        }
+        checked.protocols.push(self::protocol(protocol, file, diagnostics));
+    }
+    checked
+}
+
+/// Checks the settings of a protocol.
+fn protocol(protocol: &tree::Protocol, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Protocol {
+    let name = protocol.name.as_ref().map(|name| name.text.clone()).unwrap_or_default();
+    let mut checked = Protocol { name, ..Protocol::default() };
+    let unknown = |name: &str, span| {
+        Diagnostic::new(codes::tasks::UNKNOWN_SETTING, file, span, format!("a protocol has no `{name}` yet"))
+            .help("it takes `episodes 50` and `seed 0`")
+    };
+    let mut seen: Vec<&str> = Vec::new();
+    for field in &protocol.settings.fields {
+        let name = field.name.text.as_str();
+        if seen.contains(&name) {
+            let message = format!("the protocol says `{name}` already");
+            diagnostics.push(Diagnostic::new(codes::tasks::REPEATED, file, field.span, message));
+        }
+        seen.push(name);
+        match (name, &field.value) {
             ("episodes" | "seed", FieldValue::Value(value)) => match constant::whole(value) {
-                Ok(number) if field.name.text == "seed" => checked.protocol.seed = number,
-                Ok(number @ 1..=1_000_000) => checked.protocol.episodes = number as u32,
+                Ok(number) if name == "seed" => checked.seed = number,
+                Ok(number @ 1..=1_000_000) => checked.episodes = number as u32,
                 Ok(_) => {
                     let message = "between one and a million episodes";
                     diagnostics.push(Diagnostic::new(codes::tasks::OUT_OF_RANGE, file, value.span, message));
@@ -50,12 +76,9 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
                     diagnostics.push(Diagnostic::new(wrong.code, file, wrong.span, wrong.message));
                 }
             },
-            (name, _) => {
-                let message = format!("a protocol has no `{name}` yet");
-                let diagnostic = Diagnostic::new(codes::tasks::UNKNOWN_SETTING, file, field.span, message);
-                diagnostics.push(diagnostic.help("it takes `episodes 50` and `seed 0`"));
-            }
+            _ => diagnostics.push(unknown(name, field.span)),
         }
     }
+    diagnostics.extend(protocol.settings.parts.iter().map(|part| unknown(&part.kind.text, part.span)));
     checked
 }

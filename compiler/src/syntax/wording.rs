@@ -266,8 +266,9 @@ pub(super) fn element_in_placement(file: FileId, span: Span, object: &str) -> Di
         .help("parts are declared in `scene`")
 }
 
-pub(super) fn second_protocol(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(codes::MISPLACED, file, span, "a suite has one protocol")
+pub(super) fn nameless_protocol(file: FileId, span: Span) -> Diagnostic {
+    Diagnostic::new(codes::MISPLACED, file, span, "of several protocols in a suite each has a name")
+        .help("`protocol quick { episodes 5 }` and `protocol paper { episodes 50 }`; the first is used unless another is chosen")
 }
 
 // ------------------------------------------------------------------------------------- statements that fit no rule

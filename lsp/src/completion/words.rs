@@ -77,7 +77,8 @@ pub const START: Table =
     &[("at", "where"), ("turned", "how it is turned"), ("velocity", "how fast"), ("spin", "how fast it turns")];
 
 /// In a suite.
-pub const SUITE: Table = &[("family", "family NAME { TASKS }"), ("protocol", "protocol { episodes 50, seed 0 }")];
+pub const SUITE: Table =
+    &[("family", "family NAME { TASKS }"), ("protocol", "protocol NAME { episodes 50, seed 0 }: the first is the default")];
 
 /// In a protocol.
 pub const PROTOCOL: Table = &[("episodes", "episodes of each task"), ("seed", "seed of the first episode")];

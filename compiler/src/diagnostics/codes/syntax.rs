@@ -173,7 +173,7 @@ codes! {
         title: "this cannot stand in this block",
         explanation: "The statement is one of the language, but belongs elsewhere.",
         example: "suite bench { protocol { episodes 50 }; protocol { seed 1 } }",
-        fix: "suite bench { protocol { episodes 50, seed 1 } }",
+        fix: "suite bench { protocol a { episodes 50 }; protocol b { seed 1 } }",
     }
     MISSING_BLOCK = "E0130" {
         title: "a block in braces is missing",

@@ -2,7 +2,7 @@
 
 use super::{Builder, part};
 use crate::syntax::grammar::{Pair, Rule};
-use crate::syntax::tree::{Body, BodyGroup, BodyPose, BodyStatement, Family, Suite};
+use crate::syntax::tree::{Body, BodyGroup, BodyPose, BodyStatement, Family, Protocol, Suite};
 
 impl Builder<'_> {
     pub(super) fn body(&mut self, pair: &Pair<'_>) -> Body {
@@ -56,23 +56,30 @@ impl Builder<'_> {
         let span = self.span(pair);
         let docs = self.docs(span);
         let name = self.identifier_in(pair);
-        let (mut families, mut protocol) = (Vec::new(), None);
+        let (mut families, mut protocols) = (Vec::new(), Vec::<Protocol>::new());
         for pair in part(pair, Rule::suite_block).into_iter().flat_map(Pair::into_inner) {
             match pair.as_rule() {
                 Rule::suite_family => families.push(self.suite_family(&pair)),
                 Rule::protocol => {
-                    let kind = self.first_word(&pair);
-                    let present = self.element_of(&pair, kind);
-                    if protocol.is_some() {
-                        self.report(crate::syntax::wording::second_protocol(self.file, present.kind.span));
+                    let present = self.protocol(&pair);
+                    if let Some(before) = protocols.last()
+                        && let Some(nameless) = [before, &present].into_iter().find(|protocol| protocol.name.is_none())
+                    {
+                        self.report(crate::syntax::wording::nameless_protocol(self.file, nameless.settings.kind.span));
                     }
-                    protocol = Some(present);
+                    protocols.push(present);
                 }
                 Rule::junk => self.junk(&pair, Rule::one_suite_statement),
                 _ => {}
             }
         }
-        Suite { docs, name, families, protocol, span }
+        Suite { docs, name, families, protocols, span }
+    }
+
+    fn protocol(&mut self, pair: &Pair<'_>) -> Protocol {
+        let name = part(pair, Rule::identifier).map(|name| self.identifier(&name));
+        let kind = self.first_word(pair);
+        Protocol { name, settings: self.element_of(pair, kind) }
     }
 
     fn suite_family(&mut self, pair: &Pair<'_>) -> Family {

@@ -76,10 +76,19 @@ pub struct Suite {
     pub name: Ident,
     /// `family stabilization { stand }`, in order.
     pub families: Vec<Family>,
-    /// `protocol { episodes 50, seed 0 }`
-    pub protocol: Option<Element>,
+    /// `protocol quick { episodes 5, seed 0 }`, in order.
+    pub protocols: Vec<Protocol>,
     /// The declaration.
     pub span: Span,
+}
+
+/// `protocol quick { episodes 5, seed 0 }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Protocol {
+    /// Its name; the only protocol of a suite needs none.
+    pub name: Option<Ident>,
+    /// Its settings.
+    pub settings: Element,
 }
 
 /// `family stabilization { stand, sit }`

@@ -77,7 +77,7 @@ pub fn walk_item<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, item: &'a Item) {
         Item::Use(_) => {}
         Item::Task(task) => task.statements.iter().for_each(|statement| visitor.task_statement(statement)),
         Item::Sequence(sequence) => sequence.statements.iter().for_each(|statement| visitor.task_statement(statement)),
-        Item::Suite(suite) => suite.protocol.iter().for_each(|protocol| visitor.element(protocol)),
+        Item::Suite(suite) => suite.protocols.iter().for_each(|protocol| visitor.element(&protocol.settings)),
         Item::Body(body) => body.statements.iter().for_each(|statement| visitor.body_statement(statement)),
         Item::Observation(observation) => items(&observation.channels).for_each(|channel| visitor.channel(channel)),
         Item::Const(binding) => visitor.expression(&binding.value),
