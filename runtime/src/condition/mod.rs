@@ -16,6 +16,7 @@ use crate::model::Model;
 use msk_compiler::vocabulary::GroupKind;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use std::fmt;
 
 /// Conditions of a body's muscles. The default is none: healthy and fresh.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -67,6 +68,23 @@ pub enum ConditionError {
 
 fn hint(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
+}
+
+/// As the command line takes it: `weakness 0.5, weakness calves=0.5, fatigue`; `none` if there is nothing to declare.
+impl fmt::Display for MuscleCondition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let weakness = self.weakness.iter().map(|Weakness { muscles, factor }| match muscles {
+            Some(muscles) => format!("weakness {muscles}={factor}"),
+            None => format!("weakness {factor}"),
+        });
+        let fatigue = self.fatigue.iter().map(|fatigue| match *fatigue == Fatigue::default() {
+            true => "fatigue".to_owned(),
+            false => format!("fatigue {}/{}/{}", fatigue.fatigue, fatigue.recovery, fatigue.rest),
+        });
+        let parts: Vec<String> = weakness.chain(fatigue).collect();
+        f.write_str(if parts.is_empty() { "none" } else { "" })?;
+        f.write_str(&parts.join(", "))
+    }
 }
 
 impl MuscleCondition {

@@ -1,35 +1,36 @@
 //! The journal of a run: a folder with `run.json` (what is run) and `episodes.jsonl` (one line per ended episode).
 //!
-//! Lines are written whole and at once, so whatever ends the program leaves a journal that can be continued. A folder holds
-//! one run for good: the same run is continued in it, any other is refused.
+//! A line is on the disk, whole, when [`Journal::append`] returns, or it is not there: whatever ends the program leaves a
+//! journal that can be continued. A folder holds one run for good: the same run is continued in it, any other is refused.
+//! Every line says of which run it is and carries a checksum (see [`line`](super::line)), so that lines of another run, and
+//! lines that were edited, are not counted.
 
+use super::line::{Line, LineError};
 use super::{EpisodeRecord, RunSettings};
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Write};
+use msk_storage::{Folder, Lock, Log, StorageError};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 const SETTINGS: &str = "run.json";
 const EPISODES: &str = "episodes.jsonl";
+/// Holds nothing: it is locked while a process writes to the journal.
+const LOCK: &str = ".lock";
+/// Most bytes that are read of `run.json`.
+const LARGEST_SETTINGS: u64 = 64 << 20;
+/// Most bytes that are read of `episodes.jsonl`: some million episodes.
+const LARGEST_EPISODES: u64 = 8 << 30;
 
 /// Why a folder cannot serve as journal.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// The operating system refused.
-    #[error("cannot write results to `{}`", path.display())]
-    Unwritable {
-        /// What was being written.
-        path: PathBuf,
-        /// Its reason.
-        source: io::Error,
-    },
-    /// A file of the folder cannot be read.
-    #[error("cannot read `{}`", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: io::Error,
+    /// A file of the folder cannot be read or written.
+    #[error("cannot keep results in `{}`", folder.display())]
+    Unusable {
+        /// The folder.
+        folder: PathBuf,
+        /// Which file, and the reason.
+        source: StorageError,
     },
     /// The folder holds the results of another run.
     #[error("`{}` holds another run: {difference}", folder.display())]
@@ -39,14 +40,36 @@ pub enum JournalError {
         /// What is different.
         difference: String,
     },
-    /// A file of the folder is damaged.
+    /// The folder holds episodes and nothing that says of which run they are.
+    #[error("`{}` holds episodes but no `run.json` that says of which run they are", folder.display())]
+    Unclaimed {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The folder holds no journal.
+    #[error("`{}` holds no results: it has no `run.json`", folder.display())]
+    Empty {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file of the folder is damaged, or somebody has changed it.
     #[error("`{}`, line {line}, is not what was written there: {reason}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What the parser says.
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A line of the journal is of another run than the folder.
+    #[error("`{}`, line {line}, is of another run than `run.json` beside it: {reason}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is different.
         reason: String,
     },
     /// Another process is writing there.
@@ -60,113 +83,130 @@ pub enum JournalError {
 /// An open journal. It may be shared between threads; the folder is locked against other processes while it lives.
 #[derive(Debug)]
 pub struct Journal {
-    folder: PathBuf,
-    episodes: Mutex<File>,
+    folder: Folder,
+    /// Identity of the run.
+    run: String,
+    episodes: Mutex<Log>,
+    _lock: Lock,
 }
 
 impl Journal {
-    /// Opens the journal of `settings` in `folder`, which is made if need be, and reads the episodes that it already has.
+    /// Opens the journal of `settings` in the folder `path`, which is made if need be, and reads the episodes that it already
+    /// has.
     ///
     /// # Errors
     /// A folder that cannot be written, holds another run, is damaged, or is in use.
-    pub fn open(folder: &Path, settings: &RunSettings) -> Result<(Self, Vec<EpisodeRecord>), JournalError> {
-        let unwritable = |path: &Path| {
-            let path = path.to_path_buf();
-            move |source| JournalError::Unwritable { path, source }
-        };
-        fs::create_dir_all(folder).map_err(unwritable(folder))?;
-        let path = folder.join(EPISODES);
-        let file = OpenOptions::new().append(true).create(true).open(&path).map_err(unwritable(&path))?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(JournalError::Busy { folder: folder.into() }),
-            Err(TryLockError::Error(source)) => return Err(unwritable(&path)(source)),
-        }
-        claim(folder, settings)?;
-        let (records, valid) = read(&path)?;
-        // What follows the last line end is a line whose writing was cut short.
-        file.set_len(valid).map_err(unwritable(&path))?;
-        Ok((Self { folder: folder.into(), episodes: Mutex::new(file) }, records))
+    pub fn open(path: &Path, settings: &RunSettings) -> Result<(Self, Vec<EpisodeRecord>), JournalError> {
+        let folder = Folder::create(path).map_err(|source| JournalError::Unusable { folder: path.into(), source })?;
+        Self::open_in(folder, settings)
     }
 
-    /// The episodes of the journal in `folder`, which may still be growing. A last line that is not yet whole is left out.
+    /// [`Journal::open`] in an opened folder.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn open_in(folder: Folder, settings: &RunSettings) -> Result<(Self, Vec<EpisodeRecord>), JournalError> {
+        let unusable = |source| JournalError::Unusable { folder: folder.path().into(), source };
+        let lock = folder.try_lock(Path::new(LOCK)).map_err(unusable)?;
+        let lock = lock.ok_or_else(|| JournalError::Busy { folder: folder.path().into() })?;
+        let mut log = folder.log(EPISODES).map_err(unusable)?;
+        let lines = log.read(LARGEST_EPISODES).map_err(unusable)?;
+        match claimed(&folder)? {
+            Some(before) => {
+                if let Some(difference) = before.difference(settings) {
+                    return Err(JournalError::OtherRun { folder: folder.path().into(), difference });
+                }
+            }
+            // The settings are on the disk before the first episode is, so these have lost theirs.
+            None if !lines.is_empty() => return Err(JournalError::Unclaimed { folder: folder.path().into() }),
+            None => {
+                let text = pretty(settings) + "\n";
+                folder.replace(Path::new(SETTINGS), text.as_bytes()).map_err(unusable)?;
+            }
+        }
+        let records = read(&folder, &lines, settings)?;
+        let run = settings.identity();
+        Ok((Self { run, episodes: Mutex::new(log), _lock: lock, folder }, records))
+    }
+
+    /// The episodes of the journal in the folder `path`, which may still be growing. A last line that is not yet whole is left
+    /// out.
     ///
     /// # Errors
     /// A folder that holds no journal, or a damaged one.
-    pub fn records(folder: &Path) -> Result<Vec<EpisodeRecord>, JournalError> {
-        Ok(read(&folder.join(EPISODES))?.0)
+    pub fn records(path: &Path) -> Result<Vec<EpisodeRecord>, JournalError> {
+        let unusable = |source| JournalError::Unusable { folder: path.into(), source };
+        let folder = Folder::open(path).map_err(unusable)?;
+        let settings = claimed(&folder)?.ok_or_else(|| JournalError::Empty { folder: path.into() })?;
+        let bytes = folder.read(Path::new(EPISODES), LARGEST_EPISODES).map_err(unusable)?.unwrap_or_default();
+        read(&folder, Log::whole_lines(&bytes), &settings)
     }
 
-    /// Appends one episode, whole and at once.
+    /// Appends one episode: it is on the disk, whole, when this returns.
     ///
     /// # Errors
-    /// The operating system refuses, for instance because the disk is full.
+    /// The operating system refuses, for instance because the disk is full. The journal is then what it was before; where not
+    /// even that can be achieved it takes no further episodes until it is opened again.
     pub fn append(&self, record: &EpisodeRecord) -> Result<(), JournalError> {
-        let mut line = json(record);
-        line.push('\n');
-        // A thread that panicked while holding the lock had its line written or not: either way the file is whole.
-        let mut file = self.episodes.lock().unwrap_or_else(PoisonError::into_inner);
-        let written = file.write_all(line.as_bytes()).and_then(|()| file.flush());
-        written.map_err(|source| JournalError::Unwritable { path: self.folder.join(EPISODES), source })
+        let line = Line::written(record, &self.run);
+        // A thread that panicked while it appended left the log as a failed append does.
+        let mut log = self.episodes.lock().unwrap_or_else(PoisonError::into_inner);
+        log.append(line.as_bytes()).map_err(|source| self.unusable(source))
     }
 
     /// Writes a further file of the run, such as its summary, replacing an earlier version in one move.
     ///
     /// # Errors
-    /// The operating system refuses.
+    /// The operating system refuses, or the file is read-only.
     pub fn write(&self, name: &str, text: &str) -> Result<(), JournalError> {
-        replace(&self.folder.join(name), text)
+        self.folder.replace(Path::new(name), text.as_bytes()).map_err(|source| self.unusable(source))
     }
 
     /// The folder.
     pub fn folder(&self) -> &Path {
-        &self.folder
+        self.folder.path()
+    }
+
+    fn unusable(&self, source: StorageError) -> JournalError {
+        JournalError::Unusable { folder: self.folder.path().into(), source }
     }
 }
 
-/// Makes `folder` the place of the run, or checks that it already is.
-fn claim(folder: &Path, settings: &RunSettings) -> Result<(), JournalError> {
-    let path = folder.join(SETTINGS);
-    let text = match fs::read_to_string(&path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            return replace(&path, &(pretty(settings) + "\n"));
-        }
-        text => text.map_err(|source| JournalError::Unreadable { path: path.clone(), source })?,
-    };
-    let before: RunSettings = serde_json::from_str(&text).map_err(|error| JournalError::Damaged {
-        path,
-        line: error.line(),
-        reason: error.to_string(),
-    })?;
-    match before.difference(settings) {
-        Some(difference) => Err(JournalError::OtherRun { folder: folder.into(), difference }),
-        None => Ok(()),
-    }
-}
-
-/// The episodes of a journal and the number of bytes that they take.
-fn read(path: &Path) -> Result<(Vec<EpisodeRecord>, u64), JournalError> {
-    let bytes = fs::read(path).map_err(|source| JournalError::Unreadable { path: path.into(), source })?;
-    let valid = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
-    let mut records = Vec::new();
-    for (index, line) in bytes[..valid].split_inclusive(|&byte| byte == b'\n').enumerate() {
-        let record = serde_json::from_slice(line).map_err(|error| JournalError::Damaged {
-            path: path.into(),
-            line: index + 1,
+/// The settings of the run that a folder holds, if it holds one.
+fn claimed(folder: &Folder) -> Result<Option<RunSettings>, JournalError> {
+    let text = folder.read_text(Path::new(SETTINGS), LARGEST_SETTINGS);
+    let text = text.map_err(|source| JournalError::Unusable { folder: folder.path().into(), source })?;
+    let settings = text.map(|text| {
+        serde_json::from_str(&text).map_err(|error| JournalError::Damaged {
+            path: folder.path().join(SETTINGS),
+            line: error.line(),
             reason: error.to_string(),
-        })?;
+        })
+    });
+    settings.transpose()
+}
+
+/// The episodes in the lines of a journal, all of which must be of the run `settings`.
+fn read(folder: &Folder, lines: &[u8], settings: &RunSettings) -> Result<Vec<EpisodeRecord>, JournalError> {
+    let path = folder.path().join(EPISODES);
+    let damaged = |line, reason: String| JournalError::Damaged { path: path.clone(), line, reason };
+    let run = settings.identity();
+    let (mut records, mut seen) = (Vec::new(), BTreeSet::new());
+    for (number, line) in (1..).zip(lines.split_inclusive(|&byte| byte == b'\n')) {
+        let Line { record, run: of } = Line::read(line).map_err(|error: LineError| damaged(number, error.to_string()))?;
+        let foreign = |reason| Err(JournalError::Foreign { path: path.clone(), line: number, reason });
+        if let Some(reason) = settings.stranger(&record) {
+            return foreign(reason);
+        }
+        if of != run {
+            return foreign(format!("it is of run {of}, not {run}"));
+        }
+        if !seen.insert((settings.place(&record), record.episode)) {
+            return Err(damaged(number, format!("episode {} of `{}` is there already", record.episode, record.task)));
+        }
         records.push(record);
     }
-    Ok((records, valid as u64))
-}
-
-/// Writes beside the file, then moves into place: readers see the old text or the new one, never half of it.
-fn replace(path: &Path, text: &str) -> Result<(), JournalError> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".new");
-    let beside = path.with_file_name(name);
-    let written = fs::write(&beside, text).and_then(|()| fs::rename(&beside, path));
-    written.map_err(|source| JournalError::Unwritable { path: path.into(), source })
+    Ok(records)
 }
 
 /// Plain data of strings and numbers always has a JSON form.
@@ -183,6 +223,10 @@ pub(super) fn pretty(value: &impl serde::Serialize) -> String {
 mod tests {
     use super::super::{Protocol, TaskSettings};
     use super::*;
+    use crate::condition::{Fatigue, MuscleCondition};
+    use msk_storage::{FailAt, Failure};
+    use std::fs;
+    use std::sync::Arc;
 
     fn settings(seed: u64) -> RunSettings {
         let task = TaskSettings {
@@ -197,6 +241,7 @@ mod tests {
         };
         RunSettings {
             version: "1".into(),
+            build: "2".into(),
             policy: "zero".into(),
             protocol: Protocol { episodes: 3, seed },
             tasks: vec![task],
@@ -276,6 +321,170 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
         let error = Journal::open(&file.join("results"), &settings(0)).unwrap_err();
-        assert!(matches!(error, JournalError::Unwritable { .. }), "{error}");
+        assert!(matches!(error, JournalError::Unusable { .. }), "{error}");
+    }
+
+    /// The journal of a run of three episodes, and its lines.
+    fn three_episodes() -> (tempfile::TempDir, String) {
+        let folder = tempfile::tempdir().unwrap();
+        let (journal, _) = Journal::open(folder.path(), &settings(0)).unwrap();
+        (0..3).for_each(|episode| journal.append(&record(episode)).unwrap());
+        let lines = fs::read_to_string(folder.path().join(EPISODES)).unwrap();
+        (folder, lines)
+    }
+
+    /// What is said of a journal whose lines are replaced.
+    fn refusal(folder: &Path, lines: &str) -> String {
+        fs::write(folder.join(EPISODES), lines).unwrap();
+        let error = Journal::open(folder, &settings(0)).unwrap_err().to_string();
+        assert_eq!(fs::read_to_string(folder.join(EPISODES)).unwrap(), lines, "what is refused stays as it is");
+        assert_eq!(Journal::records(folder).unwrap_err().to_string(), error);
+        error
+    }
+
+    #[test]
+    fn an_edited_line_is_noticed() {
+        let (folder, lines) = three_episodes();
+        for (before, after) in
+            [("\"return\":1.5", "\"return\":9.5"), ("\"success\":true", "\"success\":false"), ("\"steps\":10", "\"steps\":11")]
+        {
+            assert!(lines.contains(before), "{lines}");
+            let said = refusal(folder.path(), &lines.replacen(before, after, 1));
+            assert!(said.contains("line 1") && said.contains("its checksum is not that of its content"), "{said}");
+        }
+        let bare = lines.replacen(",\"checksum\"", ",\"other\"", 1);
+        assert!(refusal(folder.path(), &bare).contains("it has no checksum"));
+    }
+
+    #[test]
+    fn a_journal_without_its_settings_is_not_taken_over() {
+        let (folder, lines) = three_episodes();
+        fs::remove_file(folder.path().join(SETTINGS)).unwrap();
+        for seed in [0, 7] {
+            let error = Journal::open(folder.path(), &settings(seed)).unwrap_err();
+            assert!(matches!(error, JournalError::Unclaimed { .. }), "{error}");
+        }
+        assert!(!folder.path().join(SETTINGS).exists());
+        assert_eq!(fs::read_to_string(folder.path().join(EPISODES)).unwrap(), lines);
+    }
+
+    #[test]
+    fn episodes_of_another_run_do_not_count_whatever_the_settings_say() {
+        let (folder, lines) = three_episodes();
+        type Change<'a> = &'a dyn Fn(&mut RunSettings);
+        let others: [(Change<'_>, &str); 6] = [
+            (&|s| s.protocol.seed = 7, "its seed is 0, not 7"),
+            (&|s| s.policy = "random".into(), "its policy is zero, not random"),
+            (&|s| s.tasks[0].hash = "c".into(), "none of the run's tasks is its `stand`"),
+            (&|s| s.tasks[0].model_hash = "c".into(), "none of the run's tasks is its `stand`"),
+            (&|s| s.protocol.episodes = 2, "it is of run"),
+            (&|s| s.build = "3".into(), "it is of run"),
+        ];
+        for (change, reason) in others {
+            let mut other = settings(0);
+            change(&mut other);
+            // As somebody would who wants the episodes to be of another run.
+            fs::write(folder.path().join(SETTINGS), pretty(&other)).unwrap();
+            let error = Journal::open(folder.path(), &other).unwrap_err();
+            assert!(matches!(error, JournalError::Foreign { line: 1, .. }) && error.to_string().contains(reason), "{error}");
+            let error = Journal::records(folder.path()).unwrap_err();
+            assert!(matches!(error, JournalError::Foreign { line: 1, .. }), "{error}");
+        }
+        assert_eq!(fs::read_to_string(folder.path().join(EPISODES)).unwrap(), lines);
+    }
+
+    #[test]
+    fn lines_that_a_run_cannot_have_are_refused() {
+        let (folder, lines) = three_episodes();
+        let run = settings(0).identity();
+        let more = |record: EpisodeRecord| refusal(folder.path(), &format!("{lines}{}\n", Line::written(&record, &run)));
+        assert!(more(record(3)).contains("line 4, is of another run than `run.json` beside it: it is episode 3 of a run of 3"));
+        assert!(more(record(1)).contains("line 4, is not what was written there: episode 1 of `stand` is there already"));
+        let fatigue = MuscleCondition { fatigue: Some(Fatigue::default()), ..MuscleCondition::default() };
+        let said = more(EpisodeRecord { condition: fatigue, ..record(0) });
+        assert!(said.contains("none of the run's tasks is its `stand` with muscles in the condition `fatigue`"), "{said}");
+    }
+
+    #[test]
+    fn one_task_under_two_conditions_keeps_both() {
+        let fatigue = MuscleCondition { fatigue: Some(Fatigue::default()), ..MuscleCondition::default() };
+        let mut both = settings(0);
+        both.tasks.push(TaskSettings { condition: fatigue.clone(), model_hash: "d".into(), ..both.tasks[0].clone() });
+        let tired = EpisodeRecord { condition: fatigue, model_hash: "d".into(), ..record(0) };
+        let folder = tempfile::tempdir().unwrap();
+        let (journal, _) = Journal::open(folder.path(), &both).unwrap();
+        journal.append(&tired).unwrap();
+        journal.append(&record(0)).unwrap();
+        drop(journal);
+        let mut kept = Journal::open(folder.path(), &both).unwrap().1;
+        assert_eq!(kept, [tired.clone(), record(0)]);
+        both.sort(&mut kept);
+        assert_eq!(kept, [record(0), tired]);
+        assert_eq!(both.missing(&kept), [(0, 1), (0, 2), (1, 1), (1, 2)]);
+    }
+
+    /// Plays three episodes, as far as they are not there already, and sums up.
+    fn attempt(folder: Folder) -> Result<(), JournalError> {
+        let (journal, done) = Journal::open_in(folder, &settings(0))?;
+        for episode in (0..3).filter(|episode| done.iter().all(|record| record.episode != *episode)) {
+            journal.append(&record(episode))?;
+        }
+        journal.write("summary.json", "{}")
+    }
+
+    #[test]
+    fn whichever_call_fails_the_run_is_continued_to_the_same_bytes() {
+        let contents = |folder: &Path| [SETTINGS, EPISODES, "summary.json"].map(|name| fs::read(folder.join(name)).unwrap());
+        let (undisturbed, calls) = {
+            let place = tempfile::tempdir().unwrap();
+            let faults = Arc::new(FailAt::never());
+            attempt(Folder::open(place.path()).unwrap().with_faults(faults.clone())).unwrap();
+            (contents(place.path()), faults.calls())
+        };
+        assert!(calls > 12, "only {calls} calls are made");
+        for failure in [Failure::StorageFull, Failure::Device, Failure::Crash] {
+            for call in 0..calls {
+                let place = tempfile::tempdir().unwrap();
+                let folder = Folder::open(place.path()).unwrap();
+                let faults = Arc::new(FailAt::new(call, failure));
+                let error = attempt(folder.clone().with_faults(faults)).unwrap_err();
+                assert!(matches!(error, JournalError::Unusable { .. }), "{failure:?} at call {call}: {error}");
+                attempt(folder).unwrap_or_else(|error| panic!("{failure:?} at call {call}: {error}"));
+                assert_eq!(contents(place.path()), undisturbed, "{failure:?} at call {call}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_episode_that_could_not_be_kept_leaves_no_trace() {
+        // Each append makes some calls; wherever they fail and can be repaired, the next episode is kept.
+        for call in 0..12 {
+            let place = tempfile::tempdir().unwrap();
+            let folder = Folder::open(place.path()).unwrap();
+            drop(Journal::open_in(folder.clone(), &settings(0)).unwrap());
+            let faults = Arc::new(FailAt::new(call, Failure::StorageFull));
+            let Ok((journal, _)) = Journal::open_in(folder.clone().with_faults(faults), &settings(0)) else { continue };
+            let kept: Vec<u64> = (0..3).filter(|episode| journal.append(&record(*episode)).is_ok()).collect();
+            drop(journal);
+            let found: Vec<u64> = Journal::records(place.path()).unwrap().iter().map(|record| record.episode).collect();
+            assert_eq!(found, kept, "call {call}");
+            assert!(kept.len() >= 2, "call {call}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_read_only_file_of_results_is_not_replaced() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (journal, _) = Journal::open(folder.path(), &settings(0)).unwrap();
+        let path = folder.path().join("summary.json");
+        journal.write("summary.json", "mine").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        journal.write("summary.json", "yours").unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+        assert!(journal.write("summary.json", "theirs").is_err());
+        assert_eq!(fs::read_to_string(&path).unwrap(), "yours");
     }
 }

@@ -10,6 +10,7 @@
 
 mod feed;
 mod journal;
+mod line;
 mod past_ends;
 mod record;
 pub mod report;
@@ -21,19 +22,19 @@ pub use feed::{Fed, Feed, ReplayError, replay};
 pub use journal::{Journal, JournalError};
 pub use past_ends::{PastEnds, play_past_ends};
 pub use record::{ByTerm, EpisodeRecord};
-pub use settings::{Protocol, RunSettings, TaskSettings};
+pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
 pub use statistics::{Spread, wilson_interval};
-pub use summary::{MetricSummary, Summary, TaskSummary, TermSummary};
+pub use summary::{GroupSummary, MetricSummary, Summary, TaskSummary, TermSummary};
 
 use crate::episode::{Episode, EpisodeError, EpisodeKey, REST};
 use crate::library::BoundBody;
 use crate::policy::{self, Policy, PolicyError};
 use msk_compiler::task::CompiledTask;
 use record::Tally;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// A task and the body it runs on.
@@ -60,8 +61,10 @@ pub struct Plan {
 pub trait Watcher: Sync {
     /// A control step has been taken.
     fn stepped(&self);
-    /// An episode has ended and stands in the journal.
-    fn ended(&self, record: &EpisodeRecord);
+    /// An episode of the plan's task number `trial` has ended and stands in the journal.
+    fn ended(&self, trial: usize, record: &EpisodeRecord);
+    /// The policy cannot act on the plan's task number `trial`. Called once for each such task.
+    fn skipped(&self, trial: usize, reason: &str);
 }
 
 /// Why an evaluation could not go on. Faults within an episode are not among these: they are results.
@@ -91,16 +94,20 @@ pub enum EvaluationError {
 pub struct Outcome {
     /// All episodes of the journal, sorted by the plan's tasks and by index.
     pub records: Vec<EpisodeRecord>,
-    /// Whether some of the plan's episodes are still missing because `stop` was set.
+    /// The tasks that the policy cannot act on, by their place in the plan, with the reasons.
+    pub skipped: Vec<(usize, String)>,
+    /// Whether some of the plan's other episodes are still missing because `stop` was set.
     pub interrupted: bool,
 }
 
 /// Plays the episodes of `plan` that are not among `done`, on `threads` workers, and appends each to `journal`.
 ///
-/// When `stop` becomes true the workers give up their present episodes within one control step.
+/// When `stop` becomes true the workers give up their present episodes within one control step. A task that the policy
+/// cannot act on is skipped, with the reason in the outcome.
 ///
 /// # Errors
-/// A policy or task that cannot run, or a journal that cannot be written; the first error stops all workers.
+/// A policy that does not exist, a task that does not fit its body, or a journal that cannot be written; the first error stops
+/// all workers.
 pub fn run(
     plan: &Plan,
     done: Vec<EpisodeRecord>,
@@ -125,20 +132,34 @@ pub fn run_fed(
     watcher: &dyn Watcher,
     feed: Option<&dyn Feed>,
 ) -> Result<Outcome, EvaluationError> {
-    let jobs = plan.missing(&done);
-    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let crew = Crew { plan, jobs: &jobs, next, failed, journal, stop, watcher, feed };
+    let settings = RunSettings::of(plan);
+    let jobs = settings.missing(&done);
+    let crew = Crew {
+        plan,
+        jobs: &jobs,
+        next: AtomicUsize::new(0),
+        failure: Mutex::new(None),
+        failed: AtomicBool::new(false),
+        skipped: Mutex::new(BTreeMap::new()),
+        journal,
+        stop,
+        watcher,
+        feed,
+    };
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.get())
         .build()
         .map_err(|source| EvaluationError::Threads { threads, source })?;
     let mut records = done;
-    for fresh in pool.broadcast(|_| crew.work()) {
-        records.extend(fresh?);
+    records.extend(pool.broadcast(|_| crew.work()).into_iter().flatten());
+    if let Some(failure) = crew.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(failure);
     }
-    plan.sort(&mut records);
-    let interrupted = !plan.missing(&records).is_empty();
-    Ok(Outcome { records, interrupted })
+    settings.sort(&mut records);
+    let skipped = crew.skipped.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let interrupted = settings.missing(&records).iter().any(|(trial, _)| !skipped.contains_key(trial));
+    let skipped = skipped.into_iter().map(|(trial, (_, reason))| (trial, reason)).collect();
+    Ok(Outcome { records, skipped, interrupted })
 }
 
 /// Plays the episode `key` of `trial`, in the memory of `episode`, under `policy`.
@@ -184,20 +205,24 @@ impl Plan {
     pub fn episodes(&self) -> u64 {
         self.trials.len() as u64 * self.protocol.episodes
     }
+}
+
+impl RunSettings {
+    /// The place among the tasks of the one that `record` is an episode of.
+    pub fn place(&self, record: &EpisodeRecord) -> Option<usize> {
+        self.tasks.iter().position(|task| task.owns(record))
+    }
 
     /// The episodes that are not among `done`, in order.
     fn missing(&self, done: &[EpisodeRecord]) -> Vec<Job> {
-        let done: BTreeSet<(&str, u64)> = done.iter().map(|record| (record.task.as_str(), record.episode)).collect();
-        let all = (0..self.trials.len()).flat_map(|trial| (0..self.protocol.episodes).map(move |episode| (trial, episode)));
-        all.filter(|&(trial, episode)| !done.contains(&(self.trials[trial].task.name.as_str(), episode))).collect()
+        let done: BTreeSet<(Option<usize>, u64)> = done.iter().map(|record| (self.place(record), record.episode)).collect();
+        let all = (0..self.tasks.len()).flat_map(|trial| (0..self.protocol.episodes).map(move |episode| (trial, episode)));
+        all.filter(|&(trial, episode)| !done.contains(&(Some(trial), episode))).collect()
     }
 
     fn sort(&self, records: &mut Vec<EpisodeRecord>) {
-        let place = |record: &EpisodeRecord| {
-            let trial = self.trials.iter().position(|trial| trial.task.name == record.task);
-            (trial, record.episode)
-        };
-        records.sort_by_key(place);
+        let place = |record: &EpisodeRecord| (self.place(record), record.episode);
+        records.sort_by_cached_key(place);
         records.dedup_by_key(|record| place(record));
     }
 }
@@ -207,7 +232,11 @@ struct Crew<'a> {
     plan: &'a Plan,
     jobs: &'a [Job],
     next: AtomicUsize,
+    /// What made the first worker fail; the others may fail only because of it.
+    failure: Mutex<Option<EvaluationError>>,
     failed: AtomicBool,
+    /// Tasks that the policy cannot act on: the first episode that showed it, and the reason.
+    skipped: Mutex<BTreeMap<usize, (u64, String)>>,
     journal: &'a Journal,
     stop: &'a AtomicBool,
     watcher: &'a dyn Watcher,
@@ -216,21 +245,24 @@ struct Crew<'a> {
 
 impl Crew<'_> {
     /// Takes jobs in order until there are none, the run is stopped, or a worker fails.
-    fn work(&self) -> Result<Vec<EpisodeRecord>, EvaluationError> {
-        let result = self.play_jobs();
-        if result.is_err() {
+    fn work(&self) -> Vec<EpisodeRecord> {
+        let mut records = Vec::new();
+        if let Err(error) = self.play_jobs(&mut records) {
             self.failed.store(true, Ordering::Relaxed);
+            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
         }
-        result
+        records
     }
 
-    fn play_jobs(&self) -> Result<Vec<EpisodeRecord>, EvaluationError> {
+    fn play_jobs(&self, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
         let mut policy = policy::create(&self.plan.policy)?;
         let mut present: Option<(usize, Episode)> = None;
-        let mut records = Vec::new();
         while let Some(&(trial, index)) = self.jobs.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             if self.failed.load(Ordering::Relaxed) || self.stop.load(Ordering::Relaxed) {
                 break;
+            }
+            if self.skipped().contains_key(&trial) {
+                continue;
             }
             // Memory for an episode is worth keeping while the task stays the same.
             let mut episode = match present.take() {
@@ -243,18 +275,41 @@ impl Crew<'_> {
             if let Some(fed) = &fed {
                 fed.pay(&mut episode);
             }
-            let Some(mut record) = play(&self.plan.trials[trial], &mut episode, key, policy.as_mut(), self.stop, stepped)? else {
-                break;
+            let mut record = match play(&self.plan.trials[trial], &mut episode, key, policy.as_mut(), self.stop, stepped) {
+                Ok(Some(record)) => record,
+                Ok(None) => break,
+                Err(EvaluationError::Policy(PolicyError::Unable { reason, .. })) => {
+                    self.skip(trial, index, reason);
+                    continue;
+                }
+                Err(error) => return Err(error),
             };
             if let Some(fed) = &fed {
                 fed.note(&self.plan.trials[trial], &mut record);
             }
             self.journal.append(&record)?;
-            self.watcher.ended(&record);
+            self.watcher.ended(trial, &record);
             records.push(record);
             present = Some((trial, episode));
         }
-        Ok(records)
+        Ok(())
+    }
+
+    fn skipped(&self) -> MutexGuard<'_, BTreeMap<usize, (u64, String)>> {
+        self.skipped.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Skips a task. Of several episodes that workers play at the same time the first gives the reason, whichever is faster.
+    fn skip(&self, trial: usize, episode: u64, reason: String) {
+        let mut skipped = self.skipped();
+        match skipped.get_mut(&trial) {
+            None => {
+                self.watcher.skipped(trial, &reason);
+                skipped.insert(trial, (episode, reason));
+            }
+            Some(known) if episode < known.0 => *known = (episode, reason),
+            Some(_) => {}
+        }
     }
 }
 

@@ -1,14 +1,21 @@
 //! What is run: enough to tell whether two runs are the same.
 
-use super::Plan;
+use super::journal::json;
+use super::line::hex;
+use super::{EpisodeRecord, Plan};
 use crate::condition::MuscleCondition;
 use msk_compiler::task::{CompiledTask, Origin};
 use serde::{Deserialize, Serialize};
 
+/// Hash of everything in the program that decides results: the sources of compiler and runtime, the grammar, the bodies inside
+/// the binary, and the versions of all libraries. The build script computes it, so a changed program is another program
+/// whatever its version says.
+pub const BUILD: &str = env!("MSK_BUILD");
+
 /// How many episodes, and from which seed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Protocol {
-    /// Episodes per task.
+    /// Episodes per task; 0 where a run goes on until something else ends it.
     pub episodes: u64,
     /// Seed of all chance; episode i of seed s is the same wherever and whenever it runs.
     pub seed: u64,
@@ -19,6 +26,9 @@ pub struct Protocol {
 pub struct RunSettings {
     /// Version of the program.
     pub version: String,
+    /// Hash of the sources that decide results: see [`BUILD`].
+    #[serde(default)]
+    pub build: String,
     /// Name of the policy.
     pub policy: String,
     /// Episodes and seed.
@@ -54,6 +64,14 @@ pub struct TaskSettings {
 }
 
 impl TaskSettings {
+    /// Whether `record` is an episode of this task, on this body, under this condition.
+    pub fn owns(&self, record: &EpisodeRecord) -> bool {
+        self.name == record.task
+            && self.hash == record.task_hash
+            && self.model_hash == record.model_hash
+            && self.condition == record.condition
+    }
+
     /// What decides of results: where weights come from does not.
     fn decisive(&self) -> Self {
         Self { overlaid: Vec::new(), ..self.clone() }
@@ -75,6 +93,7 @@ impl RunSettings {
         });
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
+            build: BUILD.into(),
             policy: plan.policy.clone(),
             protocol: plan.protocol,
             tasks: tasks.collect(),
@@ -93,6 +112,33 @@ impl RunSettings {
         Self { tasks: tasks.collect(), live: Some(file.into()), ..self }
     }
 
+    /// Tells this run from all others, 16 hexadecimal digits: a hash of all that decides results. Every line of its journal
+    /// carries it.
+    pub fn identity(&self) -> String {
+        let tasks = self.tasks.iter().map(TaskSettings::decisive).collect();
+        hex(json(&Self { tasks, ..self.clone() }).as_bytes())
+    }
+
+    /// Why `record` cannot be an episode of this run, if it cannot.
+    pub(super) fn stranger(&self, record: &EpisodeRecord) -> Option<String> {
+        let Protocol { episodes, seed } = self.protocol;
+        if record.policy != self.policy {
+            return Some(format!("its policy is {}, not {}", record.policy, self.policy));
+        }
+        if record.seed != seed {
+            return Some(format!("its seed is {}, not {seed}", record.seed));
+        }
+        if self.place(record).is_none() {
+            let condition = match record.condition.is_none() {
+                true => String::new(),
+                false => format!(" with muscles in the condition `{}`", record.condition),
+            };
+            return Some(format!("none of the run's tasks is its `{}`{condition}", record.task));
+        }
+        (episodes > 0 && record.episode >= episodes)
+            .then(|| format!("it is episode {} of a run of {episodes}, counted from 0", record.episode))
+    }
+
     /// The first thing in which `other` differs, in words; `None` if they are the same run.
     pub fn difference(&self, other: &Self) -> Option<String> {
         let differ = |what: &str, here: &str, there: &str| (here != there).then(|| format!("its {what} is {here}, not {there}"));
@@ -106,6 +152,14 @@ impl RunSettings {
             .or_else(|| number("number of episodes", self.protocol.episodes, other.protocol.episodes))
             .or_else(|| differ("list of tasks", &names(self), &names(other)))
             .or_else(|| differ("program version", &self.version, &other.version))
+            .or_else(|| {
+                // Earlier programs kept none.
+                let build = |settings: &Self| match settings.build.is_empty() {
+                    true => "unknown".to_owned(),
+                    false => settings.build.clone(),
+                };
+                differ("program's build", &build(self), &build(other))
+            })
             .or_else(|| {
                 let file = |settings: &Self| settings.live.clone().unwrap_or_else(|| "none".into());
                 differ("live weights file", &file(self), &file(other))
@@ -157,12 +211,43 @@ mod tests {
             overlaid: vec![],
         };
         let protocol = Protocol { episodes: 50, seed: 0 };
-        RunSettings { version: "1".into(), policy: "zero".into(), protocol, tasks: vec![task], live: None }
+        RunSettings { version: "1".into(), build: "2".into(), policy: "zero".into(), protocol, tasks: vec![task], live: None }
     }
 
     #[test]
     fn equal_settings_are_the_same_run() {
         assert_eq!(settings().difference(&settings()), None);
+    }
+
+    #[test]
+    fn every_difference_makes_another_identity_and_nothing_else_does() {
+        let identity = |change: &dyn Fn(&mut RunSettings)| {
+            let mut other = settings();
+            change(&mut other);
+            other.identity()
+        };
+        let changes: [&dyn Fn(&mut RunSettings); 10] = [
+            &|_| {},
+            &|s| s.version = "2".into(),
+            &|s| s.build = "3".into(),
+            &|s| s.policy = "random".into(),
+            &|s| s.protocol.seed = 1,
+            &|s| s.protocol.episodes = 51,
+            &|s| s.tasks[0].hash = "c".into(),
+            &|s| s.tasks[0].model_hash = "c".into(),
+            &|s| s.tasks[0].weights[0].1 = 11.0,
+            &|s| s.tasks[0].condition.fatigue = Some(crate::condition::Fatigue::default()),
+        ];
+        let identities: std::collections::BTreeSet<String> = changes.iter().map(|change| identity(*change)).collect();
+        assert_eq!(identities.len(), changes.len());
+        assert_eq!(identity(&|s| s.tasks[0].overlaid.push(("pose".into(), "w.toml".into()))), settings().identity());
+        let read: RunSettings = serde_json::from_str(&json(&settings())).unwrap();
+        assert_eq!(read.identity(), settings().identity());
+    }
+
+    #[test]
+    fn the_build_is_a_hash_of_its_sources() {
+        assert!(BUILD.len() == 16 && BUILD.chars().all(|digit| digit.is_ascii_hexdigit()), "{BUILD}");
     }
 
     #[test]
@@ -177,6 +262,7 @@ mod tests {
         assert_eq!(difference(&|s| s.protocol.episodes = 10), "its number of episodes is 50, not 10");
         assert_eq!(difference(&|s| s.tasks[0].name = "sit".into()), "its list of tasks is stand, not sit");
         assert_eq!(difference(&|s| s.version = "2".into()), "its program version is 1, not 2");
+        assert_eq!(difference(&|s| s.build = "3".into()), "its program's build is 2, not 3");
         assert_eq!(difference(&|s| s.tasks[0].hash = "c".into()), "the task `stand` has changed since");
         assert_eq!(difference(&|s| s.tasks[0].weights[0].1 = 9.0), "the weight of `pose` in task `stand` is 10, not 9");
         assert_eq!(difference(&|s| s.tasks[0].weights.clear()), "other weights of task `stand` are set");

@@ -1,6 +1,7 @@
 //! All episodes of a run, summed up per task.
 
 use super::{EpisodeRecord, Plan, Protocol, RunSettings, Spread, wilson_interval};
+use crate::condition::MuscleCondition;
 use serde::Serialize;
 
 /// A run in numbers. It depends on the journal's content alone, not on the order of its lines.
@@ -10,8 +11,27 @@ pub struct Summary {
     pub policy: String,
     /// Episodes and seed asked for.
     pub protocol: Protocol,
+    /// Means over the tasks of each family, in the order of the families' first tasks.
+    pub families: Vec<GroupSummary>,
+    /// Means over all tasks.
+    pub overall: GroupSummary,
     /// One entry per task, in the plan's order.
     pub tasks: Vec<TaskSummary>,
+}
+
+/// Means over several tasks, each of which counts the same however many episodes it has. Tasks without episodes do not count.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GroupSummary {
+    /// The family; `all tasks`.
+    pub name: String,
+    /// Tasks of the group.
+    pub tasks: usize,
+    /// Those that have episodes.
+    pub evaluated: usize,
+    /// Mean success rate, 0..1.
+    pub success_rate: Option<f64>,
+    /// Mean part of the horizon that episodes lasted, 0..1.
+    pub horizon_part: Option<f64>,
 }
 
 /// The episodes of one task.
@@ -21,6 +41,12 @@ pub struct TaskSummary {
     pub task: String,
     /// Family it belongs to.
     pub family: String,
+    /// Condition of the body's muscles.
+    #[serde(skip_serializing_if = "MuscleCondition::is_none")]
+    pub condition: MuscleCondition,
+    /// Why the policy cannot act on it, if it cannot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skipped: Option<String>,
     /// Control steps of a full episode.
     pub horizon: u32,
     /// Episodes that have ended.
@@ -81,7 +107,7 @@ impl Summary {
     pub fn of(plan: &Plan, records: &[EpisodeRecord]) -> Self {
         let settings = RunSettings::of(plan);
         let tasks = settings.tasks.iter().map(|task| {
-            let episodes: Vec<&EpisodeRecord> = records.iter().filter(|record| record.task == task.name).collect();
+            let episodes: Vec<&EpisodeRecord> = records.iter().filter(|record| task.owns(record)).collect();
             let successes = episodes.iter().filter(|record| record.success).count() as u64;
             let trials = episodes.len() as u64;
             let spread =
@@ -89,6 +115,8 @@ impl Summary {
             TaskSummary {
                 task: task.name.clone(),
                 family: task.family.clone(),
+                condition: task.condition.clone(),
+                skipped: None,
                 horizon: task.horizon,
                 episodes: trials,
                 successes,
@@ -103,12 +131,59 @@ impl Summary {
                 metrics: metrics(&episodes),
             }
         });
-        Self { policy: settings.policy, protocol: settings.protocol, tasks: tasks.collect() }
+        Self::new(settings.policy, settings.protocol, tasks.collect())
+    }
+
+    /// Of summaries of tasks.
+    pub fn new(policy: String, protocol: Protocol, tasks: Vec<TaskSummary>) -> Self {
+        let mut names: Vec<&str> = Vec::new();
+        for task in &tasks {
+            if !names.contains(&task.family.as_str()) {
+                names.push(&task.family);
+            }
+        }
+        let of = |name: &&str| GroupSummary::of(name, tasks.iter().filter(|task| task.family == **name));
+        let families = names.iter().map(of).collect();
+        Self { policy, protocol, families, overall: GroupSummary::of("all tasks", tasks.iter()), tasks }
+    }
+
+    /// The same, with the reasons why the policy cannot act on tasks, by their place in the plan.
+    pub fn with_skipped(mut self, skipped: &[(usize, String)]) -> Self {
+        for (trial, reason) in skipped {
+            if let Some(task) = self.tasks.get_mut(*trial) {
+                task.skipped = Some(reason.clone());
+            }
+        }
+        self
     }
 
     /// As JSON.
     pub fn json(&self) -> String {
         super::journal::pretty(self) + "\n"
+    }
+}
+
+impl TaskSummary {
+    /// Mean part of the horizon that episodes lasted, 0..1.
+    pub fn horizon_part(&self) -> Option<f64> {
+        self.steps.map(|steps| steps.mean / f64::from(self.horizon.max(1)))
+    }
+}
+
+impl GroupSummary {
+    fn of<'a>(name: &str, tasks: impl Iterator<Item = &'a TaskSummary>) -> Self {
+        let tasks: Vec<&TaskSummary> = tasks.collect();
+        let mean = |number: fn(&TaskSummary) -> Option<f64>| {
+            let numbers: Vec<f64> = tasks.iter().filter_map(|task| number(task)).collect();
+            Spread::of(&numbers).map(|spread| spread.mean)
+        };
+        Self {
+            name: name.to_owned(),
+            tasks: tasks.len(),
+            evaluated: tasks.iter().filter(|task| task.episodes > 0).count(),
+            success_rate: mean(|task| task.success_rate),
+            horizon_part: mean(TaskSummary::horizon_part),
+        }
     }
 }
 

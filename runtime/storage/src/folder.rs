@@ -53,12 +53,19 @@ impl Folder {
         Ok(Self { directory: Arc::new(directory), path: path.into(), faults: None })
     }
 
-    /// Opens a folder that the user named, after creating it and its parents where they are missing.
+    /// Opens a folder that the user named, after creating it and its parents where they are missing. Created ones are on the
+    /// disk when this returns.
     ///
     /// # Errors
     /// It cannot be created or opened.
     pub fn create(path: &Path) -> Result<Self, StorageError> {
-        std::fs::create_dir_all(path).map_err(|source| StorageError::new("create the folder", path, source))?;
+        let cannot = |source| StorageError::new("create the folder", path, source);
+        let missing: Vec<&Path> = path.ancestors().take_while(|folder| !folder.exists()).collect();
+        std::fs::create_dir_all(path).map_err(cannot)?;
+        // The name of a new folder lasts only once the folder around it is on the disk.
+        for around in missing.into_iter().filter_map(Path::parent) {
+            Self::open(around)?.sync().map_err(cannot)?;
+        }
         Self::open(path)
     }
 
