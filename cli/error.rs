@@ -9,8 +9,6 @@ use std::process::ExitCode;
 pub const FAILURE: u8 = 1;
 /// Exit code of a command that was not understood; clap uses the same.
 pub const USAGE: u8 = 2;
-/// Exit code after an interrupt from the keyboard, as shells expect it (128 + SIGINT).
-pub const INTERRUPTED: u8 = 130;
 
 /// Why a command failed. Any library error becomes one with `?`.
 #[derive(Debug)]

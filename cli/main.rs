@@ -12,6 +12,7 @@ mod eval;
 mod explain;
 mod fmt;
 mod help;
+mod interrupt;
 mod lsp;
 mod mcp;
 mod motion;

@@ -1,8 +1,10 @@
-//! A line that shows how far an evaluation is: episodes, control steps per second, time left. Silent unless on a terminal.
+//! What is shown while an evaluation runs: a row for each task as it ends and, on a terminal, a line that tells how far it is.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use msk::runtime::evaluate::{EpisodeRecord, Watcher};
+use msk::runtime::evaluate::{EpisodeRecord, Plan, RunSettings, Watcher};
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Watches an evaluation.
@@ -12,24 +14,61 @@ pub struct Progress {
     steps: AtomicU64,
     ended: AtomicU64,
     successes: AtomicU64,
+    episodes: u64,
+    tasks: Mutex<Vec<Task>>,
+}
+
+/// How far a task is.
+#[derive(Clone, Default)]
+struct Task {
+    name: String,
+    ended: u64,
+    successes: u64,
+    total: f64,
+    seconds: f64,
+}
+
+impl Task {
+    fn add(&mut self, record: &EpisodeRecord) {
+        self.ended += 1;
+        self.successes += u64::from(record.success);
+        self.total += record.total;
+        self.seconds += record.wall_time;
+    }
 }
 
 impl Progress {
-    /// Of `episodes`, of which `done` are there already.
-    pub fn new(episodes: u64, done: u64) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(episodes), ProgressDrawTarget::stderr_with_hz(10));
+    /// Of a plan, of which the episodes `done` are there already.
+    pub fn new(plan: &Plan, done: &[EpisodeRecord]) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(plan.episodes()), ProgressDrawTarget::stderr_with_hz(10));
         // The template is a constant of this file; without it the bar has its default look.
         if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} episodes  {msg}  {elapsed} (left {eta})") {
             bar.set_style(style);
         }
-        bar.set_position(done);
+        bar.set_position(done.len() as u64);
         bar.reset_eta();
         bar.enable_steady_tick(Duration::from_millis(200));
+        let names = plan.trials.iter().map(|trial| trial.task.name.clone());
+        let mut tasks: Vec<Task> = names.map(|name| Task { name, ..Task::default() }).collect();
+        let settings = RunSettings::of(plan);
+        for record in done {
+            if let Some(task) = settings.place(record).and_then(|trial| tasks.get_mut(trial)) {
+                task.add(record);
+            }
+        }
         let zero = || AtomicU64::new(0);
-        Self { bar, start: Instant::now(), steps: zero(), ended: zero(), successes: zero() }
+        Self {
+            bar,
+            start: Instant::now(),
+            steps: zero(),
+            ended: zero(),
+            successes: zero(),
+            episodes: plan.protocol.episodes,
+            tasks: Mutex::new(tasks),
+        }
     }
 
-    /// Takes the line away.
+    /// Takes the line away; the rows stay.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
@@ -38,6 +77,18 @@ impl Progress {
         let rate = steps as f64 / self.start.elapsed().as_secs_f64().max(1e-3);
         let (ended, successes) = (self.ended.load(Ordering::Relaxed), self.successes.load(Ordering::Relaxed));
         self.bar.set_message(format!("{successes}/{ended} succeeded  {rate:.0} steps/s"));
+    }
+
+    /// Prints a row for the task number `trial`, which is left as it is by `change`, if that wants one.
+    fn row(&self, trial: usize, change: impl FnOnce(&mut Task) -> Option<String>) {
+        let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        let width = tasks.iter().map(|task| task.name.chars().count()).max().unwrap_or(0);
+        let Some(task) = tasks.get_mut(trial) else { return };
+        let Some(row) = change(task) else { return };
+        // Nothing is left to be done when standard error itself cannot be written.
+        self.bar.suspend(|| {
+            let _ = writeln!(io::stderr(), "{:<width$}  {row}", task.name);
+        });
     }
 }
 
@@ -50,10 +101,21 @@ impl Watcher for Progress {
         }
     }
 
-    fn ended(&self, record: &EpisodeRecord) {
+    fn ended(&self, trial: usize, record: &EpisodeRecord) {
         self.ended.fetch_add(1, Ordering::Relaxed);
         self.successes.fetch_add(u64::from(record.success), Ordering::Relaxed);
         self.bar.inc(1);
         self.show(self.steps.load(Ordering::Relaxed));
+        self.row(trial, |task| {
+            task.add(record);
+            let Task { ended, successes, total, seconds, .. } = task;
+            let mean = *total / *ended as f64;
+            (*ended == self.episodes)
+                .then(|| format!("{successes:>3} of {ended} succeeded  return {mean:>9.1}  {seconds:>6.1} s"))
+        });
+    }
+
+    fn skipped(&self, trial: usize, reason: &str) {
+        self.row(trial, |_| Some(format!("skipped: {reason}")));
     }
 }

@@ -136,7 +136,7 @@ fn past_ends(
 
 /// Plays an episode of an evaluation again.
 fn again(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode, Error> {
-    let records = Journal::records(folder)?;
+    let records = Journal::records(folder).map_err(crate::eval::explain)?;
     let record = records.iter().find(|record| record.task == trial.task.name && record.episode == args.episode);
     let Some(record) = record else {
         let message = format!("`{}` holds no episode {} of task `{}`", folder.display(), args.episode, trial.task.name);

@@ -1,8 +1,8 @@
 //! `msk tune TASK`: episodes, statistics, a reasoner, the rules of change, again.
 
 use crate::condition::Condition;
-use crate::error::{Error, FAILURE, INTERRUPTED};
-use crate::eval::stop_on_interrupt;
+use crate::error::{Error, FAILURE};
+use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
 use crate::project::{Project, Settings as Parameters};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -136,16 +136,16 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if !session.rounds().is_empty() {
         say(&format!("continuing `{}`: {} of {} rounds are there", folder.display(), session.rounds().len(), args.rounds));
     }
-    let stop = stop_on_interrupt()?;
+    let interrupt = Interrupt::listen()?;
     let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
     let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
-    let ended = session.run(reasoner.as_ref(), threads, &stop, &progress)?;
+    let ended = session.run(reasoner.as_ref(), threads, interrupt.stop(), &progress)?;
     progress.bar.finish_and_clear();
-    finish(&session, ended)
+    finish(&session, ended, &interrupt)
 }
 
 /// Says what came of it.
-fn finish(session: &Session, ended: Ended) -> Result<ExitCode, Error> {
+fn finish(session: &Session, ended: Ended, interrupt: &Interrupt) -> Result<ExitCode, Error> {
     let folder = session.folder().display();
     let mut out = io::stdout().lock();
     for round in session.rounds() {
@@ -159,7 +159,7 @@ fn finish(session: &Session, ended: Ended) -> Result<ExitCode, Error> {
         Ended::Budget => Ok(ExitCode::SUCCESS),
         Ended::Interrupted => {
             writeln!(io::stderr(), "interrupted; the same command with `--out {folder}` continues")?;
-            Ok(ExitCode::from(INTERRUPTED))
+            Ok(interrupt.code())
         }
         Ended::Failed => {
             let why = session.rounds().last().and_then(|round| round.rejected.clone()).unwrap_or_default();

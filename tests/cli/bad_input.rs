@@ -110,9 +110,9 @@ fn a_folder_for_results_that_cannot_be_made() {
     let project = Project::lean();
     project.write("file", "");
     let arguments = ["eval", "tasks.msk", "--policy", "zero", "--out", "file/results"];
-    project.msk(&arguments).failed(1, &["cannot write results to `file/results`", "because:", "hint:"]);
+    project.msk(&arguments).failed(1, &["cannot keep results in `file/results`", "because:", "hint:"]);
     project.write("results", "in the way of the usual folder");
-    project.msk(&["eval", "tasks.msk", "--policy", "zero"]).failed(1, &["cannot write results to `results", "hint:"]);
+    project.msk(&["eval", "tasks.msk", "--policy", "zero"]).failed(1, &["cannot keep results in `results", "hint:"]);
 }
 
 #[test]

@@ -12,11 +12,91 @@ fn a_suite_is_evaluated_by_its_own_protocol() {
     let project = Project::lean();
     let done = eval(&project, "out", &[]).succeeded();
     assert!(done.out.contains("Policy `random`, 3 episodes per task, seed 5"), "{}", done.out);
-    for column in ["success [95 %]", "return", "steps", "ended by", "value per step", "share"] {
-        assert!(done.out.contains(column), "no `{column}` in {}", done.out);
+    for part in ["success [95 %]", "return", "horizon", "ended by", "Coverage: 1 of 1 tasks, 3 of 3 episodes", "Results: out"] {
+        assert!(done.out.contains(part), "no `{part}` in {}", done.out);
     }
-    assert!(done.out.lines().all(|line| line.chars().count() <= 100), "{}", done.out);
-    assert!(done.out.starts_with(&project.read("out/report.md")), "the report on disk is the one that was printed");
+    assert!(done.out.lines().all(|line| line.chars().count() <= 80), "{}", done.out);
+    assert!(!done.out.contains("value per step"), "terms stand in the report: {}", done.out);
+    let report = project.read("out/report.md");
+    for column in ["success [95 %]", "return", "steps", "ended by", "value per step", "share"] {
+        assert!(report.contains(column), "no `{column}` in {report}");
+    }
+    assert!(report.lines().all(|line| line.chars().count() <= 100), "{report}");
+}
+
+#[test]
+fn a_suite_may_have_several_protocols() {
+    let project = Project::lean();
+    let protocols = "protocol quick { episodes 2, seed 5 }; protocol paper { episodes 4, seed 5 }";
+    project.write("tasks.msk", &format!("use \"lean.msk\"\nsuite bench {{ family f {{ lean }}; {protocols} }}\n"));
+    let heading = |out: &str, more: &[&str]| {
+        let done = eval(&project, out, more).succeeded();
+        done.err.lines().next().unwrap_or_default().to_owned()
+    };
+    assert_eq!(heading("default", &[]), "1 task, 2 episodes each (protocol quick; there is also paper), seed 5, policy random");
+    assert_eq!(
+        heading("paper", &["--protocol", "paper"]),
+        "1 task, 4 episodes each (protocol paper; there is also quick), seed 5, policy random"
+    );
+    assert_eq!(heading("other", &["--protocol", "paper", "--episodes", "1"]), "1 task, 1 episode each, seed 5, policy random");
+    for (out, episodes) in [("default", 2), ("paper", 4), ("other", 1)] {
+        assert_eq!(project.read(format!("{out}/episodes.jsonl")).lines().count(), episodes);
+    }
+    eval(&project, "none", &["--protocol", "papre"]).failed(1, &["has no protocol `papre`", "there are: quick, paper"]);
+    let alone = project.msk(&["eval", "lean.msk", "--protocol", "paper"]);
+    alone.failed(1, &["`lean.msk` has no protocol `paper`", "hint: a suite declares one"]);
+}
+
+/// A suite of `lean`, which has no test, and of `shown`, which has one whose script ends in success.
+fn half_shown() -> Project {
+    let project = Project::lean();
+    let shown = crate::project::LEAN.replace("task lean", "task shown");
+    let script =
+        "    test \"shows\" {\n        at 0.1 s pose neutral\n        at 0.2 s pose neutral\n        expect success\n    }\n}\n";
+    project.write("shown.msk", &format!("{}{script}", &shown[..shown.rfind('}').unwrap()]));
+    project.write(
+        "tasks.msk",
+        "use \"lean.msk\"\nuse \"shown.msk\"\nsuite bench {\n    family a { lean }\n    family b { shown }\n}\n",
+    );
+    project
+}
+
+#[test]
+fn a_task_that_the_policy_cannot_act_on_is_skipped_with_its_reason() {
+    let project = half_shown();
+    let arguments = ["eval", "tasks.msk", "--policy", "witness", "--episodes", "2", "--out", "out"];
+    let done = project.msk(&arguments).succeeded();
+    let reason = "skipped: no test of `lean` plays a script up to `expect success`";
+    for text in [&done.err, &project.read("out/report.md")] {
+        assert!(text.contains(reason), "{text}");
+    }
+    assert!(done.out.contains("skipped: no test of `lean` plays a script up to"), "{}", done.out);
+    assert!(done.out.contains("Coverage: 1 of 2 tasks, 2 of 4 episodes; 1 skipped"), "{}", done.out);
+    assert!(done.out.contains("stabilization (1 of 2)") && done.out.contains("all tasks (1 of 2)"), "{}", done.out);
+    assert!(done.err.lines().any(|row| row.starts_with("shown  ") && row.contains("of 2 succeeded")), "{}", done.err);
+    let summary: Value = serde_json::from_str(&project.read("out/summary.json")).unwrap();
+    assert_eq!(summary["tasks"][0]["skipped"], reason.replace("skipped: ", ""));
+    assert_eq!(summary["tasks"][1]["episodes"], 2);
+    // It is not finished less than it can be: again, and nothing is played.
+    let lines = project.read("out/episodes.jsonl");
+    assert!(project.msk(&arguments).succeeded().err.contains(reason));
+    assert_eq!(project.read("out/episodes.jsonl"), lines);
+}
+
+#[test]
+fn a_policy_that_can_act_on_no_task_fails() {
+    let project = half_shown();
+    let done = project.msk(&["eval", "lean.msk", "--policy", "witness", "--episodes", "2", "--out", "out"]);
+    assert!(done.out.contains("skipped: no test of `lean`"), "{}", done.out);
+    done.failed(1, &["policy `witness` can act on none of the tasks", "hint:"]);
+}
+
+#[test]
+fn each_task_has_its_row_as_it_ends() {
+    let project = half_shown();
+    let done = project.msk(&["eval", "tasks.msk", "--policy", "zero", "--episodes", "2", "--threads", "1"]).succeeded();
+    let rows: Vec<&str> = done.err.lines().filter(|line| line.contains("of 2 succeeded")).collect();
+    assert!(rows.len() == 2 && rows[0].starts_with("lean ") && rows[1].starts_with("shown "), "{}", done.err);
 }
 
 #[test]
@@ -145,11 +225,64 @@ fn an_episode_that_cannot_go_on_is_a_result_and_the_others_go_on() {
     for policy in ["posture", "random"] {
         let arguments = ["eval", "tasks.msk", "--policy", policy, "--episodes", "2", "--out", policy];
         let done = project.msk(&arguments).succeeded();
-        assert!(done.out.contains("Fault in `flung`, episode 1: at 0 s"), "{}", done.out);
+        assert!(done.out.contains("Fault in `flung`, episode 0: at 0 s"), "{}", done.out);
+        assert!(project.read(format!("{policy}/report.md")).contains("Fault in `flung`, episode 1: at 0 s"));
         let lines = project.read(format!("{policy}/episodes.jsonl"));
         let records = lines.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
         let (faults, sound): (Vec<_>, Vec<_>) = records.partition(|record| record["task"] == "flung");
         assert!(faults.len() == 2 && faults.iter().all(|record| record["fault"].is_string() && record["success"] == false));
         assert!(sound.len() == 2 && sound.iter().all(|record| record["fault"] == Value::Null && record["steps"] != 0));
     }
+}
+
+#[test]
+fn results_that_somebody_changed_are_refused_and_stay_as_they_are() {
+    let project = Project::lean();
+    eval(&project, "out", &[]).succeeded();
+    let lines = project.read("out/episodes.jsonl");
+    let settings = project.read("out/run.json");
+    let refused = |more: &[&str], parts: &[&str]| {
+        let before = project.read("out/episodes.jsonl");
+        eval(&project, "out", more).failed(1, &[parts, &["hint:"]].concat());
+        assert_eq!(project.read("out/episodes.jsonl"), before);
+    };
+    project.write("out/episodes.jsonl", &lines.replacen("\"success\":", "\"success\": ", 1));
+    refused(&[], &["out/episodes.jsonl`, line 1, is not what was written there", "checksum"]);
+    project.msk(&["run", "lean", "--again", "out"]).failed(1, &["line 1", "checksum"]);
+    project.write("out/episodes.jsonl", &lines);
+
+    // Two journals in one.
+    eval(&project, "other", &["--seed", "6"]).succeeded();
+    let foreign = project.read("other/episodes.jsonl");
+    project.write("out/episodes.jsonl", &format!("{lines}{}\n", foreign.lines().next().unwrap()));
+    refused(&[], &["line 4, is of another run", "seed is 6, not 5"]);
+    project.write("out/episodes.jsonl", &lines);
+
+    // The settings of another run over these episodes, and none.
+    project.write("out/run.json", &project.read("other/run.json"));
+    refused(&["--seed", "6"], &["line 1, is of another run", "seed is 5, not 6"]);
+    std::fs::remove_file(project.path("out/run.json")).unwrap();
+    refused(&["--seed", "6"], &["holds episodes but no `run.json`"]);
+    project.write("out/run.json", &settings);
+    eval(&project, "out", &[]).succeeded();
+    assert_eq!(project.read("out/episodes.jsonl"), lines);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_whole_lines_and_the_run_goes_on_later() {
+    let project = Project::lean();
+    let arguments = ["eval", "tasks.msk", "--policy", "random", "--episodes", "12", "--threads", "2"];
+    project.msk(&[&arguments[..], &["--out", "whole"]].concat()).succeeded();
+    let script = "ulimit -f 8 && trap '' XFSZ && exec \"$0\" \"$@\"";
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", script, env!("CARGO_BIN_EXE_msk")]).args(arguments).args(["--out", "out"]);
+    let done = crate::project::Done::from(command.current_dir(project.path("")).output().unwrap());
+    done.failed(1, &["cannot keep results in `out`", "because: cannot write `out/episodes.jsonl`", "hint: make room"]);
+    let kept = project.read("out/episodes.jsonl");
+    assert!(kept.ends_with('\n') && (1..12).contains(&kept.lines().count()), "{kept}");
+    project.msk(&[&arguments[..], &["--out", "out"]].concat()).succeeded();
+    assert!(project.read("out/episodes.jsonl").starts_with(&kept));
+    assert_eq!(journal(&project.read("out/episodes.jsonl")), journal(&project.read("whole/episodes.jsonl")));
+    assert_eq!(project.read("out/summary.json"), project.read("whole/summary.json"));
 }
