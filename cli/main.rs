@@ -22,6 +22,7 @@ mod overlays;
 mod physics;
 mod progress;
 mod project;
+mod ranking;
 mod run;
 mod snapshot;
 mod test;

@@ -2,10 +2,11 @@
 
 use crate::error::{Context, Error, FAILURE};
 use crate::project::{Project, Settings};
+use crate::ranking;
 use clap::ValueEnum;
 use msk::compiler::diagnostics::{FileId, Span};
 use msk::compiler::task::CompiledTask;
-use msk::runtime::testing::{self, TestReport};
+use msk::runtime::testing::{self, Measure, Returns, TestReport};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -16,7 +17,9 @@ use std::sync::Arc;
 /// Run the tests inside files: `test "..." { }` and `cheat "..." { }` of all tasks
 ///
 /// What a test shows is played, or run where it says so, and what it expects is compared; nothing depends on chance or on the
-/// number of cores. Exit code 0 if every test passes, 1 if one does not or there is none to run.
+/// number of cores. Under the tests of a task stands the ranking of its cheats: the returns of the demonstration (the first test
+/// that expects `success` at its end) and of every cheat, held to the horizon; each must stay below the demonstration. Exit code 0 if
+/// every test passes, 1 if one does not or there is none to run.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files with tasks, or suites of them
@@ -64,20 +67,15 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             jobs.extend(places.map(|place| (tests.as_ref(), body.clone(), place)));
         }
         let reports = testing::run_all(&jobs)?;
-        let mut task = "";
-        for report in &reports {
-            if report.passed() {
-                passed += 1
-            } else {
-                failed += 1
-            }
+        passed += reports.iter().filter(|report| report.passed()).count();
+        failed += reports.iter().filter(|report| !report.passed()).count();
+        for reports in reports.chunk_by(|left, right| left.task == right.task) {
             match args.format {
-                Format::Json => writeln!(out, "{}", as_json(report, &project))?,
+                Format::Json => reports.iter().try_for_each(|report| writeln!(out, "{}", as_json(report, &project)))?,
                 Format::Text => {
-                    if std::mem::replace(&mut task, &report.task) != report.task {
-                        writeln!(out, "{}", report.task)?;
-                    }
-                    tell(&mut out, report, &project)?;
+                    writeln!(out, "{}", reports[0].task)?;
+                    reports.iter().try_for_each(|report| tell(&mut out, report, &project))?;
+                    write!(out, "{}", ranking::table(&reports.iter().collect::<Vec<_>>()))?;
                 }
             }
         }
@@ -138,6 +136,23 @@ fn as_json(report: &TestReport, project: &Project) -> serde_json::Value {
         "at": place(report.at, project),
         "passed": report.passed(),
         "failures": failures,
+        "returns": report.ranking.as_ref().map(|ranking| figures(&ranking.returns)),
+        "demonstration": report.ranking.as_ref().and_then(|ranking| ranking.demonstration.as_ref()).map(|shown| {
+            json!({ "test": shown.title, "returns": figures(&shown.returns) })
+        }),
+    })
+}
+
+fn figures(returns: &Returns) -> serde_json::Value {
+    let by = |measure| returns.by(measure);
+    json!({
+        "steps": returns.steps,
+        "ended_by": returns.ended_by,
+        "return": by(Measure::Return),
+        "per_step": by(Measure::PerStep),
+        "discounted": by(Measure::Discounted),
+        "discounted_per_step": by(Measure::DiscountedPerStep),
+        "terms": returns.terms,
     })
 }
 

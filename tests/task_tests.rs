@@ -5,7 +5,7 @@ use msk::compiler::files::{LoadError, Loader};
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile};
 use msk::runtime::library::{BodyLibrary, FileLoader};
-use msk::runtime::testing::{self, Stage, TestReport};
+use msk::runtime::testing::{self, Measure, Stage, TestReport};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -30,7 +30,7 @@ fn compiled(statements: &str) -> Compilation {
             scene {{ ground; box cube {{ size [10 cm, 10 cm, 10 cm], mass 1 kg, free, at [1 m, 0, 1 m] }} }}
             init {{ pose neutral; noise joints normal(0, 0.05 rad) }}
             observe {{ pelvis.height; cube.position - pelvis.position }}
-            reward {{ 2 tall = pelvis.height / 1 m; -1 effort = mean(muscles.activation^2) }}
+            reward {{ 2 tall = pelvis.height / 1 m; -1 effort = mean(muscles.activation^2); 4 low = ever(pelvis.height < 0.6 m) }}
             terminate {{ fallen when pelvis.height < 0.3 m }}
             success survived and ever(pelvis.height < 0.6 m)
             {statements}
@@ -238,6 +238,106 @@ fn a_test_is_the_same_played_twice() {
     let first = stage.play(0);
     assert!(!first.passed());
     assert_eq!(stage.play(0), first);
+}
+
+/// A demonstration of the example: down, and up again.
+const DEMONSTRATION: &str = "test \"down and up\" {
+    at 0.5 s pose squatting { root.height = 0.5 m }
+    at 1 s pose neutral { root.height = ground }
+    expect success
+}";
+
+/// The measures by which the last test, a cheat, earns too much.
+fn too_much(tests: &str) -> Vec<String> {
+    let reports = played(tests);
+    let failures = &reports.last().unwrap().failures;
+    failures.iter().map(|failure| failure.expected.clone()).collect()
+}
+
+#[test]
+fn an_exploit_that_earns_less_than_the_demonstration_passes() {
+    let reports = played(&format!("{DEMONSTRATION} cheat \"standing\" {{ pose neutral }}"));
+    let report = &reports[1];
+    assert!(report.passed(), "{report:#?}");
+    let ranking = report.ranking.as_ref().unwrap();
+    let shown = ranking.demonstration.as_ref().unwrap();
+    assert_eq!(shown.title, "down and up");
+    assert!(shown.returns.success && !ranking.returns.success);
+    assert_eq!((shown.returns.steps, ranking.returns.steps), (300, 300));
+    // Two thirds of three seconds below 0.6 m or after it, and some 0.95 m of height in all others.
+    for measure in Measure::ALL {
+        assert!(ranking.returns.by(measure) < shown.returns.by(measure), "{measure:?}");
+    }
+    let standing = ranking.returns.by(Measure::Return);
+    assert!((standing - 300.0 * ranking.returns.by(Measure::PerStep)).abs() < 1e-9);
+    assert!((standing - 2.0 * 0.94 * 300.0).abs() < 15.0, "{standing}");
+    // The same reward in every step: discounted and not, a step earns the same.
+    let (plain, discounted) = (ranking.returns.by(Measure::PerStep), ranking.returns.by(Measure::DiscountedPerStep));
+    assert!((plain - discounted).abs() < 1e-9, "{plain} {discounted}");
+    // A sum of 0.99^n over 300 steps is 95.096.
+    assert!((ranking.returns.by(Measure::Discounted) - 95.096 * plain).abs() < 0.01);
+}
+
+#[test]
+fn an_exploit_that_earns_more_fails_by_every_measure_and_is_told_its_terms() {
+    let tests = format!("{DEMONSTRATION} cheat \"hovering\" {{ root {{ height 4 m }} }}");
+    let demonstration = "of the demonstration \"down and up\"";
+    assert_eq!(
+        too_much(&tests),
+        ["return", "per step", "return, discount 0.99", "per step, discount 0.99"]
+            .map(|measure| format!("{measure} below that {demonstration}"))
+    );
+    let reports = played(&tests);
+    let failure = &reports[1].failures[0];
+    assert!(failure.found.starts_with("2400 against 1") && failure.found.contains(": `tall` earns "), "{}", failure.found);
+    assert!(!failure.found.contains("low"), "{}", failure.found);
+    let [exploit, demonstration] = failure.sides.as_slice() else { panic!("{failure:#?}") };
+    assert!(exploit.value > demonstration.value);
+}
+
+#[test]
+fn after_an_early_end_nothing_is_earned() {
+    // 8 in a step is more than the demonstration ever earns, and 5 steps of it are less than 300 of those.
+    let tests = format!(
+        "{DEMONSTRATION} cheat \"up and down at once\" {{ root {{ height 4 m }}; at 0.04 s; at 0.05 s {{ root.height = 0.2 m }} }}"
+    );
+    let per_step = ["per step", "per step, discount 0.99"];
+    assert_eq!(too_much(&tests), per_step.map(|measure| format!("{measure} below that of the demonstration \"down and up\"")));
+    let reports = played(&tests);
+    let returns = &reports[1].ranking.as_ref().unwrap().returns;
+    assert_eq!((returns.steps, returns.ended_by.as_str()), (5, "fallen"));
+}
+
+#[test]
+fn a_cheat_is_held_to_the_horizon_whenever_it_is_looked_at() {
+    let slow = "cheat \"not yet\" { at 2 s pose squatting { root.height = 0.5 m }; until 1 s; expect pelvis.height > 0.7 m }";
+    assert_eq!(
+        told(&format!("{DEMONSTRATION} {slow}")),
+        "expected not success, held to the horizon, found it succeeds after 300 steps: this is a demonstration, a `test`"
+    );
+    let reports = played(&format!("{DEMONSTRATION} cheat \"a moment\" {{ until 0.1 s }}"));
+    assert_eq!(reports[1].ranking.as_ref().unwrap().returns.steps, 300);
+}
+
+#[test]
+fn the_demonstration_is_the_first_test_that_succeeds_to_the_horizon() {
+    let rest = "cheat \"standing\" { pose neutral }";
+    let title = |tests: &str| {
+        let reports = played(&format!("{tests} {rest}"));
+        let ranking = reports.last().unwrap().ranking.clone().unwrap();
+        ranking.demonstration.map(|shown| shown.title)
+    };
+    assert_eq!(title(""), None);
+    let passing = "test \"not at its end\" { at 1 s pose squatting as low; expect not success at low }";
+    assert_eq!(title(passing), None);
+    let other = DEMONSTRATION.replace("down and up", "another");
+    assert_eq!(title(&format!("{passing} {DEMONSTRATION} {other}")).as_deref(), Some("down and up"));
+    assert_eq!(title(&format!("{other} {DEMONSTRATION}")).as_deref(), Some("another"));
+    // Told to be over before it falls, it falls when it is held.
+    let falls = DEMONSTRATION
+        .replace("expect success", "at 2.9 s { root.height = 0.2 m }; expect success")
+        .replace("down and up", "falls");
+    assert_eq!(title(&format!("{falls} {other}")).as_deref(), Some("another"));
 }
 
 /// The only test of a sequence of two phases, the second of which wants a squat.

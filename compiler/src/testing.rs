@@ -24,6 +24,19 @@ pub struct TaskTests {
 }
 
 impl TaskTests {
+    /// The tests that may be the task's demonstration, with the episodes that they play: those that expect success at their end.
+    pub fn demonstrations(&self) -> impl Iterator<Item = (&TaskTest, &Take)> {
+        self.tests.iter().filter(|test| !test.cheat).filter_map(|test| {
+            let own = test.takes.iter().position(|take| take.moment.is_none())?;
+            let end = Reading { take: own, step: None };
+            let succeeds = |expectation: &Expectation| {
+                let at_its_end = matches!(&expectation.check, Check::Holds { reading, .. } if *reading == end);
+                at_its_end && expectation.source == "success"
+            };
+            test.expectations.iter().any(succeeds).then(|| (test, &test.takes[own]))
+        })
+    }
+
     /// The first script that moves and after which the task is expected to have succeeded.
     pub fn witness(&self) -> Option<&[Keyframe]> {
         self.tests.iter().filter(|test| !test.cheat).find_map(|test| {

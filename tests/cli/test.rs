@@ -13,13 +13,39 @@ fn tested(tests: &str) -> Project {
 
 #[test]
 fn tests_are_told_one_by_one() {
-    let project = tested("test \"high\" { pose neutral; expect pelvis.height > 0.5 m }\ncheat \"short\" { until 0.1 s }");
+    let project = tested(
+        "test \"high\" { pose neutral; expect pelvis.height > 0.5 m }\ncheat \"short\" { at 0.1 s { root.height = 0.2 m } }",
+    );
     let done = project.msk(&["test", "tested.msk"]).succeeded();
     for part in ["ok    high", "ok    cheat short", "2 passed, 0 failed"] {
         assert!(done.out.contains(part), "no `{part}` in {}", done.out);
     }
     let one = project.msk(&["test", "tested.msk", "--filter", "short"]).succeeded();
     assert!(one.out.contains("1 passed") && !one.out.contains("high"), "{}", one.out);
+}
+
+#[test]
+fn the_ranking_stands_under_the_tests() {
+    let fall = "cheat \"a fall\" { at 0.1 s { root.height = 0.2 m } }";
+    let project = tested(&format!("test \"upright\" {{ pose neutral; expect success }}\n{fall}"));
+    let done = project.msk(&["test", "tested.msk"]).succeeded();
+    let lines: Vec<&str> = done.out.lines().map(str::trim).collect();
+    let head = lines.iter().position(|line| line.starts_with("script ")).unwrap_or_else(|| panic!("no table in {}", done.out));
+    assert!(lines[head].ends_with("ended by") && lines[head].contains("per step, discount 0.99"), "{}", done.out);
+    assert!(lines[head + 1].starts_with("demonstration: upright") && lines[head + 1].ends_with("20  horizon"), "{}", done.out);
+    assert!(lines[head + 2].starts_with("a fall"), "{}", done.out);
+    let json = project.msk(&["test", "tested.msk", "--filter", "a fall", "--format", "json"]).succeeded().out;
+    let report: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(report["demonstration"]["test"], Value::from("upright"));
+    assert!(report["returns"]["return"].as_f64().unwrap() < report["demonstration"]["returns"]["return"].as_f64().unwrap());
+    assert_eq!(report["returns"]["terms"][0]["name"], Value::from("pose"));
+
+    let alone = tested(fall).msk(&["test", "tested.msk"]).succeeded();
+    assert!(
+        alone.out.contains("no test expects `success` at its end: the returns of the cheats are not compared"),
+        "{}",
+        alone.out
+    );
 }
 
 #[test]

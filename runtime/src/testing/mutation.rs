@@ -172,5 +172,7 @@ fn length(test: &TaskTest) -> u32 {
         let run = take.run.as_ref().map_or(0, |run| take.until.unwrap_or(10_000).saturating_sub(run.from));
         moved.saturating_add(run.saturating_mul(100)).saturating_add(1)
     };
-    test.takes.iter().map(long).fold(0, u32::saturating_add)
+    // A cheat is held to the horizon, and the demonstration is played beside it.
+    let ranked = if test.cheat { 1_000 } else { 0 };
+    test.takes.iter().map(long).fold(ranked, u32::saturating_add)
 }

@@ -1,6 +1,7 @@
 //! What came of a test.
 
 use super::TestError;
+use super::returns::Ranking;
 use super::take::Played;
 use crate::episode::Ending;
 use msk_compiler::diagnostics::{FileId, Span};
@@ -23,6 +24,9 @@ pub struct TestReport {
     pub at: (FileId, Span),
     /// What did not hold, in the order of the text. None: it has passed.
     pub failures: Vec<Failure>,
+    /// What a cheat earns, held to the horizon, beside the demonstration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ranking: Option<Ranking>,
 }
 
 /// An expectation that did not hold.
@@ -62,13 +66,28 @@ impl TestReport {
     }
 
     fn empty(task: &CompiledTask, test: &TaskTest) -> Self {
-        Self { task: task.name.clone(), title: test.title.clone(), cheat: test.cheat, at: test.at, failures: Vec::new() }
+        Self {
+            task: task.name.clone(),
+            title: test.title.clone(),
+            cheat: test.cheat,
+            at: test.at,
+            failures: Vec::new(),
+            ranking: None,
+        }
     }
 
     pub(super) fn of(tests: &TaskTests, test: &TaskTest, played: &[Played]) -> Self {
         let judge = Judge { tests, test, played };
         let failures = test.expectations.iter().filter_map(|expectation| judge.failure(expectation)).collect();
         Self { failures, ..Self::empty(&tests.task, test) }
+    }
+
+    /// With what the cheat earns. A cheat that succeeds, or that could not be played, is told as such and not compared.
+    pub(super) fn ranked(mut self, test: &TaskTest, ranking: Ranking) -> Self {
+        if self.passed() {
+            self.failures = ranking.failures(test);
+        }
+        Self { ranking: Some(ranking), ..self }
     }
 }
 

@@ -1,5 +1,6 @@
 //! One episode of a test.
 
+use super::returns::{Returns, Tally};
 use super::{Script, TestError};
 use crate::episode::{Ending, Episode, EpisodeKey, REST};
 use crate::physics::Workspace;
@@ -19,6 +20,17 @@ pub(super) struct Played {
     pub steps: u32,
     /// How it ended; `None` where the take was over before the task.
     pub ending: Option<Ending>,
+    /// What it has earned, played as far as it was.
+    pub returns: Returns,
+}
+
+/// How far a take is played.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// As far as it says.
+    Until,
+    /// Until the task ends it, or its horizon: what it earns is compared.
+    Horizon,
 }
 
 /// What was seen at a step.
@@ -48,23 +60,19 @@ impl Played {
     }
 }
 
-/// Plays a take; metrics are kept at the `wanted` steps.
-pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>) -> Result<Played, TestError> {
+/// Plays a take; metrics are kept at the `wanted` steps. What is told of its end is that of the time that it says, however far it
+/// is played.
+pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>, extent: Extent) -> Result<Played, TestError> {
     let key = EpisodeKey::default();
-    let mut kept = Vec::new();
     let script = begin(episode, take, key);
     let task = episode.task().clone();
-    let horizon = task.horizon;
-    let until = take.until.unwrap_or(horizon);
-    let script_ends = take.run.as_ref().map_or(until, |run| run.from);
-    if wanted.contains(&0) && episode.ending().is_none() {
-        kept.push((0, Seen::now(episode)));
+    let until = take.until.unwrap_or(task.horizon);
+    let end = if extent == Extent::Horizon { task.horizon } else { until };
+    let script_ends = take.run.as_ref().map_or(end, |run| run.from);
+    let mut watch = Watch { wanted, until, kept: Vec::new(), over: None, tally: Tally::new(&task) };
+    if watch.wanted.contains(&0) && episode.ending().is_none() {
+        watch.kept.push((0, Seen::now(episode)));
     }
-    let mut keep = |episode: &Episode| {
-        if wanted.contains(&episode.steps()) && !episode.report().metrics.is_empty() {
-            kept.push((episode.steps(), Seen::now(episode)));
-        }
-    };
     while episode.ending().is_none() && episode.steps() < script_ends {
         let next = episode.steps() + 1;
         match &script {
@@ -76,20 +84,49 @@ pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>) ->
                 episode.hold()?;
             }
         }
-        keep(episode);
+        watch.step(episode);
     }
     if let Some(run) = take.run.as_ref().filter(|_| episode.ending().is_none()) {
         episode.end_script();
         let mut policy = policy::create(&run.policy)?;
         policy.reset(&episode.context())?;
         let mut action = vec![REST; episode.context().body.muscles.len()];
-        while episode.ending().is_none() && episode.steps() < until {
+        while episode.ending().is_none() && episode.steps() < end {
             policy.act(&episode.context(), &mut action)?;
             episode.step(&action)?;
-            keep(episode);
+            watch.step(episode);
         }
     }
-    Ok(Played { kept, last: Seen::now(episode), steps: episode.steps(), ending: episode.ending().cloned() })
+    let (last, steps, ending) = watch.over.unwrap_or_else(|| over(episode));
+    Ok(Played { kept: watch.kept, last, steps, ending, returns: watch.tally.finish(episode) })
+}
+
+/// What is looked at while a take is played.
+struct Watch {
+    /// At these steps metrics are kept.
+    wanted: BTreeSet<u32>,
+    /// When the take is over by its own account.
+    until: u32,
+    kept: Vec<(u32, Seen)>,
+    /// What was there then.
+    over: Option<(Seen, u32, Option<Ending>)>,
+    tally: Tally,
+}
+
+impl Watch {
+    fn step(&mut self, episode: &Episode) {
+        self.tally.add(episode);
+        if self.wanted.contains(&episode.steps()) && !episode.report().metrics.is_empty() {
+            self.kept.push((episode.steps(), Seen::now(episode)));
+        }
+        if self.over.is_none() && episode.steps() == self.until {
+            self.over = Some(over(episode));
+        }
+    }
+}
+
+fn over(episode: &Episode) -> (Seen, u32, Option<Ending>) {
+    (Seen::now(episode), episode.steps(), episode.ending().cloned())
 }
 
 /// Begins with the script, or as the task does where there is none.
