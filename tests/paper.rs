@@ -1,7 +1,8 @@
-//! The benchmark's tasks beside the paper's tables: weights, constants, observations, ends and success, row by row.
+//! The benchmark's tasks beside the paper's tables: weights, constants, observations, terminations and success, row by row.
 //!
 //! What the paper says is typed once, in `tests/paper/*.toml`. Whatever differs is named there with a reason, which the task
-//! itself gives behind `ours:`; nothing else may differ. `docs/paper.md` lists it; `MSK_UPDATE=1` writes it anew.
+//! itself gives behind `ours:`; nothing else may differ. Compared are contents, not names: the sensors, states and clocks that a
+//! channel or a condition reads, and every constant that it adds to the paper's. `docs/paper.md` lists what differs; `MSK_UPDATE=1` writes it anew.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[path = "paper/beginning.rs"]
@@ -40,7 +41,7 @@ struct Paper {
     scene: Option<Saying>,
     ends: Vec<EndRow>,
     #[serde(default)]
-    extra_ends: Vec<String>,
+    extra_ends: Vec<ExtraEnd>,
     success: EndRow,
 }
 
@@ -55,6 +56,12 @@ struct Row {
     numbers: Vec<f64>,
     #[serde(default)]
     without: Vec<f64>,
+    /// Constants of ours that the paper's formula does not have, but for 0 and 1.
+    #[serde(default)]
+    adds: Vec<f64>,
+    /// What these are, where no reason of the task tells.
+    #[serde(default)]
+    of: String,
     ours: Vec<String>,
     #[serde(default)]
     differs: String,
@@ -72,7 +79,36 @@ struct Extra {
 #[serde(deny_unknown_fields)]
 struct Channels {
     paper: String,
-    ours: Vec<String>,
+    /// What stands for it: channels with their contents, as [`contents`] tells them.
+    ours: BTreeMap<String, String>,
+    /// Why ours differs, where it does.
+    #[serde(default)]
+    differs: String,
+    /// Channels that the paper does not list, with their contents.
+    #[serde(default)]
+    extra: BTreeMap<String, String>,
+    /// What these are for.
+    #[serde(default)]
+    because: String,
+}
+
+/// What all tasks observe.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Base {
+    paper: String,
+    block: String,
+    ours: BTreeMap<String, String>,
+    differs: String,
+}
+
+/// A termination that the paper does not list.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ExtraEnd {
+    ours: String,
+    reads: String,
+    because: String,
 }
 
 #[derive(Deserialize)]
@@ -91,6 +127,13 @@ struct EndRow {
     numbers: Vec<f64>,
     #[serde(default)]
     without: Vec<f64>,
+    #[serde(default)]
+    adds: Vec<f64>,
+    /// What these are, where no reason of the task tells.
+    #[serde(default)]
+    of: String,
+    /// What the condition reads, as [`contents`] tells it.
+    reads: String,
     #[serde(default)]
     ours: Vec<String>,
     #[serde(default)]
@@ -181,18 +224,40 @@ impl Comparison<'_> {
         self.listed.push([what.to_owned(), paper.to_owned(), self.reasons[first].clone()]);
     }
 
-    /// Whether the numbers of a formula of the paper are among the constants of ours, and no others are said to be missing.
-    fn numbers(&mut self, what: &str, ours: &[&Section], numbers: &[f64], without: &[f64], differs: &str) {
-        let known: Vec<f64> = ours.iter().flat_map(|section| constants(section)).chain([f64::from(self.horizon)]).collect();
-        let has = |number: &f64| known.iter().any(|known| (known - number.abs()).abs() < 1e-9);
-        let missing: Vec<f64> = numbers.iter().copied().filter(|number| !has(number)).collect();
+    /// Whether the numbers of a formula of the paper are among the constants of ours, and all others on either side are said to be.
+    fn numbers(&mut self, what: &str, ours: &[&Section], said: &Numbers<'_>) {
+        let Numbers { numbers, without, adds, of, differs } = *said;
+        let own: Vec<f64> = ours.iter().flat_map(|section| constants(section)).collect();
+        let among = |list: &[f64], number: f64| list.iter().any(|known| (known.abs() - number.abs()).abs() < 1e-9);
+        let known = [own.as_slice(), &[f64::from(self.horizon)]].concat();
+        let missing: Vec<f64> = numbers.iter().copied().filter(|&number| !among(&known, number)).collect();
         if missing != without {
             self.problem(format!(
                 "{what}: of the paper's numbers {numbers:?}, ours lacks {missing:?}, and {without:?} are said to be lacking"
             ));
         }
-        if !without.is_empty() && differs.is_empty() {
-            self.problem(format!("{what}: numbers are missing for no reason"));
+        let mut more: Vec<f64> =
+            own.into_iter().filter(|&number| !among(numbers, number) && !among(&[0.0, 1.0], number)).collect();
+        more.sort_by(f64::total_cmp);
+        more.dedup();
+        if more.len() != adds.len() || !more.iter().all(|&number| among(adds, number)) {
+            self.problem(format!("{what}: ours adds the numbers {more:?}, and {adds:?} are said to be added"));
+        }
+        let added = !adds.is_empty() && of.is_empty();
+        if (!without.is_empty() || added) && differs.is_empty() || adds.is_empty() && !of.is_empty() {
+            self.problem(format!("{what}: numbers are missing or added for no reason, or a reason is given for none"));
+        }
+        if !of.is_empty() {
+            let numbers: Vec<String> = adds.iter().map(|number| format!("{}", (number * 1e4).round() / 1e4)).collect();
+            self.listed.push([what.to_owned(), "not given".into(), format!("{}: {of}", numbers.join(", "))]);
+        }
+    }
+
+    /// Whether conditions read what they are said to read.
+    fn reads(&mut self, what: &str, ours: &[&Section], reads: &str) {
+        let found = contents(ours);
+        if found != reads {
+            self.problem(format!("{what}: reads = \"{found}\", and \"{reads}\" is said"));
         }
     }
 
@@ -215,7 +280,7 @@ impl Comparison<'_> {
                 sections.push(section);
             }
             let sections: Vec<&Section> = sections.iter().collect();
-            self.numbers(&what, &sections, &row.numbers, &row.without, &row.differs);
+            self.numbers(&what, &sections, &Numbers::of_term(row));
             self.differs(&what, &format!("{}, {:?}", row.formula, row.weight), &row.differs);
         }
         for extra in &paper.extra_terms {
@@ -237,13 +302,31 @@ impl Comparison<'_> {
         }
     }
 
-    fn channels(&mut self, task: &CompiledTask) {
-        let account = msk::compiler::explain::account(task, &msk::compiler::explain::Options::default());
-        let own = account.observation.channels.iter().filter(|channel| channel.block.is_empty());
-        let own: Vec<&str> = own.map(|channel| channel.name.as_str()).collect();
-        if own != self.paper.observations.ours {
-            let problem = format!("for `{}` the task observes {own:?}", self.paper.observations.paper);
+    fn channels(&mut self, task: &CompiledTask, base: &Base) {
+        let report = msk::compiler::explain::account(task, &msk::compiler::explain::Options::default());
+        let (mut own, mut shared) = (BTreeMap::new(), BTreeMap::new());
+        for channel in &report.observation.channels {
+            let sections: Vec<&Section> = self.section("channel", &channel.name).into_iter().collect();
+            let found = contents(&sections);
+            let map = if channel.block == base.block { &mut shared } else { &mut own };
+            map.insert(channel.name.clone(), found);
+        }
+        if shared != base.ours {
+            self.problem(format!("`{}` holds {}", base.block, as_toml(&shared)));
+        }
+        let observed = &self.paper.observations;
+        let told: BTreeMap<String, String> = observed.ours.clone().into_iter().chain(observed.extra.clone()).collect();
+        if own != told {
+            let problem = format!("for `{}` the task observes {}", observed.paper, as_toml(&own));
             self.problem(problem);
+        }
+        self.differs("observation", &observed.paper, &observed.differs);
+        if observed.extra.is_empty() != observed.because.is_empty() {
+            self.problem("further channels need a reason behind `because`, and only they".to_owned());
+        }
+        if !observed.extra.is_empty() {
+            let names: Vec<String> = observed.extra.keys().map(|name| format!("`{name}`")).collect();
+            self.listed.push([format!("observation {}", names.join(", ")), "not listed".into(), observed.because.clone()]);
         }
     }
 
@@ -257,7 +340,7 @@ impl Comparison<'_> {
 
     fn ends(&mut self) {
         let paper = self.paper;
-        let mut told: Vec<&str> = paper.extra_ends.iter().map(String::as_str).collect();
+        let mut told: Vec<&str> = paper.extra_ends.iter().map(|extra| extra.ours.as_str()).collect();
         for row in &paper.ends {
             let what = format!("end `{}`", row.paper);
             let sections: Vec<Section> = row.ours.iter().filter_map(|name| self.section("terminate", name).cloned()).collect();
@@ -266,20 +349,28 @@ impl Comparison<'_> {
             }
             told.extend(row.ours.iter().map(String::as_str));
             let sections: Vec<&Section> = sections.iter().collect();
-            self.numbers(&what, &sections, &row.numbers, &row.without, &row.differs);
+            self.numbers(&what, &sections, &Numbers::of_end(row));
+            self.reads(&what, &sections, &row.reads);
             self.differs(&what, "", &row.differs);
+        }
+        for extra in &paper.extra_ends {
+            let what = format!("end `{}`", extra.ours);
+            let Some(section) = self.section("terminate", &extra.ours).cloned() else {
+                self.problem(format!("{what} is said to be added, and is not there"));
+                continue;
+            };
+            self.reads(&what, &[&section], &extra.reads);
+            let condition = section.get("when").unwrap_or(&section.formula).to_owned();
+            self.listed.push([what, "not listed".into(), format!("{}: {condition}", extra.because)]);
         }
         let own: Vec<String> = self.snapshot.sections.iter().filter(|s| s.kind == "terminate").map(|s| s.name.clone()).collect();
         for name in own.iter().filter(|name| !told.contains(&name.as_str())) {
             self.problem(format!("the end `{name}` stands for nothing in the paper"));
         }
-        let extra: Vec<&String> = paper.extra_ends.iter().filter(|name| own.contains(name)).collect();
-        if extra.len() != paper.extra_ends.len() {
-            self.problem(format!("of the further ends {:?} only {extra:?} are there", paper.extra_ends));
-        }
         let success = self.section("success", "").cloned();
         let success: Vec<&Section> = success.iter().collect();
-        self.numbers("success", &success, &paper.success.numbers, &paper.success.without, &paper.success.differs);
+        self.numbers("success", &success, &Numbers::of_end(&paper.success));
+        self.reads("success", &success, &paper.success.reads);
         self.differs("success", &paper.success.paper, &paper.success.differs);
     }
 
@@ -295,6 +386,43 @@ impl Comparison<'_> {
     }
 }
 
+/// What is said of the numbers of a row.
+struct Numbers<'a> {
+    numbers: &'a [f64],
+    without: &'a [f64],
+    adds: &'a [f64],
+    of: &'a str,
+    differs: &'a str,
+}
+
+impl<'a> Numbers<'a> {
+    fn of_term(row: &'a Row) -> Self {
+        Self { numbers: &row.numbers, without: &row.without, adds: &row.adds, of: &row.of, differs: &row.differs }
+    }
+
+    fn of_end(row: &'a EndRow) -> Self {
+        Self { numbers: &row.numbers, without: &row.without, adds: &row.adds, of: &row.of, differs: &row.differs }
+    }
+}
+
+/// What sections read of body, scene, time, chance and memory: the leaves of their graphs that are no constants, in order and
+/// once each, joined by semicolons.
+fn contents(sections: &[&Section]) -> String {
+    let lines = sections.iter().flat_map(|section| &section.graph);
+    let values = lines.filter_map(|line| line.split_once(" = ").map(|(_, value)| value));
+    let mut leaves: Vec<&str> = values.filter(|value| !value.contains('%') && !value.starts_with("constant ")).collect();
+    leaves.iter_mut().for_each(|leaf| *leaf = leaf.strip_prefix("sensors ").unwrap_or(leaf));
+    leaves.sort_unstable();
+    leaves.dedup();
+    leaves.join("; ")
+}
+
+/// As it is typed in a sheet.
+fn as_toml(channels: &BTreeMap<String, String>) -> String {
+    let rows: Vec<String> = channels.iter().map(|(name, contents)| format!("\"{name}\" = \"{contents}\"")).collect();
+    format!("{{ {} }}", rows.join(", "))
+}
+
 /// Constants in what a section computes, in SI units, without their signs.
 fn constants(section: &Section) -> Vec<f64> {
     let lines = section.graph.iter().filter_map(|line| line.split_once("constant ").map(|(_, values)| values));
@@ -305,7 +433,11 @@ fn constants(section: &Section) -> Vec<f64> {
 fn compared() -> (Vec<String>, String) {
     let tasks = tasks();
     let mut problems = Vec::new();
-    let mut list = String::from(HEAD);
+    let base: Base = toml::from_str(&std::fs::read_to_string(root().join("tests/paper/base.toml")).unwrap()).unwrap();
+    let mut list = format!(
+        "{HEAD}\n## All tasks\n\n| what | paper | ours |\n|:--|:--|:--|\n| observation | {} | {} |\n",
+        base.paper, base.differs
+    );
     let sheets = sheets();
     for task in &tasks {
         if !sheets.iter().any(|(_, paper)| paper.name == task.name) {
@@ -325,7 +457,7 @@ fn compared() -> (Vec<String>, String) {
             listed: Vec::new(),
         };
         comparison.terms();
-        comparison.channels(task);
+        comparison.channels(task, &base);
         comparison.beginning(task);
         if let Some(scene) = &paper.scene {
             comparison.differs("scene", &scene.paper, &scene.differs);
@@ -345,7 +477,8 @@ fn compared() -> (Vec<String>, String) {
 const HEAD: &str = "# Where our tasks differ from the paper's tables
 
 Written by `MSK_UPDATE=1 cargo test --test paper`, which compares every row of the tables (typed into `tests/paper/*.toml`) with the
-compiled tasks: weights, constants, observations, beginnings, ends and success. What is not listed here is as the paper says; where
+compiled tasks: weights, constants, what observations, ends and success read, beginnings. What is not listed here is as the paper says;
+where the suite differs because the paper's formula pays for an exploit, [`tasks/paper.msk`](../tasks/paper.msk) has the paper's. Where
 the paper abbreviates a beginning, the figures of its published code stand for it (rad, m, m/s; `noise` as standard deviations).
 Wherever a body begins on the ground, so do its soles, hands or knees, whatever height of the root was published.
 ";
