@@ -70,15 +70,12 @@ fn every_request_is_answered(lines: &[&str], answers: &[Value], text: &str) {
     let mut open: BTreeMap<String, i64> = BTreeMap::new();
     for line in lines {
         let Ok(Value::Object(message)) = serde_json::from_str(line) else { continue };
-        let method = message.get("method").and_then(Value::as_str);
-        if message.get("jsonrpc").and_then(Value::as_str) != Some("2.0") || method.is_none() {
-            continue;
-        }
+        let Some(method) = message.get("method").and_then(Value::as_str) else { continue };
         match message.get("id") {
             Some(id) if id.as_i64().is_some_and(|id| i32::try_from(id).is_ok()) || id.is_string() => {
                 *open.entry(id.to_string()).or_default() += 1
             }
-            None if method == Some("exit") => break,
+            None if method == "exit" => break,
             _ => {}
         }
     }
@@ -87,5 +84,6 @@ fn every_request_is_answered(lines: &[&str], answers: &[Value], text: &str) {
             *count -= 1;
         }
     }
-    assert!(open.values().all(|count| *count == 0), "left open: {open:?}\n{text}");
+    // What is no request may be answered under the same identifier.
+    assert!(open.values().all(|count| *count <= 0), "left open: {open:?}\n{text}");
 }
