@@ -51,8 +51,11 @@ fn section(code: &Code) -> String {
 
 /// A table of functions.
 fn table(functions: &[Function]) -> String {
-    let row = |function: &Function| format!("| `{}` | {} |\n", function.signature, function.description);
-    format!("| function | value |\n|---|---|\n{}", functions.iter().map(row).collect::<String>())
+    let row = |function: &Function| {
+        let (takes, gives) = function.in_words();
+        format!("| `{}` | {} | {takes} | {gives} |\n", function.signature, function.description)
+    };
+    format!("| function | value | takes | gives |\n|---|---|---|---|\n{}", functions.iter().map(row).collect::<String>())
 }
 
 #[test]

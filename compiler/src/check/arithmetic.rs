@@ -2,16 +2,17 @@
 
 use super::context::{Checked, Checker, Compared, Reported};
 use super::dimension::{Dimension, Rational};
+use super::meeting::is_ordered;
 use super::observe::unit_of;
-use super::types::Type;
-use super::value::{Data, Form};
-use crate::diagnostics::{Diagnostic, Span, codes};
+use super::types::{ElementType, Shape, Type};
+use super::value::Data;
+use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
-use crate::graph::operation::{Binary, Unary};
+use crate::graph::operation::{Binary, Operation, Unary};
 use crate::syntax::tree::{BinaryOperator, CompareOperator, Expr, ExprKind};
 
 /// An operand with the expression it came from.
-type Operand<'a> = (Data, &'a Expr);
+pub(super) type Operand<'a> = (Data, &'a Expr);
 
 impl<'a> Checker<'a> {
     /// A chain of infix operators; the left spine is walked without recursion, because it may be as long as a statement.
@@ -50,7 +51,7 @@ impl<'a> Checker<'a> {
 
     fn logic(&mut self, function: Binary, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
         for (data, expr) in [&left, &right] {
-            if *data.kind.element() != Type::Bool {
+            if data.kind.element() != Some(ElementType::Bool) {
                 let found = data.kind.described(self.vocabulary);
                 let diagnostic = self
                     .diagnostic(codes::types::WRONG_TYPE, expr.span, "`and` and `or` join conditions")
@@ -73,44 +74,41 @@ impl<'a> Checker<'a> {
             return Ok(place);
         }
         let span_of_both = left.1.span.to(right.1.span);
-        let wraps = subtract && (left.0.form == Form::Wrapping || right.0.form == Form::Wrapping);
         let (a, b, kind) = self.agree(verb, left, right)?;
         if subtract {
             self.warn_identical(a, b, span_of_both);
         }
         let node = self.graph.binary(function, a, b);
         // The difference of two headings goes the short way round.
-        let node = if wraps { self.graph.unary(Unary::Wrap, node) } else { node };
+        let node = if subtract { self.wrapped(node, &kind) } else { node };
         Ok(Data::new(node, kind))
     }
 
     /// Place minus place is a vector, place plus vector a place, place plus place nothing.
     fn sum_of_places(&mut self, subtract: bool, span: Span, left: &Operand<'a>, right: &Operand<'a>) -> Checked<Option<Data>> {
         let frame = match (left.0.kind.element(), right.0.kind.element()) {
-            (Type::Place(frame), _) | (_, Type::Place(frame)) => *frame,
+            (Some(ElementType::Place(frame)), _) | (_, Some(ElementType::Place(frame))) => frame,
             _ => return Ok(None),
         };
         let (l, r) = (self.as_vector(left.0.clone(), frame), self.as_vector(right.0.clone(), frame));
-        let offset = |kind: &Type| {
-            matches!(kind.element(), Type::Vector { size: 3, dimension, frame: own }
-            if *dimension == Dimension::LENGTH && *own == frame)
+        let vector = ElementType::Vector { size: 3, dimension: Dimension::LENGTH, frame };
+        let offset = |data: &Data| {
+            matches!(data.kind.element(), Some(ElementType::Vector { size: 3, dimension, frame: own })
+                if (dimension == Dimension::LENGTH || data.is_zero()) && own == frame)
         };
-        let place = |kind: &Type| *kind.element() == Type::Place(frame);
-        let vector = Type::Vector { size: 3, dimension: Dimension::LENGTH, frame };
+        let place = |data: &Data| data.kind.element() == Some(ElementType::Place(frame));
         // After a minus, a bracket beside a place stands for a place: `p - [1 m, 0, 0.9 m]` is a vector.
-        let point = |operand: &Operand<'a>, kind: &Type| place(kind) || operand.0.is_bracket() && offset(kind);
-        let element = if subtract && point(left, &l.kind) && point(right, &r.kind) {
+        let point = |operand: &Operand<'a>, data: &Data| place(data) || operand.0.is_bracket() && offset(data);
+        let element = if subtract && point(left, &l) && point(right, &r) {
             vector
-        } else if place(&l.kind) && offset(&r.kind) || !subtract && offset(&l.kind) && place(&r.kind) {
-            Type::Place(frame)
+        } else if place(&l) && offset(&r) || !subtract && offset(&l) && place(&r) {
+            ElementType::Place(frame)
         } else {
             return Err(self.places_do_not_add(subtract, left, right));
         };
-        let length = self.common_length(&l.kind, &r.kind, span)?;
-        let (a, b) = (self.spread(&l, length.unwrap_or(1), 3), self.spread(&r, length.unwrap_or(1), 3));
-        let node = self.graph.binary(if subtract { Binary::Subtract } else { Binary::Add }, a, b);
-        let kind = length.map_or(element.clone(), |length| Type::List(Box::new(element), length));
-        Ok(Some(Data::new(node, kind)))
+        let (nodes, shape) = self.laid_out(&[&l, &r], span)?;
+        let node = self.graph.add(Operation::Binary(if subtract { Binary::Subtract } else { Binary::Add }), &nodes);
+        Ok(Some(Data::new(node, Type::new(element, shape))))
     }
 
     fn places_do_not_add(&mut self, subtract: bool, left: &Operand<'a>, right: &Operand<'a>) -> Reported {
@@ -128,7 +126,7 @@ impl<'a> Checker<'a> {
             self.must_be_numbers(verb, data, expr)?;
         }
         let (l, r) = (&left.0, &right.0);
-        let vectors = [l, r].map(|data| matches!(data.kind.element(), Type::Vector { .. }));
+        let vectors = [l, r].map(|data| matches!(data.kind.element(), Some(ElementType::Vector { .. })));
         if vectors[1] && (divide || vectors[0]) {
             let message = format!("cannot {verb} by a vector");
             let diagnostic = self
@@ -136,40 +134,21 @@ impl<'a> Checker<'a> {
                 .help("`dot(a, b)` gives a number, `cross(a, b)` a vector, `norm(v)` the length");
             return Err(self.report(diagnostic));
         }
-        let length = self.common_length(&l.kind, &r.kind, right.1.span)?;
-        let combine = |a: Dimension, b: Dimension| if divide { a.per(b) } else { a.times(b) };
-        let lanes = l.kind.element_lanes().max(r.kind.element_lanes());
-        let kind = if let (Type::Mixed(dimensions), Some(other)) = (&l.kind, r.kind.dimension()) {
-            dimensions.iter().map(|own| combine(*own, other)).collect::<Option<Vec<_>>>().map(Type::numbers)
-        } else {
-            let dimension = l.kind.dimension().zip(r.kind.dimension()).and_then(|(a, b)| combine(a, b));
-            dimension.map(|dimension| {
-                let element = match (l.kind.element(), r.kind.element()) {
-                    (Type::Vector { size, frame, .. }, _) | (_, Type::Vector { size, frame, .. }) => {
-                        Type::Vector { size: *size, dimension, frame: *frame }
-                    }
-                    (Type::Int, Type::Int) if !divide => Type::Int,
-                    _ => Type::Number(dimension),
-                };
-                length.map_or(element.clone(), |length| Type::List(Box::new(element), length))
-            })
-        };
-        let Some(kind) = kind else {
-            let message = "a mixed list can only be scaled by one number, and powers of units must stay within reason";
+        let (nodes, _) = self.laid_out(&[l, r], right.1.span)?;
+        let Some(kind) = l.kind.zip(&r.kind, |a, b| element_of_product(divide, a, b)) else {
+            let message = "a mixed list holds numbers only, and powers of units must stay within reason";
             return Err(self.error(codes::types::MIXED, left.1.span.to(right.1.span), message));
         };
-        let count = length.unwrap_or(1);
-        let (a, b) = (self.spread(l, count, lanes), self.spread(r, count, lanes));
-        let node = self.graph.binary(function, a, b);
+        let node = self.graph.add(Operation::Binary(function), &nodes);
         Ok(Data::new(node, kind))
     }
 
     fn must_be_numbers(&mut self, verb: &str, data: &Data, expr: &Expr) -> Checked<()> {
         let help = match data.kind.element() {
-            Type::Bool => "a condition gates a value with `when`: `x when c`",
-            Type::Place(_) => "subtract two places, or take a component such as `.z`",
-            Type::Rotation => "read `.pitch`, `.roll`, `.yaw` or an axis",
-            Type::Steps => "write the time in seconds",
+            Some(ElementType::Bool) => "a condition gates a value with `when`: `x when c`",
+            Some(ElementType::Place(_)) => "subtract two places, or take a component such as `.z`",
+            Some(ElementType::Rotation) => "read `.pitch`, `.roll`, `.yaw` or an axis",
+            Some(ElementType::Steps) => "write the time in seconds",
             _ => return Ok(()),
         };
         let found = data.kind.described(self.vocabulary);
@@ -178,22 +157,29 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
+    /// `base^exponent`, element by element; the unit of each follows from its exponent.
     fn power(&mut self, base: Operand<'a>, exponent: Operand<'a>) -> Checked<Data> {
         let (base_data, base_expr) = base;
         self.must_be_numbers("raise", &base_data, base_expr)?;
-        let known = self.graph.constant_value(exponent.0.node);
-        if exponent.0.kind.dimension() != Some(Dimension::NONE) || matches!(base_data.kind.element(), Type::Vector { .. }) {
+        let power = &exponent.0;
+        let plain = power.kind.all(|element| element.is_number() && element.dimension() == Some(Dimension::NONE));
+        if !plain || !base_data.kind.all(ElementType::is_number) {
             let diagnostic = self
                 .diagnostic(codes::types::POWER, exponent.1.span, "only numbers can be raised, and only to a plain number")
                 .help("the square of a vector's length is `dot(v, v)`");
             return Err(self.report(diagnostic));
         }
-        let raised = |dimension: Dimension| match known {
-            Some(value) => Rational::from_f64(value).and_then(|power| dimension.power(power)),
-            None => dimension.is_none().then_some(dimension),
+        let (nodes, shape) = self.laid_out(&[&base_data, power], exponent.1.span)?;
+        let known = self.graph.constant_lanes(power.node);
+        let raised = |place: usize| {
+            let power = known.as_ref().and_then(|lanes| lanes.get(place).or(lanes.first()).copied());
+            element_of_power(base_data.kind.element_at(place), power)
         };
-        let dimension = base_data.kind.dimension();
-        let Some(dimension) = dimension.and_then(raised) else {
+        let kind = match shape {
+            Shape::One => raised(0).map(Type::One),
+            Shape::List(length) => (0..length).map(raised).collect::<Option<_>>().and_then(Type::list_of),
+        };
+        let Some(kind) = kind else {
             let found = base_data.kind.described(self.vocabulary);
             let diagnostic = self
                 .diagnostic(codes::types::POWER, exponent.1.span, "the unit of this power would not be known")
@@ -201,12 +187,8 @@ impl<'a> Checker<'a> {
                 .help("divide the base by a unit first: `(x / 1 m)^p`");
             return Err(self.report(diagnostic));
         };
-        let node = self.graph.binary(Binary::Power, base_data.node, exponent.0.node);
-        let element = match base_data.kind.element() {
-            Type::Int if known.is_some_and(|power| power >= 0.0 && power.fract() == 0.0) => Type::Int,
-            _ => Type::Number(dimension),
-        };
-        Ok(Data::new(node, base_data.kind.with_element(element)))
+        let node = self.graph.add(Operation::Binary(Binary::Power), &nodes);
+        Ok(Data::new(node, kind))
     }
 
     /// Conditions `a < b < c`: every neighbouring pair must hold.
@@ -221,8 +203,9 @@ impl<'a> Checker<'a> {
             held = Some(match held {
                 None => pair,
                 Some(before) => {
-                    let node = self.graph.binary(Binary::And, before.node, pair.node);
-                    Data::new(node, pair.kind)
+                    let (nodes, shape) = self.laid_out(&[&before, &pair], operands[place + 1].span)?;
+                    let node = self.graph.add(Operation::Binary(Binary::And), &nodes);
+                    Data::new(node, Type::new(ElementType::Bool, shape))
                 }
             });
         }
@@ -232,7 +215,8 @@ impl<'a> Checker<'a> {
 
     fn compare(&mut self, operator: CompareOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
         let equality = matches!(operator, CompareOperator::Equal | CompareOperator::NotEqual);
-        let countable = |data: &Data| matches!(data.kind.element(), Type::Int | Type::Bool | Type::Steps);
+        let countable =
+            |data: &Data| matches!(data.kind.element(), Some(ElementType::Int | ElementType::Bool | ElementType::Steps));
         if equality && !(countable(&left.0) && countable(&right.0)) {
             let diagnostic = self
                 .diagnostic(codes::types::WRONG_TYPE, span, "measured numbers are never exactly equal")
@@ -240,13 +224,12 @@ impl<'a> Checker<'a> {
             return Err(self.report(diagnostic));
         }
         for (data, expr) in [&left, &right] {
-            let orders = matches!(data.kind.element(), Type::Number(_) | Type::Int | Type::Steps) || equality;
-            if !orders && !data.is_bracket() {
+            if !equality && !data.kind.all(is_ordered) {
                 let found = data.kind.described(self.vocabulary);
                 let help = match data.kind.element() {
-                    Type::Vector { .. } => "take a component such as `.z`, or the length `norm(v)`",
-                    Type::Place(_) => "take a component such as `.z`, or `distance(a, b)`",
-                    Type::Bool => "a condition is already yes or no",
+                    Some(ElementType::Vector { .. }) => "take a component such as `.z`, or the length `norm(v)`",
+                    Some(ElementType::Place(_)) => "take a component such as `.z`, or `distance(a, b)`",
+                    Some(ElementType::Bool) => "a condition is already yes or no",
                     _ => "read one of its numbers",
                 };
                 let message = format!("there is no greater or smaller among {found}");
@@ -272,7 +255,7 @@ impl<'a> Checker<'a> {
         if self.in_tests.is_none() && self.graph.constant_lanes(node).is_none() {
             self.comparisons.push(Compared { node, sides: [a, b], file: self.place.file, span, unit });
         }
-        Ok(Data::new(node, kind.with_element(Type::Bool)))
+        Ok(Data::new(node, kind.with_element(ElementType::Bool)))
     }
 
     /// Warns of a thing that is compared with, subtracted from or joined to itself.
@@ -289,111 +272,31 @@ impl<'a> Checker<'a> {
             self.diagnostics.push(diagnostic);
         }
     }
+}
 
-    /// Two operands brought to one type: same dimension, same frame, same length.
-    ///
-    /// # Errors
-    /// They differ; the error lines them up and offers the missing factor.
-    pub(crate) fn agree(&mut self, verb: &str, left: Operand<'a>, right: Operand<'a>) -> Checked<(NodeId, NodeId, Type)> {
-        let (mut l, mut r) = (left.0, right.0);
-        if let Type::Vector { frame, .. } = l.kind.element() {
-            r = self.as_vector(r, *frame);
-        }
-        if let Type::Vector { frame, .. } = r.kind.element() {
-            l = self.as_vector(l, *frame);
-        }
-        let Some(element) = common_element(&l, &r) else {
-            return Err(self.disagree(verb, (l, left.1), (r, right.1)));
-        };
-        let length = self.common_length(&l.kind, &r.kind, right.1.span)?;
-        let lanes = l.kind.element_lanes().max(r.kind.element_lanes());
-        let (a, b) = (self.spread(&l, length.unwrap_or(1), lanes), self.spread(&r, length.unwrap_or(1), lanes));
-        let kind = match (length, &element) {
-            (Some(_), Type::Mixed(_)) | (None, _) => element,
-            (Some(length), _) => Type::List(Box::new(element), length),
-        };
-        Ok((a, b, kind))
-    }
-
-    /// The number of elements where one list meets another or a single value.
-    pub(crate) fn common_length(&mut self, left: &Type, right: &Type, span: Span) -> Checked<Option<usize>> {
-        match (left.length(), right.length()) {
-            (Some(a), Some(b)) if a != b => {
-                let message = format!("these lists have different lengths: {a} and {b}");
-                Err(self.error(codes::types::LENGTHS_DIFFER, span, message))
-            }
-            (a, b) => Ok(a.or(b)),
-        }
-    }
-
-    /// The lanes of `data` laid out for `length` elements of `lanes` lanes, where one lane may stand for all.
-    pub(crate) fn spread(&mut self, data: &Data, length: usize, lanes: usize) -> NodeId {
-        let own = data.kind.element_lanes();
-        let elements = data.kind.length().unwrap_or(1);
-        let width = self.graph.width(data.node);
-        if width == 1 || width == length * lanes {
-            return data.node;
-        }
-        let lane = |element: usize, lane: usize| {
-            let element = if elements == 1 { 0 } else { element };
-            element * own + if own == 1 { 0 } else { lane }
-        };
-        let wanted: Vec<usize> = (0..length).flat_map(|e| (0..lanes).map(move |l| lane(e, l))).collect();
-        self.graph.select(wanted, data.node)
-    }
-
-    fn disagree(&mut self, verb: &str, left: Operand<'a>, right: Operand<'a>) -> Reported {
-        let (a, b) = (left.0.kind.element().clone(), right.0.kind.element().clone());
-        let (expected, found) = (a.described(self.vocabulary), b.described(self.vocabulary));
-        let span = left.1.span.to(right.1.span);
-        if let (Type::Vector { dimension: da, frame: fa, .. }, Type::Vector { dimension: db, frame: fb, .. }) = (&a, &b)
-            && da == db
-            && fa != fb
-        {
-            let frame = fa.name(self.vocabulary);
-            let message = format!("cannot {verb} vectors counted in different axes");
-            let diagnostic = self
-                .diagnostic(codes::types::FRAMES_DIFFER, span, message)
-                .expected(expected)
-                .found(found)
-                .help(format!("express the second in the axes of the first: `(... in {frame})`"));
-            return self.report(diagnostic);
-        }
-        let message = format!("cannot {verb} {expected} and {found}");
-        let mut diagnostic = self.diagnostic(codes::types::DIMENSIONS_DIFFER, span, message).expected(expected).found(found);
-        if let (Some(da), Some(db)) = (a.dimension(), b.dimension()) {
-            diagnostic = missing_factor(diagnostic, da, db, &right);
-        } else if a == Type::Steps || b == Type::Steps {
-            diagnostic = diagnostic.help("a whole number never meets a duration; `t` is the time in seconds, `step` a count");
-        }
-        self.report(diagnostic)
+/// What a number raised to a power is; nothing where its unit would not be known.
+fn element_of_power(base: ElementType, power: Option<f64>) -> Option<ElementType> {
+    let dimension = base.dimension()?;
+    match power {
+        Some(power) if base == ElementType::Int && power >= 0.0 && power.fract() == 0.0 => Some(ElementType::Int),
+        _ if dimension.is_none() => Some(ElementType::PLAIN),
+        Some(power) => Rational::from_f64(power).and_then(|power| dimension.power(power)).map(ElementType::Number),
+        None => None,
     }
 }
 
-/// Says by what the right operand would have to be multiplied, and offers to write it.
-fn missing_factor(diagnostic: Diagnostic, left: Dimension, right: Dimension, operand: &Operand<'_>) -> Diagnostic {
-    let Some(factor) = left.per(right) else { return diagnostic };
-    let (data, expr) = operand;
-    if let ExprKind::Number(quantity) = &expr.kind
-        && right.is_none()
-        && data.form != Form::Zero
-    {
-        let place = Span::at(quantity.digits.end as usize);
-        return diagnostic.fix(format!("give it the unit `{left}`"), place, format!(" {left}"));
-    }
-    diagnostic
-        .help(format!("the missing factor is one in `{factor}`: multiply the second by `1 {factor}`, or a constant like it"))
-}
-
-/// The element type of two operands that may meet; written zeros and whole numbers give way.
-fn common_element(left: &Data, right: &Data) -> Option<Type> {
-    let (a, b) = (left.kind.element(), right.kind.element());
-    let numeric = |kind: &Type| matches!(kind, Type::Number(_) | Type::Int | Type::Steps | Type::Vector { .. } | Type::Mixed(_));
-    match (a, b) {
-        _ if a == b => Some(a.clone()),
-        _ if right.is_zero() && numeric(a) => Some(a.clone()),
-        _ if left.is_zero() && numeric(b) => Some(b.clone()),
-        (Type::Int, Type::Number(d)) | (Type::Number(d), Type::Int) if d.is_none() => Some(Type::PLAIN),
-        _ => None,
-    }
+/// The element of a product or quotient; nothing if powers of units grow beyond reason.
+fn element_of_product(divide: bool, a: ElementType, b: ElementType) -> Option<ElementType> {
+    let (left, right) = (a.dimension()?, b.dimension()?);
+    let dimension = if divide { left.per(right)? } else { left.times(right)? };
+    Some(match (a, b) {
+        (ElementType::Vector { .. }, _) => a.in_dimension(dimension),
+        (_, ElementType::Vector { .. }) => b.in_dimension(dimension),
+        (ElementType::Int, ElementType::Int) if !divide => ElementType::Int,
+        // So many times an angle is known up to whole turns, as the angle is; any other factor would tear it.
+        (ElementType::Int, ElementType::WrappingAngle) | (ElementType::WrappingAngle, ElementType::Int) if !divide => {
+            ElementType::WrappingAngle
+        }
+        _ => ElementType::Number(dimension),
+    })
 }

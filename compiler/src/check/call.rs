@@ -4,7 +4,7 @@ use super::context::{Checked, Checker, Failures, Reported, Step};
 use super::dimension::Dimension;
 use super::functions;
 use super::scope::Definition;
-use super::types::{Frame, Type};
+use super::types::{ElementType, Frame, Type};
 use super::value::{Data, Thing, Value};
 use crate::diagnostics::nearest;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
@@ -167,25 +167,26 @@ impl<'a> Checker<'a> {
         let kind = if let Value::Data(data) = value { Some(&data.kind) } else { None };
         let word = annotation.text.as_str();
         if OTHER_TYPES.contains(&word) {
+            let one = kind.and_then(|kind| if let Type::One(element) = kind { Some(*element) } else { None });
             return Ok(matches!(
-                (word, kind, value),
+                (word, one, value),
                 ("landmark", _, Value::Thing(Thing::Landmark(_)))
                     | ("joint", _, Value::Thing(Thing::Joint(_)))
                     | ("muscle", _, Value::Thing(Thing::Muscle(_)))
-                    | ("bool", Some(Type::Bool), _)
-                    | ("int", Some(Type::Int), _)
-                    | ("duration", Some(Type::Steps), _)
-                    | ("place", Some(Type::Place(_)), _)
-                    | ("rotation", Some(Type::Rotation), _)
-                    | ("vec2", Some(Type::Vector { size: 2, .. }), _)
-                    | ("vec3", Some(Type::Vector { size: 3, .. }), _)
+                    | ("bool", Some(ElementType::Bool), _)
+                    | ("int", Some(ElementType::Int), _)
+                    | ("duration", Some(ElementType::Steps), _)
+                    | ("place", Some(ElementType::Place(_)), _)
+                    | ("rotation", Some(ElementType::Rotation), _)
+                    | ("vec2", Some(ElementType::Vector { size: 2, .. }), _)
+                    | ("vec3", Some(ElementType::Vector { size: 3, .. }), _)
             ));
         }
         let Some(dimension) = Dimension::named(word) else {
             return Err(self.unknown_type(annotation, file));
         };
         let zero = matches!(value, Value::Data(data) if data.is_zero());
-        let number = |kind: &Type| matches!(kind, Type::Number(_) | Type::Int) && kind.dimension() == Some(dimension);
+        let number = |kind: &Type| kind.is_one_number() && kind.dimension() == Some(dimension);
         Ok(zero || kind.is_some_and(number))
     }
 
@@ -209,7 +210,7 @@ impl<'a> Checker<'a> {
             other => return Err(self.not_numbers(&other, value.span)),
         };
         let own = match data.kind.element() {
-            Type::Vector { size: 3, frame, .. } | Type::Place(frame) => *frame,
+            Some(ElementType::Vector { size: 3, frame, .. } | ElementType::Place(frame)) => frame,
             _ => {
                 let found = data.kind.described(self.vocabulary);
                 let message = "only places and vectors of three components can be counted in other axes";
@@ -227,9 +228,9 @@ impl<'a> Checker<'a> {
                 .help("take the vector in world axes and express that");
             return Err(self.report(diagnostic));
         }
-        let count = data.kind.length().unwrap_or(1);
+        let count = data.kind.shape().count();
         let mut node = data.node;
-        let is_place = matches!(data.kind.element(), Type::Place(_));
+        let is_place = matches!(data.kind.element(), Some(ElementType::Place(_)));
         if let (true, Frame::Landmark(index) | Frame::Heading(index)) = (is_place, target) {
             let origin = self.measured(vec![Sensor::LandmarkPosition(index)]);
             let repeated = self.graph.select((0..count).flat_map(|_| 0..3), origin);
@@ -237,8 +238,8 @@ impl<'a> Checker<'a> {
         }
         let node = self.express(node, count, target);
         let element = match data.kind.element() {
-            Type::Vector { size, dimension, .. } => Type::Vector { size: *size, dimension: *dimension, frame: target },
-            _ => Type::Place(target),
+            Some(ElementType::Vector { size, dimension, .. }) => ElementType::Vector { size, dimension, frame: target },
+            _ => ElementType::Place(target),
         };
         Ok(Data::new(node, data.kind.with_element(element)))
     }
@@ -301,7 +302,6 @@ impl<'a> Checker<'a> {
             }
         }
         let node = self.measured(sensors);
-        let place = Type::Place(Frame::World);
-        Ok(Data::new(node, if list { Type::List(Box::new(place), things.len()) } else { place }))
+        Ok(Data::new(node, Type::one_or_list(ElementType::Place(Frame::World), list, things.len())))
     }
 }

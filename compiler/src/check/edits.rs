@@ -4,7 +4,6 @@ use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::inherit::WholeTask;
 use super::scope::{Names, Place};
-use super::types::Type;
 use super::value::{Thing, Value};
 use crate::body::{Change, Property};
 use crate::diagnostics::{Diagnostic, FileId, codes, nearest};
@@ -107,7 +106,7 @@ impl<'a> Checker<'a> {
     fn new_value(&mut self, edit: &'a BodyEdit, dimension: Dimension) -> Checked<f64> {
         let wanted = if edit.scales { Dimension::NONE } else { dimension };
         let data = self.data(&edit.value)?;
-        let fits = matches!(data.kind, Type::Number(_) | Type::Int) && (data.kind.dimension() == Some(wanted) || data.is_zero());
+        let fits = data.kind.is_one_number() && (data.kind.dimension() == Some(wanted) || data.is_zero());
         if !fits {
             let diagnostic = self
                 .diagnostic(codes::types::DIMENSIONS_DIFFER, edit.value.span, "this has another unit than what it changes")

@@ -5,8 +5,8 @@ use super::dimension::Dimension;
 use super::inherit::Placed;
 use super::scope::Place;
 use super::signals::Read;
-use super::types::Type;
-use super::value::{Data, Form, Value};
+use super::types::{ElementType, Type};
+use super::value::{Data, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
@@ -162,12 +162,12 @@ impl<'a> Checker<'a> {
     pub(crate) fn end_signal(&mut self, read: Read) -> Checked<Data> {
         if read == Read::Finished {
             let finishes = self.finishes()?;
-            return Ok(Data::new(self.any_end(&finishes), Type::Bool));
+            return Ok(Data::new(self.any_end(&finishes), ElementType::Bool));
         }
         let terminations = self.terminations()?;
         let terminated = self.any_end(&terminations);
         if read == Read::Terminated {
-            return Ok(Data::new(terminated, Type::Bool));
+            return Ok(Data::new(terminated, ElementType::Bool));
         }
         let step = self.graph.add(Operation::Step, &[]);
         let horizon = self.graph.constant(f64::from(self.timing.horizon));
@@ -186,7 +186,7 @@ impl<'a> Checker<'a> {
             let none = self.graph.unary(Unary::Not, others);
             self.graph.binary(Binary::And, complete, none)
         };
-        Ok(Data::new(node, Type::Bool))
+        Ok(Data::new(node, ElementType::Bool))
     }
 
     /// `ended by fallen`
@@ -194,7 +194,7 @@ impl<'a> Checker<'a> {
         let (finishes, terminations) = (self.finishes(), self.terminations());
         let reasons = [terminations?, finishes?].concat();
         if let Some(known) = reasons.iter().find(|known| known.name == reason.text) {
-            return Ok(Data::new(known.node, Type::Bool));
+            return Ok(Data::new(known.node, ElementType::Bool));
         }
         let mut names: Vec<String> = reasons.into_iter().map(|reason| reason.name).collect();
         names.dedup();
@@ -206,10 +206,12 @@ impl<'a> Checker<'a> {
         let data = self.data(expr)?;
         let known = self.graph.constant_value(data.node);
         match (known, &data.kind) {
-            (Some(steps), Type::Steps) if steps >= 0.0 => Ok(steps),
-            (Some(seconds), Type::Number(Dimension::TIME)) if seconds >= 0.0 => self.whole_steps(seconds, expr.span),
-            (Some(0.0), _) if data.is_zero() => Ok(0.0),
-            (None, Type::Steps | Type::Number(Dimension::TIME)) => {
+            (Some(steps), Type::One(ElementType::Steps)) if steps >= 0.0 => Ok(steps),
+            (Some(seconds), Type::One(ElementType::Number(Dimension::TIME))) if seconds >= 0.0 => {
+                self.whole_steps(seconds, expr.span)
+            }
+            (Some(0.0), Type::One(_)) if data.is_zero() => Ok(0.0),
+            (None, Type::One(ElementType::Steps | ElementType::Number(Dimension::TIME))) => {
                 Err(self.error(codes::types::NOT_CONSTANT, expr.span, "this duration must be known while compiling"))
             }
             _ => {
@@ -285,7 +287,7 @@ impl<'a> Checker<'a> {
         let turn = self.graph.constant(std::f64::consts::TAU);
         let angle = self.graph.binary(Binary::Multiply, turn, turns);
         let node = self.graph.unary(Unary::Wrap, angle);
-        Ok(Data::new(node, Type::Number(Dimension::ANGLE)).with_form(Form::Wrapping))
+        Ok(Data::new(node, ElementType::WrappingAngle))
     }
 }
 

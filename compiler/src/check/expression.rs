@@ -1,8 +1,7 @@
 //! Expressions: from the syntax tree to typed nodes of the graph.
 
 use super::context::{Checked, Checker, Failures, Reported};
-use super::dimension::Dimension;
-use super::types::Type;
+use super::types::{ElementType, Frame, Type};
 use super::unit;
 use super::value::{Data, Form, Thing, Value};
 use crate::diagnostics::{Span, codes};
@@ -16,6 +15,10 @@ impl<'a> Checker<'a> {
     /// Whatever is wrong in it; both sides of an operator are looked at before giving up.
     pub(crate) fn value(&mut self, expr: &'a Expr) -> Checked<Value> {
         let value = self.deeper(expr.span, |checker| checker.value_here(expr))?;
+        if let Value::Data(data) = &value {
+            self.graph.verify_width(data.node, data.kind.lanes());
+        }
+        self.must_be_consistent(expr.span)?;
         self.note_value(expr.span, &value);
         Ok(value)
     }
@@ -25,7 +28,7 @@ impl<'a> Checker<'a> {
             ExprKind::Number(quantity) => self.literal(quantity, expr.span).map(Value::Data),
             ExprKind::Bool(truth) => {
                 let node = self.graph.constant(f64::from(u8::from(*truth)));
-                Ok(Value::Data(Data::new(node, Type::Bool)))
+                Ok(Value::Data(Data::new(node, ElementType::Bool)))
             }
             ExprKind::Name(name) => self.name(name),
             ExprKind::Selector { kind, pattern } => self.selector(kind, pattern),
@@ -64,6 +67,30 @@ impl<'a> Checker<'a> {
             ExprKind::At { .. } => Err(self.error(codes::types::WRONG_TYPE, expr.span, "`at` a pose can only stand in `expect`")),
             ExprKind::Error(reported) => Err(*reported),
         }
+    }
+
+    /// Reports what the graph's verifier has found since it was last asked: a mistake of the compiler.
+    ///
+    /// # Errors
+    /// There was something.
+    pub(crate) fn must_be_consistent(&mut self, span: Span) -> Checked<()> {
+        match self.graph.take_finding() {
+            Some(finding) => Err(self.internal_error(finding, span)),
+            None => Ok(()),
+        }
+    }
+
+    /// Reports a finding of the graph's verifier.
+    pub(crate) fn internal_error(&mut self, finding: String, span: Span) -> Reported {
+        let diagnostic = self
+            .diagnostic(
+                codes::tasks::INTERNAL,
+                span,
+                "internal error of the compiler: this formula is not laid out as its type says",
+            )
+            .found(finding)
+            .help("the text is not at fault; please report it, with the text");
+        self.report(diagnostic)
     }
 
     /// The numbers that an expression stands for.
@@ -105,16 +132,21 @@ impl<'a> Checker<'a> {
     /// Anything else.
     pub(crate) fn condition(&mut self, expr: &'a Expr) -> Checked<Data> {
         let data = self.data(expr)?;
-        if *data.kind.element() == Type::Bool {
+        if data.kind.element() == Some(ElementType::Bool) {
             return Ok(data);
         }
+        Err(self.not_a_condition(&data, expr))
+    }
+
+    /// Reports something else where a condition is wanted.
+    pub(crate) fn not_a_condition(&mut self, data: &Data, expr: &Expr) -> Reported {
         let found = data.kind.described(self.vocabulary);
         let diagnostic = self
             .diagnostic(codes::types::WRONG_TYPE, expr.span, "a condition is wanted here")
             .expected("a condition (yes or no)")
             .found(found)
             .help("compare it with something: `x > 0.5 m`");
-        Err(self.report(diagnostic))
+        self.report(diagnostic)
     }
 
     /// One condition.
@@ -137,7 +169,7 @@ impl<'a> Checker<'a> {
     fn literal(&mut self, quantity: &Quantity, span: Span) -> Checked<Data> {
         let Some(written) = &quantity.unit else {
             let node = self.graph.constant(quantity.value);
-            let kind = if quantity.whole { Type::Int } else { Type::PLAIN };
+            let kind = if quantity.whole { ElementType::Int } else { ElementType::PLAIN };
             let form = if quantity.value == 0.0 { Form::Zero } else { Form::Plain };
             return Ok(Data::new(node, kind).with_form(form));
         };
@@ -146,7 +178,7 @@ impl<'a> Checker<'a> {
         {
             if quantity.whole && only.numerator == 1 && only.denominator == 1 {
                 let node = self.graph.constant(quantity.value);
-                return Ok(Data::new(node, Type::Steps));
+                return Ok(Data::new(node, ElementType::Steps));
             }
             return Err(self.error(codes::types::DURATION, span, "control steps are counted in whole numbers"));
         }
@@ -154,7 +186,7 @@ impl<'a> Checker<'a> {
             Ok(one) => {
                 self.note_length(quantity.value * one.value, one.dimension, span);
                 let node = self.graph.constant(quantity.value * one.value);
-                Ok(Data::new(node, Type::Number(one.dimension)))
+                Ok(Data::new(node, ElementType::Number(one.dimension)))
             }
             Err(factor) => {
                 let message = format!("`{}` cannot stand in a unit like this", factor.name);
@@ -165,17 +197,15 @@ impl<'a> Checker<'a> {
 
     fn negate(&mut self, operand: &'a Expr) -> Checked<Data> {
         let data = self.data(operand)?;
-        match data.kind.element() {
-            Type::Number(_) | Type::Int | Type::Steps | Type::Vector { .. } | Type::Mixed(_) => {
-                let node = self.graph.unary(Unary::Negate, data.node);
-                Ok(Data { node, ..data })
-            }
-            _ => {
-                let found = data.kind.described(self.vocabulary);
-                let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, operand.span, "this has no negative").found(found);
-                Err(self.report(diagnostic))
-            }
+        let signed =
+            |element: ElementType| element.is_number() || matches!(element, ElementType::Steps | ElementType::Vector { .. });
+        if data.kind.all(signed) {
+            let node = self.graph.unary(Unary::Negate, data.node);
+            return Ok(Data { node, ..data });
         }
+        let found = data.kind.described(self.vocabulary);
+        let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, operand.span, "this has no negative").found(found);
+        Err(self.report(diagnostic))
     }
 
     /// A bracket: a list of numbers, vectors, places or parts of the body.
@@ -206,56 +236,86 @@ impl<'a> Checker<'a> {
     }
 
     fn list_of(&mut self, data: Vec<(Data, Span)>, span: Span) -> Checked<Data> {
-        let scalars = data.iter().all(|(element, _)| matches!(element.kind, Type::Number(_) | Type::Int));
-        let Some(model) = data.iter().find(|(element, _)| !element.is_zero()).or(data.first()).map(|(model, _)| model.clone())
-        else {
+        let scalars = data.iter().all(|(part, _)| part.kind.is_one_number());
+        let frame = data.iter().find_map(|(part, _)| match part.kind.element() {
+            Some(ElementType::Vector { frame, .. }) => Some(frame),
+            _ => None,
+        });
+        // Brackets beside vectors are vectors.
+        let vector = |(part, place): (Data, Span)| (frame.map_or(part.clone(), |frame| self.as_vector(part, frame)), place);
+        let data: Vec<(Data, Span)> = data.into_iter().map(vector).collect();
+        let Some((model, _)) = data.iter().find(|(part, _)| !part.is_zero()).or(data.first()) else {
             return Err(self.error(codes::types::WRONG_TYPE, span, "a list needs at least one element"));
         };
-        let element = match model.kind.element() {
-            Type::Int if scalars && data.iter().any(|(other, _)| matches!(other.kind, Type::Number(_))) => Type::PLAIN,
-            other => other.clone(),
-        };
-        let mut length = 0;
-        for (other, place) in &data {
-            let fits = *other.kind.element() == element
-                || other.is_zero() && matches!(element, Type::Number(_) | Type::Int | Type::Vector { .. })
-                || other.kind.dimension().is_some_and(Dimension::is_none) && element == Type::PLAIN;
-            if !fits {
-                let (expected, found) = (element.described(self.vocabulary), other.kind.element().described(self.vocabulary));
+        let model = model.kind.clone();
+        let mixed = data.iter().any(|(part, _)| part.kind.met().is_none());
+        let mut elements = Vec::new();
+        for (part, place) in &data {
+            let shape = part.kind.shape();
+            let fits = |element: ElementType| match model.met() {
+                Some(wanted) => element.meet(wanted).is_some(),
+                None => element.is_number(),
+            };
+            let gives_way = |wanted: ElementType| match part.kind.element() {
+                Some(ElementType::Vector { size, .. }) => {
+                    matches!(wanted, ElementType::Vector { size: other, .. } if size == other)
+                }
+                _ => wanted.is_number() || matches!(wanted, ElementType::Vector { .. }) && part.form == Form::Zero,
+            };
+            let zero = model.met().filter(|wanted| part.is_zero() && gives_way(*wanted));
+            if let Some(wanted) = zero {
+                elements.extend(std::iter::repeat_n(wanted, shape.count()));
+            } else if part.kind.all(fits) || mixed && part.kind.all(ElementType::is_number) {
+                elements.extend((0..shape.count()).map(|place| part.kind.element_at(place)));
+            } else {
+                let expected = model.element_described(self.vocabulary);
+                let found = part.kind.element_described(self.vocabulary);
                 let diagnostic = self
                     .diagnostic(codes::types::DIMENSIONS_DIFFER, *place, "all elements of a list are of one kind")
                     .expected(expected)
                     .found(found);
                 return Err(self.report(diagnostic));
             }
-            length += other.kind.length().unwrap_or(1);
         }
+        if elements.contains(&ElementType::PLAIN) {
+            // Whole numbers beside plain ones are plain.
+            elements.iter_mut().filter(|element| **element == ElementType::Int).for_each(|element| *element = ElementType::PLAIN);
+        }
+        let Some(kind) = Type::list_of(elements) else {
+            return Err(self.error(codes::types::DIMENSIONS_DIFFER, span, "all elements of a list are of one kind"));
+        };
+        let lanes = kind.element_lanes();
         // A written zero among vectors stands for all their components.
-        let lanes = element.element_lanes();
         let mut nodes = Vec::with_capacity(data.len());
         for (part, _) in &data {
-            let count = part.kind.length().unwrap_or(1);
-            let narrow = part.kind.element_lanes() == 1 && lanes > 1;
-            nodes.push(if narrow { self.graph.constants(&vec![0.0; count * lanes]) } else { part.node });
+            nodes.push(self.spread_each(part, lanes));
         }
         let node = self.graph.join(&nodes);
         self.spend(self.graph.width(node), span)?;
-        let all_zero = data.iter().all(|(element, _)| element.is_zero());
-        let form = match (scalars && (2..=3).contains(&length), all_zero) {
+        let all_zero = data.iter().all(|(part, _)| part.is_zero());
+        let form = match (scalars && (2..=3).contains(&data.len()), all_zero) {
             (true, true) => Form::ZeroBracket,
             (true, false) => Form::Bracket,
             _ => Form::Plain,
         };
-        Ok(Data::new(node, Type::List(Box::new(element), length)).with_form(form))
+        Ok(Data::new(node, kind).with_form(form))
+    }
+
+    /// Every element of one lane repeated for so many.
+    fn spread_each(&mut self, data: &Data, lanes: usize) -> crate::graph::NodeId {
+        if data.kind.element_lanes() == lanes {
+            return data.node;
+        }
+        let count = data.kind.shape().count();
+        self.graph.select((0..count).flat_map(|place| std::iter::repeat_n(place, lanes)), data.node)
     }
 
     /// A bracket of two or three numbers as a vector of the wanted frame; anything else as it is.
-    pub(crate) fn as_vector(&self, data: Data, frame: super::types::Frame) -> Data {
-        match (&data.kind, data.is_bracket()) {
-            (Type::List(element, size), true) => {
-                let dimension = element.dimension().unwrap_or(Dimension::NONE);
+    pub(crate) fn as_vector(&self, data: Data, frame: Frame) -> Data {
+        match (data.kind.dimension(), data.kind.length(), data.is_bracket()) {
+            (Some(dimension), Some(size), true) => {
                 let form = if data.is_zero() { Form::Zero } else { Form::Plain };
-                Data { node: data.node, kind: Type::Vector { size: *size, dimension, frame }, form }
+                Data { node: data.node, kind: ElementType::Vector { size, dimension, frame }.into(), form }
             }
             _ => data,
         }
@@ -285,23 +345,20 @@ impl<'a> Checker<'a> {
     fn when(&mut self, value: &'a Expr, condition: &'a Expr) -> Checked<Data> {
         let (value_data, condition_data) = (self.data(value), self.condition(condition));
         let (value_data, condition_data) = (value_data?, condition_data?);
-        if matches!(value_data.kind.element(), Type::Place(_) | Type::Rotation) {
+        if matches!(value_data.kind.element(), Some(ElementType::Place(_) | ElementType::Rotation)) {
             let message = "a place or an orientation has no zero to fall back to";
             return Err(self.error(codes::types::WRONG_TYPE, value.span, message));
         }
-        if *value_data.kind.element() == Type::Bool {
+        if value_data.kind.element() == Some(ElementType::Bool) {
             let (left, right, kind) = self.agree("combine", (value_data, value), (condition_data, condition))?;
             let node = self.graph.binary(Binary::And, left, right);
             return Ok(Data::new(node, kind));
         }
-        let kind = self.common_length(&value_data.kind, &condition_data.kind, condition.span)?;
-        let length = kind.unwrap_or(1);
-        let lanes = value_data.kind.element_lanes();
-        let (chosen, tested) = (self.spread(&value_data, length, lanes), self.spread(&condition_data, length, lanes));
+        let (nodes, shape) = self.laid_out(&[&value_data, &condition_data], condition.span)?;
         let zero = self.graph.constant(0.0);
-        let node = self.graph.add(Operation::Choose, &[tested, chosen, zero]);
-        let element = value_data.kind.element().clone();
-        let kind = if kind.is_some() { Type::List(Box::new(element), length) } else { element };
+        let node = self.graph.add(Operation::Choose, &[nodes[1], nodes[0], zero]);
+        let kind =
+            if value_data.kind.shape() == shape { value_data.kind } else { Type::new(value_data.kind.element_at(0), shape) };
         Ok(Data::new(node, kind))
     }
 
@@ -319,7 +376,7 @@ impl<'a> Checker<'a> {
                 .help("components have names: `.x`, `.y`, `.z` in world axes, `.forward`, `.left`, `.up` in those of a landmark");
             return Err(self.report(diagnostic));
         };
-        let known = self.graph.constant_value(place.node).filter(|_| place.kind == Type::Int);
+        let known = self.graph.constant_value(place.node).filter(|_| place.kind == Type::One(ElementType::Int));
         let Some(known) = known else { return self.index_at_run_time(base, &place, length, index) };
         if known < 0.0 || known >= length as f64 {
             let message = format!("the list has {length} elements, 0 to {}", length - 1);
@@ -331,11 +388,7 @@ impl<'a> Checker<'a> {
             Value::Data(data) => {
                 let lanes = data.kind.element_lanes();
                 let node = self.graph.select(known * lanes..(known + 1) * lanes, data.node);
-                let kind = match &data.kind {
-                    Type::Mixed(dimensions) => Type::Number(dimensions[known]),
-                    other => other.element().clone(),
-                };
-                Value::Data(Data::new(node, kind))
+                Value::Data(Data::new(node, data.kind.element_at(known)))
             }
             thing @ Value::Thing(_) => thing,
         })
@@ -343,13 +396,14 @@ impl<'a> Checker<'a> {
 
     /// `list[i]` where `i` is known only while the task runs: the ranges of what it reads must prove that it lies within.
     fn index_at_run_time(&mut self, base: Value, place: &Data, length: usize, index: &'a Expr) -> Checked<Value> {
-        if place.kind != Type::Int {
+        if place.kind != Type::One(ElementType::Int) {
             let found = place.kind.described(self.vocabulary);
             let diagnostic = self.diagnostic(codes::types::NOT_CONSTANT, index.span, "an index is a whole number").found(found);
             return Err(self.report(diagnostic));
         }
-        let data = match base {
-            Value::Data(data) if !matches!(data.kind, Type::Mixed(_)) => data,
+        let met = if let Value::Data(data) = &base { data.kind.met() } else { None };
+        let (data, element) = match (base, met) {
+            (Value::Data(data), Some(element)) => (data, element),
             _ => {
                 let message = "which part of the body is meant must be known while compiling";
                 let help = "read the property of all of them first, then choose: `[pole_{0..9}].height[i]`";
@@ -374,7 +428,7 @@ impl<'a> Checker<'a> {
         let lanes = data.kind.element_lanes();
         let operation = Operation::Pick(u32::try_from(lanes).unwrap_or(u32::MAX));
         let node = self.graph.add(operation, &[data.node, place.node]);
-        Ok(Value::Data(Data::new(node, data.kind.element().clone())))
+        Ok(Value::Data(Data::new(node, element)))
     }
 
     fn comprehension(
@@ -410,15 +464,14 @@ impl<'a> Checker<'a> {
             let count = (high_value - low_value) as usize;
             self.spend(count, source.span)?;
             let numbers = (0..count).map(|offset| low_value + offset as f64);
-            return Ok(numbers.map(|number| Value::Data(Data::new(self.graph.constant(number), Type::Int))).collect());
+            return Ok(numbers.map(|number| Value::Data(Data::new(self.graph.constant(number), ElementType::Int))).collect());
         }
         match self.value(source)? {
             Value::Things { members, .. } => Ok(members.into_iter().map(Value::Thing).collect()),
             Value::Data(data) if data.kind.length().is_some() => {
                 let (length, lanes) = (data.kind.length().unwrap_or(0), data.kind.element_lanes());
-                let element = data.kind.element().clone();
                 let part = |place: usize, checker: &mut Self| checker.graph.select(place * lanes..(place + 1) * lanes, data.node);
-                Ok((0..length).map(|place| Value::Data(Data::new(part(place, self), element.clone()))).collect())
+                Ok((0..length).map(|place| Value::Data(Data::new(part(place, self), data.kind.element_at(place)))).collect())
             }
             _ => Err(self.error(codes::types::WRONG_TYPE, source.span, "a loop runs through a range or a list")),
         }
@@ -428,7 +481,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn whole(&mut self, expr: &'a Expr) -> Checked<f64> {
         let data = self.data(expr)?;
         match (self.graph.constant_value(data.node), &data.kind) {
-            (Some(value), Type::Int) => Ok(value),
+            (Some(value), Type::One(ElementType::Int)) => Ok(value),
             _ => Err(self.error(codes::types::NOT_CONSTANT, expr.span, "a whole number known while compiling is wanted here")),
         }
     }

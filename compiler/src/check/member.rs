@@ -4,8 +4,8 @@ use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
 use super::scene::object::dotted;
 use super::signals::{self, Owner, Read, Signal};
-use super::types::{Frame, Type};
-use super::value::{Data, Form, Thing, Value};
+use super::types::{ElementType, Frame, Type};
+use super::value::{Data, Thing, Value};
 use crate::diagnostics::nearest;
 use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
@@ -50,15 +50,15 @@ impl<'a> Checker<'a> {
         match (word.text.as_str(), name.text.as_str()) {
             ("episode", "t") if !declared => {
                 let node = self.graph.sensors(vec![Sensor::Time]);
-                Some(Data::new(node, Type::Number(Dimension::TIME)))
+                Some(Data::new(node, ElementType::Number(Dimension::TIME)))
             }
             (phase, "success") => {
                 if let Some((_, node)) = self.own_success.as_ref().filter(|(own, _)| own == phase) {
-                    return Some(Data::new(*node, Type::Bool));
+                    return Some(Data::new(*node, ElementType::Bool));
                 }
                 let index = self.phases.iter().position(|known| known == phase)?;
                 let index = u32::try_from(index).unwrap_or(u32::MAX);
-                Some(Data::new(self.graph.add(Operation::PhaseSuccess(index), &[]), Type::Bool))
+                Some(Data::new(self.graph.add(Operation::PhaseSuccess(index), &[]), ElementType::Bool))
             }
             _ => None,
         }
@@ -158,34 +158,33 @@ impl<'a> Checker<'a> {
             let block = |thing: &Thing| if let Thing::Landmark(index) = thing { landmark(*index) } else { com };
             things.iter().map(block).collect::<Vec<_>>()
         };
-        let shaped =
-            |node: NodeId, kind: Type| Data::new(node, if list { Type::List(Box::new(kind), things.len()) } else { kind });
+        let shaped = |node: NodeId, element: ElementType| Data::new(node, Type::one_or_list(element, list, things.len()));
         let position = blocks(Sensor::LandmarkPosition, Sensor::ComPosition);
         let velocity = blocks(Sensor::LandmarkVelocity, Sensor::ComVelocity);
         Ok(match read {
-            Read::Position => shaped(self.measured(position), Type::Place(Frame::World)),
-            Read::Velocity => shaped(self.measured(velocity), Type::world_vector(D::SPEED)),
+            Read::Position => shaped(self.measured(position), ElementType::Place(Frame::World)),
+            Read::Velocity => shaped(self.measured(velocity), ElementType::world_vector(D::SPEED)),
             Read::Acceleration => {
                 let sensors = blocks(Sensor::LandmarkAcceleration, Sensor::ComAcceleration);
-                shaped(self.measured(sensors), Type::world_vector(D::ACCELERATION))
+                shaped(self.measured(sensors), ElementType::world_vector(D::ACCELERATION))
             }
             Read::Speed => {
                 let velocity = self.measured(velocity);
-                shaped(self.graph.reduce(Reduction::Norm, 3, velocity), Type::Number(D::SPEED))
+                shaped(self.graph.reduce(Reduction::Norm, 3, velocity), ElementType::Number(D::SPEED))
             }
             Read::Height => {
                 let position = self.measured(position);
                 let heights = self.graph.select((0..things.len()).map(|place| 3 * place + 2), position);
-                shaped(heights, Type::Number(D::LENGTH))
+                shaped(heights, ElementType::Number(D::LENGTH))
             }
             Read::Clearance => {
                 self.must_have_segments(things, span)?;
                 let sensors = blocks(Sensor::LandmarkClearance, Sensor::Time);
-                shaped(self.graph.sensors(sensors), Type::Number(D::LENGTH))
+                shaped(self.graph.sensors(sensors), ElementType::Number(D::LENGTH))
             }
             Read::AngularVelocity => {
                 let sensors = blocks(Sensor::LandmarkAngularVelocity, Sensor::Time);
-                shaped(self.measured(sensors), Type::world_vector(D::ANGULAR_VELOCITY))
+                shaped(self.measured(sensors), ElementType::world_vector(D::ANGULAR_VELOCITY))
             }
             Read::Mass => {
                 let mass = |thing: &Thing| match thing {
@@ -193,7 +192,7 @@ impl<'a> Checker<'a> {
                     _ => self.vocabulary.mass,
                 };
                 let masses: Vec<f64> = things.iter().map(mass).collect();
-                shaped(self.graph.constants(&masses), Type::Number(D::MASS))
+                shaped(self.graph.constants(&masses), ElementType::Number(D::MASS))
             }
             attitude => self.attitude(things, list, attitude),
         })
@@ -212,28 +211,28 @@ impl<'a> Checker<'a> {
         };
         let lane = |graph: &mut crate::graph::Graph, lane: usize| graph.select((0..count).map(|place| 9 * place + lane), axes);
         let graph = &mut self.graph;
-        let (node, kind, form) = match read {
-            Read::Forward => (axis(graph, 0), Type::world_vector(Dimension::NONE), Form::Plain),
-            Read::Left => (axis(graph, 3), Type::world_vector(Dimension::NONE), Form::Plain),
-            Read::Up => (axis(graph, 6), Type::world_vector(Dimension::NONE), Form::Plain),
+        let (node, element) = match read {
+            Read::Forward => (axis(graph, 0), ElementType::world_vector(Dimension::NONE)),
+            Read::Left => (axis(graph, 3), ElementType::world_vector(Dimension::NONE)),
+            Read::Up => (axis(graph, 6), ElementType::world_vector(Dimension::NONE)),
             // Turned by yaw, then pitch, then roll: forward is (cos y cos p, sin y cos p, -sin p).
             Read::Yaw => {
                 let (y, x) = (lane(graph, 1), lane(graph, 0));
-                (graph.binary(Binary::ArcTangent2, y, x), Type::Number(Dimension::ANGLE), Form::Wrapping)
+                (graph.binary(Binary::ArcTangent2, y, x), ElementType::WrappingAngle)
             }
             Read::Pitch => {
                 let (x, y, z) = (lane(graph, 0), lane(graph, 1), lane(graph, 2));
                 let level = graph.binary(Binary::Hypotenuse, x, y);
                 let down = graph.unary(Unary::Negate, z);
-                (graph.binary(Binary::ArcTangent2, down, level), Type::Number(Dimension::ANGLE), Form::Wrapping)
+                (graph.binary(Binary::ArcTangent2, down, level), ElementType::WrappingAngle)
             }
             Read::Roll => {
                 let (left, up) = (lane(graph, 5), lane(graph, 8));
-                (graph.binary(Binary::ArcTangent2, left, up), Type::Number(Dimension::ANGLE), Form::Wrapping)
+                (graph.binary(Binary::ArcTangent2, left, up), ElementType::WrappingAngle)
             }
-            _ => (axes, Type::Rotation, Form::Plain),
+            _ => (axes, ElementType::Rotation),
         };
-        Data::new(node, if list { Type::List(Box::new(kind), count) } else { kind }).with_form(form)
+        Data::new(node, Type::one_or_list(element, list, count))
     }
 
     pub(crate) fn must_have_segments(&mut self, things: &[Thing], span: Span) -> Checked<()> {
@@ -263,7 +262,7 @@ impl<'a> Checker<'a> {
         };
         let kinds = |dimension: &dyn Fn(JointKind) -> Dimension| {
             let dimensions = indices.iter().map(|&index| dimension(joints[index].kind)).collect::<Vec<_>>();
-            if list { Type::numbers(dimensions) } else { Type::Number(dimensions[0]) }
+            if list { Type::numbers(dimensions) } else { ElementType::Number(dimensions[0]).into() }
         };
         let (node, kind) = match read {
             Read::CoordinateVelocity => (self.graph.sensors(sensors(Sensor::JointVelocity)), kinds(&per(1))),
@@ -326,16 +325,15 @@ impl<'a> Checker<'a> {
             }
             _ => (graph.sensors(sensors(Sensor::MuscleActivation)), Dimension::NONE),
         };
-        let kind = Type::Number(dimension);
-        Ok(Data::new(node, if list { Type::List(Box::new(kind), indices.len()) } else { kind }))
+        Ok(Data::new(node, Type::one_or_list(ElementType::Number(dimension), list, indices.len())))
     }
 
     /// `.x`, `.xy`, `.forward`: a component in the axes in which the vector is counted.
     fn component(&mut self, data: &Data, name: &Name) -> Checked<Data> {
         let (size, dimension, frame) = match data.kind.element() {
-            Type::Vector { size, dimension, frame } => (*size, *dimension, *frame),
-            Type::Place(frame) => (3, Dimension::LENGTH, *frame),
-            Type::Rotation => return self.rotation_component(data, name),
+            Some(ElementType::Vector { size, dimension, frame }) => (size, dimension, frame),
+            Some(ElementType::Place(frame)) => (3, Dimension::LENGTH, frame),
+            Some(ElementType::Rotation) => return self.rotation_component(data, name),
             _ => {
                 let found = data.kind.described(self.vocabulary);
                 let message = format!("`.{}` cannot be read here", name.text);
@@ -353,12 +351,12 @@ impl<'a> Checker<'a> {
         let Some(lanes) = lanes.filter(|lanes| lanes.iter().all(|lane| *lane < size)) else {
             return Err(self.no_such_component(frame, name));
         };
-        let count = data.kind.length().unwrap_or(1);
+        let count = data.kind.shape().count();
         let wanted: Vec<usize> = (0..count).flat_map(|place| lanes.iter().map(move |lane| size * place + lane)).collect();
         let node = self.graph.select(wanted, data.node);
         let element = match lanes.len() {
-            1 => Type::Number(dimension),
-            size => Type::Vector { size, dimension, frame },
+            1 => ElementType::Number(dimension),
+            size => ElementType::Vector { size, dimension, frame },
         };
         Ok(Data::new(node, data.kind.with_element(element)))
     }
@@ -399,10 +397,10 @@ impl<'a> Checker<'a> {
                 return Err(self.report(diagnostic));
             }
         };
-        let count = data.kind.length().unwrap_or(1);
+        let count = data.kind.shape().count();
         let wanted: Vec<usize> = (0..count).flat_map(|place| (first..first + 3).map(move |lane| 9 * place + lane)).collect();
         let node = self.graph.select(wanted, data.node);
-        Ok(Data::new(node, data.kind.with_element(Type::world_vector(Dimension::NONE))))
+        Ok(Data::new(node, data.kind.with_element(ElementType::world_vector(Dimension::NONE))))
     }
 
     /// A signal that stands by itself.
@@ -411,20 +409,24 @@ impl<'a> Checker<'a> {
         let muscles: Vec<Thing> = (0..self.vocabulary.muscles.len()).map(Thing::Muscle).collect();
         let interval = self.timing.interval;
         Ok(match signal.read {
-            Read::Time => Data::new(self.time(), Type::Number(Dimension::TIME)),
-            Read::Interval => Data::new(self.graph.constant(interval), Type::Number(Dimension::TIME)),
-            Read::Step => Data::new(self.graph.add(Operation::Step, &[]), Type::Int),
-            Read::Horizon => Data::new(self.graph.constant(f64::from(self.timing.horizon)), Type::Int),
-            Read::Pi => Data::new(self.graph.constant(std::f64::consts::PI), Type::PLAIN),
-            Read::BodyMass => Data::new(self.graph.constant(self.vocabulary.mass), Type::Number(Dimension::MASS)),
+            Read::Time => Data::new(self.time(), ElementType::Number(Dimension::TIME)),
+            Read::Interval => Data::new(self.graph.constant(interval), ElementType::Number(Dimension::TIME)),
+            Read::Step => Data::new(self.graph.add(Operation::Step, &[]), ElementType::Int),
+            Read::Horizon => Data::new(self.graph.constant(f64::from(self.timing.horizon)), ElementType::Int),
+            Read::Pi => Data::new(self.graph.constant(std::f64::consts::PI), ElementType::PLAIN),
+            Read::BodyMass => Data::new(self.graph.constant(self.vocabulary.mass), ElementType::Number(Dimension::MASS)),
             Read::BodyWeight => {
                 let weight = self.vocabulary.mass * self.vocabulary.gravity;
-                Data::new(self.graph.constant(weight), Type::Number(Dimension::FORCE))
+                Data::new(self.graph.constant(weight), ElementType::Number(Dimension::FORCE))
             }
-            Read::CentreOfPressure => Data::new(self.graph.sensors(vec![Sensor::CentreOfPressure]), Type::Place(Frame::World)),
-            Read::SupportMargin => Data::new(self.graph.sensors(vec![Sensor::SupportMargin]), Type::Number(Dimension::LENGTH)),
+            Read::CentreOfPressure => {
+                Data::new(self.graph.sensors(vec![Sensor::CentreOfPressure]), ElementType::Place(Frame::World))
+            }
+            Read::SupportMargin => {
+                Data::new(self.graph.sensors(vec![Sensor::SupportMargin]), ElementType::Number(Dimension::LENGTH))
+            }
             Read::AngularMomentum => {
-                let kind = Type::world_vector(Dimension::ANGULAR_MOMENTUM);
+                let kind = ElementType::world_vector(Dimension::ANGULAR_MOMENTUM);
                 Data::new(self.graph.sensors(vec![Sensor::AngularMomentum]), kind)
             }
             Read::Spine => self.spine(span)?,
@@ -444,7 +446,7 @@ impl<'a> Checker<'a> {
         let to = self.graph.sensors(vec![Sensor::LandmarkPosition(head)]);
         let along = self.graph.binary(Binary::Subtract, to, from);
         let node = self.unit_vector(along, 3);
-        Ok(Data::new(node, Type::world_vector(Dimension::NONE)))
+        Ok(Data::new(node, ElementType::world_vector(Dimension::NONE)))
     }
 
     /// Each group of `size` lanes divided by its length; zero stays zero.

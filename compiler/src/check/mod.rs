@@ -24,6 +24,7 @@ pub(crate) mod inherit;
 mod init;
 mod lints;
 mod lookup;
+mod meeting;
 mod member;
 pub mod notes;
 pub(crate) mod observe;

@@ -4,7 +4,7 @@ use super::context::Checker;
 use super::functions::Function;
 use super::ranges::Working;
 use super::signals::{Owner, Signal};
-use super::types::{Frame, Type};
+use super::types::{ElementType, Frame};
 use super::value::{Thing, Value};
 use crate::diagnostics::{FileId, Span};
 use crate::graph::Graph;
@@ -124,10 +124,10 @@ impl Checker<'_> {
                 if kind.is_empty() {
                     kind = data.kind.described(self.vocabulary);
                 }
-                let numbers = matches!(data.kind.element(), Type::Number(_) | Type::Int | Type::Vector { .. });
+                let numbers = data.kind.all(|element| element.is_number() || matches!(element, ElementType::Vector { .. }));
                 let known = bounds.get(data.node.index()).is_some();
                 range = (numbers && known).then(|| interval::of_scalar(bounds, data.node)).filter(|range| *range != Bounds::ANY);
-                members = components(data.kind.element());
+                members = data.kind.element().map_or(Members::None, components);
             }
             Some(Value::Thing(thing)) => {
                 kind = self.thing_name(*thing);
@@ -195,12 +195,12 @@ impl Checker<'_> {
 }
 
 /// What may follow behind a computed value.
-fn components(kind: &Type) -> Members {
-    Members::Words(match kind {
-        Type::Vector { size: 2, frame: Frame::World, .. } => &["x", "y"],
-        Type::Vector { frame: Frame::World, .. } | Type::Place(Frame::World) => &["x", "y", "z", "xy"],
-        Type::Vector { .. } | Type::Place(_) => &["forward", "left", "up"],
-        Type::Rotation => &["forward", "left", "up"],
+fn components(element: ElementType) -> Members {
+    Members::Words(match element {
+        ElementType::Vector { size: 2, frame: Frame::World, .. } => &["x", "y"],
+        ElementType::Vector { frame: Frame::World, .. } | ElementType::Place(Frame::World) => &["x", "y", "z", "xy"],
+        ElementType::Vector { .. } | ElementType::Place(_) => &["forward", "left", "up"],
+        ElementType::Rotation => &["forward", "left", "up"],
         _ => return Members::None,
     })
 }

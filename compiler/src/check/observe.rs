@@ -1,10 +1,9 @@
 //! Observations: named channels, blocks of a library unfolded.
 
 use super::context::{Checked, Checker, Failures};
-use super::dimension::Dimension;
 use super::scope::{Definition, Place};
 use super::task::summary;
-use super::types::Type;
+use super::types::{ElementType, Type};
 use super::value::{Data, Value};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
@@ -116,10 +115,10 @@ impl<'a> Checker<'a> {
 
     /// The node whose lanes are observed: orientations as quaternions, everything else as it is.
     fn observed(&mut self, data: &Data) -> NodeId {
-        if *data.kind.element() != Type::Rotation {
+        if data.kind.element() != Some(ElementType::Rotation) {
             return data.node;
         }
-        let count = data.kind.length().unwrap_or(1);
+        let count = data.kind.shape().count();
         let parts: Vec<NodeId> = (0..count)
             .map(|place| {
                 let axes = self.graph.select(9 * place..9 * (place + 1), data.node);
@@ -133,17 +132,8 @@ impl<'a> Checker<'a> {
 /// The unit as printed: empty for plain numbers, several for mixed sets.
 pub(crate) fn unit_of(kind: &Type) -> String {
     match kind {
-        Type::Mixed(dimensions) => {
-            let mut units: Vec<String> = Vec::new();
-            for unit in dimensions.iter().map(Dimension::to_string) {
-                if !units.contains(&unit) {
-                    units.push(unit);
-                }
-            }
-            units.join(", ")
-        }
-        Type::Steps => "steps".to_owned(),
-        other => other.dimension().map_or_else(String::new, |dimension| dimension.to_string()),
+        Type::One(ElementType::Steps) | Type::List(ElementType::Steps, _) => "steps".to_owned(),
+        other => other.units().join(", "),
     }
 }
 

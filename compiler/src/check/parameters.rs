@@ -3,7 +3,7 @@
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::scope::Place;
-use super::types::Type;
+use super::types::{ElementType, Type};
 use super::unit;
 use super::value::{Data, Form, Value};
 use crate::diagnostics::{FileId, Span, codes};
@@ -73,7 +73,7 @@ impl<'a> Checker<'a> {
             value = self.in_file(*origin, |checker| {
                 let value = checker.set_value(expr, parameter, dimension)?;
                 checker.must_lie_within(value, range, &parameter.name.text, expr.span)?;
-                if declared.kind == Type::Int && value.fract() != 0.0 {
+                if declared.kind == Type::One(ElementType::Int) && value.fract() != 0.0 {
                     let message = format!("`{}` is a whole number", parameter.name.text);
                     return Err(checker.error(codes::types::WRONG_TYPE, expr.span, message));
                 }
@@ -87,24 +87,20 @@ impl<'a> Checker<'a> {
     }
 
     /// A parameter written as a whole number is one, unless its type is written as another.
-    fn number_type(&self, written: &Expr, dimension: Dimension) -> Type {
+    fn number_type(&self, written: &Expr, dimension: Dimension) -> ElementType {
         let mut inner = written;
         while let ExprKind::Paren(within) | ExprKind::Unary { operator: UnaryOperator::Negate, operand: within } = &inner.kind {
             inner = within;
         }
         match &inner.kind {
-            ExprKind::Number(number) if number.whole && number.unit.is_none() => Type::Int,
-            _ => Type::Number(dimension),
+            ExprKind::Number(number) if number.whole && number.unit.is_none() => ElementType::Int,
+            _ => ElementType::Number(dimension),
         }
     }
 
     fn constant_number(&mut self, expr: &'a Expr, wanted: &str) -> Checked<(f64, Dimension)> {
         let data = self.data(expr)?;
-        let dimension = match data.kind {
-            Type::Number(dimension) => Some(dimension),
-            Type::Int => Some(Dimension::NONE),
-            _ => None,
-        };
+        let dimension = data.kind.dimension().filter(|_| data.kind.is_one_number());
         match (self.graph.constant_value(data.node), dimension) {
             (Some(value), Some(dimension)) if value.is_finite() => Ok((value, dimension)),
             _ => {

@@ -5,7 +5,7 @@
 
 use super::context::{Checked, Checker, Failures, Step};
 use super::scope::{Declared, Definition};
-use super::types::Type;
+use super::types::{ElementType, Frame, Type};
 use super::value::{Data, Form, Value};
 use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
@@ -201,20 +201,20 @@ impl<'a> Checker<'a> {
         let (bottom, top) = (self.data(low), self.data(high));
         let (bottom, top) = (bottom?, top?);
         let (from, to, kind) = self.agree("draw between", (bottom, low), (top, high))?;
-        if !matches!(kind, Type::Number(_) | Type::Int) {
+        if !kind.is_one_number() {
             let found = kind.described(self.vocabulary);
             let diagnostic =
                 self.diagnostic(codes::types::WRONG_TYPE, range.span, "the bounds of a draw are numbers").found(found);
             return Err(self.report(diagnostic));
         }
         if let (Some(from), Some(to)) = (self.graph.constant_value(from), self.graph.constant_value(to))
-            && (from > to || kind == Type::Int && from == to)
+            && (from > to || kind == Type::One(ElementType::Int) && from == to)
         {
             return Err(self.error(codes::tasks::OUT_OF_RANGE, range.span, "this range is empty"));
         }
         let width = self.graph.binary(Binary::Subtract, to, from);
         let mut share = self.graph.binary(Binary::Multiply, width, u);
-        if kind == Type::Int {
+        if kind == Type::One(ElementType::Int) {
             share = self.graph.unary(Unary::Floor, share);
         }
         let node = self.graph.binary(Binary::Add, from, share);
@@ -225,9 +225,11 @@ impl<'a> Checker<'a> {
     fn draw_normal(&mut self, mean: &'a Expr, deviation: &'a Expr, index: usize) -> Checked<Data> {
         let (middle, width) = (self.data(mean), self.data(deviation));
         let (middle, width) = (middle?, width?);
-        let numbers = matches!(middle.kind.element(), Type::Number(_) | Type::Int | Type::Vector { .. } | Type::Place(_));
+        let numbers = middle
+            .kind
+            .all(|element| element.is_number() || matches!(element, ElementType::Vector { .. } | ElementType::Place(_)));
         let (dimension, own) = (middle.kind.dimension(), width.kind.dimension());
-        let single = matches!(width.kind, Type::Number(_) | Type::Int);
+        let single = width.kind.is_one_number();
         if !numbers || !single || !(dimension == own || middle.is_zero() || width.is_zero()) {
             let diagnostic = self
                 .diagnostic(codes::composition::DRAW, deviation.span, "mean and standard deviation do not fit together")
@@ -242,9 +244,9 @@ impl<'a> Checker<'a> {
         let noise = self.chance(index, Chance::Normal, lanes);
         let away = self.graph.binary(Binary::Multiply, width.node, noise);
         let node = self.graph.binary(Binary::Add, middle.node, away);
-        let kind =
-            if middle.is_zero() && matches!(middle.kind, Type::Int | Type::Number(_)) { width.kind } else { middle.kind.clone() };
-        let kind = if kind == Type::Int { Type::PLAIN } else { kind };
+        let kind = if middle.is_zero() && middle.kind.is_one_number() { width.kind } else { middle.kind.clone() };
+        let plain = |element: ElementType| if element == ElementType::Int { ElementType::PLAIN } else { element };
+        let kind = kind.map(|element| Some(plain(element))).unwrap_or(kind);
         let form = if middle.is_bracket() { Form::Bracket } else { Form::Plain };
         Ok(Data { node, kind, form })
     }
@@ -258,7 +260,7 @@ impl<'a> Checker<'a> {
                 self.elements(values, span)?
             }
         };
-        let Some(length) = list.kind.length() else {
+        let (Some(length), Some(element)) = (list.kind.length(), list.kind.met()) else {
             return Err(self.error(codes::composition::DRAW, span, "`choice` takes several values or a list"));
         };
         let u = self.chance(index, Chance::Uniform, 1);
@@ -266,14 +268,14 @@ impl<'a> Checker<'a> {
         let place = self.graph.binary(Binary::Multiply, count, u);
         let place = self.graph.unary(Unary::Floor, place);
         let node = self.graph.add(Operation::Pick(number(list.kind.element_lanes())), &[list.node, place]);
-        Ok(Data::new(node, list.kind.element().clone()))
+        Ok(Data::new(node, element))
     }
 
     /// Values of one kind as a list: brackets of numbers among them are vectors, not parts of a longer list.
     fn elements(&mut self, values: Vec<(Checked<Value>, Span)>, span: Span) -> Checked<Data> {
         let vectors = values.into_iter().map(|(value, place)| {
             let value = value.map(|value| match value {
-                Value::Data(data) if data.is_bracket() => Value::Data(self.as_vector(data, super::types::Frame::World)),
+                Value::Data(data) if data.is_bracket() => Value::Data(self.as_vector(data, Frame::World)),
                 other => other,
             });
             (value, place)

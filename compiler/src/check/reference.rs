@@ -8,8 +8,8 @@ use super::dimension::Dimension;
 use super::random::KnownRandom;
 use super::scope::Definition;
 use super::signals::{self, Owner};
-use super::types::{Frame, Type};
-use super::value::{Data, Form, Thing, Value};
+use super::types::{ElementType, Frame, Type};
+use super::value::{Data, Thing, Value};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes, nearest};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
@@ -109,7 +109,7 @@ impl<'a> Checker<'a> {
             let drawn = self.graph.add(Operation::Noise(index, Chance::Uniform, 1), &[]);
             let node = self.graph.add(Operation::Drawn(index), &[drawn]);
             let name = format!("{}.start", reference.name.text);
-            self.randoms.push(KnownRandom { name, data: Data::new(node, Type::PLAIN), redraw: None });
+            self.randoms.push(KnownRandom { name, data: Data::new(node, ElementType::PLAIN), redraw: None });
             return Ok(node);
         }
         let data = self.number_of(start, Dimension::NONE, "`start`")?;
@@ -205,7 +205,7 @@ impl<'a> Checker<'a> {
         } else {
             self.graph.binary(Binary::Minimum, turns, one)
         };
-        Data::new(node, Type::PLAIN)
+        Data::new(node, ElementType::PLAIN)
     }
 
     /// The joints that a motion moves, in the order of its columns.
@@ -254,7 +254,7 @@ impl<'a> Checker<'a> {
         if !missing.is_empty() {
             return Err(self.says_nothing(index, &missing, things.len(), place));
         }
-        let kind = if list { Type::numbers(dimensions) } else { Type::Number(dimensions[0]) };
+        let kind = if list { Type::numbers(dimensions) } else { ElementType::Number(dimensions[0]).into() };
         let time = self.motion_time(index, false);
         Ok(Data::new(self.follow(motion, columns, rates, time), kind))
     }
@@ -303,7 +303,7 @@ impl<'a> Checker<'a> {
         let columns = self.root_columns(index, &[RootPart::X, RootPart::Y, RootPart::Height], span)?;
         let motion = self.references[index].motion.clone();
         let node = self.carried(index, motion, columns);
-        Ok(Data::new(node, Type::Place(Frame::World)))
+        Ok(Data::new(node, ElementType::Place(Frame::World)))
     }
 
     /// Where something of the motion is that has columns x, y and z, when the motion starts under the root.
@@ -324,13 +324,13 @@ impl<'a> Checker<'a> {
     fn motion_velocity(&mut self, index: usize, span: Span) -> Checked<Data> {
         let columns = self.root_columns(index, &[RootPart::X, RootPart::Y, RootPart::Height], span)?;
         let (motion, time) = (self.references[index].motion.clone(), self.motion_time(index, false));
-        Ok(Data::new(self.follow(motion, columns, true, time), Type::world_vector(Dimension::SPEED)))
+        Ok(Data::new(self.follow(motion, columns, true, time), ElementType::world_vector(Dimension::SPEED)))
     }
 
     fn motion_turn(&mut self, index: usize, part: RootPart, span: Span) -> Checked<Data> {
         let columns = self.root_columns(index, &[part], span)?;
         let (motion, time) = (self.references[index].motion.clone(), self.motion_time(index, false));
-        Ok(Data::new(self.follow(motion, columns, false, time), Type::Number(Dimension::ANGLE)).with_form(Form::Wrapping))
+        Ok(Data::new(self.follow(motion, columns, false, time), ElementType::WrappingAngle))
     }
 
     /// `gait.site(ankle_r)`: where a landmark should be.
@@ -364,8 +364,7 @@ impl<'a> Checker<'a> {
             places.push(self.carried(index, motion.clone(), vec![first, first + 1, first + 2]));
         }
         let node = self.graph.join(&places);
-        let place = Type::Place(Frame::World);
-        Ok(Data::new(node, if list { Type::List(Box::new(place), places.len()) } else { place }))
+        Ok(Data::new(node, Type::one_or_list(ElementType::Place(Frame::World), list, places.len())))
     }
 
     /// The motion with the places of all landmarks of the body, computed once.

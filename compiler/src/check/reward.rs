@@ -4,7 +4,7 @@ use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::functions::divide_by;
 use super::lints::events;
-use super::types::Type;
+use super::types::{ElementType, Type};
 use super::value::Data;
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
@@ -76,7 +76,7 @@ impl<'a> Checker<'a> {
         if per_second {
             self.must_be_a_rate(formula, data.node, &term.name.text)?;
             let interval = self.graph.constant(self.timing.interval);
-            data = Data::new(self.graph.binary(Binary::Multiply, data.node, interval), Type::PLAIN);
+            data = Data::new(self.graph.binary(Binary::Multiply, data.node, interval), ElementType::PLAIN);
         }
         Ok(PaidTerm {
             name: term.name.text.clone(),
@@ -88,7 +88,7 @@ impl<'a> Checker<'a> {
             file: self.place.file,
             per_second,
             node: data.node,
-            condition: data.kind == Type::Bool,
+            condition: data.kind == Type::One(ElementType::Bool),
             allowed: Vec::new(),
         })
     }
@@ -151,25 +151,24 @@ impl<'a> Checker<'a> {
 
     /// A term is one plain number; conditions count 0 or 1.
     fn must_be_payable(&mut self, data: Data, formula: &Expr, name: &str) -> Checked<Data> {
-        let help = match &data.kind {
-            Type::Bool | Type::Int => return Ok(data),
-            Type::Number(dimension) if dimension.is_none() => return Ok(data),
-            Type::Number(_) => "",
-            Type::Vector { .. } => "pay for its length `norm(v)` or for one component",
-            Type::List(element, _) if **element == Type::Bool => "say `any(...)`, `all(...)` or `mean(...)`",
+        let help = match data.kind {
+            Type::One(ElementType::Bool | ElementType::Int | ElementType::PLAIN) => return Ok(data),
+            Type::One(ElementType::Number(_) | ElementType::WrappingAngle) => "",
+            Type::One(ElementType::Vector { .. }) => "pay for its length `norm(v)` or for one component",
+            Type::One(ElementType::Place(_)) => "pay for a distance: `distance(a, b) / 1 m`",
+            Type::One(ElementType::Rotation) => "pay for an angle or for an axis: `torso.up.z`",
+            Type::One(ElementType::Steps) => "write the time in seconds and divide by `1 s`",
+            Type::List(ElementType::Bool, _) => "say `any(...)`, `all(...)` or `mean(...)`",
             Type::List(..) | Type::Mixed(_) => "make one number of it: `sum(...)`, `mean(...)`, `norm(...)`",
-            Type::Place(_) => "pay for a distance: `distance(a, b) / 1 m`",
-            Type::Rotation => "pay for an angle or for an axis: `torso.up.z`",
-            Type::Steps => "write the time in seconds and divide by `1 s`",
         };
         let message = format!("the term `{name}` must be a plain number, so that weights can be compared");
         let diagnostic = self
             .diagnostic(codes::types::NOT_PLAIN, formula.span, message)
             .expected(Dimension::NONE.described())
             .found(data.kind.described(self.vocabulary));
-        let diagnostic = match &data.kind {
-            Type::Number(dimension) => divide_by(diagnostic, formula, *dimension),
-            _ => diagnostic.help(help),
+        let diagnostic = match data.kind.dimension().filter(|_| data.kind.is_one_number()) {
+            Some(dimension) => divide_by(diagnostic, formula, dimension),
+            None => diagnostic.help(help),
         };
         Err(self.report(diagnostic))
     }

@@ -12,6 +12,7 @@ use super::reward::PaidTerm;
 use super::scene::Surroundings;
 use super::scope::{Names, Place};
 use super::tests::CheckedTests;
+use super::types::{ElementType, Type};
 use super::value::{Data, Value};
 use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
 use crate::frame::Query;
@@ -141,7 +142,10 @@ pub(crate) fn check<'a>(
     checker.queries = queries;
     checker.timing.before = sequence.before;
     checker.phases = sequence.phases.iter().take(sequence.index).cloned().collect();
-    let checked = checker.task(task, texts, sequence);
+    let mut checked = checker.task(task, texts, sequence);
+    if let Some(finding) = checked.as_mut().ok().and_then(|checked| checked.graph.take_finding()) {
+        checked = Err(checker.internal_error(finding, task.task.name.span));
+    }
     let broken = Reported::among(&checker.diagnostics);
     let mut diagnostics = std::mem::take(&mut checker.diagnostics);
     let graph = std::mem::take(&mut checker.graph);
@@ -512,19 +516,25 @@ impl<'a> Checker<'a> {
         let value = self.data(&update.value);
         let condition = update.condition.as_ref().map(|condition| self.single_condition(condition)).transpose();
         let (value, condition) = (value?, condition?);
-        let fits = value.kind == present.kind || value.is_zero() && present.kind.dimension().is_some();
-        if !fits {
+        let Some(node) = value.kept_as(&mut self.graph, &present.kind) else {
             let (expected, found) = (present.kind.described(self.vocabulary), value.kind.described(self.vocabulary));
             let diagnostic = self
                 .diagnostic(codes::types::WRONG_TYPE, update.value.span, "a state keeps its type")
                 .expected(expected)
                 .found(found);
+            let wraps = |kind: &Type| kind.met() == Some(ElementType::WrappingAngle);
+            let diagnostic = if wraps(&value.kind) && !wraps(&present.kind) && present.kind.dimension() == value.kind.dimension()
+            {
+                diagnostic.help("this angle wraps, the first value of the state does not: begin it with one that wraps, such as `turn(0 rad, 20 deg)`")
+            } else {
+                diagnostic
+            };
             return Err(self.report(diagnostic));
-        }
+        };
         let node = match condition {
-            None => value.node,
+            None => node,
             Some(condition) => {
-                let inputs = [condition.node, value.node, otherwise.node];
+                let inputs = [condition.node, node, otherwise.node];
                 self.graph.add(crate::graph::operation::Operation::Choose, &inputs)
             }
         };

@@ -10,18 +10,16 @@ pub struct Data {
     pub node: NodeId,
     /// Its type.
     pub kind: Type,
-    /// What else is known of it.
+    /// How it was written.
     pub form: Form,
 }
 
-/// What is known of a value beyond its type.
+/// How a value was written, where that decides what it may become.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Form {
-    /// Nothing.
+    /// In no such way.
     #[default]
     Plain,
-    /// An angle that wraps: differences and rates of it take the short way round.
-    Wrapping,
     /// A bare `0`, which fits any dimension.
     Zero,
     /// A bracket, which becomes a vector where one is wanted.
@@ -32,11 +30,11 @@ pub enum Form {
 
 impl Data {
     /// A computed value.
-    pub fn new(node: NodeId, kind: Type) -> Self {
-        Self { node, kind, form: Form::Plain }
+    pub fn new(node: NodeId, kind: impl Into<Type>) -> Self {
+        Self { node, kind: kind.into(), form: Form::Plain }
     }
 
-    /// The same with what else is known of it.
+    /// The same, written so.
     pub fn with_form(self, form: Form) -> Self {
         Self { form, ..self }
     }

@@ -255,7 +255,7 @@ fn memory_in_words(memory: Memory) -> &'static str {
         Memory::Streak => "steps in a row",
         Memory::StepsSince => "steps since it held",
         Memory::Hysteresis => "with hysteresis",
-        Memory::Smooth => "smoothed",
+        Memory::Smooth | Memory::SmoothAngle => "smoothed",
         Memory::Sampled => "as last sampled",
         Memory::Delay(_) => "from before",
     }

@@ -98,6 +98,7 @@ pub fn analyse(graph: &Graph, ranges: &dyn Ranges) -> Vec<Vec<Bounds>> {
         let inputs: Vec<&[Bounds]> = node.inputs.iter().map(|input| known[input.index()].as_slice()).collect();
         let same = node.inputs.first() == node.inputs.get(1);
         let lanes = bounds_of(&node.operation, &inputs, node.width, same, ranges);
+        debug_assert_eq!(lanes.len(), node.width, "bounds of every lane of {:?}", node.operation);
         known.push(lanes);
     }
     known
@@ -368,6 +369,7 @@ fn remembered(memory: Memory, x: Bounds, at_reset: bool) -> Bounds {
     match memory {
         Memory::Initial | Memory::Highest | Memory::Lowest | Memory::Sampled | Memory::Delay(_) => x,
         Memory::Smooth => smoothed(x, Bounds::TRUTH),
+        Memory::SmoothAngle => Bounds::new(-std::f64::consts::PI, std::f64::consts::PI),
         Memory::Accumulate | Memory::Streak if at_reset => Bounds::point(0.0),
         Memory::Accumulate if x.low >= 0.0 => Bounds::POSITIVE,
         Memory::Accumulate => Bounds::ANY,

@@ -2,15 +2,17 @@
 //!
 //! 1. The checker adds nodes ([`Graph::add`]); equal nodes are one node, so that reward, observation, termination and success
 //!    share whatever they have in common, and constants fold on the way in (`fold`).
-//! 2. [`interval`] bounds every lane from the ranges of sensors.
-//! 3. [`text`] writes the graph canonically; its hash identifies the task whatever its layout, comments and local names.
-//! 4. `lower` turns the graph into a program; a second back end would start here too.
+//! 2. `verify` looks at every node and every typed value: widths always fit.
+//! 3. [`interval`] bounds every lane from the ranges of sensors.
+//! 4. [`text`] writes the graph canonically; its hash identifies the task whatever its layout, comments and local names.
+//! 5. `lower` turns the graph into a program; a second back end would start here too.
 
 pub(crate) mod fold;
 pub mod interval;
 pub mod operation;
 pub mod text;
 pub mod track;
+mod verify;
 mod words;
 
 use crate::frame::Sensor;
@@ -56,6 +58,8 @@ pub struct Graph {
     nodes: Vec<Node>,
     known: HashMap<Node, NodeId>,
     lanes: usize,
+    /// What the verifier found first.
+    finding: Option<String>,
 }
 
 impl Graph {
@@ -98,7 +102,13 @@ impl Graph {
     /// Adds a node, or finds the equal one; folds what is constant.
     pub fn add(&mut self, operation: Operation, inputs: &[NodeId]) -> NodeId {
         let width = self.width_of(&operation, inputs);
+        if let Err(finding) = self.verify_inputs(&operation, inputs) {
+            self.found(finding);
+            // Zeros of its width, so that nothing behind it is out of bounds; the finding is reported.
+            return self.intern(Node { operation: Operation::Constant(vec![Bits::of(0.0); width]), inputs: Vec::new(), width });
+        }
         if let Some(simpler) = fold::simplify(self, &operation, inputs, width) {
+            self.verify_width(simpler, width);
             return simpler;
         }
         self.intern(Node { operation, inputs: inputs.to_vec(), width })
@@ -124,7 +134,7 @@ impl Graph {
             Operation::Step => 1,
             Operation::Select(lanes) => lanes.len(),
             Operation::Join => inputs.iter().map(|&input| self.width(input)).sum(),
-            Operation::Reduce(_, group) => widest() / *group as usize,
+            Operation::Reduce(_, group) => widest() / (*group as usize).max(1),
             Operation::Quaternion => 4,
             Operation::Noise(_, _, lanes) => *lanes as usize,
             Operation::Drawn(_) | Operation::DrawnAfter(_) => inputs.first().map_or(1, |&input| self.width(input)),

@@ -164,6 +164,8 @@ pub enum Memory {
     Hysteresis,
     /// Moves by the fraction in input 1 towards input 0; starts there.
     Smooth,
+    /// The same of an angle, which moves the short way round and stays in (-pi, pi].
+    SmoothAngle,
     /// Input 0 at the last step at which input 1 held; at step 0 its value there.
     Sampled,
     /// The value so many steps ago; before that, the value at step 0.
@@ -317,6 +319,7 @@ impl Memory {
         let _ = second;
         let first = match self {
             Self::Initial | Self::Highest | Self::Lowest | Self::Smooth | Self::Sampled | Self::Delay(_) => x,
+            Self::SmoothAngle => wrap(x),
             Self::Accumulate | Self::Streak => 0.0,
             Self::StepsSince => {
                 if x != 0.0 {
@@ -370,6 +373,7 @@ impl Memory {
                 }
             }
             Self::Smooth => *cell + second * (x - *cell),
+            Self::SmoothAngle => wrap(*cell + second * wrap(x - *cell)),
             Self::Sampled => {
                 if second != 0.0 {
                     x
@@ -411,6 +415,15 @@ mod tests {
         }
         let about_x = quaternion([1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0]);
         assert_eq!(about_x.map(f64::abs), [0.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_smoothed_angle_goes_the_short_way_round() {
+        let mut cell = [0.0];
+        assert_eq!(Memory::SmoothAngle.start(&mut cell, [3.0, 0.5, 0.0]), 3.0);
+        // From 3.0 to -3.0 the short way is 0.283 across the half turn, not 6 through zero.
+        let next = Memory::SmoothAngle.advance(&mut cell, 1, [-3.0, 0.5, 0.0]);
+        assert!((next.abs() - std::f64::consts::PI).abs() < 1e-12, "{next}");
     }
 
     #[test]

@@ -83,6 +83,7 @@ impl Memory {
             Self::StepsSince => "StepsSince".to_owned(),
             Self::Hysteresis => "Hysteresis".to_owned(),
             Self::Smooth => "Smooth".to_owned(),
+            Self::SmoothAngle => "SmoothAngle".to_owned(),
             Self::Sampled => "Sampled".to_owned(),
             Self::Delay(steps) => format!("Delay({steps})"),
         }

@@ -17,24 +17,24 @@ mod tests;
 pub use plain::{PlainTask, Snapshot};
 
 /// A graph with what it remembers.
-struct Interpreter<'a> {
-    graph: &'a Graph,
-    memories: BTreeMap<NodeId, Vec<f64>>,
-    states: Vec<Vec<f64>>,
+pub(crate) struct Interpreter<'a> {
+    pub graph: &'a Graph,
+    pub memories: BTreeMap<NodeId, Vec<f64>>,
+    pub states: Vec<Vec<f64>>,
 }
 
 /// What is known of one step while it is computed.
-struct Moment<'a> {
-    step: u32,
-    layout: &'a FrameLayout,
-    frame: &'a [f64],
-    values: BTreeMap<NodeId, Vec<f64>>,
+pub(crate) struct Moment<'a> {
+    pub step: u32,
+    pub layout: &'a FrameLayout,
+    pub frame: &'a [f64],
+    pub values: BTreeMap<NodeId, Vec<f64>>,
     /// States before and after their update.
-    before: Vec<Vec<f64>>,
+    pub before: Vec<Vec<f64>>,
 }
 
 impl Interpreter<'_> {
-    fn value(&mut self, id: NodeId, moment: &mut Moment<'_>) -> Vec<f64> {
+    pub(crate) fn value(&mut self, id: NodeId, moment: &mut Moment<'_>) -> Vec<f64> {
         if let Some(known) = moment.values.get(&id) {
             return known.clone();
         }
@@ -54,6 +54,7 @@ impl Interpreter<'_> {
             Operation::StateAfter(index) => lanes.clone_from(&self.states[*index as usize]),
             operation => evaluate(operation, &inputs.iter().map(Vec::as_slice).collect::<Vec<_>>(), &mut lanes),
         }
+        debug_assert_eq!(lanes.len(), node.width, "lanes of {node:?}");
         moment.values.insert(id, lanes.clone());
         lanes
     }

@@ -27,6 +27,8 @@ mod spread;
 pub(crate) use assemble::assemble;
 pub(crate) use finish::{CheckedPhase, Heading, Tested, finish};
 pub(crate) use formula::{Scalar, View};
+#[cfg(test)]
+pub(crate) use interpret::{Interpreter, Moment};
 #[cfg(feature = "interpreter")]
 pub use interpret::{PlainTask, Snapshot};
 pub(crate) use outputs::{DrawOutput, Outputs, layout};

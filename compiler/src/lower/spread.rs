@@ -148,7 +148,9 @@ struct Spreader<'a> {
 impl Spreader<'_> {
     fn node(&mut self, id: NodeId) {
         if self.paired[id.index()].is_none() {
-            self.sheet.nodes[id.index()] = self.lanes(id);
+            let lanes = self.lanes(id);
+            debug_assert_eq!(lanes.len(), self.graph.width(id), "lanes of {:?}", self.graph.node(id));
+            self.sheet.nodes[id.index()] = lanes;
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Call;
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
-use crate::check::types::Type;
+use crate::check::types::{ElementType, Type};
 use crate::check::value::{Data, Thing, Value};
 use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
@@ -68,6 +68,9 @@ fn pairs<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Pairs> {
             .diagnostic(codes::types::WRONG_TYPE, call.span, message)
             .help("name the set as a `group`, which counts as one thing");
         return Err(checker.report(diagnostic));
+    }
+    if pairs.is_empty() {
+        return Err(checker.error(codes::names::NOTHING_FITS, call.span, "one side of this is empty: there is nothing to touch"));
     }
     checker.spend(pairs.len(), call.span)?;
     Ok(Pairs { pairs, list })
@@ -159,14 +162,14 @@ fn on_ground(checker: &Checker<'_>, pair: (Part, Part)) -> Option<usize> {
 }
 
 /// One number per pair; of several that count as one, their `reduction`.
-fn numbers(checker: &mut Checker<'_>, pairs: &Pairs, sensors: Vec<Sensor>, reduction: Reduction, kind: Type) -> Data {
+fn numbers(checker: &mut Checker<'_>, pairs: &Pairs, sensors: Vec<Sensor>, reduction: Reduction, element: ElementType) -> Data {
     let node = checker.graph.sensors(sensors);
     let count = pairs.pairs.len();
     if pairs.list {
-        return Data::new(node, Type::List(Box::new(kind), count));
+        return Data::new(node, Type::List(element, count));
     }
     let node = if count == 1 { node } else { checker.graph.reduce(reduction, count, node) };
-    Data::new(node, kind)
+    Data::new(node, element)
 }
 
 pub(super) fn touching<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
@@ -179,7 +182,7 @@ pub(super) fn touching<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checke
         }
     };
     let sensors = pairs.pairs.iter().map(sensor).collect();
-    Ok(numbers(checker, &pairs, sensors, Reduction::Maximum, Type::Bool))
+    Ok(numbers(checker, &pairs, sensors, Reduction::Maximum, ElementType::Bool))
 }
 
 pub(super) fn contact_count<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
@@ -189,7 +192,7 @@ pub(super) fn contact_count<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> C
         Sensor::ContactCount(a, b)
     };
     let sensors = pairs.pairs.iter().map(sensor).collect();
-    Ok(numbers(checker, &pairs, sensors, Reduction::Sum, Type::Int))
+    Ok(numbers(checker, &pairs, sensors, Reduction::Sum, ElementType::Int))
 }
 
 pub(super) fn surface_distance<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
@@ -199,13 +202,13 @@ pub(super) fn surface_distance<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -
         Sensor::SurfaceDistance(a, b)
     };
     let sensors = pairs.pairs.iter().map(sensor).collect();
-    Ok(numbers(checker, &pairs, sensors, Reduction::Minimum, Type::Number(Dimension::LENGTH)))
+    Ok(numbers(checker, &pairs, sensors, Reduction::Minimum, ElementType::Number(Dimension::LENGTH)))
 }
 
 pub(super) fn slip<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
     let pairs = pairs(checker, call)?;
     let sensors = pairs.pairs.iter().map(|&(a, b)| Sensor::Slip(a, b)).collect();
-    Ok(numbers(checker, &pairs, sensors, Reduction::Maximum, Type::Number(Dimension::SPEED)))
+    Ok(numbers(checker, &pairs, sensors, Reduction::Maximum, ElementType::Number(Dimension::SPEED)))
 }
 
 pub(super) fn contact_force<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
@@ -213,16 +216,16 @@ pub(super) fn contact_force<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> C
     let count = pairs.pairs.len();
     let forces: Vec<NodeId> = pairs.pairs.iter().map(|&pair| force(checker, pair)).collect();
     let node = checker.graph.join(&forces);
-    let kind = Type::world_vector(Dimension::FORCE);
+    let force = ElementType::world_vector(Dimension::FORCE);
     if pairs.list {
-        return Ok(Data::new(node, Type::List(Box::new(kind), count)));
+        return Ok(Data::new(node, Type::List(force, count)));
     }
     if count == 1 {
-        return Ok(Data::new(node, kind));
+        return Ok(Data::new(node, force));
     }
     let by_axis = checker.graph.select((0..3).flat_map(|axis| (0..count).map(move |place| 3 * place + axis)), node);
     let node = checker.graph.reduce(Reduction::Sum, count, by_axis);
-    Ok(Data::new(node, kind))
+    Ok(Data::new(node, force))
 }
 
 /// The force on the first part by the second.

@@ -1,19 +1,25 @@
 //! The functions and operators of the language: one table from which calls are resolved and the reference is made.
 
+mod apply;
 mod contact;
 mod elementary;
 mod lists;
 mod muscles;
+pub mod signature;
 mod temporal;
 mod terrain;
+#[cfg(test)]
+mod tests;
 mod vectors;
 
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
-use super::types::Type;
+use super::types::ElementType;
 use super::value::Data;
 use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::graph::operation::{Binary, Memory, Reduction, Unary};
 use crate::syntax::tree::{Argument, BinaryOperator, Expr, ExprKind};
+use signature::{Computes, Gives, Parameter, Shapes, Signature, Takes, alike, each, list, of, one, repeated};
 
 /// A call of a built-in function, its arguments not yet checked.
 pub(crate) struct Call<'a> {
@@ -21,10 +27,23 @@ pub(crate) struct Call<'a> {
     pub signature: &'static str,
     pub arguments: &'a [Argument],
     pub span: Span,
+    /// Whether the function advances once per control step.
+    pub remembers: bool,
 }
 
-/// What a function does with a call.
+/// What a function does with a call that no signature describes.
 type Apply = for<'c, 'a> fn(&'c mut Checker<'a>, &Call<'a>) -> Checked<Data>;
+
+/// How calls of a function are checked.
+pub enum Checks {
+    /// Against these signatures.
+    Signatures(&'static [Signature]),
+    /// By a function of its own: it takes parts of the body, objects, or what a sensor must know beforehand.
+    Own(#[doc(hidden)] OwnCheck),
+}
+
+/// A check that no signature describes.
+pub struct OwnCheck(Apply);
 
 /// A row of the table.
 pub struct Function {
@@ -34,91 +53,168 @@ pub struct Function {
     pub signature: &'static str,
     /// One sentence.
     pub description: &'static str,
-    apply: Apply,
+    /// What its arguments may be, and what it gives.
+    pub checks: Checks,
 }
 
-const fn row(name: &'static str, signature: &'static str, description: &'static str, apply: Apply) -> Function {
-    Function { name, signature, description, apply }
+const fn row(
+    name: &'static str,
+    signature: &'static str,
+    description: &'static str,
+    signatures: &'static [Signature],
+) -> Function {
+    Function { name, signature, description, checks: Checks::Signatures(signatures) }
 }
+
+const fn own(name: &'static str, signature: &'static str, description: &'static str, apply: Apply) -> Function {
+    Function { name, signature, description, checks: Checks::Own(OwnCheck(apply)) }
+}
+
+/// A function of one quantity.
+macro_rules! map {
+    ($parameter:literal: $takes:expr => $gives:expr, $function:ident) => {
+        &[of(&[each($parameter, $takes)], $gives, Computes::Unary(Unary::$function))]
+    };
+}
+
+/// A list made into one value.
+macro_rules! fold {
+    ($takes:expr => $gives:expr, $computes:expr) => {
+        &[of(&[list($takes)], $gives, $computes)]
+    };
+}
+
+/// A function of several arguments that are laid out alike.
+macro_rules! form {
+    ($($parameter:expr),+ => $gives:expr, $function:expr) => {
+        &[of(&[$($parameter),+], $gives, Computes::Nodes($function))]
+    };
+}
+
+const PLAIN: Takes = Takes::Quantity(Dimension::NONE);
+const ANGLE: Takes = Takes::Quantity(Dimension::ANGLE);
+const TO_PLAIN: Gives = Gives::Quantity(Dimension::NONE);
+const TO_ANGLE: Gives = Gives::Quantity(Dimension::ANGLE);
+const TO_TIME: Gives = Gives::Quantity(Dimension::TIME);
+const BOUNDED: [Parameter; 3] = [alike("x", Takes::Number), alike("low", Takes::Number), alike("high", Takes::Number)];
 
 /// Functions of the present moment.
 #[rustfmt::skip]
 pub const FUNCTIONS: &[Function] = &[
-    row("exp", "exp(x)", "exponential of a plain number", elementary::exp),
-    row("log", "log(x)", "natural logarithm of a plain number", elementary::log),
-    row("tanh", "tanh(x)", "hyperbolic tangent of a plain number", elementary::tanh),
-    row("sqrt", "sqrt(x)", "square root; halves the powers of the unit", elementary::sqrt),
-    row("sin", "sin(angle)", "sine", elementary::sin),
-    row("cos", "cos(angle)", "cosine", elementary::cos),
-    row("tan", "tan(angle)", "tangent", elementary::tan),
-    row("asin", "asin(x)", "angle whose sine is x, x clipped to -1..1", elementary::asin),
-    row("acos", "acos(x)", "angle whose cosine is x, x clipped to -1..1", elementary::acos),
-    row("atan2", "atan2(y, x)", "angle of the point (x, y); both of one unit", elementary::atan2),
-    row("abs", "abs(x)", "without its sign", elementary::abs),
-    row("sign", "sign(x)", "-1, 0 or 1", elementary::sign),
-    row("floor", "floor(x)", "greatest whole number not above a plain number", elementary::floor),
-    row("mod", "mod(x, y)", "x - y floor(x / y)", elementary::modulo),
-    row("hypot", "hypot(x, y)", "root of x^2 + y^2", elementary::hypot),
-    row("min", "min(x, y, ...) or min(list)", "the lowest", lists::min),
-    row("max", "max(x, y, ...) or max(list)", "the highest", lists::max),
-    row("clip", "clip(x, low, high)", "x, but not below low nor above high", elementary::clip),
-    row("lerp", "lerp(a, b, share)", "a + share (b - a)", elementary::lerp),
-    row("between", "between(x, low, high)", "condition: low <= x <= high", elementary::between),
-    row("smoothstep", "smoothstep(x, low, high)", "0 below low, 1 above high, smooth between", elementary::smoothstep),
-    row("tolerance", "tolerance(x, low, high, margin)", "1 within, falling as a bell to 0.1 at the margin outside", elementary::tolerance),
-    row("sum", "sum(list)", "sum of a list; conditions count 0 or 1", lists::sum),
-    row("mean", "mean(list)", "mean of a list; the mean of places is a place", lists::mean),
-    row("std", "std(list)", "standard deviation of a list of numbers, divided by n", lists::std),
-    row("prod", "prod(list)", "product of a list of plain numbers", lists::prod),
-    row("norm", "norm(v)", "length of a vector; root of the sum of squares of a list of numbers", lists::norm),
-    row("any", "any(list)", "condition: one of the conditions holds", lists::any),
-    row("all", "all(list)", "condition: all of the conditions hold", lists::all),
-    row("first", "first(list)", "first element", lists::first),
-    row("last", "last(list)", "last element", lists::last),
-    row("argmin", "argmin(list)", "place of the lowest element", lists::argmin),
-    row("argmax", "argmax(list)", "place of the highest element", lists::argmax),
-    row("dot", "dot(a, b)", "scalar product of two vectors in the same axes", vectors::dot),
-    row("cross", "cross(a, b)", "vector product of two vectors in the same axes", vectors::cross),
-    row("unit", "unit(v)", "the vector divided by its length; zero stays zero", vectors::unit),
-    row("distance", "distance(a, b)", "between two places", vectors::distance),
-    row("angle_between", "angle_between(a, b)", "angle between two vectors, 0 to half a turn", vectors::angle_between),
-    row("turn", "turn(a, b)", "of two angles the short way from a to b, wrapped; of two orientations the angle of the turn between them, 0 to half a turn", vectors::turn),
-    row("moment_arm", "moment_arm(muscle, joint)", "moment arm of a muscle, or of each of a list, about a joint", muscles::moment_arm),
-    row("neutral", "neutral(x)", "the value of x in the body's standing pose, folded while compiling", vectors::neutral),
-    row("touching", "touching(a, b)", "condition: the two touch; a named group counts as one thing, a list gives one answer each", contact::touching),
-    row("contact_force", "contact_force(a, b)", "force on a by b, world axes", contact::contact_force),
-    row("contact_count", "contact_count(a, b)", "number of contact points between them", contact::contact_count),
-    row("surface_distance", "surface_distance(a, b)", "distance of their nearest surfaces, negative where they overlap", contact::surface_distance),
-    row("slip", "slip(a, b)", "speed at which a slides on b where they touch, weighted by the pressure; 0 without contact", contact::slip),
-    row("ground_height", "ground_height(place) or ground_height(landmark, [forward, left, up])", "height of walkable ground under a landmark, a constant place, or an offset along a heading", terrain::ground_height),
-    row("ground_normal", "ground_normal(place) or ground_normal(landmark, [forward, left, up])", "upward unit normal of the ground there, world axes", terrain::ground_normal),
-    row("scan", "scan(heading(landmark), offsets)", "heights of the ground at constant offsets [forward, left] along a heading", terrain::scan),
-    row("radar", "radar(from, group, sectors, over, range)", "per sector, left to right: 1 - distance / range of the nearest member, 0 where none is in range", terrain::radar),
-    row("ray", "ray(from, direction, range)", "distance to the first surface of the scene along a constant direction (forward, left, up) of a landmark, at most the range", terrain::ray),
+    row("exp", "exp(x)", "exponential of a plain number", map!("x": PLAIN => TO_PLAIN, Exponential)),
+    row("log", "log(x)", "natural logarithm of a plain number", map!("x": PLAIN => TO_PLAIN, Logarithm)),
+    row("tanh", "tanh(x)", "hyperbolic tangent of a plain number", map!("x": PLAIN => TO_PLAIN, HyperbolicTangent)),
+    row("sqrt", "sqrt(x)", "square root; halves the powers of the unit", map!("x": Takes::Number => Gives::Root, SquareRoot)),
+    row("sin", "sin(angle)", "sine", map!("angle": ANGLE => TO_PLAIN, Sine)),
+    row("cos", "cos(angle)", "cosine", map!("angle": ANGLE => TO_PLAIN, Cosine)),
+    row("tan", "tan(angle)", "tangent", map!("angle": ANGLE => TO_PLAIN, Tangent)),
+    row("asin", "asin(x)", "angle whose sine is x, x clipped to -1..1", map!("x": PLAIN => TO_ANGLE, ArcSine)),
+    row("acos", "acos(x)", "angle whose cosine is x, x clipped to -1..1", map!("x": PLAIN => TO_ANGLE, ArcCosine)),
+    row("atan2", "atan2(y, x)", "angle of the point (x, y); both of one unit",
+        &[of(&[alike("y", Takes::Number), alike("x", Takes::Number)], Gives::WrappingAngle, Computes::Binary(Binary::ArcTangent2))]),
+    row("abs", "abs(x)", "without its sign", form!(each("x", Takes::Number) => Gives::Unsigned, elementary::abs)),
+    row("sign", "sign(x)", "-1, 0 or 1", map!("x": Takes::Number => Gives::Whole, Sign)),
+    row("floor", "floor(x)", "greatest whole number not above a plain number", map!("x": PLAIN => Gives::Whole, Floor)),
+    row("mod", "mod(x, y)", "x - y floor(x / y)",
+        &[of(&[alike("x", Takes::Number), alike("y", Takes::Number)], Gives::Same, Computes::Binary(Binary::Modulo))]),
+    row("hypot", "hypot(x, y)", "root of x^2 + y^2",
+        &[of(&[alike("x", Takes::Number), alike("y", Takes::Number)], Gives::Magnitude, Computes::Binary(Binary::Hypotenuse))]),
+    row("min", "min(x, y, ...) or min(list)", "the lowest",
+        &[of(&[list(Takes::Counted)], Gives::Same, Computes::Reduce(Reduction::Minimum)),
+          repeated(&[alike("x", Takes::Ordered), alike("y", Takes::Ordered)], Gives::Same, Computes::Nodes(lists::lowest))]),
+    row("max", "max(x, y, ...) or max(list)", "the highest",
+        &[of(&[list(Takes::Counted)], Gives::Same, Computes::Reduce(Reduction::Maximum)),
+          repeated(&[alike("x", Takes::Ordered), alike("y", Takes::Ordered)], Gives::Same, Computes::Nodes(lists::highest))]),
+    row("clip", "clip(x, low, high)", "x, but not below low nor above high", &[of(&BOUNDED, Gives::Same, Computes::Nodes(elementary::clip))]),
+    row("lerp", "lerp(a, b, share)", "a + share (b - a)",
+        form!(alike("a", Takes::Number), alike("b", Takes::Number), each("share", PLAIN) => Gives::Blend, elementary::lerp)),
+    row("between", "between(x, low, high)", "condition: low <= x <= high", &[of(&BOUNDED, Gives::Condition, Computes::Nodes(elementary::between))]),
+    row("smoothstep", "smoothstep(x, low, high)", "0 below low, 1 above high, smooth between", &[of(&BOUNDED, TO_PLAIN, Computes::Nodes(elementary::smoothstep))]),
+    row("tolerance", "tolerance(x, low, high, margin)", "1 within, falling as a bell to 0.1 at the margin outside",
+        form!(BOUNDED[0], BOUNDED[1], BOUNDED[2], alike("margin", Takes::Number) => TO_PLAIN, elementary::tolerance)),
+    row("sum", "sum(list)", "sum of a list; conditions count 0 or 1", fold!(Takes::Summed => Gives::Sum, Computes::Nodes(lists::sum))),
+    row("mean", "mean(list)", "mean of a list; the mean of places is a place, that of angles that wrap their direction on the circle", fold!(Takes::Averaged => Gives::Mean, Computes::Nodes(lists::mean))),
+    row("std", "std(list)", "standard deviation of a list of numbers, divided by n", fold!(Takes::Counted => Gives::Magnitude, Computes::Nodes(lists::std))),
+    row("prod", "prod(list)", "product of a list of plain numbers", fold!(Takes::Counted => Gives::Product, Computes::Reduce(Reduction::Product))),
+    row("norm", "norm(v)", "length of a vector; root of the sum of squares of a list of numbers",
+        &[of(&[each("v", Takes::Vector)], Gives::Magnitude, Computes::Nodes(lists::length)),
+          of(&[Parameter { name: "v", ..list(Takes::Counted) }], Gives::Magnitude, Computes::Reduce(Reduction::Norm))]),
+    row("any", "any(list)", "condition: one of the conditions holds",
+        &[of(&[Parameter { shapes: Shapes::OneOrList, ..list(Takes::Condition) }], Gives::Condition, Computes::Reduce(Reduction::Maximum))]),
+    row("all", "all(list)", "condition: all of the conditions hold",
+        &[of(&[Parameter { shapes: Shapes::OneOrList, ..list(Takes::Condition) }], Gives::Condition, Computes::Reduce(Reduction::Minimum))]),
+    row("first", "first(list)", "first element", fold!(Takes::Anything => Gives::ElementAt { last: false }, Computes::Nodes(lists::first))),
+    row("last", "last(list)", "last element", fold!(Takes::Anything => Gives::ElementAt { last: true }, Computes::Nodes(lists::last))),
+    row("argmin", "argmin(list)", "place of the lowest element", fold!(Takes::Counted => Gives::Whole, Computes::Reduce(Reduction::ArgMinimum))),
+    row("argmax", "argmax(list)", "place of the highest element", fold!(Takes::Counted => Gives::Whole, Computes::Reduce(Reduction::ArgMaximum))),
+    row("dot", "dot(a, b)", "scalar product of two vectors in the same axes",
+        form!(each("a", Takes::Vector), each("b", Takes::Vector) => Gives::Dot, vectors::dot)),
+    row("cross", "cross(a, b)", "vector product of two vectors in the same axes",
+        form!(each("a", Takes::Vector3), each("b", Takes::Vector3) => Gives::Cross, vectors::cross)),
+    row("unit", "unit(v)", "the vector divided by its length; zero stays zero",
+        form!(each("v", Takes::Vector) => Gives::Direction, vectors::unit)),
+    row("distance", "distance(a, b)", "between two places",
+        form!(alike("a", Takes::Place), alike("b", Takes::Place) => Gives::Quantity(Dimension::LENGTH), vectors::distance)),
+    row("angle_between", "angle_between(a, b)", "angle between two vectors, 0 to half a turn",
+        form!(each("a", Takes::Vector3), each("b", Takes::Vector3) => TO_ANGLE, vectors::angle_between)),
+    row("turn", "turn(a, b)", "of two angles the short way from a to b, wrapped; of two orientations the angle of the turn between them, 0 to half a turn",
+        &[of(&[alike("a", Takes::Rotation), alike("b", Takes::Rotation)], TO_ANGLE, Computes::Nodes(vectors::turn_of_axes)),
+          of(&[alike("a", Takes::Angle), alike("b", Takes::Angle)], Gives::WrappingAngle, Computes::Nodes(vectors::turn))]),
+    own("moment_arm", "moment_arm(muscle, joint)", "moment arm of a muscle, or of each of a list, about a joint", muscles::moment_arm),
+    row("neutral", "neutral(x)", "the value of x in the body's standing pose, folded while compiling",
+        form!(each("x", Takes::Anything) => Gives::Same, vectors::neutral)),
+    own("touching", "touching(a, b)", "condition: the two touch; a named group counts as one thing, a list gives one answer each", contact::touching),
+    own("contact_force", "contact_force(a, b)", "force on a by b, world axes", contact::contact_force),
+    own("contact_count", "contact_count(a, b)", "number of contact points between them", contact::contact_count),
+    own("surface_distance", "surface_distance(a, b)", "distance of their nearest surfaces, negative where they overlap", contact::surface_distance),
+    own("slip", "slip(a, b)", "speed at which a slides on b where they touch, weighted by the pressure; 0 without contact", contact::slip),
+    own("ground_height", "ground_height(place) or ground_height(landmark, [forward, left, up])", "height of walkable ground under a landmark, a constant place, or an offset along a heading", terrain::ground_height),
+    own("ground_normal", "ground_normal(place) or ground_normal(landmark, [forward, left, up])", "upward unit normal of the ground there, world axes", terrain::ground_normal),
+    own("scan", "scan(heading(landmark), offsets)", "heights of the ground at constant offsets [forward, left] along a heading", terrain::scan),
+    own("radar", "radar(from, group, sectors, over, range)", "per sector, left to right: 1 - distance / range of the nearest member, 0 where none is in range", terrain::radar),
+    own("ray", "ray(from, direction, range)", "distance to the first surface of the scene along a constant direction (forward, left, up) of a landmark, at most the range", terrain::ray),
 ];
 
 /// Operators that remember: each advances once per control step, wherever it stands.
 #[rustfmt::skip]
 pub const OPERATORS: &[Function] = &[
-    row("prev", "prev(x)", "x one control step ago; at step 0 x itself", temporal::prev),
-    row("rate", "rate(x)", "(x - prev(x)) / dt; 0 at step 0; angles that wrap take the short way", temporal::rate),
-    row("initial", "initial(x)", "x at step 0", temporal::initial),
-    row("highest", "highest(x)", "highest x so far, step 0 included", temporal::highest),
-    row("lowest", "lowest(x)", "lowest x so far, step 0 included", temporal::lowest),
-    row("count", "count(c)", "at how many steps after step 0 the condition held", temporal::count),
-    row("rising", "rising(c)", "condition: c holds and did not one step ago; never at step 0", temporal::rising),
-    row("falling", "falling(c)", "condition: c does not hold and did one step ago; never at step 0", temporal::falling),
-    row("hysteresis", "hysteresis(x, low, high)", "condition: holds once x rises above high, until it falls below low", temporal::hysteresis),
-    row("once", "once(c)", "condition: holds at the first step after step 0 at which c holds, and at no other", temporal::once),
-    row("ever", "ever(c)", "condition: c has held at some step, step 0 included", temporal::ever),
-    row("always", "always(c)", "condition: c has held at every step, step 0 included", temporal::always),
-    row("held", "held(c, 25 steps)", "condition: c has held for so long without a break, counted from step 1", temporal::held),
-    row("since", "since(c)", "time since c last held; infinite before", temporal::since),
-    row("timer", "timer(c)", "for how long c has held without a break; 0 at step 0", temporal::timer),
-    row("smooth", "smooth(x, tau)", "x through a first-order low pass with time constant tau, starting at x", temporal::smooth),
-    row("integral", "integral(x)", "sum of x dt over the steps after step 0", temporal::integral),
-    row("sampled", "sampled(x, c)", "x at the last step at which c held; at first x at step 0", temporal::sampled),
-    row("delay", "delay(x, 10 steps)", "x so long ago; before that x at step 0", temporal::delay),
+    row("prev", "prev(x)", "x one control step ago; at step 0 x itself",
+        &[of(&[each("x", Takes::Anything)], Gives::Same, Computes::Memory(Memory::Delay(1)))]),
+    row("rate", "rate(x)", "(x - prev(x)) / dt; 0 at step 0; angles that wrap take the short way",
+        form!(each("x", Takes::Gradual) => Gives::Rate, temporal::rate)),
+    row("initial", "initial(x)", "x at step 0", &[of(&[each("x", Takes::Anything)], Gives::Same, Computes::Memory(Memory::Initial))]),
+    row("highest", "highest(x)", "highest x so far, step 0 included",
+        &[of(&[each("x", Takes::Number)], Gives::Same, Computes::Memory(Memory::Highest))]),
+    row("lowest", "lowest(x)", "lowest x so far, step 0 included",
+        &[of(&[each("x", Takes::Number)], Gives::Same, Computes::Memory(Memory::Lowest))]),
+    row("count", "count(c)", "at how many steps after step 0 the condition held",
+        &[of(&[each("c", Takes::Condition)], Gives::Whole, Computes::Memory(Memory::Accumulate))]),
+    row("rising", "rising(c)", "condition: c holds and did not one step ago; never at step 0",
+        form!(each("c", Takes::Condition) => Gives::Condition, temporal::rising)),
+    row("falling", "falling(c)", "condition: c does not hold and did one step ago; never at step 0",
+        form!(each("c", Takes::Condition) => Gives::Condition, temporal::falling)),
+    row("hysteresis", "hysteresis(x, low, high)", "condition: holds once x rises above high, until it falls below low",
+        &[of(&BOUNDED, Gives::Condition, Computes::Memory(Memory::Hysteresis))]),
+    row("once", "once(c)", "condition: holds at the first step after step 0 at which c holds, and at no other",
+        form!(each("c", Takes::Condition) => Gives::Condition, temporal::once)),
+    row("ever", "ever(c)", "condition: c has held at some step, step 0 included",
+        &[of(&[each("c", Takes::Condition)], Gives::Condition, Computes::Memory(Memory::Highest))]),
+    row("always", "always(c)", "condition: c has held at every step, step 0 included",
+        &[of(&[each("c", Takes::Condition)], Gives::Condition, Computes::Memory(Memory::Lowest))]),
+    row("held", "held(c, 25 steps)", "condition: c has held for so long without a break, counted from step 1",
+        form!(each("c", Takes::Condition), one("duration", Takes::Duration) => Gives::Condition, temporal::held)),
+    row("since", "since(c)", "time since c last held; infinite before",
+        form!(each("c", Takes::Condition) => TO_TIME, temporal::since)),
+    row("timer", "timer(c)", "for how long c has held without a break; 0 at step 0",
+        form!(each("c", Takes::Condition) => TO_TIME, temporal::timer)),
+    row("smooth", "smooth(x, tau)", "x through a first-order low pass with time constant tau, starting at x; angles that wrap take the short way",
+        form!(each("x", Takes::Gradual), one("tau", Takes::TimeConstant) => Gives::Blend, temporal::smooth)),
+    row("integral", "integral(x)", "sum of x dt over the steps after step 0",
+        form!(each("x", Takes::Number) => Gives::Integral, temporal::integral)),
+    row("sampled", "sampled(x, c)", "x at the last step at which c held; at first x at step 0",
+        &[of(&[each("x", Takes::Anything), each("c", Takes::Condition)], Gives::Same, Computes::Memory(Memory::Sampled))]),
+    row("delay", "delay(x, 10 steps)", "x so long ago; before that x at step 0",
+        form!(each("x", Takes::Anything), one("duration", Takes::Duration) => Gives::Same, temporal::delay)),
 ];
 
 /// Names of functions of the language that this version does not have yet.
@@ -136,16 +232,48 @@ pub(crate) fn is_later(name: &str) -> bool {
 }
 
 impl Function {
+    /// What it takes and what it gives, as the reference says it; nothing of a function with a check of its own.
+    pub fn in_words(&self) -> (String, String) {
+        let Checks::Signatures(signatures) = &self.checks else { return Default::default() };
+        let takes: Vec<String> = signatures.iter().map(Signature::takes_in_words).collect();
+        let mut gives: Vec<String> = signatures.iter().map(|signature| signature.gives.to_string()).collect();
+        gives.dedup();
+        (takes.join(", or "), gives.join(", or "))
+    }
+
     pub(crate) fn call<'a>(&'static self, checker: &mut Checker<'a>, arguments: &'a [Argument], span: Span) -> Checked<Data> {
-        let call = Call { name: self.name, signature: self.signature, arguments, span };
-        (self.apply)(checker, &call)
+        let remembers = OPERATORS.iter().any(|operator| operator.name == self.name);
+        let call = Call { name: self.name, signature: self.signature, arguments, span, remembers };
+        match &self.checks {
+            Checks::Signatures(signatures) => apply::apply(checker, &call, signatures),
+            Checks::Own(OwnCheck(apply)) => apply(checker, &call),
+        }
     }
 }
 
 impl<'a> Call<'a> {
+    /// How many arguments there are, where bounds in one, `low..high`, count as two.
+    pub(crate) fn count(&self) -> usize {
+        self.arguments.len() + usize::from(self.range().is_some())
+    }
+
+    /// Bounds in one as the second argument: `x, low..high`.
+    fn range(&self) -> Option<(&'a Expr, &'a Expr)> {
+        match self.arguments.get(1) {
+            Some(Argument { name: None, value: Expr { kind: ExprKind::Range { low, high }, .. } }) => Some((&**low, &**high)),
+            _ => None,
+        }
+    }
+
     /// Exactly these arguments, by place or by name.
     pub(crate) fn take<const COUNT: usize>(&self, checker: &mut Checker<'a>, names: [&str; COUNT]) -> Checked<[&'a Expr; COUNT]> {
-        let mut found: [Option<&'a Expr>; COUNT] = [None; COUNT];
+        <[&'a Expr; COUNT]>::try_from(self.by_name(checker, &names)?).map_err(|_| self.wrong_arguments(checker))
+    }
+
+    /// Exactly these arguments, by place or by name; `x, low, high` may be written `x, low..high`.
+    pub(crate) fn by_name(&self, checker: &mut Checker<'a>, names: &[&str]) -> Checked<Vec<&'a Expr>> {
+        let bounded = names.get(1..3) == Some(&["low", "high"]);
+        let mut found: Vec<Option<&'a Expr>> = vec![None; names.len()];
         let mut next = 0;
         for argument in self.arguments {
             let place = match &argument.name {
@@ -155,17 +283,37 @@ impl<'a> Call<'a> {
                     Some(next - 1)
                 }
             };
-            match place.and_then(|place| found.get_mut(place)) {
-                Some(slot @ None) => *slot = Some(&argument.value),
-                _ => return Err(self.wrong_arguments(checker)),
+            let mut fill = |place: Option<usize>, value: &'a Expr| match place.and_then(|place| found.get_mut(place)) {
+                Some(slot @ None) => {
+                    *slot = Some(value);
+                    true
+                }
+                _ => false,
+            };
+            let filled = match self.range().filter(|_| bounded && place == Some(1) && argument.name.is_none()) {
+                Some((low, high)) => {
+                    next += 1;
+                    fill(Some(1), low) && fill(Some(2), high)
+                }
+                None => fill(place, &argument.value),
+            };
+            if !filled {
+                return Err(self.wrong_arguments(checker));
             }
         }
-        // Every place is filled, or the first that is not is reported.
-        let mut filled = Vec::with_capacity(COUNT);
-        for slot in found {
-            filled.push(slot.ok_or_else(|| self.wrong_arguments(checker))?);
+        match found.into_iter().collect() {
+            Some(all) => Ok(all),
+            None => Err(self.wrong_arguments(checker)),
         }
-        <[&'a Expr; COUNT]>::try_from(filled).map_err(|_| self.wrong_arguments(checker))
+    }
+
+    /// All arguments, none of which has a name.
+    fn unnamed(&self, checker: &mut Checker<'a>) -> Checked<Vec<&'a Expr>> {
+        let unnamed = self.arguments.iter().map(|argument| argument.name.is_none().then_some(&argument.value));
+        match unnamed.collect() {
+            Some(all) => Ok(all),
+            None => Err(self.wrong_arguments(checker)),
+        }
     }
 
     pub(crate) fn wrong_arguments(&self, checker: &mut Checker<'a>) -> Reported {
@@ -176,54 +324,35 @@ impl<'a> Call<'a> {
             .found(format!("{} argument(s)", self.arguments.len()));
         checker.report(diagnostic)
     }
-
-    /// `x, low, high`, or `x, low..high` with the bounds in one.
-    pub(crate) fn take_bounded<const REST: usize>(
-        &self,
-        checker: &mut Checker<'a>,
-        rest: [&str; REST],
-    ) -> Checked<(&'a Expr, &'a Expr, &'a Expr, [&'a Expr; REST])> {
-        let range = self.arguments.get(1).filter(|argument| argument.name.is_none()).and_then(|argument| {
-            if let ExprKind::Range { low, high } = &argument.value.kind { Some((&**low, &**high)) } else { None }
-        });
-        let first = self.arguments.first().filter(|argument| argument.name.is_none());
-        let (Some(first), skip) = (first, if range.is_some() { 2 } else { 3 }) else {
-            return Err(self.wrong_arguments(checker));
-        };
-        if self.arguments.len() < skip {
-            return Err(self.wrong_arguments(checker));
-        }
-        let tail = Call { arguments: &self.arguments[skip..], ..*self };
-        let rest = tail.take(checker, rest)?;
-        let (low, high) = match range {
-            Some(bounds) => bounds,
-            None => (&self.arguments[1].value, &self.arguments[2].value),
-        };
-        Ok((&first.value, low, high, rest))
-    }
 }
 
 impl<'a> Checker<'a> {
-    /// A number, or a list of them, that must have this dimension.
+    /// One number that must have this dimension.
     ///
     /// # Errors
-    /// Another dimension; the error says what to divide by.
+    /// Another dimension, where the error says what to divide by, or a list.
     pub(crate) fn number_of(&mut self, expr: &'a Expr, dimension: Dimension, wanted_by: &str) -> Checked<Data> {
         let data = self.data(expr)?;
-        self.must_have_dimension(&data, expr, dimension, wanted_by)?;
-        Ok(data)
+        let number = data.kind.is_one_number();
+        if number && (data.is_zero() || data.kind.dimension() == Some(dimension)) {
+            return Ok(data);
+        }
+        if !number && data.kind.dimension() == Some(dimension) {
+            let found = data.kind.described(self.vocabulary);
+            let message = format!("{wanted_by} takes one number");
+            let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, message).found(found);
+            return Err(self.report(diagnostic));
+        }
+        Err(self.wrong_dimension(&data, expr, dimension, wanted_by))
     }
 
-    fn must_have_dimension(&mut self, data: &Data, expr: &Expr, wanted: Dimension, by: &str) -> Checked<()> {
-        let number = matches!(data.kind.element(), Type::Number(_) | Type::Int);
-        let found = data.kind.dimension().filter(|_| number);
-        if found == Some(wanted) || number && data.is_zero() {
-            return Ok(());
-        }
+    /// Reports numbers of another dimension.
+    pub(super) fn wrong_dimension(&mut self, data: &Data, expr: &Expr, wanted: Dimension, by: &str) -> Reported {
+        let found = data.kind.dimension().filter(|_| data.kind.all(ElementType::is_number));
         let diagnostic = self
             .diagnostic(codes::types::DIMENSIONS_DIFFER, expr.span, format!("{by} takes {}", wanted.described()))
             .expected(wanted.described())
-            .found(data.kind.element().described(self.vocabulary));
+            .found(data.kind.element_described(self.vocabulary));
         let factor = found.and_then(|found| found.per(wanted));
         let inverse = found.and_then(|found| found.times(wanted)).is_some_and(Dimension::is_none);
         let diagnostic = match factor {
@@ -234,7 +363,7 @@ impl<'a> Checker<'a> {
             Some(factor) => divide_by(diagnostic, expr, factor),
             None => diagnostic,
         };
-        Err(self.report(diagnostic))
+        self.report(diagnostic)
     }
 }
 

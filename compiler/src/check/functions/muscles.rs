@@ -3,7 +3,7 @@
 use super::Call;
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
-use crate::check::types::Type;
+use crate::check::types::{ElementType, Type};
 use crate::check::value::{Data, Thing, Value};
 use crate::diagnostics::codes;
 use crate::frame::Sensor;
@@ -35,6 +35,5 @@ pub(super) fn moment_arm<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Chec
     };
     let count = muscles.len();
     let node = checker.graph.sensors(muscles.into_iter().map(|muscle| Sensor::MomentArm(muscle, about)).collect());
-    let kind = Type::Number(dimension);
-    Ok(Data::new(node, if list { Type::List(Box::new(kind), count) } else { kind }))
+    Ok(Data::new(node, Type::one_or_list(ElementType::Number(dimension), list, count)))
 }

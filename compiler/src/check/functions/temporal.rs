@@ -1,10 +1,8 @@
 //! Operators that remember. Their arguments are read before states are updated, wherever they stand.
 
-use super::Call;
+use super::apply::Bound;
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
-use crate::check::types::Type;
-use crate::check::value::{Data, Form};
 use crate::diagnostics::codes;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Memory, Unary};
@@ -13,255 +11,109 @@ use crate::syntax::tree::Expr;
 /// Longest delay or hold, control steps.
 const LONGEST: f64 = 100_000.0;
 
-/// The argument of an operator: read in the step itself, also inside `observe`.
-fn argument<'a>(checker: &mut Checker<'a>, expr: &'a Expr) -> Checked<Data> {
-    let after = std::mem::replace(&mut checker.after, false);
-    let data = checker.data(expr);
-    checker.after = after;
-    data
-}
-
-fn condition<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let [c] = call.take(checker, ["c"])?;
-    condition_at(checker, c)
-}
-
-fn condition_at<'a>(checker: &mut Checker<'a>, expr: &'a Expr) -> Checked<Data> {
-    let after = std::mem::replace(&mut checker.after, false);
-    let data = checker.condition(expr);
-    checker.after = after;
-    data
-}
-
-/// An operator that keeps the type of its argument.
-fn keep<'a>(checker: &mut Checker<'a>, call: &Call<'a>, memory: Memory) -> Checked<Data> {
-    let [x] = call.take(checker, ["x"])?;
-    let data = argument(checker, x)?;
-    let node = checker.graph.memory(memory, &[data.node]);
-    Ok(Data { node, kind: data.kind, form: keep_form(data.form) })
-}
-
-fn keep_form(form: Form) -> Form {
-    if form == Form::Wrapping { form } else { Form::Plain }
-}
-
-/// An operator that orders its argument's values.
-fn order<'a>(checker: &mut Checker<'a>, call: &Call<'a>, memory: Memory) -> Checked<Data> {
-    let [x] = call.take(checker, ["x"])?;
-    let data = argument(checker, x)?;
-    numbers(checker, call, x, &data)?;
-    let node = checker.graph.memory(memory, &[data.node]);
-    Ok(Data::new(node, data.kind))
-}
-
-fn numbers<'a>(checker: &mut Checker<'a>, call: &Call<'a>, expr: &'a Expr, data: &Data) -> Checked<Dimension> {
-    match data.kind.element() {
-        Type::Number(dimension) => Ok(*dimension),
-        Type::Int => Ok(Dimension::NONE),
-        _ => {
-            let found = data.kind.described(checker.vocabulary);
-            let message = format!("`{}` takes numbers", call.name);
-            let diagnostic = checker.diagnostic(codes::types::WRONG_TYPE, expr.span, message).found(found);
-            Err(checker.report(diagnostic))
-        }
-    }
-}
-
 fn interval(checker: &mut Checker<'_>) -> NodeId {
     let interval = checker.timing.interval;
     checker.graph.constant(interval)
 }
 
-pub(super) fn prev<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    keep(checker, call, Memory::Delay(1))
-}
-
-pub(super) fn initial<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    keep(checker, call, Memory::Initial)
-}
-
-pub(super) fn highest<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    order(checker, call, Memory::Highest)
-}
-
-pub(super) fn lowest<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    order(checker, call, Memory::Lowest)
-}
-
-pub(super) fn rate<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let [x] = call.take(checker, ["x"])?;
-    let data = argument(checker, x)?;
-    let (dimension, element) = match data.kind.element() {
-        Type::Number(dimension) => (*dimension, None),
-        Type::Int => (Dimension::NONE, None),
-        Type::Vector { size, dimension, frame } => (*dimension, Some((*size, *frame))),
-        Type::Place(frame) => (Dimension::LENGTH, Some((3, *frame))),
-        _ => return Err(numbers(checker, call, x, &data).err().unwrap_or_else(|| call.wrong_arguments(checker))),
-    };
-    let Some(dimension) = dimension.per(Dimension::TIME) else {
-        return Err(checker.error(codes::types::POWER, x.span, "the unit of this rate is beyond reason"));
-    };
-    let before = checker.graph.memory(Memory::Delay(1), &[data.node]);
-    let mut change = checker.graph.binary(Binary::Subtract, data.node, before);
-    if data.form == Form::Wrapping {
-        change = checker.graph.unary(Unary::Wrap, change);
-    }
+pub(super) fn rate<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    let [now] = bound.take();
+    let before = checker.graph.memory(Memory::Delay(1), &[now]);
+    let change = checker.graph.binary(Binary::Subtract, now, before);
+    let change = checker.wrapped(change, &bound.subject);
     let interval = interval(checker);
-    let node = checker.graph.binary(Binary::Divide, change, interval);
-    let kind = match element {
-        Some((size, frame)) => Type::Vector { size, dimension, frame },
-        None => Type::Number(dimension),
-    };
-    Ok(Data::new(node, data.kind.with_element(kind)))
-}
-
-pub(super) fn count<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let held = condition(checker, call)?;
-    let node = checker.graph.memory(Memory::Accumulate, &[held.node]);
-    Ok(Data::new(node, held.kind.with_element(Type::Int)))
+    Ok(checker.graph.binary(Binary::Divide, change, interval))
 }
 
 /// c and not prev(c), or the reverse.
-fn edge<'a>(checker: &mut Checker<'a>, call: &Call<'a>, rising: bool) -> Checked<Data> {
-    let now = condition(checker, call)?;
-    let before = checker.graph.memory(Memory::Delay(1), &[now.node]);
-    let (yes, no) = if rising { (now.node, before) } else { (before, now.node) };
+fn edge(checker: &mut Checker<'_>, now: NodeId, rising: bool) -> NodeId {
+    let before = checker.graph.memory(Memory::Delay(1), &[now]);
+    let (yes, no) = if rising { (now, before) } else { (before, now) };
     let no = checker.graph.unary(Unary::Not, no);
-    let node = checker.graph.binary(Binary::And, yes, no);
-    Ok(Data::new(node, now.kind))
+    checker.graph.binary(Binary::And, yes, no)
 }
 
-pub(super) fn rising<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    edge(checker, call, true)
+pub(super) fn rising<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    Ok(edge(checker, bound.nodes[0], true))
 }
 
-pub(super) fn falling<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    edge(checker, call, false)
+pub(super) fn falling<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    Ok(edge(checker, bound.nodes[0], false))
 }
 
-pub(super) fn hysteresis<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let [x, low, high] = call.take(checker, ["x", "low", "high"])?;
-    let (value, bottom, top) = (argument(checker, x), argument(checker, low), argument(checker, high));
-    let (value, bottom, top) = (value?, bottom?, top?);
-    numbers(checker, call, x, &value)?;
-    let (_, bottom, kind) = checker.agree("compare", (value.clone(), x), (bottom, low))?;
-    let (value, top, _) = checker.agree("compare", (Data { kind, ..value }, x), (top, high))?;
-    let width = checker.graph.width(value);
-    let node = checker.graph.memory(Memory::Hysteresis, &[value, bottom, top]);
-    Ok(Data::new(node, if width == 1 { Type::Bool } else { Type::List(Box::new(Type::Bool), width) }))
-}
-
-pub(super) fn once<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let held = condition(checker, call)?;
-    let times = checker.graph.memory(Memory::Accumulate, &[held.node]);
+pub(super) fn once<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    let [held] = bound.take();
+    let times = checker.graph.memory(Memory::Accumulate, &[held]);
     let one = checker.graph.constant(1.0);
     let first = checker.graph.binary(Binary::Equal, times, one);
-    let node = checker.graph.binary(Binary::And, held.node, first);
-    Ok(Data::new(node, held.kind))
+    Ok(checker.graph.binary(Binary::And, held, first))
 }
 
-pub(super) fn ever<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let held = condition(checker, call)?;
-    let node = checker.graph.memory(Memory::Highest, &[held.node]);
-    Ok(Data::new(node, held.kind))
-}
-
-pub(super) fn always<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let held = condition(checker, call)?;
-    let node = checker.graph.memory(Memory::Lowest, &[held.node]);
-    Ok(Data::new(node, held.kind))
-}
-
-pub(super) fn held<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let [c, duration] = call.take(checker, ["c", "duration"])?;
-    let (condition, steps) = (condition_at(checker, c), steps(checker, duration));
-    let (condition, steps) = (condition?, steps?);
-    let streak = checker.graph.memory(Memory::Streak, &[condition.node]);
-    let limit = checker.graph.constant(steps);
-    let node = checker.graph.binary(Binary::LessEqual, limit, streak);
-    Ok(Data::new(node, condition.kind))
+pub(super) fn held<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    let [condition, steps] = bound.take();
+    let streak = checker.graph.memory(Memory::Streak, &[condition]);
+    Ok(checker.graph.binary(Binary::LessEqual, steps, streak))
 }
 
 /// A count of control steps times their length.
-fn as_time(checker: &mut Checker<'_>, steps: NodeId, kind: &Type) -> Data {
+fn as_time(checker: &mut Checker<'_>, steps: NodeId) -> NodeId {
     let interval = interval(checker);
-    let node = checker.graph.binary(Binary::Multiply, steps, interval);
-    Data::new(node, kind.with_element(Type::Number(Dimension::TIME)))
+    checker.graph.binary(Binary::Multiply, steps, interval)
 }
 
-pub(super) fn since<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let held = condition(checker, call)?;
-    let steps = checker.graph.memory(Memory::StepsSince, &[held.node]);
-    Ok(as_time(checker, steps, &held.kind))
+pub(super) fn since<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    let steps = checker.graph.memory(Memory::StepsSince, &bound.nodes);
+    Ok(as_time(checker, steps))
 }
 
-pub(super) fn timer<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let held = condition(checker, call)?;
-    let steps = checker.graph.memory(Memory::Streak, &[held.node]);
-    Ok(as_time(checker, steps, &held.kind))
+pub(super) fn timer<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    let steps = checker.graph.memory(Memory::Streak, &bound.nodes);
+    Ok(as_time(checker, steps))
 }
 
-pub(super) fn smooth<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let [x, tau] = call.take(checker, ["x", "tau"])?;
-    let (data, time) = (argument(checker, x), checker.number_of(tau, Dimension::TIME, "`smooth`'s time constant"));
-    let (data, time) = (data?, time?);
-    let Some(time) = checker.graph.constant_value(time.node).filter(|time| *time > 0.0) else {
-        return Err(checker.error(
-            codes::types::NOT_CONSTANT,
-            tau.span,
-            "the time constant must be known while compiling and positive",
-        ));
-    };
-    if !matches!(data.kind.element(), Type::Number(_) | Type::Int | Type::Vector { .. } | Type::Place(_)) {
-        numbers(checker, call, x, &data)?;
-    }
+pub(super) fn smooth<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    let [x, time] = bound.take();
+    let time = checker.graph.constant_value(time).unwrap_or(f64::INFINITY);
     // The exact step response of a first-order low pass over one control step.
     let share = checker.graph.constant(-libm::expm1(-checker.timing.interval / time));
-    let node = checker.graph.memory(Memory::Smooth, &[data.node, share]);
-    let element = if *data.kind.element() == Type::Int { Type::PLAIN } else { data.kind.element().clone() };
-    Ok(Data::new(node, data.kind.with_element(element)))
+    Ok(checker.by_wrapping(x, &bound.subject, |graph, x, wraps| {
+        graph.memory(if wraps { Memory::SmoothAngle } else { Memory::Smooth }, &[x, share])
+    }))
 }
 
-pub(super) fn integral<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let [x] = call.take(checker, ["x"])?;
-    let data = argument(checker, x)?;
-    let dimension = numbers(checker, call, x, &data)?;
-    let Some(dimension) = dimension.times(Dimension::TIME) else {
-        return Err(checker.error(codes::types::POWER, x.span, "the unit of this integral is beyond reason"));
-    };
-    let total = checker.graph.memory(Memory::Accumulate, &[data.node]);
+pub(super) fn integral<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    let total = checker.graph.memory(Memory::Accumulate, &bound.nodes);
     let interval = interval(checker);
-    let node = checker.graph.binary(Binary::Multiply, total, interval);
-    Ok(Data::new(node, data.kind.with_element(Type::Number(dimension))))
+    Ok(checker.graph.binary(Binary::Multiply, total, interval))
 }
 
-pub(super) fn sampled<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let [x, c] = call.take(checker, ["x", "c"])?;
-    let after = std::mem::replace(&mut checker.after, false);
-    let (data, when) = (checker.data(x), checker.single_condition(c));
-    checker.after = after;
-    let (data, when) = (data?, when?);
-    let node = checker.graph.memory(Memory::Sampled, &[data.node, when.node]);
-    Ok(Data { node, kind: data.kind, form: keep_form(data.form) })
-}
-
-pub(super) fn delay<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
-    let [x, duration] = call.take(checker, ["x", "duration"])?;
-    let (data, steps) = (argument(checker, x), steps(checker, duration));
-    let (data, steps) = (data?, steps?);
+pub(super) fn delay<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
+    let [x, steps] = bound.take();
+    let steps = checker.graph.constant_value(steps).unwrap_or(0.0);
     if steps == 0.0 {
-        return Ok(data);
+        return Ok(x);
     }
-    checker.hold(steps as usize * checker.graph.width(data.node), duration.span)?;
-    let node = checker.graph.memory(Memory::Delay(steps as u32), &[data.node]);
-    Ok(Data { node, kind: data.kind, form: keep_form(data.form) })
+    checker.hold(steps as usize * checker.graph.width(x), bound.exprs[1].span)?;
+    Ok(checker.graph.memory(Memory::Delay(steps as u32), &[x]))
 }
 
-fn steps<'a>(checker: &mut Checker<'a>, expr: &'a Expr) -> Checked<f64> {
-    let steps = checker.steps(expr)?;
-    if steps > LONGEST {
-        let message = format!("this is longer than {LONGEST} control steps");
-        return Err(checker.error(codes::types::DURATION, expr.span, message));
+impl<'a> Checker<'a> {
+    /// A duration in control steps, within what operators remember.
+    pub(super) fn bounded_steps(&mut self, expr: &'a Expr) -> Checked<f64> {
+        let steps = self.steps(expr)?;
+        if steps > LONGEST {
+            let message = format!("this is longer than {LONGEST} control steps");
+            return Err(self.error(codes::types::DURATION, expr.span, message));
+        }
+        Ok(steps)
     }
-    Ok(steps)
+
+    /// A positive time known while compiling, s.
+    pub(super) fn time_constant(&mut self, expr: &'a Expr) -> Checked<f64> {
+        let time = self.number_of(expr, Dimension::TIME, "`smooth`'s time constant")?;
+        self.graph.constant_value(time.node).filter(|time| *time > 0.0).ok_or_else(|| {
+            let message = "the time constant must be known while compiling and positive";
+            self.error(codes::types::NOT_CONSTANT, expr.span, message)
+        })
+    }
 }

@@ -4,7 +4,7 @@
 use super::Call;
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
-use crate::check::types::{Frame, Type};
+use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{Data, Thing, Value};
 use crate::diagnostics::codes;
 use crate::frame::{Origin, Query, Sensor};
@@ -55,14 +55,14 @@ impl<'a> Checker<'a> {
         let horizontal = data.kind.dimension() == Some(Dimension::LENGTH) || data.is_zero();
         let lanes = self.graph.constant_lanes(data.node);
         match (&data.kind, lanes.as_deref()) {
-            (Type::Place(Frame::World), Some([x, y, z])) => Some(Origin::World([*x, *y, *z])),
-            (Type::List(..) | Type::Vector { frame: Frame::World, .. }, Some([x, y])) if horizontal => {
+            (Type::One(ElementType::Place(Frame::World)), Some([x, y, z])) => Some(Origin::World([*x, *y, *z])),
+            (Type::List(..) | Type::One(ElementType::Vector { frame: Frame::World, .. }), Some([x, y])) if horizontal => {
                 Some(Origin::World([*x, *y, 0.0]))
             }
-            (Type::List(..) | Type::Vector { frame: Frame::World, .. }, Some([x, y, z])) if horizontal => {
+            (Type::List(..) | Type::One(ElementType::Vector { frame: Frame::World, .. }), Some([x, y, z])) if horizontal => {
                 Some(Origin::World([*x, *y, *z]))
             }
-            (Type::Place(Frame::World) | Type::Vector { frame: Frame::World, .. }, None) => {
+            (Type::One(ElementType::Place(Frame::World) | ElementType::Vector { frame: Frame::World, .. }), None) => {
                 let node = self.graph.node(data.node);
                 let source = match &node.operation {
                     // `.xy` of a position.
@@ -139,23 +139,23 @@ fn ground<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<(Vec<Origin
     Ok((origins, list))
 }
 
-fn answers(checker: &mut Checker<'_>, queries: Vec<Query>, list: bool, kind: Type) -> Data {
+fn answers(checker: &mut Checker<'_>, queries: Vec<Query>, list: bool, element: ElementType) -> Data {
     let count = queries.len();
     let nodes: Vec<NodeId> = queries.into_iter().map(|query| checker.query(query)).collect();
     let node = checker.graph.join(&nodes);
-    Data::new(node, if list { Type::List(Box::new(kind), count) } else { kind })
+    Data::new(node, Type::one_or_list(element, list, count))
 }
 
 pub(super) fn ground_height<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
     let (origins, list) = ground(checker, call)?;
     let queries = origins.into_iter().map(Query::GroundHeight).collect();
-    Ok(answers(checker, queries, list, Type::Number(Dimension::LENGTH)))
+    Ok(answers(checker, queries, list, ElementType::Number(Dimension::LENGTH)))
 }
 
 pub(super) fn ground_normal<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
     let (origins, list) = ground(checker, call)?;
     let queries = origins.into_iter().map(Query::GroundNormal).collect();
-    Ok(answers(checker, queries, list, Type::world_vector(Dimension::NONE)))
+    Ok(answers(checker, queries, list, ElementType::world_vector(Dimension::NONE)))
 }
 
 pub(super) fn scan<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
@@ -163,7 +163,7 @@ pub(super) fn scan<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Da
     let [heading, offsets] = call.take(checker, ["heading", "offsets"])?;
     let landmark = checker.looker(heading, true)?;
     let data = checker.data(offsets)?;
-    let lengths = matches!(data.kind.element(), Type::Number(_) | Type::Int | Type::Vector { size: 2, .. })
+    let lengths = data.kind.all(|element| element.is_number() || matches!(element, ElementType::Vector { size: 2, .. }))
         && (data.kind.dimension() == Some(Dimension::LENGTH) || data.is_zero());
     let lanes = checker.graph.constant_lanes(data.node).filter(|lanes| lengths && lanes.len() % 2 == 0);
     let Some(lanes) = lanes.filter(|lanes| !lanes.is_empty() && lanes.len() as f64 <= 2.0 * MOST) else {
@@ -175,7 +175,7 @@ pub(super) fn scan<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Da
     };
     let offset = |pair: &[f64]| Query::GroundHeight(Origin::Landmark(landmark, [pair[0], pair[1], 0.0]));
     let queries = lanes.chunks_exact(2).map(offset).collect();
-    Ok(answers(checker, queries, true, Type::Number(Dimension::LENGTH)))
+    Ok(answers(checker, queries, true, ElementType::Number(Dimension::LENGTH)))
 }
 
 pub(super) fn radar<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
@@ -206,7 +206,7 @@ pub(super) fn radar<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<D
     let range = checker.positive_constant(range, Dimension::LENGTH, "the range of a radar")?;
     let sectors = count as usize;
     let node = checker.query(Query::Radar { from, group: known, sectors, over: over_value, range });
-    Ok(Data::new(node, Type::List(Box::new(Type::PLAIN), sectors)))
+    Ok(Data::new(node, Type::List(ElementType::PLAIN, sectors)))
 }
 
 pub(super) fn ray<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
@@ -219,5 +219,5 @@ pub(super) fn ray<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Dat
     }
     let range = checker.positive_constant(range, Dimension::LENGTH, "the range of a ray")?;
     let node = checker.query(Query::Ray { from: landmark, direction: along.map(|part| part / length), range });
-    Ok(Data::new(node, Type::Number(Dimension::LENGTH)))
+    Ok(Data::new(node, ElementType::Number(Dimension::LENGTH)))
 }

@@ -9,6 +9,7 @@ mod root;
 
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
+use super::types::{ElementType, Type};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::numbers::for_people;
@@ -124,8 +125,8 @@ impl<'a> Checker<'a> {
         let data = self.data(expr)?;
         let step = self.vocabulary.physics_step;
         let steps = match (self.graph.constant_value(data.node), &data.kind) {
-            (Some(steps), super::types::Type::Steps) => steps,
-            (Some(seconds), super::types::Type::Number(Dimension::TIME)) => seconds / step,
+            (Some(steps), Type::One(ElementType::Steps)) => steps,
+            (Some(seconds), Type::One(ElementType::Number(Dimension::TIME))) => seconds / step,
             _ => {
                 let diagnostic = self
                     .diagnostic(codes::types::DURATION, expr.span, "`settle` takes a duration known while compiling")

@@ -3,7 +3,7 @@
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
 use crate::check::scene::expand::Unrolled;
-use crate::check::types::{Frame, Type};
+use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{Data, Thing, Value};
 use crate::diagnostics::codes;
 use crate::graph::NodeId;
@@ -137,10 +137,9 @@ impl<'a> Checker<'a> {
         let data = self.positions(&value, expr.span)?;
         let length = |data: &Data| data.kind.dimension() == Some(Dimension::LENGTH) || data.is_zero();
         let fits = match &data.kind {
-            Type::Place(Frame::World) => true,
-            Type::Vector { size: 3, frame: Frame::World, .. } => length(&data),
-            Type::List(_, 3) => data.is_bracket() && length(&data),
-            _ => false,
+            Type::One(ElementType::Place(Frame::World)) => true,
+            Type::One(ElementType::Vector { size: 3, frame: Frame::World, .. }) => length(&data),
+            list => list.length() == Some(3) && data.is_bracket() && length(&data),
         };
         if fits {
             return Ok(data.node);

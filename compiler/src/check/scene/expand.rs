@@ -6,7 +6,7 @@ use crate::check::context::{Checked, Checker, Reported};
 use crate::check::inherit::overrides_nothing;
 use crate::check::lookup::fits;
 use crate::check::scene::object::dotted;
-use crate::check::types::Type;
+use crate::check::types::{ElementType, Type};
 use crate::check::value::{Data, Value};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::syntax::tree::{Connection, Element, ElementName, Group, Marker, Name, NamePart, Remove, Repeat, SceneStatement};
@@ -96,7 +96,7 @@ impl<'a> Checker<'a> {
         let Ok(values) = self.with_locals(locals, |checker| checker.loop_values(&repeat.range)) else { return };
         for value in values {
             let number = match &value {
-                Value::Data(Data { node, kind: Type::Int, .. }) => self.graph.constant_value(*node),
+                Value::Data(Data { node, kind: Type::One(ElementType::Int), .. }) => self.graph.constant_value(*node),
                 _ => None,
             };
             let Some(number) = number else {
@@ -191,7 +191,7 @@ impl<'a> Checker<'a> {
         let before = self.locals.len();
         for (name, number) in locals {
             let node = self.graph.constant(*number);
-            self.locals.push((name.clone(), Value::Data(Data::new(node, Type::Int))));
+            self.locals.push((name.clone(), Value::Data(Data::new(node, ElementType::Int))));
         }
         let result = check(self);
         self.locals.truncate(before);

@@ -3,7 +3,7 @@
 use super::elements::{FIELDS, Kind};
 use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
-use crate::check::types::{Frame, Type};
+use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{Data, Value};
 use crate::diagnostics::{Span, codes, nearest};
 use crate::syntax::tree::{Element, Expr, ExprKind, Field, FieldValue};
@@ -101,8 +101,8 @@ impl<'a> Checker<'a> {
     /// A number of this dimension that is known while compiling.
     pub(crate) fn fixed_number(&mut self, expr: &'a Expr, dimension: Dimension, wanted_by: &str) -> Checked<f64> {
         let data = self.data(expr)?;
-        let found = data.kind.dimension().filter(|_| matches!(data.kind, Type::Number(_) | Type::Int));
-        if found != Some(dimension) && !data.is_zero() {
+        let found = data.kind.dimension().filter(|_| data.kind.is_one_number());
+        if found != Some(dimension) && !(data.is_zero() && data.kind.is_one_number()) {
             let diagnostic = self
                 .diagnostic(codes::types::DIMENSIONS_DIFFER, expr.span, format!("{wanted_by} takes {}", dimension.described()))
                 .expected(dimension.described())
@@ -191,21 +191,23 @@ impl<'a> Checker<'a> {
         wanted_by: &str,
     ) -> Checked<()> {
         let fits = match &data.kind {
-            Type::List(element, length) => {
-                *length == size && (element.dimension() == Some(dimension) || data.is_zero()) && element_is_number(element)
-            }
-            Type::Vector { size: own, dimension: found, frame } => {
+            Type::One(ElementType::Vector { size: own, dimension: found, frame }) => {
                 *own == size && (*found == dimension || data.is_zero()) && *frame == Frame::World
             }
-            Type::Place(Frame::World) => size == 3 && dimension == Dimension::LENGTH,
-            _ => false,
+            Type::One(ElementType::Place(Frame::World)) => size == 3 && dimension == Dimension::LENGTH,
+            Type::One(_) => false,
+            list => {
+                list.length() == Some(size)
+                    && (list.dimension() == Some(dimension) || data.is_zero())
+                    && list.all(ElementType::is_number)
+            }
         };
         if fits {
             return Ok(());
         }
         let unit = if dimension.is_none() { "without unit".to_owned() } else { format!("in {dimension}") };
         let code = match &data.kind {
-            Type::List(_, length) if *length == size => codes::types::DIMENSIONS_DIFFER,
+            list if list.length() == Some(size) => codes::types::DIMENSIONS_DIFFER,
             _ => codes::types::WRONG_TYPE,
         };
         let found = data.kind.described(self.vocabulary);
@@ -223,8 +225,4 @@ impl<'a> Checker<'a> {
             .help("numbers, constants, parameters, and sizes and places of what stands still in the scene are");
         self.report(diagnostic)
     }
-}
-
-fn element_is_number(kind: &Type) -> bool {
-    matches!(kind, Type::Number(_) | Type::Int)
 }

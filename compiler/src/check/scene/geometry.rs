@@ -4,7 +4,7 @@ use super::{Stage, shapes};
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::check::signals::{self, Owner, Read};
-use crate::check::types::{Frame, Type};
+use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{Data, Thing};
 use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
@@ -16,7 +16,7 @@ use crate::syntax::tree::Name;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Known {
     pub lanes: Vec<f64>,
-    pub kind: Type,
+    pub element: ElementType,
 }
 
 impl<'a> Checker<'a> {
@@ -27,11 +27,11 @@ impl<'a> Checker<'a> {
             object.parent == Parent::World && object.motion == Motion::Fixed && object.orientation == super::rotation::NONE;
         let frame = if aligned { Frame::World } else { Frame::Landmark(self.vocabulary.landmarks.len() + index) };
         let name = object.name.clone();
-        let mut keep = |signal: &str, lanes: Vec<f64>, kind: Type| {
-            self.known.insert(format!("{name}.{signal}"), Known { lanes, kind });
+        let mut keep = |signal: &str, lanes: Vec<f64>, element: ElementType| {
+            self.known.insert(format!("{name}.{signal}"), Known { lanes, element });
         };
-        let length = Type::Number(Dimension::LENGTH);
-        let mut keep_length = |signal: &str, value: f64| keep(signal, vec![value], length.clone());
+        let length = ElementType::Number(Dimension::LENGTH);
+        let mut keep_length = |signal: &str, value: f64| keep(signal, vec![value], length);
         match &object.shape {
             Some(Shape::Sphere(radius)) => keep_length("radius", *radius),
             Some(Shape::Capsule(radius, long) | Shape::Cylinder(radius, long)) => {
@@ -43,12 +43,12 @@ impl<'a> Checker<'a> {
                 keep_length("run", *run);
                 keep_length("width", *width);
                 keep_length("length", f64::from(*count) * run);
-                keep("count", vec![f64::from(*count)], Type::Int);
+                keep("count", vec![f64::from(*count)], ElementType::Int);
             }
             Some(Shape::Terrain(Terrain::Slope { length, width, angle })) => {
                 keep_length("length", *length);
                 keep_length("width", *width);
-                keep("angle", vec![*angle], Type::Number(Dimension::ANGLE));
+                keep("angle", vec![*angle], ElementType::ANGLE);
             }
             Some(Shape::Terrain(Terrain::Heights { size, .. })) => {
                 keep_length("length", size[0]);
@@ -60,7 +60,7 @@ impl<'a> Checker<'a> {
                     Shape::Ellipsoid(half) => half.map(|half| 2.0 * half),
                     _ => [0.0; 3],
                 };
-                keep("size", size.to_vec(), Type::Vector { size: 3, dimension: Dimension::LENGTH, frame });
+                keep("size", size.to_vec(), ElementType::Vector { size: 3, dimension: Dimension::LENGTH, frame });
             }
             Some(Shape::Plane) | None => {}
         }
@@ -69,13 +69,12 @@ impl<'a> Checker<'a> {
         }
         self.known.insert(
             format!("{name}.position"),
-            Known { lanes: landmark.neutral_position.to_vec(), kind: Type::Place(Frame::World) },
+            Known { lanes: landmark.neutral_position.to_vec(), element: ElementType::Place(Frame::World) },
         );
         if let Some([below, above]) = object.shape.as_ref().and_then(|shape| shapes::reach(shape, &landmark.neutral_axes)) {
             let height = landmark.neutral_position[2];
-            let kind = || Type::Number(Dimension::LENGTH);
-            self.known.insert(format!("{name}.top"), Known { lanes: vec![height + above], kind: kind() });
-            self.known.insert(format!("{name}.bottom"), Known { lanes: vec![height + below], kind: kind() });
+            self.known.insert(format!("{name}.top"), Known { lanes: vec![height + above], element: length });
+            self.known.insert(format!("{name}.bottom"), Known { lanes: vec![height + below], element: length });
         }
     }
 
@@ -83,7 +82,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn known_constant(&mut self, name: &str) -> Option<Data> {
         let known = self.known.get(name)?.clone();
         let node = self.graph.constants(&known.lanes);
-        Some(Data::new(node, known.kind))
+        Some(Data::new(node, known.element))
     }
 
     /// A size of an object, or of each of several.
@@ -103,16 +102,16 @@ impl<'a> Checker<'a> {
             let Some(data) = self.known_constant(&format!("{object}.{}", name.text)) else {
                 return Err(self.no_such_size(&object, signal.read, name));
             };
-            if *kind.get_or_insert(data.kind.clone()) != data.kind {
+            let own = data.kind.element_at(0);
+            if *kind.get_or_insert(own) != own {
                 let message = "only things of one kind share sizes";
                 return Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message));
             }
             parts.push(data.node);
         }
         let Some(kind) = kind else { return Ok(None) };
-        let kind = if list { Type::List(Box::new(kind), parts.len()) } else { kind };
         let node = self.graph.join(&parts);
-        Ok(Some(Data::new(node, kind)))
+        Ok(Some(Data::new(node, Type::one_or_list(kind, list, parts.len()))))
     }
 
     fn no_such_size(&mut self, object: &str, read: Read, name: &Name) -> crate::check::context::Reported {

@@ -3,7 +3,7 @@
 use super::fields::Fields;
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
-use crate::check::types::Type;
+use crate::check::types::ElementType;
 use crate::check::value::{Data, Value};
 use crate::diagnostics::codes;
 use crate::scene::Terrain;
@@ -54,7 +54,7 @@ impl<'a> Checker<'a> {
         let before = self.locals.len();
         for (name, value) in [("x", x), ("y", y)] {
             let node = self.graph.constant(value);
-            self.locals.push((name.to_owned(), Value::Data(Data::new(node, Type::Number(Dimension::LENGTH)))));
+            self.locals.push((name.to_owned(), Value::Data(Data::new(node, ElementType::Number(Dimension::LENGTH)))));
         }
         let result = check(self);
         self.locals.truncate(before);

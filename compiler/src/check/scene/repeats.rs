@@ -2,7 +2,7 @@
 
 use crate::check::context::Checker;
 use crate::check::dimension::Dimension;
-use crate::check::types::Type;
+use crate::check::types::{ElementType, Frame};
 use crate::diagnostics::{Diagnostic, Span, codes};
 
 impl Checker<'_> {
@@ -25,11 +25,11 @@ impl Checker<'_> {
     fn says(&self, value: f64) -> Option<String> {
         let same = |lane: f64| (lane.abs() - value.abs()).abs() <= 1e-9 * value.abs();
         for (name, known) in &self.known {
-            let components: &[&str] = match &known.kind {
-                Type::Number(Dimension::LENGTH) => &[""],
-                Type::Place(_) => &[".x", ".y", ".z"],
-                Type::Vector { frame: crate::check::types::Frame::World, .. } => &[".x", ".y", ".z"],
-                Type::Vector { .. } => &[".forward", ".left", ".up"],
+            let components: &[&str] = match known.element {
+                ElementType::Number(Dimension::LENGTH) => &[""],
+                ElementType::Place(_) => &[".x", ".y", ".z"],
+                ElementType::Vector { frame: Frame::World, .. } => &[".x", ".y", ".z"],
+                ElementType::Vector { .. } => &[".forward", ".left", ".up"],
                 _ => &[],
             };
             if let Some((component, _)) = components.iter().zip(&known.lanes).find(|(_, lane)| same(**lane)) {

@@ -3,7 +3,7 @@
 use super::{Draft, Found, Reader, Wanted};
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::observe::{ObservedChannel, Texts, unit_of, written};
-use crate::check::types::Type;
+use crate::check::types::ElementType;
 use crate::check::value::Data;
 use crate::diagnostics::{codes, nearest};
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, Ident, Test};
@@ -25,7 +25,7 @@ impl<'a> Checker<'a> {
             && let Some(success) = self.test_name("success")
         {
             let node = self.graph.unary(crate::graph::operation::Unary::Not, success.node);
-            let probe = self.probe(&Data::new(node, Type::Bool), test.title.span, probes);
+            let probe = self.probe(&Data::new(node, ElementType::Bool), test.title.span, probes);
             found.push(Ok(vec![Expectation {
                 source: "not success".to_owned(),
                 at: (self.place.file, test.title.span),

@@ -17,7 +17,7 @@ use super::init::Beginning;
 use super::observe::{ObservedChannel, Texts};
 use super::reward::PaidTerm;
 use super::task::InSequence;
-use super::types::Type;
+use super::types::ElementType;
 use super::value::{Data, Value};
 use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
 use crate::frame::Query;
@@ -464,12 +464,16 @@ impl<'a> Checker<'a> {
     pub(crate) fn test_name(&mut self, name: &str) -> Option<Data> {
         let in_tests = self.in_tests.as_ref()?;
         match name {
-            "success" => Some(Data::new(in_tests.success, Type::Bool)),
+            "success" => Some(Data::new(in_tests.success, ElementType::Bool)),
             "reward" | "paid" => {
                 let pays: Vec<NodeId> = in_tests.pays.iter().map(|(_, node)| *node).collect();
-                let joined = self.graph.join(&pays);
-                let sum = self.graph.reduce(crate::graph::operation::Reduction::Sum, pays.len().max(1), joined);
-                Some(Data::new(self.paid(name, sum), Type::PLAIN))
+                let sum = if pays.is_empty() {
+                    self.graph.constant(0.0)
+                } else {
+                    let joined = self.graph.join(&pays);
+                    self.graph.reduce(crate::graph::operation::Reduction::Sum, pays.len(), joined)
+                };
+                Some(Data::new(self.paid(name, sum), ElementType::PLAIN))
             }
             _ => None,
         }
@@ -482,14 +486,14 @@ impl<'a> Checker<'a> {
         let crate::syntax::tree::ExprKind::Name(word) = &base.kind else { return None };
         if let ("present", Some(phase)) = (name.text.as_str(), in_tests.phases.iter().position(|known| *known == word.text)) {
             let present = if phase == in_tests.phase { 1.0 } else { 0.0 };
-            return Some(Ok(Data::new(self.graph.constant(present), Type::Bool)));
+            return Some(Ok(Data::new(self.graph.constant(present), ElementType::Bool)));
         }
         if !["reward", "paid"].contains(&word.text.as_str()) {
             return None;
         }
         let found = in_tests.pays.iter().find(|(known, _)| *known == name.text).map(|(_, node)| *node);
         Some(match found {
-            Some(node) => Ok(Data::new(self.paid(&word.text, node), Type::PLAIN)),
+            Some(node) => Ok(Data::new(self.paid(&word.text, node), ElementType::PLAIN)),
             None => {
                 let names = in_tests.pays.iter().map(|(name, _)| name.clone()).collect();
                 Err(self.unknown_name(&name.text, name.span, names))

@@ -64,4 +64,11 @@ codes! {
         example: "reward { 1 a = 1 / 0 }",
         fix: "reward { 1 a = torso.up.z }",
     }
+    INTERNAL = "E0412" {
+        title: "an internal error of the compiler",
+        explanation: "The compiler checks its own work: every value must be as wide as its type says. Where it is not, the \
+            compiler is at fault, not the text; nothing is computed from it. Please report it, with the text.",
+        example: "reward { 1 a = torso.up.z }",
+        fix: "reward { 1 a = torso.up.z }",
+    }
 }

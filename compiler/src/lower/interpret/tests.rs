@@ -16,7 +16,7 @@ fn grow(graph: &mut Graph, nodes: &mut Vec<NodeId>, (operation, a, b, c): Choice
     let [a, b, c] = [a, b, c].map(|index| *index.get(nodes));
     let widths = [a, b, c].map(|id| graph.width(id));
     let fits = |x: usize, y: usize| x == y || x == 1 || y == 1;
-    let node = match operation % 24 {
+    let node = match operation % 26 {
         0 => graph.unary(Unary::HyperbolicTangent, a),
         1 => graph.unary(Unary::Absolute, a),
         2 if fits(widths[0], widths[1]) => graph.binary(Binary::Add, a, b),
@@ -31,7 +31,7 @@ fn grow(graph: &mut Graph, nodes: &mut Vec<NodeId>, (operation, a, b, c): Choice
         11 => graph.reduce(Reduction::Norm, widths[0], a),
         12 => graph.memory(Memory::Delay(3), &[a]),
         13 => graph.memory(Memory::Accumulate, &[a]),
-        14 if widths[1] == 1 => graph.memory(Memory::Sampled, &[a, b]),
+        14 if fits(widths[0], widths[1]) => graph.memory(Memory::Sampled, &[a, b]),
         15 => graph.memory(Memory::Highest, &[a]),
         16 if fits(widths[0], widths[1]) => graph.binary(Binary::Subtract, a, b),
         17 if fits(widths[0], widths[1]) => graph.binary(Binary::Minimum, a, b),
@@ -56,6 +56,8 @@ fn grow(graph: &mut Graph, nodes: &mut Vec<NodeId>, (operation, a, b, c): Choice
         }
         22 if widths[0] % 2 == 0 && widths[1] == 1 => graph.add(Operation::Pick(widths[0] as u32 / 2), &[a, b]),
         23 if widths[0] <= 8 => graph.join(&[a, a, a]),
+        24 if fits(widths[0], widths[1]) => graph.memory(Memory::SmoothAngle, &[a, b]),
+        25 if fits(widths[0], widths[1]) => graph.memory(Memory::Hysteresis, &[a, b, b]),
         _ => graph.unary(Unary::Negate, a),
     };
     nodes.push(node);

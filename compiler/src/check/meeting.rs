@@ -1,0 +1,209 @@
+//! How values meet: in one type, in one shape, laid out alike.
+
+use super::arithmetic::Operand;
+use super::context::{Checked, Checker, Reported};
+use super::dimension::Dimension;
+use super::types::{ElementType, Shape, Type};
+use super::value::{Data, Form};
+use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::graph::operation::Unary;
+use crate::graph::{Graph, NodeId};
+use crate::syntax::tree::ExprKind;
+
+impl<'a> Checker<'a> {
+    /// Two operands brought to one type: same dimension, same frame, same length.
+    ///
+    /// # Errors
+    /// They differ; the error lines them up and offers the missing factor.
+    pub(crate) fn agree(&mut self, verb: &str, left: Operand<'a>, right: Operand<'a>) -> Checked<(NodeId, NodeId, Type)> {
+        let frame = [&left, &right].into_iter().find_map(|(data, _)| match data.kind.element() {
+            Some(ElementType::Vector { frame, .. }) => Some(frame),
+            _ => None,
+        });
+        let vector = |(data, expr): Operand<'a>| (frame.map_or(data.clone(), |frame| self.as_vector(data, frame)), expr);
+        let (left, right) = (vector(left), vector(right));
+        let span = right.1.span;
+        let operands = [left, right];
+        let kind = self.common_type_of(verb, &operands[0], &operands[1..])?;
+        let (nodes, _) = self.laid_out(&[&operands[0].0, &operands[1].0], span)?;
+        Ok((nodes[0], nodes[1], kind))
+    }
+
+    /// The one type to which operands are brought.
+    ///
+    /// # Errors
+    /// Two of them differ in dimension or axes, or two lists in length.
+    pub(crate) fn common_type_of(&mut self, verb: &str, first: &Operand<'a>, rest: &[Operand<'a>]) -> Checked<Type> {
+        let (mut met, mut last) = first.clone();
+        for (data, expr) in rest {
+            self.common_length(&[&met, data], expr.span)?;
+            let Some(kind) = common_type(&met, data) else {
+                return Err(self.disagree(verb, (met, last), (data.clone(), expr)));
+            };
+            let form = if met.is_zero() { data.form } else { met.form };
+            (met, last) = (Data { kind, form, ..met }, expr);
+        }
+        Ok(met.kind)
+    }
+
+    /// The shape in which values meet: one value meets every element of a list.
+    ///
+    /// # Errors
+    /// Lists of different length.
+    pub(crate) fn common_length(&mut self, values: &[&Data], span: Span) -> Checked<Shape> {
+        let mut shape = Shape::One;
+        for value in values {
+            match (shape, value.kind.shape()) {
+                (Shape::List(a), Shape::List(b)) if a != b => {
+                    let message = format!("these lists have different lengths: {a} and {b}");
+                    return Err(self.error(codes::types::LENGTHS_DIFFER, span, message));
+                }
+                (Shape::One, own) => shape = own,
+                _ => {}
+            }
+        }
+        Ok(shape)
+    }
+
+    /// Values laid out for the shape in which they meet, each for the components of the widest; a node of one lane stands for
+    /// all of them.
+    ///
+    /// # Errors
+    /// Lists of different length.
+    pub(crate) fn laid_out(&mut self, values: &[&Data], span: Span) -> Checked<(Vec<NodeId>, Shape)> {
+        let shape = self.common_length(values, span)?;
+        let lanes = values.iter().map(|value| value.kind.element_lanes()).max().unwrap_or(1);
+        Ok((values.iter().map(|value| self.spread(value, shape.count(), lanes)).collect(), shape))
+    }
+
+    /// The lanes of `data` laid out for `length` elements of `lanes` lanes, where one lane may stand for all.
+    pub(crate) fn spread(&mut self, data: &Data, length: usize, lanes: usize) -> NodeId {
+        let own = data.kind.element_lanes();
+        let elements = data.kind.shape().count();
+        let width = self.graph.width(data.node);
+        if width == 1 || width == length * lanes {
+            return data.node;
+        }
+        let lane = |element: usize, lane: usize| {
+            let element = if elements == 1 { 0 } else { element };
+            element * own + if own == 1 { 0 } else { lane }
+        };
+        let wanted: Vec<usize> = (0..length).flat_map(|e| (0..lanes).map(move |l| lane(e, l))).collect();
+        self.graph.select(wanted, data.node)
+    }
+
+    /// What `compute` makes of the lanes of a node of this type, which is told whether they wrap; each way where only some do.
+    pub(crate) fn by_wrapping(
+        &mut self,
+        node: NodeId,
+        kind: &Type,
+        compute: impl Fn(&mut Graph, NodeId, bool) -> NodeId,
+    ) -> NodeId {
+        let wraps = |element: ElementType| element == ElementType::WrappingAngle;
+        if kind.all(wraps) {
+            return compute(&mut self.graph, node, true);
+        }
+        let straight = compute(&mut self.graph, node, false);
+        if kind.all(|element| !wraps(element)) {
+            return straight;
+        }
+        let round = compute(&mut self.graph, node, true);
+        let count = kind.shape().count();
+        let both = self.graph.join(&[straight, round]);
+        self.graph.select((0..count).map(|place| if wraps(kind.element_at(place)) { count + place } else { place }), both)
+    }
+
+    /// A node of this type, its angles that wrap brought into (-pi, pi].
+    pub(crate) fn wrapped(&mut self, node: NodeId, kind: &Type) -> NodeId {
+        self.by_wrapping(node, kind, |graph, node, wraps| if wraps { graph.unary(Unary::Wrap, node) } else { node })
+    }
+
+    fn disagree(&mut self, verb: &str, left: Operand<'a>, right: Operand<'a>) -> Reported {
+        let (a, b) = (left.0.kind.met(), right.0.kind.met());
+        let described = |data: &Data| data.kind.element_described(self.vocabulary);
+        let (expected, found) = (described(&left.0), described(&right.0));
+        let span = left.1.span.to(right.1.span);
+        if let (
+            Some(ElementType::Vector { dimension: da, frame: fa, .. }),
+            Some(ElementType::Vector { dimension: db, frame: fb, .. }),
+        ) = (a, b)
+            && da == db
+            && fa != fb
+        {
+            let frame = fa.name(self.vocabulary);
+            let message = format!("cannot {verb} vectors counted in different axes");
+            let diagnostic = self
+                .diagnostic(codes::types::FRAMES_DIFFER, span, message)
+                .expected(expected)
+                .found(found)
+                .help(format!("express the second in the axes of the first: `(... in {frame})`"));
+            return self.report(diagnostic);
+        }
+        let message = format!("cannot {verb} {expected} and {found}");
+        let mut diagnostic = self.diagnostic(codes::types::DIMENSIONS_DIFFER, span, message).expected(expected).found(found);
+        let sizes = [a, b].map(|element| element.map(ElementType::lanes));
+        if sizes[0] != sizes[1] && right.0.kind.element().is_some_and(|element| matches!(element, ElementType::Vector { .. })) {
+            diagnostic = diagnostic.help("a bracket beside a vector has as many components as that");
+        } else if let (Some(da), Some(db)) = (left.0.kind.dimension(), right.0.kind.dimension()) {
+            diagnostic = missing_factor(diagnostic, da, db, &right);
+        } else if [a, b].contains(&Some(ElementType::Steps)) {
+            diagnostic = diagnostic.help("a whole number never meets a duration; `t` is the time in seconds, `step` a count");
+        }
+        self.report(diagnostic)
+    }
+}
+
+/// Says by what the right operand would have to be multiplied, and offers to write it.
+fn missing_factor(diagnostic: Diagnostic, left: Dimension, right: Dimension, operand: &Operand<'_>) -> Diagnostic {
+    let Some(factor) = left.per(right) else { return diagnostic };
+    let (data, expr) = operand;
+    if let ExprKind::Number(quantity) = &expr.kind
+        && right.is_none()
+        && data.form != Form::Zero
+    {
+        let place = Span::at(quantity.digits.end as usize);
+        return diagnostic.fix(format!("give it the unit `{left}`"), place, format!(" {left}"));
+    }
+    diagnostic
+        .help(format!("the missing factor is one in `{factor}`: multiply the second by `1 {factor}`, or a constant like it"))
+}
+
+impl Data {
+    /// This value as one of the type `kind`, which it may become where that is kept: a written zero and an angle that does not
+    /// wrap may. The lanes are as many as the type has.
+    pub(crate) fn kept_as(&self, graph: &mut Graph, kind: &Type) -> Option<NodeId> {
+        let becomes =
+            |own: ElementType, kept: ElementType| own == kept || own == ElementType::ANGLE && kept == ElementType::WrappingAngle;
+        let same = self.kind.shape() == kind.shape() && self.kind.zip(kind, |a, b| becomes(a, b).then_some(b)).is_some();
+        if same {
+            return Some(self.node);
+        }
+        let number = kind.all(is_ordered);
+        let has_zero = number || kind.all(|element| matches!(element, ElementType::Vector { .. }));
+        match self.form {
+            Form::Zero if self.kind.is_one_number() && has_zero => Some(graph.constants(&vec![0.0; kind.lanes()])),
+            Form::ZeroBracket if has_zero && self.kind.lanes() == kind.lanes() => Some(self.node),
+            _ => None,
+        }
+    }
+}
+
+/// The type of two operands that may meet; written zeros and whole numbers give way.
+fn common_type(left: &Data, right: &Data) -> Option<Type> {
+    // A written zero is a number of any dimension, a bracket of zeros a vector of any, but of its own size.
+    let gives_way = |zero: &Data, to: ElementType| match zero.kind.element() {
+        Some(ElementType::Vector { size, .. }) => matches!(to, ElementType::Vector { size: other, .. } if size == other),
+        _ => is_ordered(to) || matches!(to, ElementType::Vector { .. }) && zero.form == Form::Zero,
+    };
+    left.kind.zip(&right.kind, |a, b| match a.meet(b) {
+        Some(met) => Some(met),
+        None if right.is_zero() && gives_way(right, a) => Some(a),
+        None if left.is_zero() && gives_way(left, b) => Some(b),
+        None => None,
+    })
+}
+
+/// Whether there is a greater and a smaller.
+pub(super) fn is_ordered(element: ElementType) -> bool {
+    element.is_number() || element == ElementType::Steps
+}
