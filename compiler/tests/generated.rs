@@ -7,6 +7,8 @@ mod generate;
 #[allow(dead_code, reason = "the pages have their own tests")]
 mod support;
 
+use msk_compiler::check::functions::signature::Shapes;
+use msk_compiler::check::functions::{Checks, FUNCTIONS, OPERATORS};
 use msk_compiler::diagnostics::FileId;
 use msk_compiler::format::format;
 use proptest::prelude::*;
@@ -30,6 +32,27 @@ fn programs_grown_from_bytes_are_answered_and_laid_out() {
     });
     // A generator whose programs were refused would test nothing behind the checker.
     assert!(compiled.get() * 10 > all.get(), "{} of {}", compiled.get(), all.get());
+}
+
+/// The grower writes every function with one value and with a list.
+#[test]
+fn every_function_is_grown_in_every_shape() {
+    let mut calls = String::new();
+    for seed in 0..40_000_u32 {
+        let bytes: Vec<u8> = (0..12).map(|place| (seed.wrapping_mul(2_654_435_761).rotate_left(place * 5) >> 8) as u8).collect();
+        calls += &generate::any_call(&mut generate::Choices::new(&bytes), 0);
+        calls.push('\n');
+    }
+    for function in FUNCTIONS.iter().chain(OPERATORS) {
+        let Checks::Signatures(signatures) = &function.checks else { continue };
+        let written = |start: String, list: bool| {
+            calls.lines().filter_map(|call| call.strip_prefix(start.as_str())).any(|rest| rest.starts_with('[') == list)
+        };
+        let start = format!("{}(", function.name);
+        assert!(written(start.clone(), true), "no list in `{}`", function.name);
+        let only_lists = signatures.iter().all(|signature| signature.parameters[0].shapes == Shapes::List);
+        assert!(only_lists || written(start, false), "nothing but lists in `{}`", function.name);
+    }
 }
 
 #[test]

@@ -2,7 +2,12 @@
 //! chooses the bytes and so learns which choices lead where.
 //!
 //! Formulas are grown by what they are (a plain number, a length, a condition, ...), so that most of them have a meaning; now
-//! and then one of another kind slips in, so that errors are met as well.
+//! and then one of another kind slips in, so that errors are met as well. Calls are grown from the table of functions: of every
+//! function, with one value or a list for every parameter.
+
+use msk_compiler::check::dimension::Dimension;
+use msk_compiler::check::functions::signature::{Parameter, Shapes, Takes};
+use msk_compiler::check::functions::{Checks, FUNCTIONS, Function, OPERATORS};
 
 /// Bytes as choices; when they are used up, the first choice is always taken, so that every program ends.
 pub struct Choices<'a> {
@@ -69,8 +74,13 @@ pub fn program(bytes: &[u8]) -> String {
     choices.ends = true;
     text += "    observe {\n        seen\n        kept\n        phase\n";
     for number in 0..1 + choices.below(4) {
-        let kind = KINDS[choices.below(KINDS.len())];
-        text += &format!("        channel_{number} = {}\n", formula(choices, kind, 4));
+        let value = if choices.rarely(2) {
+            any_call(choices, 2)
+        } else {
+            let kind = KINDS[choices.below(KINDS.len())];
+            formula(choices, kind, 4)
+        };
+        text += &format!("        channel_{number} = {value}\n");
     }
     text += "    }\n    reward {\n";
     for number in 0..1 + choices.below(4) {
@@ -217,6 +227,78 @@ fn formula(choices: &mut Choices<'_>, kind: Kind, depth: usize) -> String {
             _ => format!("({})^2", leaf(choices, kind)),
         },
     }
+}
+
+/// Calls that no signature describes: they take parts of the body, or what a sensor must know beforehand.
+const OTHER_CALLS: [&str; 12] = [
+    "touching(sole_l, ground)",
+    "touching(sole_{l,r}, ground)",
+    "contact_force(sole_l, ground)",
+    "contact_force(feet, ground)",
+    "contact_count(robot, ground)",
+    "surface_distance(palm_l, head)",
+    "slip(sole_r, ground)",
+    "moment_arm(soleus_r, ankle_angle_r)",
+    "ground_height(sole_{l,r})",
+    "ground_normal(pelvis)",
+    "scan(heading(pelvis), [[0.3 m, 0 m], [0.6 m, 0.1 m]])",
+    "ray(torso, [1, 0, 0], 3 m)",
+];
+
+/// A call of any function of the language, with any shapes.
+pub fn any_call(choices: &mut Choices<'_>, depth: usize) -> String {
+    let functions: Vec<&Function> = FUNCTIONS.iter().chain(OPERATORS).collect();
+    let function = functions[choices.below(functions.len())];
+    let Checks::Signatures(signatures) = &function.checks else { return choices.pick(&OTHER_CALLS).to_owned() };
+    let signature = &signatures[choices.below(signatures.len())];
+    // Arguments that are alike are of one kind; lists of one call are equally long, but for now and then.
+    let (kind, length) = (choices.below(QUANTITIES.len()), 1 + choices.below(4));
+    let mut arguments = Vec::new();
+    for parameter in signature.parameters {
+        let length = if choices.rarely(20) { length + 1 } else { length };
+        arguments.push(argument(choices, parameter, QUANTITIES[kind], length, depth));
+    }
+    format!("{}({})", function.name, arguments.join(", "))
+}
+
+/// What an argument may be where a parameter takes more than one dimension.
+const QUANTITIES: [Kind; 4] = [Kind::Plain, Kind::Length, Kind::Angle, Kind::Speed];
+
+fn argument(choices: &mut Choices<'_>, parameter: &Parameter, alike: Kind, length: usize, depth: usize) -> String {
+    match parameter.takes {
+        Takes::Duration => return choices.pick(&["3 steps", "0.05 s", "0 steps", "1 steps"]).to_owned(),
+        Takes::TimeConstant => return choices.pick(&["0.1 s", "2 s"]).to_owned(),
+        _ => {}
+    }
+    let list = match parameter.shapes {
+        Shapes::List => !choices.rarely(20),
+        Shapes::One => choices.rarely(20),
+        Shapes::Each | Shapes::OneOrList => choices.rarely(2),
+    };
+    if !list {
+        return element(choices, parameter.takes, alike, depth);
+    }
+    let elements: Vec<String> = (0..length).map(|_| element(choices, parameter.takes, alike, depth)).collect();
+    format!("[{}]", elements.join(", "))
+}
+
+/// One element of what a parameter takes.
+fn element(choices: &mut Choices<'_>, takes: Takes, alike: Kind, depth: usize) -> String {
+    let kind = match takes {
+        Takes::Quantity(Dimension::ANGLE) | Takes::Angle => Kind::Angle,
+        Takes::Quantity(_) => Kind::Plain,
+        Takes::Condition => Kind::Condition,
+        Takes::Vector | Takes::Vector3 => Kind::Vector,
+        Takes::Place => return choices.pick(&["com.position", "head.position", "palm_l", "[1 m, 0, 1 m]"]).to_owned(),
+        Takes::Rotation => return choices.pick(&["torso.orientation", "pelvis.orientation"]).to_owned(),
+        Takes::Anything if choices.rarely(3) => {
+            return choices.pick(&["torso.orientation", "com.position", "3 steps", "low", "sole_l.height > 1 cm"]).to_owned();
+        }
+        Takes::Counted | Takes::Summed | Takes::Averaged if choices.rarely(4) => Kind::Condition,
+        Takes::Summed | Takes::Averaged | Takes::Gradual | Takes::Anything if choices.rarely(4) => Kind::Vector,
+        _ => alike,
+    };
+    formula(choices, kind, depth.min(1))
 }
 
 fn leaf(choices: &mut Choices<'_>, kind: Kind) -> String {
