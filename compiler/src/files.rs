@@ -30,6 +30,13 @@ pub trait BodySource {
     /// The model cannot be read, or the body file names what the model does not have: in words, one problem a line.
     fn vocabulary(&self, description: &BodyDescription) -> Result<Vocabulary, String>;
 
+    /// A number that changes whenever the answers of [`vocabulary`](Self::vocabulary) and [`trace`](Self::trace) may have changed,
+    /// because a file behind the body has. Bodies that never change have revision 0.
+    fn revision(&self, description: &BodyDescription) -> u64 {
+        let _ = description;
+        0
+    }
+
     /// Where the body's landmarks are at each row of a motion, in the order of its vocabulary: world axes, m.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use crate::bodies;
 use crate::body::{BindError, Body, ChangeError};
 use crate::condition::MuscleCondition;
-use crate::model::{ElasticTendons, Model, ModelError};
+use crate::model::{ElasticTendons, Model, ModelError, ModelFiles};
 use crate::scene::{self, SceneError};
 use msk_compiler::body::{BodyDescription, TendonKind};
 use msk_compiler::files::{BodySource, LARGEST_FILE, LoadError, Loader};
@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Reads texts from the file system, and those embedded in the program.
 #[derive(Debug, Clone, Copy, Default)]
@@ -110,11 +110,110 @@ pub enum BodyError {
     Change(#[from] ChangeError),
 }
 
-/// The bodies of this machine: those on disk and those embedded in the program. Each is bound once, and once in each scene.
+/// The bodies of this machine: those on disk and those embedded in the program.
+///
+/// Each is bound once, and once in each scene, as long as the files of its model are what they were; those that were used last are
+/// kept.
 #[derive(Debug, Default)]
 pub struct BodyLibrary {
-    bound: Mutex<Vec<(BodyDescription, BoundBody)>>,
-    staged: Mutex<Vec<(BodyDescription, SceneDescription, BoundBody)>>,
+    bound: Mutex<Bound>,
+    staged: Mutex<Vec<Staged>>,
+}
+
+/// Most bodies that are kept.
+const MOST_BOUND: usize = 16;
+/// Most bodies in scenes that are kept: those of a large suite.
+const MOST_STAGED: usize = 64;
+
+/// Bodies, the one used last at the end.
+#[derive(Debug, Default)]
+struct Bound {
+    bodies: Vec<BoundFrom>,
+    /// Revision of the body that was read last.
+    revision: u64,
+}
+
+/// What was read for a description.
+#[derive(Debug)]
+struct BoundFrom {
+    description: BodyDescription,
+    files: Arc<ModelFiles>,
+    /// Another for each reading.
+    revision: u64,
+    /// `None` where reading or binding failed: the error is made again when it is asked for.
+    body: Option<BoundBody>,
+}
+
+/// A body in a scene.
+#[derive(Debug)]
+struct Staged {
+    description: BodyDescription,
+    scene: SceneDescription,
+    /// Of the body alone.
+    revision: u64,
+    body: BoundBody,
+}
+
+impl Bound {
+    /// Takes out what is known of a description, if its files are what they were.
+    fn take(&mut self, description: &BodyDescription) -> Option<BoundFrom> {
+        let place = self.bodies.iter().position(|known| known.description == *description)?;
+        let known = self.bodies.remove(place);
+        known.files.are_unchanged().then_some(known)
+    }
+
+    /// Reads and binds a body, unless that is done already.
+    fn bind(&mut self, description: &BodyDescription) -> Result<(BoundBody, u64), BodyError> {
+        let known = match self.take(description) {
+            Some(known) => match known.body.clone() {
+                Some(body) => {
+                    let revision = known.revision;
+                    self.keep(known);
+                    return Ok((body, revision));
+                }
+                None => Some(known.revision),
+            },
+            None => None,
+        };
+        let files = Arc::default();
+        let fresh = read(description, &files);
+        // What fails twice for the same reason has not changed.
+        let revision = known.filter(|_| fresh.is_err()).unwrap_or(self.revision + 1);
+        self.revision = revision.max(self.revision);
+        let (description, body) = (description.clone(), fresh.as_ref().ok().cloned());
+        self.keep(BoundFrom { description, files, revision, body });
+        fresh.map(|body| (body, revision))
+    }
+
+    /// The revision of a body, which is read if it is not known.
+    fn revision(&mut self, description: &BodyDescription) -> u64 {
+        match self.take(description) {
+            Some(known) => {
+                let revision = known.revision;
+                self.keep(known);
+                revision
+            }
+            // A body that cannot be read has a revision, too: that of its files as they are.
+            None => self.bind(description).map_or(self.revision, |(_, revision)| revision),
+        }
+    }
+
+    fn keep(&mut self, body: BoundFrom) {
+        let excess = (self.bodies.len() + 1).saturating_sub(MOST_BOUND);
+        self.bodies.drain(..excess);
+        self.bodies.push(body);
+    }
+}
+
+fn read(description: &BodyDescription, files: &Arc<ModelFiles>) -> Result<BoundBody, BodyError> {
+    let mut model = bodies::model_of(Path::new(&description.model), files)
+        .map_err(|source| BodyError::Model { body: description.name.clone(), source })?;
+    if description.tendons == TendonKind::Elastic {
+        model.elastic_tendons = Some(ElasticTendons::default());
+    }
+    let mut body = Body::bind(description, &model)?;
+    body.change(&mut model, &description.changes)?;
+    Ok(BoundBody::new(description, model, body))
 }
 
 impl BodyLibrary {
@@ -123,21 +222,12 @@ impl BodyLibrary {
     /// # Errors
     /// A model that cannot be read, or a description that does not fit it.
     pub fn bind(&self, description: &BodyDescription) -> Result<BoundBody, BodyError> {
-        // A thread that panicked here left the list whole: it only grows by finished entries.
-        let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, known)) = bound.iter().find(|(known, _)| known == description) {
-            return Ok(known.clone());
-        }
-        let mut model = bodies::model(Path::new(&description.model))
-            .map_err(|source| BodyError::Model { body: description.name.clone(), source })?;
-        if description.tendons == TendonKind::Elastic {
-            model.elastic_tendons = Some(ElasticTendons::default());
-        }
-        let mut body = Body::bind(description, &model)?;
-        body.change(&mut model, &description.changes)?;
-        let fresh = BoundBody::new(description, model, body);
-        bound.push((description.clone(), fresh.clone()));
-        Ok(fresh)
+        Ok(self.bound().bind(description)?.0)
+    }
+
+    fn bound(&self) -> MutexGuard<'_, Bound> {
+        // A thread that panicked here left the list whole: it only changes by finished entries.
+        self.bound.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The body that `description` describes in a scene, as a compiled task wants it.
@@ -145,18 +235,25 @@ impl BodyLibrary {
     /// # Errors
     /// Those of [`bind`](Self::bind), or a scene that no model can hold.
     pub fn stage(&self, description: &BodyDescription, scene: &SceneDescription) -> Result<BoundBody, BodyError> {
-        let alone = self.bind(description)?;
+        let (alone, revision) = self.bound().bind(description)?;
         let mut staged = self.staged.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = |known: &&(BodyDescription, SceneDescription, BoundBody)| known.0 == *description && known.1 == *scene;
-        if let Some((_, _, known)) = staged.iter().find(known) {
-            return Ok(known.clone());
+        let same = |known: &Staged| known.description == *description && known.scene == *scene;
+        if let Some(place) = staged.iter().position(same) {
+            let known = staged.remove(place);
+            if known.revision == revision {
+                let body = known.body.clone();
+                staged.push(known);
+                return Ok(body);
+            }
         }
         let (model, body) = scene::stage(&alone.model, &alone.body, scene)
             .map_err(|source| BodyError::Scene { body: description.name.clone(), source })?;
         // Where the scene adds nothing, all that is known of the body alone holds.
         let same = model == *alone.model && body == *alone.body;
         let fresh = if same { alone } else { BoundBody::new(description, model, body) };
-        staged.push((description.clone(), scene.clone(), fresh.clone()));
+        let excess = (staged.len() + 1).saturating_sub(MOST_STAGED);
+        staged.drain(..excess);
+        staged.push(Staged { description: description.clone(), scene: scene.clone(), revision, body: fresh.clone() });
         Ok(fresh)
     }
 }
@@ -191,6 +288,10 @@ impl BodySource for BodyLibrary {
         }
     }
 
+    fn revision(&self, description: &BodyDescription) -> u64 {
+        self.bound().revision(description)
+    }
+
     fn trace(&self, description: &BodyDescription, motion: &Motion) -> Result<Vec<Vec<[f64; 3]>>, String> {
         self.traced(description, motion).map_err(|error| in_words(&error))
     }
@@ -209,6 +310,7 @@ fn hash_of(description: &BodyDescription, model: &Model) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use msk_compiler::body::Axis;
 
     #[test]
     fn files_that_cannot_be_read_are_told_apart() {
@@ -238,5 +340,64 @@ mod tests {
         let (path, text) = BodyLibrary::default().find("human").unwrap();
         assert!(path.ends_with("bodies/human.msk") && text.contains("body human"));
         assert_eq!(BodyLibrary::default().find("nobody"), None);
+    }
+
+    const MODEL: &str = "<mujoco><worldbody><body name=\"trunk\" pos=\"0 0 1\"><freejoint name=\"root\"/>\
+        <geom name=\"ball\" size=\"0.1\" mass=\"1.0\"/></body></worldbody></mujoco>";
+
+    fn description(model: &Path) -> BodyDescription {
+        BodyDescription {
+            name: "ball".to_owned(),
+            model: model.display().to_string(),
+            root: "trunk".to_owned(),
+            root_up: Axis::PlusZ,
+            poses: vec![("neutral".to_owned(), Vec::new())],
+            ..BodyDescription::default()
+        }
+    }
+
+    #[test]
+    fn a_model_that_changes_on_disk_is_read_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.xml");
+        std::fs::write(&path, MODEL).unwrap();
+        let library = BodyLibrary::default();
+        let body = description(&path);
+        let scene = SceneDescription::default();
+        let first = library.stage(&body, &scene).unwrap();
+        let revision = BodySource::revision(&library, &body);
+        assert!(Arc::ptr_eq(&first.model, &library.stage(&body, &scene).unwrap().model));
+        assert_eq!(BodySource::revision(&library, &body), revision);
+
+        std::fs::write(&path, MODEL.replace("mass=\"1.0\"", "mass=\"2.0\"")).unwrap();
+        assert_ne!(BodySource::revision(&library, &body), revision);
+        let second = library.stage(&body, &scene).unwrap();
+        assert_ne!(first.model, second.model);
+        assert_ne!(first.hash(), second.hash());
+
+        std::fs::write(&path, "no model").unwrap();
+        assert!(library.bind(&body).is_err());
+        let broken = BodySource::revision(&library, &body);
+        assert_eq!(BodySource::revision(&library, &body), broken);
+        std::fs::write(&path, MODEL).unwrap();
+        assert_ne!(BodySource::revision(&library, &body), broken);
+        assert_eq!(library.bind(&body).unwrap().model, first.model);
+    }
+
+    #[test]
+    fn what_is_kept_is_bounded() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.xml");
+        std::fs::write(&path, MODEL).unwrap();
+        let library = BodyLibrary::default();
+        let body = description(&path);
+        for number in 0..2 * MOST_STAGED {
+            let other = BodyDescription { name: format!("ball{number}"), ..body.clone() };
+            library.stage(&other, &SceneDescription::default()).unwrap();
+            library.bind(&body).unwrap();
+            assert!(library.bound().bodies.len() <= MOST_BOUND);
+            assert!(library.staged.lock().unwrap().len() <= MOST_STAGED);
+            assert!(library.bound().bodies.iter().any(|known| known.description == body), "the one used last stays");
+        }
     }
 }

@@ -34,7 +34,7 @@ pub use geometry::{GeomKind, Geoms, Sites};
 pub use height_field::HeightField;
 pub use keyframes::Keyframe;
 pub use mesh::{Face, Hull, Mesh};
-pub use mjcf::ModelError;
+pub use mjcf::{ModelError, ModelFiles};
 pub use options::{Cone, Fluid, Integrator, Options, Switches};
 pub use sensors::{Framed, Measure, Sensors};
 pub use tendons::{PathPoint, Tendons};

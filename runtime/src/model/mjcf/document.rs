@@ -1,17 +1,15 @@
 //! Model files as a tree of elements: XML parsed, includes spliced in, every element with its file and line.
 
 use super::error::{ModelError, Place};
+use super::files::ModelFiles;
 use super::lenient;
 use super::values::shortened;
 use std::collections::BTreeSet;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Elements may nest this deep (MuJoCo's own parser stops at a similar depth).
 const DEEPEST: usize = 256;
-/// One file may hold this many bytes.
-const LONGEST_FILE: u64 = 64 << 20;
 /// All files of a model together may hold this many elements.
 const MOST_ELEMENTS: usize = 1_000_000;
 /// A model may be spread over this many files.
@@ -44,43 +42,29 @@ pub(super) struct Document {
     pub root: Element,
     /// `None` for text without a file.
     pub folder: Option<PathBuf>,
+    /// Reads further files.
+    pub files: Arc<ModelFiles>,
 }
 
 /// Reads a model file with its includes.
-pub(super) fn read_file(path: &Path) -> Result<Document, ModelError> {
+pub(super) fn read_file(path: &Path, files: Arc<ModelFiles>) -> Result<Document, ModelError> {
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    let mut reader = Reader { folder: Some(folder), seen: BTreeSet::new(), elements: 0 };
+    let mut reader = Reader { folder: Some(folder), files, seen: BTreeSet::new(), elements: 0 };
     let root = reader.file(path)?;
-    Ok(Document { root, folder: reader.folder })
+    Ok(Document { root, folder: reader.folder, files: reader.files })
 }
 
 /// Reads a model from text that includes nothing.
 pub(super) fn read_text(text: &str) -> Result<Document, ModelError> {
-    let mut reader = Reader { folder: None, seen: BTreeSet::new(), elements: 0 };
+    let mut reader = Reader { folder: None, files: Arc::default(), seen: BTreeSet::new(), elements: 0 };
     let root = reader.text(text, Path::new(""), 0)?;
-    Ok(Document { root, folder: None })
-}
-
-/// Reads a whole file of bounded size; devices and pipes are refused, because they may never end.
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ModelError> {
-    let failed = |source| ModelError::Read { path: path.to_path_buf(), source };
-    let wrong = |reason: &str| ModelError::File { path: path.to_path_buf(), reason: reason.to_owned() };
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if !metadata.is_file() {
-        return Err(wrong("not a regular file"));
-    }
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).map_err(failed)?;
-    file.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > LONGEST_FILE {
-        return Err(wrong("larger than 64 MiB"));
-    }
-    Ok(bytes)
+    Ok(Document { root, folder: None, files: reader.files })
 }
 
 /// Carries what must be bounded or unique over all files of one model.
 struct Reader {
     folder: Option<PathBuf>,
+    files: Arc<ModelFiles>,
     seen: BTreeSet<PathBuf>,
     elements: usize,
 }
@@ -91,6 +75,7 @@ impl Reader {
     }
 
     fn file_at_depth(&mut self, path: &Path, depth: usize) -> Result<Element, ModelError> {
+        let bytes = self.files.read(path)?;
         let identity = path.canonicalize().map_err(|source| ModelError::Read { path: path.to_path_buf(), source })?;
         let wrong = |reason: &str| ModelError::File { path: path.to_path_buf(), reason: reason.to_owned() };
         if !self.seen.insert(identity) {
@@ -99,7 +84,6 @@ impl Reader {
         if self.seen.len() > MOST_FILES {
             return Err(wrong("the model includes more than 1000 files"));
         }
-        let bytes = read_bytes(path)?;
         let text = String::from_utf8(bytes).map_err(|_| wrong("not UTF-8 text"))?;
         self.text(&text, path, depth)
     }

@@ -14,6 +14,7 @@ mod compile;
 mod defaults;
 mod document;
 mod error;
+mod files;
 mod lenient;
 mod mesh;
 mod references;
@@ -24,9 +25,11 @@ mod values;
 mod write;
 
 pub use error::{ModelError, Place, Unsupported};
+pub use files::ModelFiles;
 
 use super::Model;
 use std::path::Path;
+use std::sync::Arc;
 
 impl Model {
     /// Reads and compiles an MJCF file with everything it includes.
@@ -36,8 +39,16 @@ impl Model {
     /// A file that cannot be read or is not well formed, a value that makes no sense, a name that is not defined, or
     /// physical features that the simulator does not have (all of them, each with its line).
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ModelError> {
-        let document = document::read_file(path.as_ref())?;
-        compile::compile(document)
+        Self::from_files(path.as_ref(), &Arc::default())
+    }
+
+    /// The same; `files` learns which files were read, also where reading fails.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::from_file`].
+    pub fn from_files(path: &Path, files: &Arc<ModelFiles>) -> Result<Self, ModelError> {
+        compile::compile(document::read_file(path, Arc::clone(files))?)
     }
 
     /// Compiles MJCF text that stands alone: it may not include files or load meshes.

@@ -2,7 +2,7 @@
 
 use super::Compiler;
 use super::tree::Frame;
-use crate::model::mjcf::document::{Element, read_bytes};
+use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
 use crate::model::mjcf::mesh::{self, Method, Solid, Source, measure};
 use crate::model::{HeightField, Hull, Mesh, rotation};
@@ -100,7 +100,7 @@ impl Compiler<'_> {
             }
             let wrong =
                 || ModelError::File { path: path.clone(), reason: "not a file of two counts and that many samples".to_owned() };
-            binary_samples(&read_bytes(&path)?).ok_or_else(wrong)?
+            binary_samples(&self.document.files.read(&path)?).ok_or_else(wrong)?
         } else {
             let (rows, columns) = (rows as usize, columns as usize);
             let given = asset.list("elevation", rows * columns)?;
@@ -139,7 +139,7 @@ impl Compiler<'_> {
             if asset.text("vertex").is_some() {
                 return Err(asset.invalid("a mesh takes either a `file` or `vertex`, not both"));
             }
-            return mesh::read(&self.asset_path(asset)?);
+            return mesh::read(&self.asset_path(asset)?, &self.document.files);
         }
         asset.required("vertex")?;
         let numbers = asset.list("vertex", MOST_NUMBERS)?.unwrap_or_default();

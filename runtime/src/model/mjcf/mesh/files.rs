@@ -1,6 +1,6 @@
 //! Mesh files: binary STL, Wavefront OBJ, MuJoCo's MSH.
 
-use super::super::document::read_bytes;
+use super::super::files::ModelFiles;
 use super::{ModelError, Source, wrong};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -11,9 +11,9 @@ const HEADER: usize = 80;
 const TRIANGLE: usize = 50;
 
 /// Reads a mesh file; its extension says which kind it is.
-pub(in crate::model::mjcf) fn read(path: &Path) -> Result<Source, ModelError> {
+pub(in crate::model::mjcf) fn read(path: &Path, files: &ModelFiles) -> Result<Source, ModelError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let bytes = read_bytes(path)?;
+    let bytes = files.read(path)?;
     let (source, kind) = match extension.as_str() {
         "stl" => (stl(&bytes), "a binary STL file"),
         "obj" => (core::str::from_utf8(&bytes).ok().and_then(obj), "a readable OBJ file"),
