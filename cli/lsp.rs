@@ -2,9 +2,9 @@
 
 use crate::error::{Error, FAILURE};
 use crate::texts;
-use lsp_server::Connection;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk_lsp::Ended;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -22,18 +22,18 @@ pub struct Args {
 /// Serves until the editor ends the conversation.
 ///
 /// # Errors
-/// The client does not speak the protocol.
+/// Standard input or output fails.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let Args { stdio: _ } = args;
-    let (connection, threads) = Connection::stdio();
+    let (connection, threads) = msk_lsp::connect(io::stdin(), io::stdout())?;
     let bodies = BodyLibrary::default();
     // A folder that cannot be read holds no file that could be changed.
     let list = |folder: &Path| -> Vec<PathBuf> { texts::find(&[folder.to_path_buf()]).unwrap_or_default() };
     let ended = msk_lsp::serve(&connection, &FileLoader, &bodies, &list);
     drop(connection);
-    let ended = ended?;
+    let written = threads.join();
     if ended == Ended::Properly {
-        threads.join()?;
+        written?;
         return Ok(ExitCode::SUCCESS);
     }
     Ok(ExitCode::from(FAILURE))

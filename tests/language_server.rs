@@ -136,3 +136,85 @@ fn a_client_that_goes_without_a_word_leaves_no_server_behind() {
     drop((input, output));
     assert!(!server.wait().unwrap().success());
 }
+
+/// The answer to a bad message: code and identifier of the error.
+fn refused(editor: &mut Editor) -> (i64, Value) {
+    loop {
+        let message = editor.read();
+        if message.get("error").is_some() {
+            let line = editor.read();
+            assert_eq!(line["method"], "window/logMessage", "{line}");
+            return (message["error"]["code"].as_i64().unwrap(), message["id"].clone());
+        }
+    }
+}
+
+#[test]
+fn no_bytes_end_the_server_and_each_bad_message_is_answered_and_logged() {
+    const PARSE_ERROR: i64 = -32700;
+    const INVALID_REQUEST: i64 = -32600;
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().canonicalize().unwrap();
+    let mut editor = Editor::start(&root);
+    editor.ask("initialize", json!({ "processId": null, "capabilities": {} }));
+    let uri = format!("file://{}/a.msk", root.display());
+    let document = json!({ "uri": uri, "languageId": "msk", "version": 1, "text": "const a = 1\n" });
+    editor.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    let body = |text: &str| format!("Content-Length: {}\r\n\r\n{text}", text.len());
+    let bad = [
+        (body("{"), PARSE_ERROR, Value::Null),
+        (body("nonsense"), PARSE_ERROR, Value::Null),
+        (body(r#"{"jsonrpc":"2.0","id":7,"method":"textDocument/hover","params":"\ud800"}"#), PARSE_ERROR, json!(7)),
+        (body(r#"{"jsonrpc":"2.0","id":[],"method":"a"}"#), INVALID_REQUEST, Value::Null),
+        (body(r#"{"jsonrpc":"2.0","id":8,"method":3}"#), INVALID_REQUEST, json!(8)),
+        (body("[]"), INVALID_REQUEST, Value::Null),
+        (body("7"), INVALID_REQUEST, Value::Null),
+        ("Content-Length: 40000000000\r\n\r\n{}".to_owned(), PARSE_ERROR, Value::Null),
+        ("Content-Length: -1\r\n\r\n{}".to_owned(), PARSE_ERROR, Value::Null),
+        ("Content-Length: many\r\n\r\n{}".to_owned(), PARSE_ERROR, Value::Null),
+        ("Content-Type: x\r\n\r\n{}".to_owned(), PARSE_ERROR, Value::Null),
+        ("{\"id\":1}\r\n\r\n".to_owned(), PARSE_ERROR, Value::Null),
+        ("\u{fffd}\u{0}garbage".to_owned(), PARSE_ERROR, Value::Null),
+    ];
+    let symbols = json!({ "textDocument": { "uri": uri } });
+    for (bytes, code, id) in bad {
+        editor.input.write_all(bytes.as_bytes()).unwrap();
+        // The next message is read as if nothing had happened.
+        editor.tell("$/nothing", Value::Null);
+        assert_eq!(refused(&mut editor), (code, id), "{bytes:?}");
+        assert_eq!(editor.ask("textDocument/documentSymbol", symbols.clone())[0]["name"], "a", "{bytes:?}");
+    }
+    // Half of a character that is being typed: the text stays in step with the editor's.
+    let change = r#"{"jsonrpc":"2.0","method":"textDocument/didChange","params":{"textDocument":{"uri":"URI","version":2},
+        "contentChanges":[{"range":{"start":{"line":0,"character":0},"end":{"line":0,"character":0}},"text":"// \ud834 b\n"}]}}"#;
+    let change = change.replace("URI", &uri);
+    editor.input.write_all(body(&change).as_bytes()).unwrap();
+    assert_eq!(refused(&mut editor), (PARSE_ERROR, Value::Null));
+    let place = editor.ask("textDocument/documentSymbol", symbols)[0]["range"]["start"].clone();
+    assert_eq!(place, json!({ "line": 1, "character": 0 }));
+    assert_eq!(editor.ask("shutdown", Value::Null), Value::Null);
+    editor.tell("exit", Value::Null);
+    assert!(editor.server.wait().unwrap().success());
+}
+
+#[test]
+fn a_model_that_changes_on_disk_is_seen() {
+    const MODEL: &str = "<mujoco><worldbody><body name=\"trunk\" pos=\"0 0 1\"><freejoint name=\"root\"/>\
+        <geom name=\"ball\" size=\"0.1\" mass=\"1\"/></body></worldbody></mujoco>\n";
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().canonicalize().unwrap();
+    fs::write(root.join("ball.xml"), MODEL).unwrap();
+    let text = "body ball {\n    model \"ball.xml\"\n    root trunk { forward x, up z }\n    pose neutral { }\n}\n";
+    let uri = format!("file://{}/ball.msk", root.display());
+    let mut editor = Editor::start(&root);
+    editor.ask("initialize", json!({ "processId": null, "capabilities": {} }));
+    let document = json!({ "uri": uri, "languageId": "msk", "version": 1, "text": text });
+    editor.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    assert_eq!(editor.codes(&uri), Vec::<String>::new());
+    fs::write(root.join("ball.xml"), MODEL.replace("trunk", "torso")).unwrap();
+    editor.tell("textDocument/didSave", json!({ "textDocument": { "uri": uri } }));
+    assert_eq!(editor.codes(&uri), ["E0209"]);
+    fs::write(root.join("ball.xml"), MODEL).unwrap();
+    editor.ask("textDocument/documentSymbol", json!({ "textDocument": { "uri": uri } }));
+    assert_eq!(editor.codes(&uri), Vec::<String>::new());
+}

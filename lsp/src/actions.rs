@@ -1,7 +1,7 @@
 //! What mends a text: the fixes of the compiler, as changes that an editor can make.
 
-use crate::positions::{Encoding, Lines};
-use crate::report::told;
+use crate::positions::Lines;
+use crate::report::Translator;
 use crate::server::Edits;
 use crate::workspace::Workspace;
 use lsp_types::{CodeAction, CodeActionKind, CodeActionOrCommand, Range};
@@ -30,10 +30,11 @@ pub fn actions(
     let inspections = workspace.inspections_of(path);
     for (file, whole) in &inspections {
         let here = |told: &&Diagnostic| told.file() == *file && touches(told.span(), place);
+        let sources = &whole.report.sources;
+        let translator = Translator::new(sources, edits.encoding);
         for diagnostic in whole.report.diagnostics.iter().filter(here) {
-            let sources = &whole.report.sources;
             if wanted(&CodeActionKind::QUICKFIX) {
-                actions.extend(quick(diagnostic, sources, edits, workspace, encoding_of(edits)));
+                actions.extend(quick(diagnostic, sources, edits, workspace, &translator));
             }
         }
     }
@@ -50,10 +51,6 @@ pub fn actions(
     seen.into_iter().map(CodeActionOrCommand::CodeAction).collect()
 }
 
-fn encoding_of(edits: &Edits) -> Encoding {
-    edits.encoding
-}
-
 /// Empty spans touch what they stand beside.
 fn touches(a: Span, b: Span) -> bool {
     a.start <= b.end && b.start <= a.end
@@ -64,7 +61,7 @@ fn quick<'a>(
     sources: &'a SourceMap,
     edits: &'a Edits,
     workspace: &'a Workspace<'_>,
-    encoding: Encoding,
+    translator: &'a Translator<'a>,
 ) -> impl Iterator<Item = CodeAction> + 'a {
     diagnostic.fixes.iter().filter_map(move |fix| {
         let changes = fix
@@ -74,7 +71,7 @@ fn quick<'a>(
         Some(CodeAction {
             title: fix.title.clone(),
             kind: Some(CodeActionKind::QUICKFIX),
-            diagnostics: Some(vec![told(diagnostic, sources, encoding)]),
+            diagnostics: Some(vec![translator.told(diagnostic)]),
             edit: Some(edits.workspace_edit(workspace, changes.collect())?),
             is_preferred: Some(fix.automatic),
             ..CodeAction::default()

@@ -5,10 +5,11 @@ use crate::positions::{Encoding, Lines};
 use crate::workspace::Workspace;
 use lsp_types::{
     Diagnostic as Told, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Location, NumberOrString,
-    PublishDiagnosticsParams,
+    PublishDiagnosticsParams, Range,
 };
-use msk_compiler::diagnostics::{Diagnostic, FileId, Severity, SourceMap, codes};
-use std::collections::BTreeMap;
+use msk_compiler::diagnostics::{Diagnostic, FileId, Severity, SourceMap, Span, codes};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What was last told of each file.
@@ -21,16 +22,18 @@ impl Reporter {
     /// What has changed since the last time, file by file: of all open texts and of what they use.
     pub fn news(&mut self, workspace: &Workspace<'_>, encoding: Encoding) -> Vec<PublishDiagnosticsParams> {
         let mut present: BTreeMap<PathBuf, Vec<Told>> = self.told.keys().map(|path| (path.clone(), Vec::new())).collect();
+        // A library that several open texts use is looked at with each of them.
+        let mut seen: BTreeSet<(PathBuf, String)> = BTreeSet::new();
         for (path, _) in workspace.documents() {
             let whole = workspace.inspect(path);
-            present.entry(path.clone()).or_default();
+            present.entry(path.clone()).or_default().extend(workspace.defect(path).map(defect));
+            let sources = &whole.report.sources;
+            let translator = Translator::new(sources, encoding);
             for diagnostic in &whole.report.diagnostics {
-                let sources = &whole.report.sources;
-                let told = told(diagnostic, sources, encoding);
-                let file = present.entry(PathBuf::from(sources.path(diagnostic.file()))).or_default();
-                // A library that several open texts use is looked at with each of them.
-                if !file.contains(&told) {
-                    file.push(told);
+                let told = translator.told(diagnostic);
+                let file = PathBuf::from(sources.path(diagnostic.file()));
+                if seen.insert((file.clone(), serde_json::to_string(&told).unwrap_or_default())) {
+                    present.entry(file).or_default().push(told);
                 }
             }
         }
@@ -56,39 +59,67 @@ impl Reporter {
     }
 }
 
-/// One error or warning.
-pub fn told(diagnostic: &Diagnostic, sources: &SourceMap, encoding: Encoding) -> Told {
-    let place = |file: FileId, span| Lines::new(sources.text(file), encoding).range(span);
-    let mut message = diagnostic.message.clone();
-    if let Some(label) = diagnostic.labels.first().filter(|label| !label.text.is_empty()) {
-        message += &format!(" ({})", label.text);
-    }
-    let lines = [("expected", &diagnostic.expected), ("found", &diagnostic.found)];
-    for (word, line) in lines {
-        message.extend(line.iter().map(|line| format!("\n{word}: {line}")));
-    }
-    message.extend(diagnostic.help.iter().map(|help| format!("\n{help}")));
-    let related: Vec<DiagnosticRelatedInformation> = diagnostic
-        .labels
-        .iter()
-        .skip(1)
-        .filter_map(|label| {
-            let uri = paths::uri(Path::new(sources.path(label.file)))?;
-            let message = if label.text.is_empty() { "here".to_owned() } else { label.text.clone() };
-            Some(DiagnosticRelatedInformation { location: Location::new(uri, place(label.file, label.span)), message })
-        })
-        .collect();
+/// What is said of a text at which the compiler panicked.
+fn defect(words: String) -> Told {
     Told {
-        range: place(diagnostic.file(), diagnostic.span()),
-        severity: Some(match diagnostic.severity {
-            Severity::Error => DiagnosticSeverity::ERROR,
-            Severity::Warning => DiagnosticSeverity::WARNING,
-        }),
-        code: Some(NumberOrString::String(diagnostic.code.id.to_owned())),
+        severity: Some(DiagnosticSeverity::ERROR),
         source: Some("msk".to_owned()),
-        message,
-        related_information: (!related.is_empty()).then_some(related),
-        tags: (diagnostic.code == codes::lints::UNUSED).then(|| vec![DiagnosticTag::UNNECESSARY]),
+        message: format!("the compiler cannot go on with this text, which is a defect of it; please report the text: {words}"),
         ..Told::default()
+    }
+}
+
+/// Puts diagnostics into the words of the protocol; the lines of each file are found once.
+pub struct Translator<'a> {
+    sources: &'a SourceMap,
+    encoding: Encoding,
+    lines: RefCell<BTreeMap<FileId, Lines<'a>>>,
+}
+
+impl<'a> Translator<'a> {
+    /// For diagnostics of some files.
+    pub fn new(sources: &'a SourceMap, encoding: Encoding) -> Self {
+        Self { sources, encoding, lines: RefCell::default() }
+    }
+
+    fn range(&self, file: FileId, span: Span) -> Range {
+        let fresh = || Lines::new(self.sources.text(file), self.encoding);
+        self.lines.borrow_mut().entry(file).or_insert_with(fresh).range(span)
+    }
+
+    /// One error or warning.
+    pub fn told(&self, diagnostic: &Diagnostic) -> Told {
+        let mut message = diagnostic.message.clone();
+        if let Some(label) = diagnostic.labels.first().filter(|label| !label.text.is_empty()) {
+            message += &format!(" ({})", label.text);
+        }
+        let lines = [("expected", &diagnostic.expected), ("found", &diagnostic.found)];
+        for (word, line) in lines {
+            message.extend(line.iter().map(|line| format!("\n{word}: {line}")));
+        }
+        message.extend(diagnostic.help.iter().map(|help| format!("\n{help}")));
+        let related: Vec<DiagnosticRelatedInformation> = diagnostic
+            .labels
+            .iter()
+            .skip(1)
+            .filter_map(|label| {
+                let uri = paths::uri(Path::new(self.sources.path(label.file)))?;
+                let message = if label.text.is_empty() { "here".to_owned() } else { label.text.clone() };
+                Some(DiagnosticRelatedInformation { location: Location::new(uri, self.range(label.file, label.span)), message })
+            })
+            .collect();
+        Told {
+            range: self.range(diagnostic.file(), diagnostic.span()),
+            severity: Some(match diagnostic.severity {
+                Severity::Error => DiagnosticSeverity::ERROR,
+                Severity::Warning => DiagnosticSeverity::WARNING,
+            }),
+            code: Some(NumberOrString::String(diagnostic.code.id.to_owned())),
+            source: Some("msk".to_owned()),
+            message,
+            related_information: (!related.is_empty()).then_some(related),
+            tags: (diagnostic.code == codes::lints::UNUSED).then(|| vec![DiagnosticTag::UNNECESSARY]),
+            ..Told::default()
+        }
     }
 }

@@ -2,14 +2,15 @@
 
 use crate::positions::{Encoding, Lines};
 use crate::report::Reporter;
-use crate::workspace::{Document, Workspace};
-use crate::{ServeError, actions, completion, hints, hover, layout, navigation, paths, rename, symbols};
+use crate::transport::logged;
+use crate::workspace::{Document, Workspace, words_of};
+use crate::{actions, completion, hints, hover, layout, navigation, paths, rename, symbols};
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
 use lsp_types::notification::{self as told, Notification as _};
 use lsp_types::request::{self as asked, Request as _};
 use lsp_types::{
     CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions, CompletionResponse, DocumentChanges,
-    DocumentSymbolResponse, GotoDefinitionResponse, HoverProviderCapability, InitializeParams, OneOf,
+    DocumentSymbolResponse, GotoDefinitionResponse, HoverProviderCapability, InitializeParams, MessageType, OneOf,
     OptionalVersionedTextDocumentIdentifier, PrepareRenameResponse, RenameOptions, SaveOptions, ServerCapabilities,
     TextDocumentContentChangeEvent, TextDocumentEdit, TextDocumentPositionParams, TextDocumentSyncCapability,
     TextDocumentSyncKind, TextDocumentSyncOptions, TextDocumentSyncSaveOptions, TextEdit, Uri, WorkspaceEdit,
@@ -21,6 +22,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::{BTreeMap, VecDeque};
+use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 
 /// How a conversation ended.
@@ -75,11 +77,8 @@ pub fn serve(
     loader: &dyn Loader,
     bodies: &dyn BodySource,
     list: &dyn Fn(&Path) -> Vec<PathBuf>,
-) -> Result<Ended, ServeError> {
-    let (id, client) = match first(connection)? {
-        Some(begun) => begun,
-        None => return Ok(Ended::Abruptly),
-    };
+) -> Ended {
+    let Some((id, client)) = first(connection) else { return Ended::Abruptly };
     let edits = Edits {
         encoding: Encoding::negotiated(&client.capabilities),
         versioned: client.capabilities.workspace.as_ref().and_then(|it| it.workspace_edit.as_ref()?.document_changes)
@@ -93,27 +92,27 @@ pub fn serve(
     workspace.roots = roots(&client);
     let mut server = Server { connection, workspace, edits, reporter: Reporter::default(), down: false };
     server.answer(Response::new_ok(id, information));
-    Ok(server.run())
+    server.run()
 }
 
 /// The request with which a conversation begins. Others are refused, `exit` ends it.
-fn first(connection: &Connection) -> Result<Option<(RequestId, InitializeParams)>, ServeError> {
+fn first(connection: &Connection) -> Option<(RequestId, InitializeParams)> {
     while let Ok(message) = connection.receiver.recv() {
-        match message {
-            Message::Request(request) if request.method == asked::Initialize::METHOD => {
-                let client = serde_json::from_value(request.params).map_err(|error| ServeError::Protocol(error.to_string()))?;
-                return Ok(Some((request.id, client)));
-            }
+        let (id, code, refusal) = match message {
+            Message::Request(request) if request.method == asked::Initialize::METHOD => match read(request.params) {
+                Ok(client) => return Some((request.id, client)),
+                Err((code, refusal)) => (request.id, code, refusal),
+            },
             Message::Request(request) => {
-                let refusal = "the server waits for `initialize`".to_owned();
-                let _ =
-                    connection.sender.send(Response::new_err(request.id, ErrorCode::ServerNotInitialized as i32, refusal).into());
+                (request.id, ErrorCode::ServerNotInitialized, "the server waits for `initialize`".to_owned())
             }
-            Message::Notification(notification) if notification.method == told::Exit::METHOD => return Ok(None),
-            Message::Notification(_) | Message::Response(_) => {}
-        }
+            Message::Notification(notification) if notification.method == told::Exit::METHOD => return None,
+            Message::Notification(_) | Message::Response(_) => continue,
+        };
+        let _ = connection.sender.send(logged(MessageType::ERROR, format!("a request is refused: {refusal}")));
+        let _ = connection.sender.send(Response::new_err(id, code as i32, refusal).into());
     }
-    Ok(None)
+    None
 }
 
 #[allow(deprecated, reason = "clients that know no folders give a root")]
@@ -159,6 +158,9 @@ fn capabilities(encoding: Encoding) -> ServerCapabilities {
     }
 }
 
+/// Most messages that are looked through for cancellations.
+const MOST_WAITING: usize = 1000;
+
 struct Server<'a> {
     connection: &'a Connection,
     workspace: Workspace<'a>,
@@ -183,14 +185,16 @@ impl Server<'_> {
                     Err(_) => return Ended::Abruptly,
                 }
             }
-            waiting.extend(self.connection.receiver.try_iter());
+            // The rest waits with the client: its channel is bounded.
+            waiting.extend(self.connection.receiver.try_iter().take(MOST_WAITING.saturating_sub(waiting.len())));
             self.cancel(&mut waiting);
+            self.workspace.next_turn();
             match waiting.pop_front() {
                 Some(Message::Request(request)) => self.request(request),
                 Some(Message::Notification(notification)) if notification.method == told::Exit::METHOD => {
                     return if self.down { Ended::Properly } else { Ended::Abruptly };
                 }
-                Some(Message::Notification(notification)) => self.notification(notification),
+                Some(Message::Notification(notification)) => self.notify(notification),
                 Some(Message::Response(_)) | None => {}
             }
         }
@@ -222,14 +226,33 @@ impl Server<'_> {
         let _ = self.connection.sender.send(response.into());
     }
 
+    fn log(&self, typ: MessageType, message: String) {
+        let _ = self.connection.sender.send(logged(typ, message));
+    }
+
     fn publish(&mut self) {
         if self.down {
             return;
         }
-        for news in self.reporter.news(&self.workspace, self.edits.encoding) {
+        let news = self.survive(|server| server.reporter.news(&server.workspace, server.edits.encoding));
+        for news in news.unwrap_or_default() {
             let notification = Notification::new(told::PublishDiagnostics::METHOD.to_owned(), news);
             let _ = self.connection.sender.send(notification.into());
         }
+    }
+
+    /// Does `work`; a panic within it is logged, and everything but the open texts is forgotten.
+    ///
+    /// # Errors
+    /// What the panic says.
+    fn survive<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> Result<T, String> {
+        // Texts change as the last step of a notification, caches may hold anything after a panic: they are emptied.
+        std::panic::catch_unwind(AssertUnwindSafe(|| work(self))).map_err(|panic| {
+            self.workspace.forget_all();
+            let message = format!("a defect of the server, please report it: {}", words_of(&*panic));
+            self.log(MessageType::ERROR, message.clone());
+            message
+        })
     }
 
     fn request(&mut self, request: Request) {
@@ -237,8 +260,12 @@ impl Server<'_> {
         let answer = if self.down {
             Err((ErrorCode::InvalidRequest, "the server is shut down".to_owned()))
         } else {
-            self.answer_to(&method, params)
+            let answer = self.survive(|server| server.answer_to(&method, params));
+            answer.unwrap_or_else(|defect| Err((ErrorCode::InternalError, defect)))
         };
+        if let Err((ErrorCode::InvalidRequest | ErrorCode::InvalidParams | ErrorCode::MethodNotFound, reason)) = &answer {
+            self.log(MessageType::WARNING, format!("the request `{method}` is refused: {reason}"));
+        }
         self.answer(match answer {
             Ok(value) => Response::new_ok(id, value),
             Err((code, message)) => Response::new_err(id, code as i32, message),
@@ -329,24 +356,31 @@ impl Server<'_> {
         Some((path, byte))
     }
 
-    /// What cannot be read, or is about a text that is not open, changes nothing: notifications are never answered.
-    fn notification(&mut self, notification: Notification) {
+    /// Notifications are never answered: one that cannot be read, or that nobody knows, is logged and changes nothing.
+    fn notify(&mut self, notification: Notification) {
         let Notification { method, params } = notification;
-        match method.as_str() {
+        if let Ok(Err((_, reason))) = self.survive(|server| server.notification(&method, params)) {
+            self.log(MessageType::WARNING, format!("the notification `{method}` is left out: {reason}"));
+        }
+    }
+
+    fn notification(&mut self, method: &str, params: Value) -> Result<(), (ErrorCode, String)> {
+        match method {
             told::DidOpenTextDocument::METHOD => {
-                let Ok(params) = read::<lsp_types::DidOpenTextDocumentParams>(params) else { return };
+                let params: lsp_types::DidOpenTextDocumentParams = read(params)?;
                 let document = params.text_document;
                 let path = paths::path(&document.uri);
                 self.workspace.put(path, Document { uri: document.uri, version: document.version, text: document.text });
             }
             told::DidChangeTextDocument::METHOD => {
-                let Ok(params) = read::<lsp_types::DidChangeTextDocumentParams>(params) else { return };
+                let params: lsp_types::DidChangeTextDocumentParams = read(params)?;
                 let path = paths::path(&params.text_document.uri);
-                let Some(document) = self.workspace.document(&path) else { return };
+                let document = self.workspace.document(&path).ok_or_else(|| not_open(&path))?;
                 let version = params.text_document.version;
                 // A change that comes late would be made to another text than it was meant for.
                 if version < document.version {
-                    return;
+                    let found = format!("it changes version {version}, and the text has version {}", document.version);
+                    return Err((ErrorCode::InvalidParams, found));
                 }
                 let mut text = document.text.clone();
                 for change in params.content_changes {
@@ -356,12 +390,16 @@ impl Server<'_> {
                 self.workspace.put(path, Document { uri, version, text });
             }
             told::DidCloseTextDocument::METHOD => {
-                let Ok(params) = read::<lsp_types::DidCloseTextDocumentParams>(params) else { return };
-                self.workspace.close(&paths::path(&params.text_document.uri));
+                let params: lsp_types::DidCloseTextDocumentParams = read(params)?;
+                let path = paths::path(&params.text_document.uri);
+                self.workspace.close(&path).ok_or_else(|| not_open(&path))?;
             }
-            told::DidSaveTextDocument::METHOD | told::DidChangeWatchedFiles::METHOD => self.workspace.forget_all(),
-            _ => {}
+            // What is on disk is looked at before everything that is understood of it is used.
+            told::Initialized::METHOD | told::DidSaveTextDocument::METHOD | told::DidChangeWatchedFiles::METHOD => {}
+            optional if optional.starts_with("$/") => {}
+            _ => return Err((ErrorCode::MethodNotFound, "the server does not know it".to_owned())),
         }
+        Ok(())
     }
 }
 
@@ -382,6 +420,10 @@ fn read<P: DeserializeOwned>(params: Value) -> Result<P, (ErrorCode, String)> {
 
 fn written(answer: impl Serialize) -> Answer {
     serde_json::to_value(answer).map_err(|error| (ErrorCode::InternalError, error.to_string()))
+}
+
+fn not_open(path: &Path) -> (ErrorCode, String) {
+    (ErrorCode::InvalidParams, format!("`{}` is not open", path.display()))
 }
 
 fn refused(reason: String) -> (ErrorCode, String) {

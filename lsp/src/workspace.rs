@@ -1,15 +1,19 @@
 //! The open texts over the files on disk, and what the compiler understood of them.
 
 use crate::index::Index;
+use crate::inputs::{Inputs, Recorder};
 use lsp_types::Uri;
 use msk_compiler::body::BodyDescription;
 use msk_compiler::compile::Inspection;
-use msk_compiler::diagnostics::{Diagnostic, FileId, codes};
+use msk_compiler::diagnostics::{Diagnostic, FileId};
 use msk_compiler::files::{BodySource, LoadError, Loader};
 use msk_compiler::inspect;
+use msk_compiler::motion::Motion;
 use msk_compiler::vocabulary::Vocabulary;
-use std::cell::RefCell;
+use std::any::Any;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -27,6 +31,9 @@ pub struct Document {
 /// Most files of the client's folders in which names are looked for.
 const MOST_FILES: usize = 1000;
 
+/// Most inspections that are kept beside those of open texts.
+const MOST_INSPECTIONS: usize = 16;
+
 /// Texts and what is known of them.
 pub struct Workspace<'a> {
     loader: &'a dyn Loader,
@@ -35,8 +42,29 @@ pub struct Workspace<'a> {
     /// Folders that the client has open.
     pub roots: Vec<PathBuf>,
     documents: BTreeMap<PathBuf, Document>,
-    inspected: RefCell<BTreeMap<PathBuf, Rc<Inspection>>>,
-    indexed: RefCell<Option<Rc<Index>>>,
+    inspected: RefCell<BTreeMap<PathBuf, Inspected>>,
+    indexed: RefCell<Option<Indexed>>,
+    /// Counts messages and changes. Between two of them, files on disk are looked at once.
+    turn: Cell<u64>,
+}
+
+/// What the compiler understood of a file.
+struct Inspected {
+    whole: Rc<Inspection>,
+    /// What the compiler said when it panicked.
+    defect: Option<String>,
+    inputs: Inputs,
+    /// When the inputs were last looked at.
+    turn: u64,
+}
+
+/// The names of all files.
+struct Indexed {
+    index: Rc<Index>,
+    files: Vec<PathBuf>,
+    inputs: Inputs,
+    /// When the inputs were last looked at.
+    turn: u64,
 }
 
 impl<'a> Workspace<'a> {
@@ -50,6 +78,7 @@ impl<'a> Workspace<'a> {
             documents: BTreeMap::new(),
             inspected: RefCell::default(),
             indexed: RefCell::default(),
+            turn: Cell::default(),
         }
     }
 
@@ -65,30 +94,26 @@ impl<'a> Workspace<'a> {
 
     /// Takes the text of `path` from the editor.
     pub fn put(&mut self, path: PathBuf, document: Document) {
-        self.forget(&path);
+        self.next_turn();
         self.documents.insert(path, document);
     }
 
-    /// Goes back to what is on disk.
-    pub fn close(&mut self, path: &Path) {
-        self.documents.remove(path);
-        self.forget(path);
-        self.inspected.borrow_mut().remove(path);
+    /// Goes back to what is on disk; gives the text that was open.
+    pub fn close(&mut self, path: &Path) -> Option<Document> {
+        self.next_turn();
+        self.documents.remove(path)
     }
 
-    /// Forgets everything that was understood: files on disk have changed.
+    /// A message has come: files on disk may have changed since the last.
+    pub fn next_turn(&self) {
+        self.turn.set(self.turn.get() + 1);
+    }
+
+    /// Forgets everything but the open texts.
     pub fn forget_all(&mut self) {
-        self.inspected.borrow_mut().clear();
-        *self.indexed.borrow_mut() = None;
-    }
-
-    /// Forgets what depends on `path`, or on a file that could not be found.
-    fn forget(&mut self, path: &Path) {
-        *self.indexed.borrow_mut() = None;
-        self.inspected.borrow_mut().retain(|entry, known| {
-            let reads = entry == path || known.files.iter().any(|file| file.path == path);
-            !reads && !known.report.diagnostics.iter().any(|told| told.code == codes::names::FILE)
-        });
+        self.inspected.get_mut().clear();
+        *self.indexed.get_mut() = None;
+        self.bodies.described.get_mut().clear();
     }
 
     /// The present text of a file.
@@ -96,14 +121,39 @@ impl<'a> Workspace<'a> {
         self.load(path).ok()
     }
 
-    /// What the compiler understood of a file and of what it uses.
+    /// What the compiler understood of a file and of what it uses; nothing if it panicked.
     pub fn inspect(&self, path: &Path) -> Rc<Inspection> {
-        if let Some(known) = self.inspected.borrow().get(path) {
-            return known.clone();
+        self.inspected(path).0
+    }
+
+    /// What the compiler said when it panicked at a file.
+    pub fn defect(&self, path: &Path) -> Option<String> {
+        self.inspected(path).1
+    }
+
+    fn inspected(&self, path: &Path) -> (Rc<Inspection>, Option<String>) {
+        let turn = self.turn.get();
+        if let Some(known) = self.inspected.borrow_mut().get_mut(path)
+            && (known.turn == turn || known.inputs.are_unchanged(self, &self.bodies))
+        {
+            known.turn = turn;
+            return (known.whole.clone(), known.defect.clone());
         }
-        let fresh = Rc::new(inspect(path, self, &self.bodies));
-        self.inspected.borrow_mut().insert(path.to_path_buf(), fresh.clone());
-        fresh
+        let recorder = Recorder::new(self, &self.bodies);
+        // The compiler keeps nothing between two calls, so that a panic leaves nothing half done.
+        let (whole, defect) = match catch_unwind(AssertUnwindSafe(|| inspect(path, &recorder, &recorder))) {
+            Ok(whole) => (Rc::new(whole), None),
+            Err(panic) => (Rc::default(), Some(words_of(&*panic))),
+        };
+        let fresh = Inspected { whole: whole.clone(), defect: defect.clone(), inputs: recorder.into_inputs(), turn };
+        let mut inspected = self.inspected.borrow_mut();
+        inspected.insert(path.to_path_buf(), fresh);
+        while inspected.len() > MOST_INSPECTIONS + self.documents.len() {
+            let closed = inspected.iter().filter(|(path, _)| !self.documents.contains_key(*path));
+            let Some(oldest) = closed.min_by_key(|(_, known)| known.turn).map(|(path, _)| path.clone()) else { break };
+            inspected.remove(&oldest);
+        }
+        (whole, defect)
     }
 
     /// The same for a file of which another text is assumed.
@@ -139,12 +189,23 @@ impl<'a> Workspace<'a> {
 
     /// Which word means which declaration, in all files.
     pub fn index(&self) -> Rc<Index> {
-        if let Some(known) = self.indexed.borrow().as_ref() {
-            return known.clone();
+        let turn = self.turn.get();
+        if let Some(known) = self.indexed.borrow().as_ref().filter(|known| known.turn == turn) {
+            return known.index.clone();
         }
-        let fresh = Rc::new(Index::of(&self.files(), self));
-        *self.indexed.borrow_mut() = Some(fresh.clone());
-        fresh
+        let files = self.files();
+        let mut indexed = self.indexed.borrow_mut();
+        if let Some(known) = indexed.as_mut()
+            && known.files == files
+            && known.inputs.are_unchanged(self, &self.bodies)
+        {
+            known.turn = turn;
+            return known.index.clone();
+        }
+        let recorder = Recorder::new(self, &self.bodies);
+        let index = Rc::new(Index::of(&files, &recorder));
+        *indexed = Some(Indexed { index: index.clone(), files, inputs: recorder.into_inputs(), turn });
+        index
     }
 
     /// The same if the texts of some files were others.
@@ -154,7 +215,7 @@ impl<'a> Workspace<'a> {
 
     /// A vocabulary for texts of which too little can be read to know their body: that of the body used last.
     pub fn some_vocabulary(&self) -> Option<Vocabulary> {
-        self.bodies.described.borrow().iter().rev().find_map(|(_, vocabulary)| vocabulary.clone().ok())
+        self.bodies.described.borrow().iter().rev().find_map(|known| known.vocabulary.clone().ok())
     }
 }
 
@@ -184,11 +245,24 @@ pub fn file_of(whole: &Inspection, path: &Path) -> Option<FileId> {
     whole.files.iter().find(|file| file.path == path).map(|file| file.tree.file)
 }
 
+/// The words of a panic.
+pub fn words_of(panic: &(dyn Any + Send)) -> String {
+    let words = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+    words.unwrap_or("a panic without words").to_owned()
+}
+
 /// Bodies that are described once: their vocabularies are large, and texts change with every key.
 struct Bodies<'a> {
     source: &'a dyn BodySource,
-    found: RefCell<BTreeMap<String, Option<(PathBuf, String)>>>,
-    described: RefCell<Vec<(BodyDescription, Result<Vocabulary, String>)>>,
+    /// The last one used stands at the end.
+    described: RefCell<Vec<Described>>,
+}
+
+/// A body at one of its revisions.
+struct Described {
+    description: BodyDescription,
+    revision: u64,
+    vocabulary: Result<Vocabulary, String>,
 }
 
 /// Most bodies that are kept.
@@ -196,25 +270,86 @@ const MOST_BODIES: usize = 8;
 
 impl<'a> Bodies<'a> {
     fn new(source: &'a dyn BodySource) -> Self {
-        Self { source, found: RefCell::default(), described: RefCell::default() }
+        Self { source, described: RefCell::default() }
     }
 }
 
 impl BodySource for Bodies<'_> {
     fn find(&self, name: &str) -> Option<(PathBuf, String)> {
-        self.found.borrow_mut().entry(name.to_owned()).or_insert_with(|| self.source.find(name)).clone()
+        self.source.find(name)
     }
 
     fn vocabulary(&self, description: &BodyDescription) -> Result<Vocabulary, String> {
-        if let Some((_, known)) = self.described.borrow().iter().find(|(known, _)| known == description) {
-            return known.clone();
-        }
-        let fresh = self.source.vocabulary(description);
+        let revision = self.source.revision(description);
+        let known = self.described.borrow().iter().position(|known| known.description == *description);
+        let known = known.map(|place| self.described.borrow_mut().remove(place));
+        let vocabulary = match known.filter(|known| known.revision == revision) {
+            Some(known) => known.vocabulary,
+            None => self.source.vocabulary(description),
+        };
         let mut described = self.described.borrow_mut();
-        if described.len() >= MOST_BODIES {
-            drop(described.remove(0));
+        let excess = (described.len() + 1).saturating_sub(MOST_BODIES);
+        described.drain(..excess);
+        described.push(Described { description: description.clone(), revision, vocabulary: vocabulary.clone() });
+        vocabulary
+    }
+
+    fn revision(&self, description: &BodyDescription) -> u64 {
+        self.source.revision(description)
+    }
+
+    fn trace(&self, description: &BodyDescription, motion: &Motion) -> Result<Vec<Vec<[f64; 3]>>, String> {
+        self.source.trace(description, motion)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Nothing;
+
+    impl Loader for Nothing {
+        fn load(&self, path: &Path) -> Result<String, LoadError> {
+            Err(LoadError::Missing(path.to_path_buf()))
         }
-        described.push((description.clone(), fresh.clone()));
-        fresh
+    }
+
+    impl BodySource for Nothing {
+        fn find(&self, _: &str) -> Option<(PathBuf, String)> {
+            None
+        }
+
+        fn vocabulary(&self, _: &BodyDescription) -> Result<Vocabulary, String> {
+            Ok(Vocabulary::default())
+        }
+    }
+
+    #[test]
+    fn what_is_understood_of_closed_files_is_bounded() {
+        let mut workspace = Workspace::new(&Nothing, &Nothing, &|_| Vec::new());
+        let path = |number: usize| PathBuf::from(format!("/{number}.msk"));
+        let uri: Uri = "file:///0.msk".parse().unwrap();
+        workspace.put(path(0), Document { uri, version: 1, text: "const a = 1\n".to_owned() });
+        let open = workspace.inspect(&path(0));
+        for number in 1..100 {
+            workspace.next_turn();
+            workspace.inspect(&path(number));
+            assert!(workspace.inspected.borrow().len() <= MOST_INSPECTIONS + 1);
+        }
+        assert!(Rc::ptr_eq(&open, &workspace.inspect(&path(0))), "what is understood of an open text is kept");
+    }
+
+    #[test]
+    fn bodies_are_bounded_and_the_one_used_last_stays() {
+        let bodies = Bodies::new(&Nothing);
+        let body = |number: usize| BodyDescription { name: format!("body{number}"), ..BodyDescription::default() };
+        bodies.vocabulary(&body(0)).unwrap();
+        for number in 1..100 {
+            bodies.vocabulary(&body(number)).unwrap();
+            bodies.vocabulary(&body(0)).unwrap();
+            assert!(bodies.described.borrow().len() <= MOST_BODIES);
+            assert!(bodies.described.borrow().iter().any(|known| known.description == body(0)));
+        }
     }
 }

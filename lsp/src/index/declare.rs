@@ -112,6 +112,12 @@ pub(super) fn expanded(name: &Name) -> Vec<String> {
     texts
 }
 
+/// Tasks that extend each other are followed this deep, as by the compiler.
+const DEEPEST: usize = 64;
+
+/// Most names that all tasks together may inherit; what is more cannot be followed.
+const MOST_INHERITED: usize = 200_000;
+
 /// What is in sight of a task or sequence: what it inherits, then what it declares.
 fn of_task(index: &mut Index, file: usize, item: usize, depth: usize) -> Names {
     if let Some(known) = index.tasks.get(&(file, item)) {
@@ -128,14 +134,17 @@ fn of_task(index: &mut Index, file: usize, item: usize, depth: usize) -> Names {
         _ => return Names::new(),
     };
     let mut names = Names::new();
-    // A task that extends itself, over whatever detour, ends here; the compiler tells it.
-    if depth < index.files.len() + 32 {
-        for parent in parents {
-            if let Some((file, item)) = task_called(index, file, &parent).filter(|found| *found != (file, item)) {
-                for (key, symbol) in of_task(index, file, item, depth + 1) {
-                    names.entry(key).or_insert(symbol);
-                }
-            }
+    // A task that extends itself, over whatever detour, finds itself without names; the compiler tells it.
+    index.tasks.insert((file, item), Names::new());
+    for parent in parents.into_iter().filter(|_| depth < DEEPEST) {
+        let Some((file, item)) = task_called(index, file, &parent) else { continue };
+        let inherited = of_task(index, file, item, depth + 1);
+        if index.inherited + inherited.len() > MOST_INHERITED {
+            continue;
+        }
+        index.inherited += inherited.len();
+        for (key, symbol) in inherited {
+            names.entry(key).or_insert(symbol);
         }
     }
     let mut all = Vec::new();
@@ -211,4 +220,40 @@ fn of_element(element: &Element, before: &str, all: &mut Vec<Found>) {
 /// Whether an entry leaves something out.
 pub(super) fn removed<T>(entries: &[Entry<T>]) -> impl Iterator<Item = &Name> {
     entries.iter().filter_map(|entry| if let Entry::Remove(remove) = entry { Some(&remove.name) } else { None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use msk_compiler::files::{LoadError, Loader};
+    use std::path::{Path, PathBuf};
+
+    struct Text(String);
+
+    impl Loader for Text {
+        fn load(&self, _: &Path) -> Result<String, LoadError> {
+            Ok(self.0.clone())
+        }
+    }
+
+    fn index(text: String) -> Index {
+        Index::of(&[PathBuf::from("/a.msk")], &Text(text))
+    }
+
+    #[test]
+    fn sequences_that_lead_to_each_other_come_to_an_end() {
+        let phases: String = (0..40).map(|number| format!("    phase s{number}\n")).collect();
+        let text = (0..40).map(|number| format!("sequence s{number} {{\n    let a{number} = 1\n{phases}}}\n")).collect();
+        assert_eq!(index(text).tasks.len(), 40);
+    }
+
+    #[test]
+    fn what_tasks_inherit_is_bounded() {
+        let first = "task t0 { let a0 = 1 }\n".to_owned();
+        let line = |count: usize| (1..count).map(|n| format!("task t{n} extends t{} {{ let a{n} = 1 }}\n", n - 1));
+        let short = index(first.clone() + &line(30).collect::<String>());
+        assert_eq!(short.tasks[&(0, 29)].len(), 30);
+        let long = index(first + &line(2000).collect::<String>());
+        assert!(long.inherited <= MOST_INHERITED);
+    }
 }

@@ -89,6 +89,10 @@ pub struct Index {
     pub occurrences: Vec<Occurrence>,
     /// What each file declares at its top, without what it uses.
     top: Vec<Names>,
+    /// Place of each file, by its path.
+    places: BTreeMap<PathBuf, usize>,
+    /// Names that tasks were given by those that they extend, counted.
+    inherited: usize,
     /// What is in sight of each task, by file and place among its items.
     tasks: BTreeMap<(usize, usize), Names>,
 }
@@ -122,19 +126,20 @@ impl Index {
     }
 
     fn read(&mut self, path: &Path, loader: &dyn Loader, sources: &mut SourceMap) -> Option<usize> {
-        if let Some(known) = self.files.iter().position(|file| file.path == path) {
+        if let Some(known) = self.file(path) {
             return Some(known);
         }
         let text = loader.load(path).ok()?;
         let file: FileId = sources.add(path.display().to_string(), "");
         let tree = syntax::parse(file, &text).tree;
+        self.places.insert(path.to_path_buf(), self.files.len());
         self.files.push(SourceFile { path: path.to_path_buf(), text, tree, uses: Vec::new() });
         Some(self.files.len() - 1)
     }
 
     /// The place of a file in the index.
     pub fn file(&self, path: &Path) -> Option<usize> {
-        self.files.iter().position(|file| file.path == path)
+        self.places.get(path).copied()
     }
 
     /// What is named at a byte of a file, the end of the name included.

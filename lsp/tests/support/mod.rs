@@ -10,24 +10,47 @@ use msk_lsp::Ended;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Far more than any answer takes, so that only a server that hangs fails by it.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Files on disk, for the server.
+/// Files on disk, for the server. Others may change them at any time. Listing a folder called `panic` panics.
 #[derive(Default, Clone)]
-pub struct Disk(pub BTreeMap<PathBuf, String>);
+pub struct Disk(Arc<Mutex<BTreeMap<PathBuf, String>>>);
 
-impl Loader for Disk {
-    fn load(&self, path: &Path) -> Result<String, LoadError> {
-        self.0.get(path).cloned().ok_or_else(|| LoadError::Missing(path.to_path_buf()))
+impl Disk {
+    /// Writes a file.
+    pub fn write(&self, path: impl Into<PathBuf>, text: &str) {
+        self.0.lock().unwrap().insert(path.into(), text.to_owned());
+    }
+
+    fn below(&self, root: &Path) -> Vec<PathBuf> {
+        assert!(!root.display().to_string().contains("panic"), "this folder makes the server panic");
+        self.0.lock().unwrap().keys().filter(|path| path.starts_with(root)).cloned().collect()
     }
 }
 
-/// The human body, its vocabulary read from the compiler's fixture.
-pub struct Human;
+impl Loader for Disk {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        self.0.lock().unwrap().get(path).cloned().ok_or_else(|| LoadError::Missing(path.to_path_buf()))
+    }
+}
+
+/// The human body, its vocabulary read from the compiler's fixture; from its second revision on the pelvis has another name. A body
+/// called `panic` panics.
+#[derive(Default, Clone)]
+pub struct Human(Arc<AtomicU64>);
+
+impl Human {
+    /// Changes the model behind the body.
+    pub fn change(&self) {
+        self.0.fetch_add(1, Ordering::SeqCst);
+    }
+}
 
 impl BodySource for Human {
     fn find(&self, name: &str) -> Option<(PathBuf, String)> {
@@ -35,9 +58,20 @@ impl BodySource for Human {
         (name == "human").then(|| (PathBuf::from("<built-in>/bodies/human.msk"), text.to_owned()))
     }
 
-    fn vocabulary(&self, _: &BodyDescription) -> Result<Vocabulary, String> {
+    fn vocabulary(&self, description: &BodyDescription) -> Result<Vocabulary, String> {
+        assert_ne!(description.name, "panic", "this body makes the compiler panic");
         let text = include_str!("../../../compiler/tests/fixtures/human_vocabulary.json");
-        serde_json::from_str(text).map_err(|error| error.to_string())
+        let mut vocabulary: Vocabulary = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        if let Some(pelvis) = vocabulary.landmarks.iter_mut().find(|landmark| landmark.name == "pelvis")
+            && self.0.load(Ordering::SeqCst) > 0
+        {
+            pelvis.name = "basin".to_owned();
+        }
+        Ok(vocabulary)
+    }
+
+    fn revision(&self, _: &BodyDescription) -> u64 {
+        self.0.load(Ordering::SeqCst)
     }
 }
 
@@ -49,20 +83,29 @@ pub struct Client {
     early: Vec<Response>,
     /// What was last told of each file.
     pub told: BTreeMap<String, PublishDiagnosticsParams>,
+    /// Lines of the log.
+    pub log: Vec<String>,
+    /// The files that the server reads.
+    pub disk: Disk,
+    /// The body that the server reads.
+    pub human: Human,
 }
 
 impl Client {
     /// Starts a server that is not initialised.
     pub fn new(files: &[(&str, &str)]) -> Self {
         let (server, connection) = Connection::memory();
-        let body = Human.find("human");
-        let files = files.iter().map(|(path, text)| (PathBuf::from(path), (*text).to_owned()));
-        let disk = Disk(files.chain(body).collect());
-        let thread = std::thread::spawn(move || {
-            let list = |root: &Path| disk.0.keys().filter(|path| path.starts_with(root)).cloned().collect();
-            msk_lsp::serve(&server, &disk, &Human, &list).unwrap()
-        });
-        Self { connection, server: Some(thread), next: 0, early: Vec::new(), told: BTreeMap::new() }
+        let (disk, human) = (Disk::default(), Human::default());
+        for (path, text) in files {
+            disk.write(*path, text);
+        }
+        if let Some((path, text)) = human.find("human") {
+            disk.write(path, &text);
+        }
+        let (files, body) = (disk.clone(), human.clone());
+        let thread = std::thread::spawn(move || msk_lsp::serve(&server, &files, &body, &|root: &Path| files.below(root)));
+        let (early, told, log) = Default::default();
+        Self { connection, server: Some(thread), next: 0, early, told, log, disk, human }
     }
 
     /// Starts one and greets it.
@@ -73,10 +116,15 @@ impl Client {
     /// The same with what the client can do.
     pub fn greeted(files: &[(&str, &str)], capabilities: Value) -> Self {
         let mut client = Self::new(files);
-        let folders = json!([{ "uri": "file:///project", "name": "project" }]);
-        client.ask("initialize", json!({ "capabilities": capabilities, "workspaceFolders": folders })).unwrap();
-        client.tell("initialized", json!({}));
+        client.greet("file:///project", capabilities);
         client
+    }
+
+    /// Begins the conversation, with a folder open.
+    pub fn greet(&mut self, folder: &str, capabilities: Value) {
+        let folders = json!([{ "uri": folder, "name": "project" }]);
+        self.ask("initialize", json!({ "capabilities": capabilities, "workspaceFolders": folders })).unwrap();
+        self.tell("initialized", json!({}));
     }
 
     /// Sends a notification.
@@ -131,6 +179,10 @@ impl Client {
             Message::Notification(n) if n.method == told::PublishDiagnostics::METHOD => {
                 let news: PublishDiagnosticsParams = serde_json::from_value(n.params).unwrap();
                 self.told.insert(news.uri.as_str().to_owned(), news);
+                None
+            }
+            Message::Notification(n) if n.method == told::LogMessage::METHOD => {
+                self.log.push(n.params["message"].as_str().unwrap().to_owned());
                 None
             }
             other => panic!("unexpected {other:?}"),
