@@ -55,8 +55,8 @@ pub struct ReadResults {
     pub last: Option<usize>,
 }
 
-/// Plays episodes until they are done or the budget is spent. Nothing is written.
-pub fn evaluate(project: &Project, asked: &Evaluate) -> Result<Value, Failure> {
+/// Plays episodes until they are done, the budget is spent, or the request is cancelled. Nothing is written.
+pub fn evaluate(project: &Project, asked: &Evaluate, cancelled: &dyn Fn() -> bool) -> Result<Value, Failure> {
     let task = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
     let trial = project.trial(task)?;
     let seed = asked.seed.unwrap_or(0);
@@ -69,12 +69,15 @@ pub fn evaluate(project: &Project, asked: &Evaluate) -> Result<Value, Failure> {
     let limit = Duration::from_secs_f64(seconds);
     let stepped = || {
         let taken = steps.fetch_add(1, Ordering::Relaxed) + 1;
-        if taken >= most || start.elapsed() > limit {
+        if taken >= most || start.elapsed() > limit || cancelled() {
             stop.store(true, Ordering::Relaxed);
         }
     };
     let mut records = Vec::new();
     for index in 0..episodes {
+        if cancelled() {
+            break;
+        }
         let key = EpisodeKey { seed, episode: index };
         match play(&trial, &mut episode, key, policy.as_mut(), &stop, stepped)? {
             Some(record) => records.push(record),
@@ -83,6 +86,9 @@ pub fn evaluate(project: &Project, asked: &Evaluate) -> Result<Value, Failure> {
         if stop.load(Ordering::Relaxed) {
             break;
         }
+    }
+    if cancelled() {
+        return Err("cancelled".into());
     }
     let plan = Plan { policy: policy.name().to_owned(), trials: vec![trial], protocol: Protocol { episodes, seed } };
     let summary = Summary::of(&plan, &records);

@@ -4,18 +4,21 @@
 //! * Resources are the reference of the language, the vocabulary of the human body, and how to edit weights.
 //! * Everything happens inside one folder, the project. A path that leads out of it, also through a link, is refused; and what
 //!   writes only says what it would write, unless it is told to.
+//! * Every line is answered, one evaluation runs on each core, and a client that cancels or goes away stops what it started.
 
 mod confine;
 mod evaluation;
 mod project;
+mod queue;
 mod resources;
 mod server;
+mod transport;
 mod weights;
 
 pub use confine::{Confined, Outside};
-pub use server::Server;
+pub use server::{Server, WAITING_EVALUATIONS};
+pub use transport::LONGEST_LINE;
 
-use rmcp::ServiceExt;
 use std::path::Path;
 
 /// Why the server ended before its client did.
@@ -39,9 +42,8 @@ pub enum ServeError {
 pub fn serve(root: &Path) -> Result<(), ServeError> {
     let server = Server::new(root)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(async {
-        let running = server.serve(rmcp::transport::stdio()).await.map_err(|error| ServeError::Client(error.to_string()))?;
-        running.waiting().await.map_err(|error| ServeError::Client(error.to_string()))?;
-        Ok(())
-    })
+    let served = runtime.block_on(server.converse(tokio::io::stdin(), tokio::io::stdout()));
+    // A read of standard input, or a write to an output that nobody reads, would be waited for.
+    runtime.shutdown_background();
+    served
 }

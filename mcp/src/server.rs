@@ -3,8 +3,10 @@
 use crate::confine::{Confined, Outside};
 use crate::evaluation::{self, Evaluate, ReadResults};
 use crate::project::{Draft, Failure, Project, SUITE};
-use crate::resources;
+use crate::queue::Queue;
+use crate::transport::{Closing, Conversation};
 use crate::weights::{self, Apply, Propose};
+use crate::{ServeError, resources};
 use msk_compiler::diagnostics::Report;
 use msk_compiler::difference::Difference;
 use msk_compiler::explain;
@@ -16,13 +18,20 @@ use rmcp::model::{
     CallToolResult, ContentBlock, Implementation, ListResourcesResult, PaginatedRequestParams, ReadResourceRequestParams,
     ReadResourceResponse, ReadResourceResult, ResourceContents, ServerCapabilities, ServerConfig,
 };
-use rmcp::service::RequestContext;
-use rmcp::{ErrorData, RoleServer, ServerHandler, tool, tool_handler, tool_router};
+use rmcp::service::{RequestContext, ServerInitializeError};
+use rmcp::{ErrorData, RoleServer, ServerHandler, ServiceExt, tool, tool_handler, tool_router};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
+use tokio::io::{AsyncRead, AsyncWrite};
+
+/// Evaluations that may wait while one runs on each core.
+pub const WAITING_EVALUATIONS: usize = 16;
+/// Other calls that may wait while one runs on each core.
+const WAITING_CALLS: usize = 64;
 
 const INSTRUCTIONS: &str = "MSK tasks describe motor control as text: rewards are sums of weight times term. Begin with list_tasks and \
     list_terms. Edits of weights are data: propose_weights shows what the rules of change allow, apply_weights writes it (dry run \
@@ -32,7 +41,33 @@ const INSTRUCTIONS: &str = "MSK tasks describe motor control as text: rewards ar
 #[derive(Clone)]
 pub struct Server {
     project: Arc<Project>,
+    evaluations: Queue,
+    calls: Queue,
+    closing: Closing,
     tool_router: ToolRouter<Self>,
+}
+
+/// Tells waiting and running work that nobody wants its answer any more.
+struct Cancellation {
+    request: RequestContext<RoleServer>,
+    /// What ends by itself is still answered when the input has ended; what may take minutes is not.
+    closing: Option<Closing>,
+}
+
+impl Cancellation {
+    fn is_set(&self) -> bool {
+        self.request.ct.is_cancelled() || self.closing.as_ref().is_some_and(Closing::is_set)
+    }
+
+    async fn wait(&self) {
+        match &self.closing {
+            Some(closing) => tokio::select! {
+                () = self.request.ct.cancelled() => {}
+                () = closing.wait() => {}
+            },
+            None => self.request.ct.cancelled().await,
+        }
+    }
 }
 
 /// A file of tasks.
@@ -87,13 +122,67 @@ impl Server {
     /// A folder that cannot be used.
     pub fn new(root: &Path) -> Result<Self, Outside> {
         let project = Project { confined: Confined::new(root)?, library: BodyLibrary::default() };
-        Ok(Self { project: Arc::new(project), tool_router: Self::tool_router() })
+        let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        Ok(Self {
+            project: Arc::new(project),
+            evaluations: Queue::new(cores, WAITING_EVALUATIONS),
+            calls: Queue::new(cores, WAITING_CALLS),
+            closing: Closing::default(),
+            tool_router: Self::tool_router(),
+        })
     }
 
-    /// Does something that takes time where it holds up nobody.
-    async fn answer(&self, work: impl FnOnce(&Project) -> Result<Value, Failure> + Send + 'static) -> CallToolResult {
+    /// Serves a client until its input ends, which cancels all that still runs.
+    ///
+    /// # Errors
+    /// A client that does not speak the protocol.
+    pub async fn converse<R, W>(self, input: R, output: W) -> Result<(), ServeError>
+    where
+        R: AsyncRead + Send + Unpin + 'static,
+        W: AsyncWrite + Send + Unpin + 'static,
+    {
+        let conversation = Conversation::over(input, output, self.closing.clone());
+        let running = match self.serve(conversation).await {
+            Ok(running) => running,
+            // Nobody asked anything.
+            Err(ServerInitializeError::ConnectionClosed(_)) => return Ok(()),
+            Err(error) => return Err(ServeError::Client(error.to_string())),
+        };
+        running.waiting().await.map_err(|error| ServeError::Client(error.to_string()))?;
+        Ok(())
+    }
+
+    /// Does short work in its turn, where it holds up nobody.
+    async fn answer(
+        &self,
+        request: RequestContext<RoleServer>,
+        work: impl FnOnce(&Project) -> Result<Value, Failure> + Send + 'static,
+    ) -> CallToolResult {
+        self.in_turn(&self.calls, Cancellation { request, closing: None }, move |project, _| work(project)).await
+    }
+
+    /// Does `work` in its turn in `queue`. The work is told, when it asks, that the request has been cancelled.
+    async fn in_turn(
+        &self,
+        queue: &Queue,
+        cancellation: Cancellation,
+        work: impl FnOnce(&Project, &dyn Fn() -> bool) -> Result<Value, Failure> + Send + 'static,
+    ) -> CallToolResult {
+        let turn = tokio::select! {
+            turn = queue.turn() => turn,
+            () = cancellation.wait() => return CallToolResult::structured_error(json!({ "error": "cancelled before it began" })),
+        };
+        let turn = match turn {
+            Ok(turn) => turn,
+            Err(busy) => return CallToolResult::structured_error(json!({ "error": busy.to_string(), "busy": true })),
+        };
         let project = self.project.clone();
-        match tokio::task::spawn_blocking(move || work(&project)).await {
+        let work = move || {
+            // Held until the work has really ended.
+            let _turn = turn;
+            work(&project, &|| cancellation.is_set())
+        };
+        match tokio::task::spawn_blocking(work).await {
             Ok(Ok(value)) => CallToolResult::structured(value),
             Ok(Err(Failure(told))) => CallToolResult::structured_error(told),
             Err(error) => CallToolResult::error(vec![ContentBlock::text(format!("the tool failed: {error}"))]),
@@ -102,8 +191,8 @@ impl Server {
 
     /// Lists tasks.
     #[tool(description = "List the tasks of a file or suite", annotations(read_only_hint = true))]
-    pub async fn list_tasks(&self, Parameters(asked): Parameters<File>) -> CallToolResult {
-        self.answer(move |project| {
+    pub async fn list_tasks(&self, Parameters(asked): Parameters<File>, request: RequestContext<RoleServer>) -> CallToolResult {
+        self.answer(request, move |project| {
             let compilation = project.compile(asked.file.as_deref().unwrap_or(SUITE))?;
             let row = |task: &Arc<CompiledTask>| {
                 json!({
@@ -121,8 +210,8 @@ impl Server {
         description = "List the reward terms of a task: weight, where it comes from, what it may be, the term's range and formula",
         annotations(read_only_hint = true)
     )]
-    pub async fn list_terms(&self, Parameters(asked): Parameters<Task>) -> CallToolResult {
-        self.answer(move |project| {
+    pub async fn list_terms(&self, Parameters(asked): Parameters<Task>, request: RequestContext<RoleServer>) -> CallToolResult {
+        self.answer(request, move |project| {
             let task = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
             let terms: Vec<Value> = (0..task.terms.len()).map(|index| weights::term(&task, index)).collect();
             Ok(json!({ "task": task.name, "terms": terms }))
@@ -135,8 +224,8 @@ impl Server {
         description = "Explain a task: formulas, weights, ranges, values at reset, what each term reads, ends, observation",
         annotations(read_only_hint = true)
     )]
-    pub async fn explain(&self, Parameters(asked): Parameters<Task>) -> CallToolResult {
-        self.answer(move |project| {
+    pub async fn explain(&self, Parameters(asked): Parameters<Task>, request: RequestContext<RoleServer>) -> CallToolResult {
+        self.answer(request, move |project| {
             let task = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
             let episode = project.trial(task.clone())?.episode()?;
             Ok(json!({ "text": explain::text(&task, &explain::Options { reset: Some(episode.frame()) }) }))
@@ -149,8 +238,8 @@ impl Server {
         description = "Check the text of a task file, or a file: errors and warnings with places, what was expected and found, fixes",
         annotations(read_only_hint = true)
     )]
-    pub async fn check(&self, Parameters(asked): Parameters<Check>) -> CallToolResult {
-        self.answer(move |project| {
+    pub async fn check(&self, Parameters(asked): Parameters<Check>, request: RequestContext<RoleServer>) -> CallToolResult {
+        self.answer(request, move |project| {
             let file = asked.file.as_deref().unwrap_or("draft.msk");
             let compiled = match &asked.text {
                 Some(text) => project.compile_with(file, &Draft { name: file, text, confined: &project.confined }),
@@ -177,8 +266,12 @@ impl Server {
                        zeros kept, and a norm if one is given. Writes nothing",
         annotations(read_only_hint = true)
     )]
-    pub async fn propose_weights(&self, Parameters(asked): Parameters<Propose>) -> CallToolResult {
-        self.answer(move |project| weights::propose(project, &asked)).await
+    pub async fn propose_weights(
+        &self,
+        Parameters(asked): Parameters<Propose>,
+        request: RequestContext<RoleServer>,
+    ) -> CallToolResult {
+        self.answer(request, move |project| weights::propose(project, &asked)).await
     }
 
     /// Applies weights.
@@ -187,17 +280,24 @@ impl Server {
                        file over it. A dry run unless dry_run is false",
         annotations(read_only_hint = false, destructive_hint = false, idempotent_hint = true)
     )]
-    pub async fn apply_weights(&self, Parameters(asked): Parameters<Apply>) -> CallToolResult {
-        self.answer(move |project| weights::apply(project, &asked)).await
+    pub async fn apply_weights(
+        &self,
+        Parameters(asked): Parameters<Apply>,
+        request: RequestContext<RoleServer>,
+    ) -> CallToolResult {
+        self.answer(request, move |project| weights::apply(project, &asked)).await
     }
 
     /// Runs episodes.
     #[tool(
-        description = "Run a few episodes of a task under a built-in policy within a budget of steps and seconds, and sum them up",
+        description = "Run a few episodes of a task under a built-in policy within a budget of steps and seconds, and sum them up. \
+                       One runs on each core, a few wait; further ones are answered with `busy: true`",
         annotations(read_only_hint = true)
     )]
-    pub async fn evaluate(&self, Parameters(asked): Parameters<Evaluate>) -> CallToolResult {
-        self.answer(move |project| evaluation::evaluate(project, &asked)).await
+    pub async fn evaluate(&self, Parameters(asked): Parameters<Evaluate>, request: RequestContext<RoleServer>) -> CallToolResult {
+        let cancellation = Cancellation { request, closing: Some(self.closing.clone()) };
+        self.in_turn(&self.evaluations, cancellation, move |project, cancelled| evaluation::evaluate(project, &asked, cancelled))
+            .await
     }
 
     /// Compares two versions.
@@ -206,8 +306,8 @@ impl Server {
                        another weights file",
         annotations(read_only_hint = true)
     )]
-    pub async fn diff(&self, Parameters(asked): Parameters<Diff>) -> CallToolResult {
-        self.answer(move |project| {
+    pub async fn diff(&self, Parameters(asked): Parameters<Diff>, request: RequestContext<RoleServer>) -> CallToolResult {
+        self.answer(request, move |project| {
             let one = project.task(asked.file.as_deref(), &asked.task, asked.overlay.as_deref())?;
             let file = asked.other_file.as_deref().or(asked.file.as_deref());
             let other = project.task(file, asked.other_task.as_deref().unwrap_or(&asked.task), asked.other_overlay.as_deref())?;
@@ -223,8 +323,12 @@ impl Server {
         description = "List folders of results, or read a file of one: summary, report, journal, rounds of a tuning session",
         annotations(read_only_hint = true)
     )]
-    pub async fn read_results(&self, Parameters(asked): Parameters<ReadResults>) -> CallToolResult {
-        self.answer(move |project| evaluation::read_results(project, &asked)).await
+    pub async fn read_results(
+        &self,
+        Parameters(asked): Parameters<ReadResults>,
+        request: RequestContext<RoleServer>,
+    ) -> CallToolResult {
+        self.answer(request, move |project| evaluation::read_results(project, &asked)).await
     }
 }
 
@@ -251,8 +355,12 @@ impl ServerHandler for Server {
         _: RequestContext<RoleServer>,
     ) -> Result<ReadResourceResponse, ErrorData> {
         let (project, uri) = (self.project.clone(), request.uri.clone());
-        let found = tokio::task::spawn_blocking(move || resources::read(&project, &uri)).await;
-        match found {
+        let turn = self.calls.turn().await.map_err(|busy| ErrorData::internal_error(busy.to_string(), None))?;
+        let work = move || {
+            let _turn = turn;
+            resources::read(&project, &uri)
+        };
+        match tokio::task::spawn_blocking(work).await {
             Ok(Ok(Some((text, kind)))) => {
                 let contents = ResourceContents::text(text, request.uri).with_mime_type(kind);
                 Ok(ReadResourceResult::new(vec![contents]).into())
