@@ -2,6 +2,7 @@
 
 use crate::error::{Context, Error, FAILURE};
 use crate::project::{Settings, compiled};
+use crate::texts;
 use clap::ValueEnum;
 use msk::compiler::difference::Difference;
 use msk::compiler::snapshot::Snapshot;
@@ -78,7 +79,7 @@ fn by_name(before: &[Snapshot], after: &[Snapshot]) -> Vec<Difference> {
 /// What is named: a task, the tasks of a file, or a snapshot.
 fn snapshots(named: &str, settings: &Settings) -> Result<Vec<Snapshot>, Error> {
     if named.ends_with(".snapshot") {
-        let text = std::fs::read_to_string(Path::new(named)).context(|| format!("cannot read `{named}`"))?;
+        let text = texts::read(Path::new(named))?;
         return Ok(vec![text.parse().context(|| format!("cannot read `{named}`"))?]);
     }
     Ok(compiled(named, &settings.settings)?.iter().map(|task| task.snapshot()).collect())

@@ -1,14 +1,14 @@
 //! `msk mcp`: a server for agents over standard input and output.
 
-use crate::error::{Context, Error};
+use crate::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Serve agents over standard input and output by the Model Context Protocol
 ///
 /// Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes within a budget, compare, and
-/// read results; resources hold the reference and the vocabulary. Nothing outside of the project is read as a task or written,
-/// and writing is a dry run unless the agent says otherwise. docs/weights.md shows how to set a client up.
+/// read results; resources hold the reference and the vocabulary. Nothing outside of the project is read or written, and
+/// writing is a dry run unless the agent says otherwise. docs/weights.md shows how to set a client up.
 #[derive(clap::Args)]
 pub struct Args {
     /// The folder that holds tasks.msk
@@ -21,8 +21,6 @@ pub struct Args {
 /// # Errors
 /// A folder that cannot be used, or a client that does not speak the protocol.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    // Models of bodies are found from the folder in which the program stands.
-    std::env::set_current_dir(&args.project).context(|| format!("cannot use the project `{}`", args.project.display()))?;
-    msk_mcp::serve(std::path::Path::new("."))?;
+    msk_mcp::serve(&args.project)?;
     Ok(ExitCode::SUCCESS)
 }

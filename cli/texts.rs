@@ -1,7 +1,7 @@
 //! Texts on disk: which there are, and how one is replaced so that no reader ever sees half of it.
 
 use crate::error::{Context, Error};
-use msk_storage::Folder;
+use msk_storage::{Folder, read_text_file};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +43,17 @@ fn look_through(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Error> {
     Ok(())
 }
 
+/// Most bytes that are read of a text.
+const LARGEST: u64 = 64 << 20;
+
+/// The text of a regular file of at most 64 MiB.
+///
+/// # Errors
+/// There is no such file, it is a folder, pipe or device, it is too large or not UTF-8, or it cannot be read.
+pub fn read(path: &Path) -> Result<String, Error> {
+    read_text_file(path, LARGEST).map_err(|error| Error::new(format!("cannot read {}: {}", path.display(), error.reason())))
+}
+
 /// Replaces a file in one step: readers see the old text or the new one. A link stays a link: what it leads to is replaced.
 ///
 /// # Errors
@@ -57,7 +68,7 @@ pub fn replace(path: &Path, text: &str) -> Result<(), Error> {
 /// # Errors
 /// The file cannot be read or written.
 pub fn replace_if(path: &Path, before: &str, text: &str) -> Result<bool, Error> {
-    let now = fs::read_to_string(path).context(|| format!("cannot read `{}`", path.display()))?;
+    let now = read(path)?;
     if now != before || now == text {
         return Ok(false);
     }

@@ -9,9 +9,8 @@ mod muscle;
 mod rollout;
 
 use crate::error::{Context, Error};
+use crate::texts;
 use msk_runtime::{bodies, inspect::StateFile, model::Model, physics::State};
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -87,11 +86,8 @@ fn named_state(model: &Model, name: &str) -> Result<State<f64>, Error> {
     Ok(frame.state(model))
 }
 
-/// Reads a state file of at most 64 MiB.
+/// Reads a state file.
 pub fn read_state(path: &Path) -> Result<StateFile, Error> {
-    const LARGEST: u64 = 64 << 20;
-    let mut text = String::new();
-    let file = File::open(path).context(|| format!("cannot read {}", path.display()))?;
-    file.take(LARGEST).read_to_string(&mut text).context(|| format!("cannot read {}", path.display()))?;
+    let text = texts::read(path)?;
     serde_json::from_str(&text).context(|| format!("{} is not a state", path.display()))
 }

@@ -1,14 +1,18 @@
-//! Paths inside one folder.
+//! One folder that nothing leads out of.
 
-use msk_compiler::body::BodyDescription;
-use msk_compiler::files::{BodySource, LoadError, Loader};
-use msk_compiler::vocabulary::Vocabulary;
-use msk_runtime::library::{BodyLibrary, FileLoader};
-use std::path::{Component, Path, PathBuf};
+use msk_compiler::files::{LARGEST_FILE, LoadError, Loader, plain};
+use msk_runtime::bodies;
+use msk_runtime::files::load_error;
+use msk_runtime::model::ModelFiles;
+use msk_storage::{Folder, StorageError};
+use std::path::{Path, PathBuf};
 
-/// A folder that nothing leads out of.
+/// The project's folder, opened once. All that the server reads and writes is found beneath it by the operating system, so that no
+/// path, link or exchange of folders leads elsewhere; and the answer for a path that leads out is the same whether anything is there.
 #[derive(Debug, Clone)]
 pub struct Confined {
+    folder: Folder,
+    /// Where the folder is, without links: absolute paths beneath it mean what the relative ones do.
     root: PathBuf,
 }
 
@@ -16,7 +20,7 @@ pub struct Confined {
 #[derive(Debug, thiserror::Error)]
 pub enum Outside {
     /// It leads out of the project.
-    #[error("`{}` leads out of the project: paths are relative to it and stay in it", .0.display())]
+    #[error("`{}` {LEADS_OUT}", .0.display())]
     Escapes(PathBuf),
     /// It cannot be followed.
     #[error("`{}` cannot be used: {reason}", path.display())]
@@ -28,98 +32,72 @@ pub enum Outside {
     },
 }
 
+const LEADS_OUT: &str = "leads out of the project: paths are relative to it and stay in it";
+
+impl Outside {
+    /// Puts a refusal of the storage into words, with the path as it was asked for.
+    pub fn of(path: &Path, error: &StorageError) -> Self {
+        match error {
+            StorageError::Outside { .. } => Self::Escapes(path.into()),
+            other => Self::Unusable { path: path.into(), reason: other.reason() },
+        }
+    }
+}
+
 impl Confined {
     /// The folder `root`, which must exist.
     ///
     /// # Errors
     /// No folder.
     pub fn new(root: &Path) -> Result<Self, Outside> {
-        let unusable = |reason: String| Outside::Unusable { path: root.into(), reason };
-        let root = std::fs::canonicalize(root).map_err(|error| unusable(error.to_string()))?;
-        if root.is_dir() { Ok(Self { root }) } else { Err(unusable("it is no folder".into())) }
+        let folder = Folder::open(root).map_err(|error| Outside::of(root, &error))?;
+        let absolute = std::fs::canonicalize(root);
+        let root = absolute.map_err(|error| Outside::Unusable { path: root.into(), reason: error.to_string() })?;
+        Ok(Self { folder, root })
     }
 
     /// The folder.
-    pub fn root(&self) -> &Path {
-        &self.root
+    pub fn folder(&self) -> &Folder {
+        &self.folder
     }
 
-    /// Where a file or folder that exists lies: all links are followed before it is judged.
+    /// The one spelling of a path, relative to the folder: two paths to a file without links between them have the same.
+    pub fn spelled(&self, path: &Path) -> PathBuf {
+        let path = plain(path);
+        path.strip_prefix(&self.root).map(Path::to_path_buf).unwrap_or(path)
+    }
+
+    /// The text of a file of at most `limit` bytes; `None` if there is none.
     ///
     /// # Errors
-    /// A path that does not exist or leads out.
-    pub fn existing(&self, path: &Path) -> Result<PathBuf, Outside> {
-        self.plain(path)?;
-        let whole = self.root.join(path);
-        match std::fs::canonicalize(&whole) {
-            Ok(found) => self.inside(path, found),
-            // What does not exist is told only of places inside: nobody learns here what lies elsewhere.
-            Err(error) => {
-                let nearest = whole.ancestors().skip(1).find_map(|folder| std::fs::canonicalize(folder).ok());
-                self.inside(path, nearest.unwrap_or_default())?;
-                Err(Outside::Unusable { path: path.into(), reason: error.to_string() })
-            }
-        }
-    }
-
-    /// Where a file may be written: it, or the folder that it shall lie in, exists inside.
-    ///
-    /// # Errors
-    /// A path that leads out, ends in no name, or whose folder does not exist.
-    pub fn writable(&self, path: &Path) -> Result<PathBuf, Outside> {
-        self.plain(path)?;
-        let whole = self.root.join(path);
-        // A link that leads nowhere yet would be followed when it is written to.
-        if std::fs::symlink_metadata(&whole).is_ok() {
-            return self.existing(path);
-        }
-        let name = whole.file_name().ok_or_else(|| Outside::Escapes(path.into()))?.to_owned();
-        let folder = path.parent().unwrap_or(Path::new(""));
-        Ok(self.existing(folder)?.join(name))
-    }
-
-    /// A path without detours, so that what is judged is what is meant.
-    fn plain(&self, path: &Path) -> Result<(), Outside> {
-        let climbs = path.components().any(|part| matches!(part, Component::ParentDir | Component::Prefix(_)));
-        // An absolute path is as good as a relative one if it lies inside.
-        if climbs || (path.is_absolute() && !path.starts_with(&self.root)) { Err(Outside::Escapes(path.into())) } else { Ok(()) }
-    }
-
-    fn inside(&self, path: &Path, found: PathBuf) -> Result<PathBuf, Outside> {
-        if found.starts_with(&self.root) { Ok(found) } else { Err(Outside::Escapes(path.into())) }
+    /// A path that leads out, or what is no regular file of text within the limit.
+    pub fn text(&self, path: &Path, limit: u64) -> Result<Option<String>, Outside> {
+        self.folder.read_text(&self.spelled(path), limit).map_err(|error| Outside::of(path, &error))
     }
 }
 
-/// Reads texts inside the folder; a task may use a file that lies beside its own folder, but none outside of the project.
+/// Reads texts beneath the folder; a task may use a file that lies beside its own folder, but none outside of the project.
 impl Loader for Confined {
     fn load(&self, path: &Path) -> Result<String, LoadError> {
-        let whole = self.root.join(path);
-        let Ok(found) = std::fs::canonicalize(&whole) else { return Err(LoadError::Missing(path.into())) };
-        match self.inside(path, found) {
-            Ok(found) => FileLoader.load(&found),
-            Err(outside) => Err(LoadError::Unreadable { path: path.into(), reason: outside.to_string() }),
+        if let Some(text) = bodies::text(path) {
+            return Ok(text);
+        }
+        match self.folder.read_text(&self.spelled(path), LARGEST_FILE) {
+            Ok(text) => text.ok_or_else(|| LoadError::Missing(path.into())),
+            Err(StorageError::Outside { .. }) => {
+                Err(LoadError::Unreadable { path: path.into(), reason: format!("it {LEADS_OUT}") })
+            }
+            Err(error) => Err(load_error(path, &error)),
         }
     }
 }
 
-/// Bodies of the project and those that are built in.
-pub struct Bodies<'a> {
-    pub confined: &'a Confined,
-    pub library: &'a BodyLibrary,
-}
-
-impl BodySource for Bodies<'_> {
-    fn find(&self, name: &str) -> Option<(PathBuf, String)> {
-        self.library.find(name)
-    }
-
-    fn vocabulary(&self, description: &BodyDescription) -> Result<Vocabulary, String> {
-        // A model that is a file on disk must be one of the project's.
-        if let Ok(found) = std::fs::canonicalize(&description.model)
-            && !found.starts_with(self.confined.root())
-        {
-            return Err(Outside::Escapes(PathBuf::from(&description.model)).to_string());
-        }
-        self.library.vocabulary(description)
+/// Reads models, what they include, their meshes and height fields beneath the folder.
+impl ModelFiles for Confined {
+    fn read(&self, path: &Path, limit: u64) -> Result<Option<Vec<u8>>, String> {
+        self.folder.read(&self.spelled(path), limit).map_err(|error| match error {
+            StorageError::Outside { .. } => format!("it {LEADS_OUT}"),
+            other => other.reason(),
+        })
     }
 }

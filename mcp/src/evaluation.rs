@@ -1,12 +1,15 @@
 //! A few episodes, within a budget, and results that lie in the project.
 
+use crate::confine::Outside;
 use crate::project::{Failure, Project};
 use msk_runtime::episode::EpisodeKey;
 use msk_runtime::evaluate::{Plan, Protocol, Summary, play};
 use msk_runtime::policy;
+use msk_storage::Kind;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -19,6 +22,8 @@ const STEPS: u64 = 200_000;
 const SECONDS: f64 = 600.0;
 /// Largest results that are read, bytes.
 const LARGEST: u64 = 4 << 20;
+/// Largest journal that is read, bytes.
+const LARGEST_JOURNAL: u64 = 64 << 20;
 /// Most lines of a journal in one answer.
 const LINES: usize = 200;
 
@@ -115,12 +120,9 @@ pub fn read_results(project: &Project, asked: &ReadResults) -> Result<Value, Fai
     if !FILES.contains(&file) {
         return Err(Failure(json!({ "error": format!("`{file}` is no file of results"), "files": FILES })));
     }
-    let path = project.confined.existing(&Path::new(folder).join(file))?;
-    let size = std::fs::metadata(&path)?.len();
-    if size > LARGEST && !file.ends_with(".jsonl") {
-        return Err(Failure(json!({ "error": format!("`{file}` has {size} bytes, more than {LARGEST}") })));
-    }
-    let text = std::fs::read_to_string(&path)?;
+    let path = Path::new(folder).join(file);
+    let limit = if file.ends_with(".jsonl") { LARGEST_JOURNAL } else { LARGEST };
+    let text = project.confined.text(&path, limit)?.ok_or_else(|| format!("there is no file `{}`", path.display()))?;
     Ok(match file {
         _ if file.ends_with(".jsonl") => {
             // A last line without its end is still being written.
@@ -138,16 +140,12 @@ pub fn read_results(project: &Project, asked: &ReadResults) -> Result<Value, Fai
 
 /// The folders of results.
 fn list(project: &Project) -> Result<Value, Failure> {
-    let Ok(results) = project.confined.existing(Path::new("results")) else {
-        return Ok(json!({ "results": [] }));
+    let results = Path::new("results");
+    let entries = match project.confined.folder().entries(results) {
+        Err(error) if error.kind() == Some(ErrorKind::NotFound) => Vec::new(),
+        entries => entries.map_err(|error| Outside::of(results, &error))?,
     };
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(results)? {
-        let entry = entry?;
-        if entry.path().is_dir() {
-            names.push(format!("results/{}", entry.file_name().to_string_lossy()));
-        }
-    }
-    names.sort();
+    let folders = entries.iter().filter(|entry| entry.kind == Kind::Folder);
+    let names: Vec<String> = folders.map(|entry| format!("results/{}", entry.name.display())).collect();
     Ok(json!({ "results": names }))
 }

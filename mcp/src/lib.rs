@@ -2,8 +2,8 @@
 //!
 //! * Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes, compare, read results.
 //! * Resources are the reference of the language, the vocabulary of the human body, and how to edit weights.
-//! * Everything happens inside one folder, the project. A path that leads out of it, also through a link, is refused; and what
-//!   writes only says what it would write, unless it is told to.
+//! * Everything happens beneath one opened folder, the project: what a path, a link or a model's file names lead to elsewhere is
+//!   neither read nor written, and nobody learns whether it exists. What writes only says what it would write, unless it is told to.
 //! * Every line is answered, one evaluation runs on each core, and a client that cancels or goes away stops what it started.
 
 mod confine;

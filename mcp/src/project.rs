@@ -1,8 +1,8 @@
 //! Tasks of the project, compiled.
 
-use crate::confine::{Bodies, Confined};
+use crate::confine::{Confined, Outside};
 use msk_compiler::diagnostics::SourceMap;
-use msk_compiler::files::{LoadError, Loader};
+use msk_compiler::files::{LARGEST_FILE, LoadError, Loader};
 use msk_compiler::task::{CompiledTask, Origin};
 use msk_compiler::{Compilation, compile};
 use msk_runtime::evaluate::Trial;
@@ -32,16 +32,25 @@ pub struct Project {
 }
 
 impl Project {
+    /// The project in `root`, whose models are read beneath it, too.
+    ///
+    /// # Errors
+    /// A folder that cannot be used.
+    pub fn new(root: &Path) -> Result<Self, Outside> {
+        let confined = Confined::new(root)?;
+        Ok(Self { library: BodyLibrary::of(confined.clone()), confined })
+    }
+
     /// Compiles a file of the project.
     pub fn compile(&self, file: &str) -> Result<Compilation, Failure> {
-        self.confined.existing(Path::new(file))?;
+        // What cannot be read at all is said without the frame of a report.
+        self.confined.text(Path::new(file), LARGEST_FILE)?;
         self.compile_with(file, &self.confined)
     }
 
     /// Compiles with another loader: of a text that is no file yet.
     pub fn compile_with(&self, file: &str, loader: &dyn Loader) -> Result<Compilation, Failure> {
-        let bodies = Bodies { confined: &self.confined, library: &self.library };
-        compile(Path::new(file), loader, &bodies).map_err(|report| {
+        compile(&self.confined.spelled(Path::new(file)), loader, &self.library).map_err(|report| {
             let mut told = report.to_json();
             told["error"] = "the text has errors".into();
             told["rendered"] = report.to_string().into();
@@ -98,6 +107,7 @@ pub struct Draft<'a> {
 
 impl Loader for Draft<'_> {
     fn load(&self, path: &Path) -> Result<String, LoadError> {
-        if path == Path::new(self.name) { Ok(self.text.to_owned()) } else { self.confined.load(path) }
+        let spelled = |path: &Path| self.confined.spelled(path);
+        if spelled(path) == spelled(Path::new(self.name)) { Ok(self.text.to_owned()) } else { self.confined.load(path) }
     }
 }

@@ -5,7 +5,6 @@ use msk_compiler::check::scene::elements;
 use msk_compiler::check::signals;
 use msk_compiler::compile;
 use msk_runtime::bodies;
-use msk_runtime::library::FileLoader;
 use rmcp::model::Resource;
 use serde_json::json;
 
@@ -50,7 +49,7 @@ pub fn read(project: &Project, uri: &str) -> Result<Option<(String, &'static str
 
 fn vocabulary(project: &Project) -> Result<String, Failure> {
     let file = bodies::builtin("human").ok_or("the human body is not built in")?;
-    let compilation = compile(&file.path, &FileLoader, &project.library)?;
+    let compilation = compile(&file.path, &project.confined, &project.library)?;
     let description = compilation.bodies.first().ok_or("the human body's file holds no body")?;
     let bound = project.library.bind(description)?;
     let scene = json!({ "elements": elements::KINDS, "joints": elements::JOINTS, "fields": elements::FIELDS });

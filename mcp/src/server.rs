@@ -1,6 +1,6 @@
 //! The server: its tools, each a thin door to what the other files do.
 
-use crate::confine::{Confined, Outside};
+use crate::confine::Outside;
 use crate::evaluation::{self, Evaluate, ReadResults};
 use crate::project::{Draft, Failure, Project, SUITE};
 use crate::queue::Queue;
@@ -11,7 +11,6 @@ use msk_compiler::diagnostics::Report;
 use msk_compiler::difference::Difference;
 use msk_compiler::explain;
 use msk_compiler::task::CompiledTask;
-use msk_runtime::library::BodyLibrary;
 use rmcp::handler::server::router::tool::ToolRouter;
 use rmcp::handler::server::wrapper::Parameters;
 use rmcp::model::{
@@ -121,7 +120,7 @@ impl Server {
     /// # Errors
     /// A folder that cannot be used.
     pub fn new(root: &Path) -> Result<Self, Outside> {
-        let project = Project { confined: Confined::new(root)?, library: BodyLibrary::default() };
+        let project = Project::new(root)?;
         let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
         Ok(Self {
             project: Arc::new(project),

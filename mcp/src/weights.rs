@@ -1,13 +1,12 @@
 //! Weights: proposed, and written.
 
+use crate::confine::Outside;
 use crate::project::{Failure, Project};
 use msk_compiler::compile::Compilation;
-use msk_compiler::files::Loader;
 use msk_compiler::task::{CompiledTask, Origin};
 use msk_compiler::weights::rules::{Rules, Weight};
 use msk_compiler::weights::{Bounds, Edit, Weights};
-use msk_runtime::library::FileLoader;
-use msk_storage::Folder;
+use msk_storage::StorageError;
 use msk_tuning::overlay::{EditError, Wish, edited, wished};
 use msk_tuning::store::{Store, StoreError};
 use schemars::JsonSchema;
@@ -126,15 +125,16 @@ fn into_overlay(
     overlay: &str,
     dry_run: bool,
 ) -> Result<Value, Failure> {
-    let path = project.confined.writable(Path::new(overlay))?;
+    let path = Path::new(overlay);
     if path.extension().is_none_or(|ending| ending != "toml") {
         return Err(Failure(json!({ "error": format!("a weights file ends in .toml, `{overlay}` does not") })));
     }
     let wishes: Vec<Wish> = asked.weights.iter().map(|(term, weight)| Wish { term: term.clone(), weight: *weight }).collect();
     let places = wished(&compilation.tasks, &wishes, &Origin::CommandLine)?.places;
     // What the file says now counts as what is before.
-    let exists = path.exists();
-    let before = if exists { project.overlaid(compilation, overlay)? } else { compilation.tasks.clone() };
+    let store = store(project, path)?;
+    let present = store.read()?;
+    let before = if present.is_some() { project.overlaid(compilation, overlay)? } else { compilation.tasks.clone() };
     let weights: Vec<(&str, &str, f64)> = wishes
         .iter()
         .zip(&places)
@@ -148,16 +148,15 @@ fn into_overlay(
         })
         .collect();
     if dry_run {
-        let text = if exists { FileLoader.load(&path)? } else { String::new() };
-        edited(&text, &weights)?;
+        edited(&present.map(|version| version.text).unwrap_or_default(), &weights)?;
     } else {
-        store(project, &path)?.change::<(), WriteError>("mcp", |version| Ok((edited(&version.text, &weights)?, ())))?;
+        store.change::<(), WriteError>("mcp", |version| Ok((edited(&version.text, &weights)?, ())))?;
     }
     Ok(rows.into())
 }
 
 fn into_source(project: &Project, compilation: &Compilation, asked: &Apply, dry_run: bool) -> Result<Value, Failure> {
-    let path = project.confined.existing(Path::new(&asked.file))?;
+    let store = store(project, Path::new(&asked.file))?;
     let edits: Vec<Edit> = asked.weights.iter().map(|(term, weight)| Edit::new(term, *weight)).collect();
     let edit = |text: &str| {
         let mut weights = Weights::of(Default::default(), text).map_err(|_| WriteError::Syntax)?;
@@ -165,15 +164,19 @@ fn into_source(project: &Project, compilation: &Compilation, asked: &Apply, dry_
         Ok::<_, WriteError>(weights.edit(text, &edits)?)
     };
     if dry_run {
-        return Ok(json!(edit(&FileLoader.load(&path)?)?.1));
+        let text = store.read()?.map(|version| version.text).unwrap_or_default();
+        return Ok(json!(edit(&text)?.1));
     }
-    let changes = store(project, &path)?.edit("mcp", |version| edit(&version.text))?;
+    let changes = store.edit("mcp", |version| edit(&version.text))?;
     Ok(json!(changes))
 }
 
-/// The store of a file that was found inside the project. It is opened beneath the project's folder, so that a folder which is
-/// exchanged for a link meanwhile leads nowhere.
+/// The store of a file of the project. It is opened beneath the project's folder, so that a folder which is exchanged for a link
+/// meanwhile leads nowhere.
 fn store(project: &Project, path: &Path) -> Result<Store, Failure> {
-    let root = project.confined.root();
-    Ok(Store::new(&Folder::open(root)?, path.strip_prefix(root)?)?)
+    let store = Store::new(project.confined.folder(), &project.confined.spelled(path));
+    store.map_err(|error| match error {
+        StoreError::Storage(StorageError::Outside { .. }) => Outside::Escapes(path.into()).into(),
+        other => other.into(),
+    })
 }

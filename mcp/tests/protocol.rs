@@ -160,7 +160,7 @@ async fn lines_that_are_no_messages_are_answered_with_errors() {
 #[tokio::test]
 async fn a_request_over_the_limit_is_refused_under_its_id() {
     let mut client = Client::begin().await;
-    let text = "a".repeat(LONGEST_LINE);
+    let text = "a".repeat(LONGEST_LINE + 1);
     let first = format!(
         r#"{{"jsonrpc":"2.0","id":5,"method":"tools/call","params":{{"name":"check","arguments":{{"text":"{text}"}}}}}}"#
     );

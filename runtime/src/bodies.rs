@@ -3,11 +3,11 @@
 //! Their paths start with [`ROOT`], which no file on disk has, so that the model named in a built-in body file is looked
 //! for here too: [`model`] reads a path of either kind.
 
+use crate::files::DiskFiles;
 use crate::model::{Model, ModelError, ModelFiles};
 use flate2::read::GzDecoder;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// First component of the paths of embedded files.
 pub const ROOT: &str = "<built-in>";
@@ -51,11 +51,15 @@ pub fn text(path: &Path) -> Option<String> {
 ///
 /// Those of [`Model::from_file`].
 pub fn model(path: &Path) -> Result<Model, ModelError> {
-    model_of(path, &Arc::default())
+    model_from(path, &DiskFiles)
 }
 
-/// The same; `files` learns which files on disk were read, also where reading fails.
-pub(crate) fn model_of(path: &Path, files: &Arc<ModelFiles>) -> Result<Model, ModelError> {
+/// Reads a model, embedded or from `files`.
+///
+/// # Errors
+///
+/// Those of [`Model::from_files`].
+pub fn model_from(path: &Path, files: &dyn ModelFiles) -> Result<Model, ModelError> {
     match text(path) {
         Some(text) => Model::from_mjcf(&text),
         None => Model::from_files(path, files),

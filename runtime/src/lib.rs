@@ -7,6 +7,7 @@ pub mod condition;
 pub mod draw;
 pub mod episode;
 pub mod evaluate;
+pub mod files;
 pub mod inspect;
 pub mod library;
 pub mod model;

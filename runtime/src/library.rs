@@ -1,45 +1,21 @@
-//! The bodies and texts of this machine, as the compiler asks for them.
+//! The bodies of this machine, as the compiler asks for them.
+
+pub use crate::files::FileLoader;
 
 use crate::bodies;
 use crate::body::{BindError, Body, ChangeError};
 use crate::condition::MuscleCondition;
+use crate::files::{DiskFiles, Fingerprints, Recorder};
 use crate::model::{ElasticTendons, Model, ModelError, ModelFiles};
 use crate::scene::{self, SceneError};
 use msk_compiler::body::{BodyDescription, TendonKind};
-use msk_compiler::files::{BodySource, LARGEST_FILE, LoadError, Loader};
+use msk_compiler::files::BodySource;
 use msk_compiler::motion::Motion;
 use msk_compiler::scene::SceneDescription;
 use msk_compiler::vocabulary::Vocabulary;
 use sha2::{Digest, Sha256};
-use std::fs::File;
-use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
-
-/// Reads texts from the file system, and those embedded in the program.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct FileLoader;
-
-impl Loader for FileLoader {
-    fn load(&self, path: &Path) -> Result<String, LoadError> {
-        if let Some(text) = bodies::text(path) {
-            return Ok(text);
-        }
-        let unreadable = |error: std::io::Error| match error.kind() {
-            ErrorKind::NotFound => LoadError::Missing(path.into()),
-            ErrorKind::InvalidData => LoadError::NotText(path.into()),
-            _ => LoadError::Unreadable { path: path.into(), reason: error.to_string() },
-        };
-        let file = File::open(path).map_err(unreadable)?;
-        let mut bytes = Vec::new();
-        // Devices and pipes have no size: what is read is bounded, not what the file claims to be.
-        file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-        if bytes.len() as u64 > LARGEST_FILE {
-            return Err(LoadError::TooLarge(path.into()));
-        }
-        String::from_utf8(bytes).map_err(|_| LoadError::NotText(path.into()))
-    }
-}
 
 /// A body file bound to its model, shared by all that run on it.
 #[derive(Debug, Clone)]
@@ -114,8 +90,9 @@ pub enum BodyError {
 ///
 /// Each is bound once, and once in each scene, as long as the files of its model are what they were; those that were used last are
 /// kept.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct BodyLibrary {
+    files: Box<dyn ModelFiles + Send + Sync>,
     bound: Mutex<Bound>,
     staged: Mutex<Vec<Staged>>,
 }
@@ -137,7 +114,7 @@ struct Bound {
 #[derive(Debug)]
 struct BoundFrom {
     description: BodyDescription,
-    files: Arc<ModelFiles>,
+    files: Fingerprints,
     /// Another for each reading.
     revision: u64,
     /// `None` where reading or binding failed: the error is made again when it is asked for.
@@ -156,15 +133,15 @@ struct Staged {
 
 impl Bound {
     /// Takes out what is known of a description, if its files are what they were.
-    fn take(&mut self, description: &BodyDescription) -> Option<BoundFrom> {
+    fn take(&mut self, description: &BodyDescription, files: &dyn ModelFiles) -> Option<BoundFrom> {
         let place = self.bodies.iter().position(|known| known.description == *description)?;
         let known = self.bodies.remove(place);
-        known.files.are_unchanged().then_some(known)
+        known.files.are_unchanged(files).then_some(known)
     }
 
     /// Reads and binds a body, unless that is done already.
-    fn bind(&mut self, description: &BodyDescription) -> Result<(BoundBody, u64), BodyError> {
-        let known = match self.take(description) {
+    fn bind(&mut self, description: &BodyDescription, files: &dyn ModelFiles) -> Result<(BoundBody, u64), BodyError> {
+        let known = match self.take(description, files) {
             Some(known) => match known.body.clone() {
                 Some(body) => {
                     let revision = known.revision;
@@ -175,8 +152,9 @@ impl Bound {
             },
             None => None,
         };
-        let files = Arc::default();
-        let fresh = read(description, &files);
+        let recorder = Recorder::new(files);
+        let fresh = read(description, &recorder);
+        let files = recorder.into_fingerprints();
         // What fails twice for the same reason has not changed.
         let revision = known.filter(|_| fresh.is_err()).unwrap_or(self.revision + 1);
         self.revision = revision.max(self.revision);
@@ -186,15 +164,15 @@ impl Bound {
     }
 
     /// The revision of a body, which is read if it is not known.
-    fn revision(&mut self, description: &BodyDescription) -> u64 {
-        match self.take(description) {
+    fn revision(&mut self, description: &BodyDescription, files: &dyn ModelFiles) -> u64 {
+        match self.take(description, files) {
             Some(known) => {
                 let revision = known.revision;
                 self.keep(known);
                 revision
             }
             // A body that cannot be read has a revision, too: that of its files as they are.
-            None => self.bind(description).map_or(self.revision, |(_, revision)| revision),
+            None => self.bind(description, files).map_or(self.revision, |(_, revision)| revision),
         }
     }
 
@@ -205,8 +183,8 @@ impl Bound {
     }
 }
 
-fn read(description: &BodyDescription, files: &Arc<ModelFiles>) -> Result<BoundBody, BodyError> {
-    let mut model = bodies::model_of(Path::new(&description.model), files)
+fn read(description: &BodyDescription, files: &dyn ModelFiles) -> Result<BoundBody, BodyError> {
+    let mut model = bodies::model_from(Path::new(&description.model), files)
         .map_err(|source| BodyError::Model { body: description.name.clone(), source })?;
     if description.tendons == TendonKind::Elastic {
         model.elastic_tendons = Some(ElasticTendons::default());
@@ -216,13 +194,25 @@ fn read(description: &BodyDescription, files: &Arc<ModelFiles>) -> Result<BoundB
     Ok(BoundBody::new(description, model, body))
 }
 
+/// The library of all files.
+impl Default for BodyLibrary {
+    fn default() -> Self {
+        Self::of(DiskFiles)
+    }
+}
+
 impl BodyLibrary {
+    /// The library of bodies whose models are read from `files`.
+    pub fn of(files: impl ModelFiles + Send + Sync + 'static) -> Self {
+        Self { files: Box::new(files), bound: Mutex::default(), staged: Mutex::default() }
+    }
+
     /// The body that `description` describes, bound to its model.
     ///
     /// # Errors
     /// A model that cannot be read, or a description that does not fit it.
     pub fn bind(&self, description: &BodyDescription) -> Result<BoundBody, BodyError> {
-        Ok(self.bound().bind(description)?.0)
+        Ok(self.bound().bind(description, &*self.files)?.0)
     }
 
     fn bound(&self) -> MutexGuard<'_, Bound> {
@@ -235,7 +225,7 @@ impl BodyLibrary {
     /// # Errors
     /// Those of [`bind`](Self::bind), or a scene that no model can hold.
     pub fn stage(&self, description: &BodyDescription, scene: &SceneDescription) -> Result<BoundBody, BodyError> {
-        let (alone, revision) = self.bound().bind(description)?;
+        let (alone, revision) = self.bound().bind(description, &*self.files)?;
         let mut staged = self.staged.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |known: &Staged| known.description == *description && known.scene == *scene;
         if let Some(place) = staged.iter().position(same) {
@@ -289,7 +279,7 @@ impl BodySource for BodyLibrary {
     }
 
     fn revision(&self, description: &BodyDescription) -> u64 {
-        self.bound().revision(description)
+        self.bound().revision(description, &*self.files)
     }
 
     fn trace(&self, description: &BodyDescription, motion: &Motion) -> Result<Vec<Vec<[f64; 3]>>, String> {
@@ -311,29 +301,6 @@ fn hash_of(description: &BodyDescription, model: &Model) -> String {
 mod tests {
     use super::*;
     use msk_compiler::body::Axis;
-
-    #[test]
-    fn files_that_cannot_be_read_are_told_apart() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = |name: &str, content: &[u8]| {
-            let path = folder.path().join(name);
-            std::fs::write(&path, content).unwrap();
-            FileLoader.load(&path)
-        };
-        assert_eq!(file("good.msk", b"task"), Ok("task".into()));
-        assert!(matches!(file("binary.msk", &[0xff, 0xfe]), Err(LoadError::NotText(_))));
-        let limit = usize::try_from(LARGEST_FILE).unwrap();
-        assert!(matches!(file("large.msk", &vec![b' '; limit + 1]), Err(LoadError::TooLarge(_))));
-        assert!(file("largest.msk", &vec![b' '; limit]).is_ok());
-        assert!(matches!(FileLoader.load(&folder.path().join("none.msk")), Err(LoadError::Missing(_))));
-        assert!(matches!(FileLoader.load(folder.path()), Err(LoadError::Unreadable { .. })));
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn an_endless_file_is_refused() {
-        assert!(matches!(FileLoader.load(Path::new("/dev/zero")), Err(LoadError::TooLarge(_))));
-    }
 
     #[test]
     fn the_human_can_be_found_without_any_file() {

@@ -1,10 +1,12 @@
 //! Files that are broken, impossible or malicious: each gives one clear error, quickly, and never a panic.
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-use msk_runtime::model::{Model, ModelError};
+use msk_runtime::model::{Model, ModelError, ModelFiles};
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// However bad a file is, it is refused within this time (unoptimised builds included).
@@ -340,6 +342,86 @@ fn meshes_that_are_none() {
 fn devices_are_not_read() {
     let message = Model::from_file(Path::new("/dev/zero")).map(|model| model.name).unwrap_err().to_string();
     assert!(message.contains("not a regular file"), "{message}");
+}
+
+/// Runs `work` on a thread of its own: a pipe that is waited for fails the test instead of hanging it.
+#[cfg(unix)]
+fn watched<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    let (send, receive) = std::sync::mpsc::channel();
+    std::thread::spawn(move || send.send(work()));
+    receive.recv_timeout(Duration::from_secs(60)).expect("the reader waits")
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["pipe.xml", "pipe.stl", "pipe.bin"] {
+        assert!(std::process::Command::new("mkfifo").arg(folder.path().join(name)).status().unwrap().success());
+    }
+    let include = "<mujoco><include file=\"pipe.xml\"/></mujoco>";
+    let mesh = "<mujoco><asset><mesh name=\"m\" file=\"pipe.stl\"/></asset>\
+                <worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>";
+    let heights = "<mujoco><asset><hfield name=\"h\" size=\"1 1 1 1\" file=\"pipe.bin\"/></asset>\
+                   <worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>";
+    for (name, text) in [("include.xml", include), ("mesh.xml", mesh), ("heights.xml", heights), ("pipe.xml", "")] {
+        let path = folder.path().join(name);
+        if !text.is_empty() {
+            fs::write(&path, text).unwrap();
+        }
+        let message = watched(move || Model::from_file(path).map(|model| model.name).unwrap_err().to_string());
+        assert!(message.contains("not a regular file, but a named pipe"), "{name}: {message}");
+    }
+}
+
+/// Files in memory, which count what is asked of them.
+#[derive(Debug, Default)]
+struct InMemory {
+    files: BTreeMap<PathBuf, Vec<u8>>,
+    asked: Mutex<Vec<PathBuf>>,
+}
+
+impl ModelFiles for InMemory {
+    fn read(&self, path: &Path, limit: u64) -> Result<Option<Vec<u8>>, String> {
+        self.asked.lock().unwrap().push(path.to_path_buf());
+        match self.files.get(path) {
+            Some(bytes) if bytes.len() as u64 > limit => Err("too large".into()),
+            Some(bytes) if bytes == b"secret" => Err("it is secret".into()),
+            bytes => Ok(bytes.cloned()),
+        }
+    }
+}
+
+#[test]
+fn all_files_of_a_model_come_from_where_the_caller_says() {
+    let file = |name: &str, content: &[u8]| (PathBuf::from(name), content.to_vec());
+    let main = b"<mujoco><include file=\"limb.xml\"/>\
+                 <asset><hfield name=\"h\" size=\"1 1 1 1\" file=\"heights.bin\"/></asset>\
+                 <worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>";
+    let limb = b"<x><asset><mesh name=\"m\" file=\"m.obj\"/></asset>\
+                 <worldbody><body><freejoint/><geom type=\"mesh\" mesh=\"m\"/></body></worldbody></x>";
+    let mut heights: Vec<u8> = [2_i32, 2].into_iter().flat_map(i32::to_le_bytes).collect();
+    heights.extend([0.0_f32, 1.0, 2.0, 3.0].into_iter().flat_map(f32::to_le_bytes));
+    let mesh = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    let mut memory = InMemory {
+        files: BTreeMap::from([
+            file("a/m.xml", main),
+            file("a/limb.xml", limb),
+            file("a/m.obj", mesh),
+            file("a/heights.bin", &heights),
+        ]),
+        ..Default::default()
+    };
+    let model = Model::from_files("a/m.xml", &memory).unwrap();
+    assert_eq!((model.nv, model.meshes.len(), model.height_fields.len()), (6, 1, 1));
+    let mut asked = memory.asked.lock().unwrap().clone();
+    asked.sort();
+    asked.dedup();
+    assert_eq!(asked, memory.files.keys().cloned().collect::<Vec<_>>());
+    // A refusal is the answer; nothing else is tried.
+    memory.files.insert("a/limb.xml".into(), b"secret".to_vec());
+    let message = Model::from_files("a/m.xml", &memory).map(|model| model.name).unwrap_err().to_string();
+    assert_eq!(message, "cannot read a/limb.xml: it is secret");
 }
 
 /// A piece of a file that a mutation may put anywhere.

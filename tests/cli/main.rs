@@ -18,6 +18,7 @@ mod mutate;
 mod new;
 mod project;
 mod run;
+mod special_files;
 mod test;
 mod tune;
 mod weights;

@@ -38,6 +38,37 @@ fn a_client_talks_over_standard_input_and_output() {
 }
 
 #[test]
+fn the_program_ends_with_its_input_whatever_still_runs() {
+    let project = Project::lean();
+    let long = LEAN.replace("20 steps", "100000 steps").replace("- 2 cm", "- 20 m");
+    project.write("tasks.msk", &long);
+    let mut command = project.command(&["mcp"]);
+    let mut child = command.stdin(Stdio::piped()).spawn().unwrap();
+    let mut input = child.stdin.take().unwrap();
+    let mut output = BufReader::new(child.stdout.take().unwrap()).lines();
+    let info = json!({ "protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": { "name": "test", "version": "1" } });
+    writeln!(input, "{}", json!({ "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": info })).unwrap();
+    output.next().unwrap().unwrap();
+    let arguments = json!({ "task": "lean", "policy": "zero", "max_steps": 200_000, "max_seconds": 600 });
+    let params = json!({ "name": "evaluate", "arguments": arguments });
+    writeln!(input, "{}", json!({ "jsonrpc": "2.0", "id": 2, "method": "tools/call", "params": params })).unwrap();
+    writeln!(input, "{}", json!({ "jsonrpc": "2.0", "id": 3, "method": "ping" })).unwrap();
+    let pong: Value = serde_json::from_str(&output.next().unwrap().unwrap()).unwrap();
+    assert_eq!(pong["id"], 3, "the evaluation has begun and is not answered: {pong}");
+    drop(input);
+    // A tenth of the evaluation's budget.
+    let start = std::time::Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed().as_secs() > 60 {
+            child.kill().unwrap();
+            panic!("the server lives on");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert!(child.wait().unwrap().success());
+}
+
+#[test]
 fn a_project_that_is_not_there_is_told() {
     Project::lean().msk(&["mcp", "--project", "none"]).failed(1, &["none"]);
 }

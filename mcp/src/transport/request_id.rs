@@ -135,7 +135,7 @@ mod tests {
         leaf.prop_recursive(4, 32, 4, |inner| {
             prop_oneof![
                 prop::collection::vec(inner.clone(), 0..4).prop_map(Value::from),
-                prop::collection::btree_map("id|[a-z\"\\\\{}:,]*", inner, 0..4).prop_map(|map| Value::from_iter(map)),
+                prop::collection::btree_map("id|[a-z\"\\\\{}:,]*", inner, 0..4).prop_map(Value::from_iter),
             ]
         })
     }
@@ -144,7 +144,7 @@ mod tests {
         #[test]
         fn the_scanner_finds_what_the_parser_finds(value in json()) {
             let expected = value.get("id").filter(|id| is_id(id) && id.to_string().len() <= LONGEST);
-            prop_assert_eq!(scanned(&value.to_string()).as_ref(), expected);
+            prop_assert_eq!(scanned(&value.to_string()), expected.cloned());
         }
 
         #[test]

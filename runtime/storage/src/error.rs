@@ -87,4 +87,19 @@ impl StorageError {
             _ => None,
         }
     }
+
+    /// The reason without the path, for a message that names the file in its own way and goes on after a colon.
+    pub fn reason(&self) -> String {
+        match self {
+            Self::System { source, .. } => source.to_string(),
+            Self::Outside { .. } => "the path leads out of the folder".into(),
+            Self::NotRegular { found, .. } => format!("not a regular file, but {found}"),
+            Self::Link { .. } => "a symbolic link, which is not followed here".into(),
+            Self::TooLarge { limit, .. } => format!("larger than {limit} bytes, the most that is read of it"),
+            Self::NotText { .. } => "not UTF-8 text".into(),
+            Self::ReadOnly { .. } => "read-only".into(),
+            Self::NoName { .. } => "the path does not name a file".into(),
+            Self::Poisoned { .. } => "not written to any more".into(),
+        }
+    }
 }

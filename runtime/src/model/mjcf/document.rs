@@ -1,15 +1,17 @@
 //! Model files as a tree of elements: XML parsed, includes spliced in, every element with its file and line.
 
 use super::error::{ModelError, Place};
-use super::files::ModelFiles;
 use super::lenient;
 use super::values::shortened;
+use crate::model::ModelFiles;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 /// Elements may nest this deep (MuJoCo's own parser stops at a similar depth).
 const DEEPEST: usize = 256;
+/// One file may hold this many bytes.
+const LONGEST_FILE: u64 = 64 << 20;
 /// All files of a model together may hold this many elements.
 const MOST_ELEMENTS: usize = 1_000_000;
 /// A model may be spread over this many files.
@@ -36,49 +38,79 @@ impl Element {
     }
 }
 
-/// A model's elements, and the folder that its file names are relative to.
+/// A model's elements, and where its files are.
 #[derive(Debug)]
-pub(super) struct Document {
+pub(super) struct Document<'a> {
     pub root: Element,
     /// `None` for text without a file.
-    pub folder: Option<PathBuf>,
-    /// Reads further files.
-    pub files: Arc<ModelFiles>,
+    pub origin: Option<Origin<'a>>,
+}
+
+/// Where the files of a model are.
+#[derive(Debug, Clone)]
+pub(super) struct Origin<'a> {
+    files: &'a dyn ModelFiles,
+    /// The folder that names of files are relative to.
+    pub folder: PathBuf,
+}
+
+impl Origin<'_> {
+    /// The bytes of a file of bounded size, if there is one.
+    fn find(&self, path: &Path) -> Result<Option<Vec<u8>>, ModelError> {
+        let read = self.files.read(path, LONGEST_FILE);
+        read.map_err(|reason| ModelError::Read { path: path.to_path_buf(), reason })
+    }
+
+    /// The bytes of a file of bounded size.
+    pub fn read(&self, path: &Path) -> Result<Vec<u8>, ModelError> {
+        let missing = || ModelError::Read { path: path.to_path_buf(), reason: "there is no such file".to_owned() };
+        self.find(path)?.ok_or_else(missing)
+    }
 }
 
 /// Reads a model file with its includes.
-pub(super) fn read_file(path: &Path, files: Arc<ModelFiles>) -> Result<Document, ModelError> {
+pub(super) fn read_file<'a>(path: &Path, files: &'a dyn ModelFiles) -> Result<Document<'a>, ModelError> {
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    let mut reader = Reader { folder: Some(folder), files, seen: BTreeSet::new(), elements: 0 };
-    let root = reader.file(path)?;
-    Ok(Document { root, folder: reader.folder, files: reader.files })
+    let origin = Origin { files, folder };
+    let bytes = origin.read(path)?;
+    let mut reader = Reader { origin: Some(origin), seen: BTreeSet::new(), elements: 0 };
+    let root = reader.file(path, bytes, 0)?;
+    Ok(Document { root, origin: reader.origin })
 }
 
 /// Reads a model from text that includes nothing.
-pub(super) fn read_text(text: &str) -> Result<Document, ModelError> {
-    let mut reader = Reader { folder: None, files: Arc::default(), seen: BTreeSet::new(), elements: 0 };
+pub(super) fn read_text(text: &str) -> Result<Document<'static>, ModelError> {
+    let mut reader = Reader { origin: None, seen: BTreeSet::new(), elements: 0 };
     let root = reader.text(text, Path::new(""), 0)?;
-    Ok(Document { root, folder: None, files: reader.files })
+    Ok(Document { root, origin: None })
+}
+
+/// A path without `.` and, where that is possible, without `..`, by which a file is known again.
+fn identity(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(plain.components().next_back(), Some(Component::Normal(_))) => {
+                plain.pop();
+            }
+            other => plain.push(other),
+        }
+    }
+    plain
 }
 
 /// Carries what must be bounded or unique over all files of one model.
-struct Reader {
-    folder: Option<PathBuf>,
-    files: Arc<ModelFiles>,
+struct Reader<'a> {
+    origin: Option<Origin<'a>>,
     seen: BTreeSet<PathBuf>,
     elements: usize,
 }
 
-impl Reader {
-    fn file(&mut self, path: &Path) -> Result<Element, ModelError> {
-        self.file_at_depth(path, 0)
-    }
-
-    fn file_at_depth(&mut self, path: &Path, depth: usize) -> Result<Element, ModelError> {
-        let bytes = self.files.read(path)?;
-        let identity = path.canonicalize().map_err(|source| ModelError::Read { path: path.to_path_buf(), source })?;
+impl Reader<'_> {
+    fn file(&mut self, path: &Path, bytes: Vec<u8>, depth: usize) -> Result<Element, ModelError> {
         let wrong = |reason: &str| ModelError::File { path: path.to_path_buf(), reason: reason.to_owned() };
-        if !self.seen.insert(identity) {
+        if !self.seen.insert(identity(path)) {
             return Err(wrong("included more than once; a file may be part of a model only once"));
         }
         if self.seen.len() > MOST_FILES {
@@ -151,12 +183,19 @@ impl Reader {
         into: &mut Vec<Element>,
     ) -> Result<(), ModelError> {
         let name = node.attribute("file").ok_or_else(|| invalid(place, "`include` needs the attribute `file`".to_owned()))?;
-        let folder = self.folder.as_ref();
-        let folder = folder.ok_or_else(|| invalid(place, "text without a file cannot include files".to_owned()))?;
+        let origin = self.origin.as_ref();
+        let origin = origin.ok_or_else(|| invalid(place, "text without a file cannot include files".to_owned()))?;
         // MuJoCo looks in the main file's folder first, then in the including file's.
         let beside = place.file.parent().unwrap_or(Path::new("")).join(name);
-        let path = folder.join(name);
-        let included = self.file_at_depth(if path.exists() { &path } else { &beside }, depth + 1)?;
+        let path = origin.folder.join(name);
+        let (path, bytes) = match origin.find(&path)? {
+            Some(bytes) => (path, bytes),
+            None => {
+                let bytes = origin.read(&beside)?;
+                (beside, bytes)
+            }
+        };
+        let included = self.file(&path, bytes, depth + 1)?;
         if included.children.is_empty() {
             return Err(invalid(place, format!("the included file `{name}` holds no elements")));
         }

@@ -45,15 +45,15 @@ impl Unsupported {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// The file could not be opened or read.
-    #[error("cannot read {}: {source}", shown(path))]
+    /// The file does not exist, or could not or must not be read.
+    #[error("cannot read {}: {reason}", shown(path))]
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
+        /// The reason.
+        reason: String,
     },
-    /// The file is not what it should be: too large, not text, not a mesh.
+    /// The file is not what it should be: not text, not a mesh.
     #[error("{}: {reason}", shown(path))]
     File {
         /// The file.

@@ -14,7 +14,6 @@ mod compile;
 mod defaults;
 mod document;
 mod error;
-mod files;
 mod lenient;
 mod mesh;
 mod references;
@@ -25,30 +24,30 @@ mod values;
 mod write;
 
 pub use error::{ModelError, Place, Unsupported};
-pub use files::ModelFiles;
 
-use super::Model;
+use super::{Model, ModelFiles};
+use crate::files::DiskFiles;
 use std::path::Path;
-use std::sync::Arc;
 
 impl Model {
-    /// Reads and compiles an MJCF file with everything it includes.
+    /// Reads and compiles an MJCF file with everything it includes, from the files of the machine.
     ///
     /// # Errors
     ///
     /// A file that cannot be read or is not well formed, a value that makes no sense, a name that is not defined, or
     /// physical features that the simulator does not have (all of them, each with its line).
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ModelError> {
-        Self::from_files(path.as_ref(), &Arc::default())
+        Self::from_files(path, &DiskFiles)
     }
 
-    /// The same; `files` learns which files were read, also where reading fails.
+    /// Reads and compiles an MJCF file with everything it includes, all of it from `files`.
     ///
     /// # Errors
     ///
     /// As for [`Model::from_file`].
-    pub fn from_files(path: &Path, files: &Arc<ModelFiles>) -> Result<Self, ModelError> {
-        compile::compile(document::read_file(path, Arc::clone(files))?)
+    pub fn from_files(path: impl AsRef<Path>, files: &dyn ModelFiles) -> Result<Self, ModelError> {
+        let document = document::read_file(path.as_ref(), files)?;
+        compile::compile(document)
     }
 
     /// Compiles MJCF text that stands alone: it may not include files or load meshes.

@@ -2,7 +2,7 @@
 
 use super::Compiler;
 use super::tree::Frame;
-use crate::model::mjcf::document::Element;
+use crate::model::mjcf::document::{Element, Origin};
 use crate::model::mjcf::error::ModelError;
 use crate::model::mjcf::mesh::{self, Method, Solid, Source, measure};
 use crate::model::{HeightField, Hull, Mesh, rotation};
@@ -92,7 +92,7 @@ impl Compiler<'_> {
             if rows != 0 || columns != 0 || asset.text("elevation").is_some() {
                 return Err(asset.invalid("a height field takes either a `file` or `nrow`, `ncol` and `elevation`"));
             }
-            let path = self.asset_path(asset)?;
+            let (origin, path) = self.asset_path(asset)?;
             if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
                 let message = "heights are not read from pictures: write them as `nrow`, `ncol` and `elevation`, or as \
                     MuJoCo's binary file (two int32 counts, then float32 samples)";
@@ -100,7 +100,7 @@ impl Compiler<'_> {
             }
             let wrong =
                 || ModelError::File { path: path.clone(), reason: "not a file of two counts and that many samples".to_owned() };
-            binary_samples(&self.document.files.read(&path)?).ok_or_else(wrong)?
+            binary_samples(&origin.read(&path)?).ok_or_else(wrong)?
         } else {
             let (rows, columns) = (rows as usize, columns as usize);
             let given = asset.list("elevation", rows * columns)?;
@@ -139,7 +139,8 @@ impl Compiler<'_> {
             if asset.text("vertex").is_some() {
                 return Err(asset.invalid("a mesh takes either a `file` or `vertex`, not both"));
             }
-            return mesh::read(&self.asset_path(asset)?, &self.document.files);
+            let (origin, path) = self.asset_path(asset)?;
+            return mesh::read(&path, &origin.read(&path)?);
         }
         asset.required("vertex")?;
         let numbers = asset.list("vertex", MOST_NUMBERS)?.unwrap_or_default();
@@ -154,12 +155,13 @@ impl Compiler<'_> {
     }
 
     /// Where an asset's file is.
-    fn asset_path(&self, asset: &Element) -> Result<PathBuf, ModelError> {
-        let folder = self.document.folder.as_ref();
-        let folder = folder.ok_or_else(|| asset.invalid("text without a file cannot load meshes or height fields"))?;
+    fn asset_path(&self, asset: &Element) -> Result<(&Origin<'_>, PathBuf), ModelError> {
+        let origin = self.document.origin.as_ref();
+        let origin = origin.ok_or_else(|| asset.invalid("text without a file cannot load meshes or height fields"))?;
         let file = Path::new(asset.required("file")?);
         let file = if self.settings.strip_paths { Path::new(file.file_name().unwrap_or_default()) } else { file };
-        Ok(folder.join(self.settings.mesh_folder.as_deref().unwrap_or("")).join(file))
+        let path = origin.folder.join(self.settings.mesh_folder.as_deref().unwrap_or("")).join(file);
+        Ok((origin, path))
     }
 }
 

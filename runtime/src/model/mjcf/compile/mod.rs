@@ -41,7 +41,7 @@ use std::rc::Rc;
 
 /// Everything that the parts of the compiler share.
 struct Compiler<'a> {
-    document: &'a Document,
+    document: &'a Document<'a>,
     settings: Settings,
     defaults: Defaults,
     names: Names,
@@ -59,7 +59,7 @@ struct Compiler<'a> {
 }
 
 /// Compiles a document.
-pub(super) fn compile(mut document: Document) -> Result<Model, ModelError> {
+pub(super) fn compile(mut document: Document<'_>) -> Result<Model, ModelError> {
     schema::check(&document.root)?;
     let settings = settings::compiler_settings(&document.root)?;
     replicate::expand(&mut document.root, &settings)?;

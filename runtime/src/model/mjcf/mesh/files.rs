@@ -1,6 +1,5 @@
 //! Mesh files: binary STL, Wavefront OBJ, MuJoCo's MSH.
 
-use super::super::files::ModelFiles;
 use super::{ModelError, Source, wrong};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -10,14 +9,13 @@ use std::path::Path;
 const HEADER: usize = 80;
 const TRIANGLE: usize = 50;
 
-/// Reads a mesh file; its extension says which kind it is.
-pub(in crate::model::mjcf) fn read(path: &Path, files: &ModelFiles) -> Result<Source, ModelError> {
+/// Reads the bytes of a mesh file; its extension says which kind it is.
+pub(in crate::model::mjcf) fn read(path: &Path, bytes: &[u8]) -> Result<Source, ModelError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let bytes = files.read(path)?;
     let (source, kind) = match extension.as_str() {
-        "stl" => (stl(&bytes), "a binary STL file"),
-        "obj" => (core::str::from_utf8(&bytes).ok().and_then(obj), "a readable OBJ file"),
-        "msh" => (msh(&bytes), "an MSH file of MuJoCo's older form"),
+        "stl" => (stl(bytes), "a binary STL file"),
+        "obj" => (core::str::from_utf8(bytes).ok().and_then(obj), "a readable OBJ file"),
+        "msh" => (msh(bytes), "an MSH file of MuJoCo's older form"),
         _ => return Err(wrong(path, "meshes are read from binary STL, OBJ and MSH files; convert it to one of them")),
     };
     source.filter(Source::is_sound).ok_or_else(|| wrong(path, &format!("not {kind}")))

@@ -1,0 +1,280 @@
+//! What lies outside of the project is neither read nor written, and nobody learns whether it is there.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+use msk_mcp::Server;
+use rmcp::model::CallToolRequestParams;
+use rmcp::service::RunningService;
+use rmcp::{RoleClient, ServiceExt};
+use serde_json::{Value, json};
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+fn task(name: &str, body: &str) -> String {
+    format!(
+        "task {name} {{
+    body     {body}
+    control  100 Hz
+    horizon  5 steps
+    init {{ pose neutral; root {{ height on ground }} }}
+    observe {{ {landmark}.height }}
+    reward {{ 10 (1..30) alive = not terminated }}
+    terminate {{ sunk when {landmark}.height < -10 m }}
+    success survived
+}}
+",
+        landmark = if body == "human" { "pelvis" } else { "com" }
+    )
+}
+
+/// A folder with the project in `project`, what it must not see in `outside`, and a client of the server.
+struct Talk {
+    folder: tempfile::TempDir,
+    client: RunningService<RoleClient, ()>,
+}
+
+impl Talk {
+    async fn begin() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["project/bodies", "outside"] {
+            fs::create_dir_all(folder.path().join(name)).unwrap();
+        }
+        let project = folder.path().join("project");
+        fs::write(project.join("tasks.msk"), task("lean", "human")).unwrap();
+        let (here, there) = tokio::io::duplex(1 << 16);
+        let (input, output) = tokio::io::split(there);
+        tokio::spawn(Server::new(&project).unwrap().converse(input, output));
+        Self { client: ().serve(here).await.unwrap(), folder }
+    }
+
+    fn project(&self, name: &str) -> PathBuf {
+        self.folder.path().join("project").join(name)
+    }
+
+    fn outside(&self, name: &str) -> PathBuf {
+        self.folder.path().join("outside").join(name)
+    }
+
+    /// What a tool says, and whether it is an error.
+    async fn call(&self, tool: &'static str, arguments: Value) -> (Value, bool) {
+        let Value::Object(arguments) = arguments else { panic!("no object") };
+        let call = self.client.call_tool(CallToolRequestParams::new(tool).with_arguments(arguments));
+        // A pipe that is waited for would hang the test.
+        let result = tokio::time::timeout(Duration::from_secs(120), call).await.expect("the tool hangs").unwrap();
+        (result.structured_content.unwrap(), result.is_error == Some(true))
+    }
+
+    async fn said(&self, tool: &'static str, arguments: Value) -> String {
+        self.call(tool, arguments).await.0.to_string()
+    }
+}
+
+/// A model of one body, with something before it.
+fn model(before: &str) -> String {
+    format!(
+        "<mujoco>{before}<worldbody><body name=\"torso\"><freejoint/><geom name=\"torso\" size=\"0.1\"/></body></worldbody></mujoco>"
+    )
+}
+
+/// A way to name a file in a model, and the model that names a path so.
+type Way<'a> = (&'static str, &'a dyn Fn(&str) -> String);
+
+const PUPPET: &str = "body puppet {\n    model \"MODEL\"\n    root \"torso\" { forward x, up z }\n    pose neutral { }\n}\n";
+
+#[tokio::test]
+async fn models_include_nothing_from_outside_and_tell_nothing_of_it() {
+    let talk = Talk::begin().await;
+    let root = talk.folder.path().canonicalize().unwrap().display().to_string();
+    let check = json!({ "text": task("own", "puppet") });
+    let write = |model_name: &str, text: &str| {
+        fs::write(talk.project("bodies/puppet.msk"), PUPPET.replace("MODEL", model_name)).unwrap();
+        fs::write(talk.project("bodies/puppet.xml"), text).unwrap();
+    };
+    let include = |path: &str| model(&format!("<include file=\"{path}\"/>"));
+    let mesh = |path: &str| {
+        model(&format!("<asset><mesh name=\"m\" file=\"{path}\"/></asset>"))
+            .replace("<freejoint/>", "<freejoint/><geom type=\"mesh\" mesh=\"m\"/>")
+    };
+    let heights = |path: &str| {
+        model(&format!("<asset><hfield name=\"h\" size=\"1 1 1 1\" file=\"{path}\"/></asset>"))
+            .replace("<worldbody>", "<worldbody><geom type=\"hfield\" hfield=\"h\"/>")
+    };
+    let whole: &dyn Fn(&str) -> String = &|_| model("");
+    let ways: [Way<'_>; 4] = [("include", &include), ("mesh", &mesh), ("height field", &heights), ("model", whole)];
+    let mut seen = 0;
+    for (way, text) in ways {
+        for ending in ["xml", "stl", "bin"] {
+            let exists = format!("aaaa.{ending}");
+            fs::write(talk.outside(&exists), "<x><option timestep=\"0.0078125\"/></x>").unwrap();
+            for (kind, folder) in
+                [("absolute", format!("{root}/outside")), ("climbing", "../../outside".to_owned()), ("link", "link".to_owned())]
+            {
+                if kind == "link" {
+                    let _ = fs::remove_file(talk.project("bodies/link"));
+                    symlink(talk.outside(""), talk.project("bodies/link")).unwrap();
+                }
+                let answers =
+                    [exists.as_str(), &format!("bbbb.{ending}")].map(|name| (name.to_owned(), format!("{folder}/{name}")));
+                let mut told = Vec::new();
+                for (name, path) in answers {
+                    write(if way == "model" { &path } else { "puppet.xml" }, &text(&path));
+                    let (said, _) = talk.call("check", check.clone()).await;
+                    assert_eq!(said["ok"], false, "{way}, {kind}: {said}");
+                    let said = said.to_string();
+                    assert!(said.contains("leads out of the project"), "{way}, {kind}: {said}");
+                    told.push(said.replace(&name, "NAME"));
+                }
+                assert_eq!(told[0], told[1], "{way}, {kind}: who asks learns whether the file exists");
+                seen += 1;
+            }
+        }
+    }
+    assert_eq!(seen, 36);
+    // What lies inside is read.
+    write("puppet.xml", &model("<include file=\"../inside.xml\"/>"));
+    fs::write(talk.project("inside.xml"), "<x><option timestep=\"0.001\"/></x>").unwrap();
+    assert_eq!(talk.call("check", check.clone()).await.0["ok"], true, "{}", talk.said("check", check.clone()).await);
+}
+
+#[tokio::test]
+async fn outside_paths_get_one_answer_whether_they_exist_or_not() {
+    let talk = Talk::begin().await;
+    fs::write(talk.outside("aaaa.msk"), task("secret", "human")).unwrap();
+    fs::write(talk.outside("aaaa.toml"), "[lean]\nalive = 11\n").unwrap();
+    fs::create_dir(talk.outside("aaaa")).unwrap();
+    fs::write(talk.outside("aaaa/summary.json"), "{}").unwrap();
+    symlink(talk.outside(""), talk.project("folder")).unwrap();
+    for name in ["aaaa", "bbbb"] {
+        for ending in ["msk", "toml"] {
+            symlink(talk.outside(&format!("{name}.{ending}")), talk.project(&format!("{name}.{ending}"))).unwrap();
+        }
+    }
+    let absolute = talk.outside("").canonicalize().unwrap().display().to_string();
+    for folder in ["../outside/", "a/../../outside/", "folder/", "./", &format!("{absolute}/")] {
+        let ask = async |name: &str| {
+            let (file, overlay) = (format!("{folder}{name}.msk"), format!("{folder}{name}.toml"));
+            let mut told = vec![
+                talk.call("list_tasks", json!({ "file": file })).await,
+                talk.call("check", json!({ "text": format!("use \"{file}\"\n{}", task("own", "human")) })).await,
+                talk.call("explain", json!({ "task": "lean", "overlay": overlay })).await,
+            ];
+            for dry_run in [true, false] {
+                told.push(
+                    talk.call("apply_weights", json!({ "file": file, "weights": { "alive": 12 }, "dry_run": dry_run })).await,
+                );
+                let wish = json!({ "file": "tasks.msk", "overlay": overlay, "weights": { "alive": 12 }, "dry_run": dry_run });
+                told.push(talk.call("apply_weights", wish).await);
+            }
+            if folder != "./" {
+                told.push(talk.call("read_results", json!({ "folder": format!("{folder}{name}") })).await);
+            }
+            told.into_iter().map(|(said, error)| (said.to_string().replace(name, "NAME"), error)).collect::<Vec<_>>()
+        };
+        let (exists, absent) = (ask("aaaa").await, ask("bbbb").await);
+        assert_eq!(exists, absent, "{folder}");
+        assert!(exists.iter().all(|(said, _)| said.contains("leads out of the")), "{exists:?}");
+    }
+    assert_eq!(fs::read_to_string(talk.outside("aaaa.msk")).unwrap(), task("secret", "human"));
+    assert_eq!(fs::read_dir(talk.outside("")).unwrap().count(), 3, "nothing was written there");
+}
+
+#[tokio::test]
+async fn a_text_is_checked_under_every_spelling_of_its_name() {
+    let talk = Talk::begin().await;
+    fs::write(talk.project("bodies/uses.msk"), "use \"../tasks.msk\"\n").unwrap();
+    let absolute = talk.project("tasks.msk").canonicalize().unwrap().display().to_string();
+    let wrong = task("lean", "human").replace("pelvis.height <", "pelvis.heigth <");
+    for file in ["tasks.msk", "./tasks.msk", "bodies/../tasks.msk", ".//./tasks.msk", &absolute] {
+        let (said, _) = talk.call("check", json!({ "text": wrong, "file": file })).await;
+        assert_eq!(said["ok"], false, "{file}: the file was checked, not the text: {said}");
+    }
+    // Also where the text is reached by way of a file that uses it.
+    let text = format!("use \"./bodies/uses.msk\"\n{wrong}");
+    assert_eq!(talk.call("check", json!({ "text": text, "file": "./tasks.msk" })).await.0["ok"], false);
+    let right = task("other", "human");
+    let (said, _) = talk.call("check", json!({ "text": right, "file": "./tasks.msk" })).await;
+    assert_eq!(said["tasks"], json!(["other"]), "{said}");
+}
+
+/// Exchanges the folder `name` for a link to `target`, again and again.
+fn exchange(name: &Path, target: &Path, stop: &AtomicBool) {
+    let aside = name.with_extension("aside");
+    while !stop.load(Ordering::Relaxed) {
+        fs::rename(name, &aside).unwrap();
+        symlink(target, name).unwrap();
+        std::thread::yield_now();
+        fs::remove_file(name).unwrap();
+        fs::rename(&aside, name).unwrap();
+        std::thread::yield_now();
+    }
+}
+
+#[tokio::test]
+async fn folders_that_are_exchanged_for_links_lead_nowhere() {
+    let talk = Talk::begin().await;
+    let inside = talk.project("own");
+    fs::create_dir(&inside).unwrap();
+    for (folder, name) in [(&inside, "lean"), (&talk.outside(""), "secret")] {
+        fs::write(folder.join("tasks.msk"), task(name, "human")).unwrap();
+        fs::write(folder.join("weights.toml"), "[lean]\nalive = 11\n").unwrap();
+    }
+    let before = |name: &str| fs::read(talk.outside(name)).unwrap();
+    let (tasks, weights) = (before("tasks.msk"), before("weights.toml"));
+    let stop = Arc::new(AtomicBool::new(false));
+    let attacker = std::thread::spawn({
+        let (outside, stop) = (talk.outside(""), stop.clone());
+        move || exchange(&inside, &outside, &stop)
+    });
+    let mut done = 0;
+    for round in 0..30 {
+        let weight = 2 + round % 20;
+        let calls = [
+            ("list_tasks", json!({ "file": "own/tasks.msk" })),
+            ("apply_weights", json!({ "file": "own/tasks.msk", "weights": { "lean.alive": weight }, "dry_run": false })),
+            ("apply_weights", json!({ "file": "own/tasks.msk", "weights": { "secret.alive": weight }, "dry_run": false })),
+            (
+                "apply_weights",
+                json!({ "file": "tasks.msk", "overlay": "own/weights.toml", "weights": { "alive": weight }, "dry_run": false }),
+            ),
+        ];
+        for (tool, arguments) in calls {
+            let asks_for_it = arguments.to_string().contains("secret");
+            let (said, error) = talk.call(tool, arguments).await;
+            assert!(asks_for_it || !said.to_string().contains("secret"), "{tool}: {said}");
+            assert!(!asks_for_it || error, "{tool}: {said}");
+            done += usize::from(!error);
+        }
+    }
+    stop.store(true, Ordering::Relaxed);
+    attacker.join().unwrap();
+    assert!(done > 0, "the folder was never found at its place");
+    assert_eq!((before("tasks.msk"), before("weights.toml")), (tasks, weights));
+    assert_eq!(fs::read_dir(talk.outside("")).unwrap().count(), 2, "nothing was written there");
+}
+
+#[tokio::test]
+async fn pipes_and_devices_are_refused_without_waiting() {
+    let talk = Talk::begin().await;
+    for name in ["pipe.msk", "bodies/pipe.xml", "pipe.toml"] {
+        assert!(std::process::Command::new("mkfifo").arg(talk.project(name)).status().unwrap().success());
+    }
+    fs::write(talk.project("bodies/puppet.msk"), PUPPET.replace("MODEL", "pipe.xml")).unwrap();
+    for (tool, arguments) in [
+        ("list_tasks", json!({ "file": "pipe.msk" })),
+        ("check", json!({ "text": format!("use \"pipe.msk\"\n{}", task("own", "human")) })),
+        ("check", json!({ "text": task("own", "puppet") })),
+        ("explain", json!({ "task": "lean", "overlay": "pipe.toml" })),
+        ("apply_weights", json!({ "file": "pipe.msk", "weights": { "alive": 12 }, "dry_run": false })),
+        ("apply_weights", json!({ "file": "tasks.msk", "overlay": "pipe.toml", "weights": { "alive": 12 }, "dry_run": false })),
+    ] {
+        let said = talk.said(tool, arguments.clone()).await;
+        assert!(said.contains("a named pipe"), "{tool} {arguments}: {said}");
+    }
+    let said = talk.said("check", json!({ "text": "use \"/proc/self/environ\"\n" })).await;
+    assert!(said.contains("leads out of the project"), "{said}");
+}
