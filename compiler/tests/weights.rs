@@ -68,7 +68,7 @@ fn what_is_not_allowed_is_refused_as_a_whole_and_told_in_one_go() {
          a.effort may not become -2: it is -0.5 and may be -1..0\n\
          a.alive may not become 6: it is 5 and fixed\n\
          a.off may not become 1: it is 0 and must stay 0\n\
-         the weight of `jump` must be a finite number, not NaN\n\
+         the weight of `jump` must be a number from -1e9 to 1e9, not NaN\n\
          `jump` is given twice"
     );
     assert!(matches!(refused.0[0], Problem::Ambiguous { .. }));

@@ -37,9 +37,9 @@ fn a_task_that_is_not_there() {
 fn a_suite_that_names_what_is_not_there() {
     let project = Project::lean();
     for (suite, said) in [
-        ("suite s { family f { laen } }", "there is no task `laen` in sight"),
-        ("suite s { family f { } }", "the family `f` names no task"),
-        ("suite s { }", "the suite `s` names no task"),
+        ("suite w { family f { laen } }", "there is no task `laen` in sight"),
+        ("suite w { family f { } }", "the family `f` names no task"),
+        ("suite w { }", "the suite `w` names no task"),
     ] {
         project.write("suite.msk", &format!("use \"lean.msk\"\n{suite}\n"));
         project.msk(&["eval", "suite.msk", "--policy", "zero", "--out", "out"]).failed(1, &[said]);

@@ -57,6 +57,6 @@ fn every_change_is_a_line_for_machines() {
 #[test]
 fn what_cannot_be_changed_is_refused() {
     let project = tested();
-    project.msk(&["mutate", "tested.msk", "--task", "walk"]).failed(1, &["there is nothing to change", "--task"]);
+    project.msk(&["mutate", "tested.msk", "--task", "walk"]).failed(1, &["there is no task `walk`", "there are: lean"]);
     project.msk(&["mutate", "none.msk"]).failed(1, &["none.msk"]);
 }
