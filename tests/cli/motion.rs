@@ -12,7 +12,7 @@ fn a_motion_is_checked_and_drawn() {
     project.write("nod.csv", NOD);
     let checked = project.msk(&["motion", "check", "nod.csv"]).succeeded();
     for part in
-        ["nod: a cycle of 2 s in 5 rows", "lumbar_extension       deg       -30", "at the same time", "all within the limits"]
+        ["nod: a cycle of 2 s in 5 rows", "lumbar_extension           deg       -30", "at the same time", "all within the limits"]
     {
         assert!(checked.out.contains(part), "no `{part}` in {}", checked.out);
     }

@@ -178,10 +178,14 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
     wait(3);
     project.msk(&["weights", "set", "lean.msk", "pose=12", "--into", "weights.toml"]).succeeded();
     wait(ended() + 10);
-    // An editor that does not know the rules.
-    project.write("weights.toml", "[lean]\npose = -1\n");
+    // An editor that does not know the rules, but replaces a file whole: one that is being written would be a version, too.
+    let save = |text: &str| {
+        project.write("fresh.toml", text);
+        std::fs::rename(project.path("fresh.toml"), project.path("weights.toml")).unwrap();
+    };
+    save("[lean]\npose = -1\n");
     wait(ended() + 10);
-    project.write("weights.toml", "[lean]\npose = 13\n");
+    save("[lean]\npose = 13\n");
     wait(ended() + 10);
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let done = crate::project::Done::from(child.wait_with_output().unwrap());
