@@ -19,7 +19,7 @@ impl Folder {
     /// # Errors
     /// The name of a link, or a file that cannot be created or locked.
     pub fn lock(&self, name: &Path) -> Result<Lock, StorageError> {
-        let file = self.lock_file(name)?;
+        let file = self.open_private(name)?;
         file.lock().map_err(|source| self.cannot("lock", name, source))?;
         Ok(Lock { _file: file })
     }
@@ -29,16 +29,12 @@ impl Folder {
     /// # Errors
     /// Those of [`Folder::lock`].
     pub fn try_lock(&self, name: &Path) -> Result<Option<Lock>, StorageError> {
-        let file = self.lock_file(name)?;
+        let file = self.open_private(name)?;
         match file.try_lock() {
             Ok(()) => Ok(Some(Lock { _file: file })),
             Err(TryLockError::WouldBlock) => Ok(None),
             Err(TryLockError::Error(source)) => Err(self.cannot("lock", name, source)),
         }
-    }
-
-    fn lock_file(&self, name: &Path) -> Result<File, StorageError> {
-        self.open_private(name)
     }
 
     /// Opens a file of the program's own for reading and writing, created where it is missing; never through a link.
