@@ -8,6 +8,7 @@ pub mod check;
 pub mod compile;
 pub mod diagnostics;
 pub mod difference;
+pub mod digest;
 mod evaluation;
 pub mod explain;
 pub mod extremes;

@@ -9,6 +9,7 @@ use crate::files::{DiskFiles, Fingerprints, Recorder};
 use crate::model::{ElasticTendons, Model, ModelError, ModelFiles};
 use crate::scene::{self, SceneError};
 use msk_compiler::body::{BodyDescription, TendonKind};
+use msk_compiler::digest::hexadecimal;
 use msk_compiler::files::BodySource;
 use msk_compiler::motion::Motion;
 use msk_compiler::scene::SceneDescription;
@@ -294,7 +295,7 @@ fn hash_of(description: &BodyDescription, model: &Model) -> String {
     // Plain data of strings and numbers always has a JSON form.
     hasher.update(serde_json::to_vec(&description).unwrap_or_default());
     hasher.update(model.to_mjcf());
-    hasher.finalize().iter().take(16).fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+    hexadecimal(&hasher.finalize()[..16])
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ pub use begin::{Following, Parts, Path, Start};
 
 use crate::check::dimension::Dimension;
 use crate::diagnostics::Span;
+use crate::digest::hexadecimal;
 use crate::extremes::{between, maximum, minimum};
 use curve::Curve;
 use sha2::{Digest, Sha256};
@@ -205,7 +206,7 @@ impl Motion {
             hasher.update(format!("{} {} ", column.target.name(), column.advances));
             curve.numbers().for_each(|number| hasher.update(number.to_bits().to_le_bytes()));
         }
-        self.digest = hasher.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect();
+        self.digest = hexadecimal(&hasher.finalize()[..16]);
         self
     }
 

@@ -13,6 +13,7 @@ pub(crate) use scene::by_spread;
 pub use section::{Section, Snapshot, Unreadable};
 
 use crate::body::BodyDescription;
+use crate::digest::hexadecimal;
 use crate::explain::mathematics;
 use crate::graph::NodeId;
 use crate::graph::text::{Labels, Writer};
@@ -200,5 +201,5 @@ fn body_digest(body: &BodyDescription) -> String {
 }
 
 fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
 }

@@ -13,6 +13,7 @@ pub use fatigue::{Compartments, Fatigue};
 use crate::body::Body;
 use crate::library::BoundBody;
 use crate::model::Model;
+use msk_compiler::digest::hexadecimal;
 use msk_compiler::vocabulary::GroupKind;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -146,7 +147,7 @@ impl BoundBody {
         hasher.update(self.hash());
         // Plain data of strings and numbers always has a JSON form.
         hasher.update(serde_json::to_vec(condition).unwrap_or_default());
-        let hash = hasher.finalize().iter().take(16).fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
+        let hash = hexadecimal(&hasher.finalize()[..16]);
         Ok(self.changed(weakened(&self.model, &strengths), condition.clone(), hash))
     }
 }

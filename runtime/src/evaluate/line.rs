@@ -14,6 +14,7 @@
 
 use super::EpisodeRecord;
 use super::journal::json;
+use msk_compiler::digest::hexadecimal;
 use sha2::{Digest, Sha256};
 
 const RUN: &str = ",\"run\":\"";
@@ -76,5 +77,5 @@ impl Line {
 
 /// The first 64 bits of the SHA-256 of `bytes`, in hexadecimal digits.
 pub(super) fn hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().take(8).fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+    hexadecimal(&Sha256::digest(bytes)[..8])
 }

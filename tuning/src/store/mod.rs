@@ -16,6 +16,7 @@ mod history;
 pub use history::{Entry, OUTSIDE};
 
 use history::{Begun, End};
+use msk_compiler::digest::hexadecimal;
 use msk_compiler::weights::Change;
 use msk_storage::{Folder, StorageError};
 use sha2::{Digest, Sha256};
@@ -63,8 +64,7 @@ impl Version {
     /// Of a text.
     pub fn of(text: impl Into<String>) -> Self {
         let text = text.into();
-        let digest = Sha256::digest(text.as_bytes());
-        Self { hash: digest.iter().take(16).fold(String::new(), |hash, byte| hash + &format!("{byte:02x}")), text }
+        Self { hash: hexadecimal(&Sha256::digest(text.as_bytes())[..16]), text }
     }
 }
 
