@@ -3,17 +3,15 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-use msk_mcp::Server;
-use rmcp::model::CallToolRequestParams;
-use rmcp::service::RunningService;
-use rmcp::{RoleClient, ServiceExt};
+mod support;
+
 use serde_json::{Value, json};
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use support::Client;
 
 fn task(name: &str, body: &str) -> String {
     format!(
@@ -35,7 +33,7 @@ fn task(name: &str, body: &str) -> String {
 /// A folder with the project in `project`, what it must not see in `outside`, and a client of the server.
 struct Talk {
     folder: tempfile::TempDir,
-    client: RunningService<RoleClient, ()>,
+    client: Client,
 }
 
 impl Talk {
@@ -46,10 +44,7 @@ impl Talk {
         }
         let project = folder.path().join("project");
         fs::write(project.join("tasks.msk"), task("lean", "human")).unwrap();
-        let (here, there) = tokio::io::duplex(1 << 16);
-        let (input, output) = tokio::io::split(there);
-        tokio::spawn(Server::new(&project).unwrap().converse(input, output));
-        Self { client: ().serve(here).await.unwrap(), folder }
+        Self { client: support::connect(&project).await, folder }
     }
 
     fn project(&self, name: &str) -> PathBuf {
@@ -62,11 +57,7 @@ impl Talk {
 
     /// What a tool says, and whether it is an error.
     async fn call(&self, tool: &'static str, arguments: Value) -> (Value, bool) {
-        let Value::Object(arguments) = arguments else { panic!("no object") };
-        let call = self.client.call_tool(CallToolRequestParams::new(tool).with_arguments(arguments));
-        // A pipe that is waited for would hang the test.
-        let result = tokio::time::timeout(Duration::from_secs(120), call).await.expect("the tool hangs").unwrap();
-        (result.structured_content.unwrap(), result.is_error == Some(true))
+        support::call(&self.client, tool, arguments).await
     }
 
     async fn said(&self, tool: &'static str, arguments: Value) -> String {

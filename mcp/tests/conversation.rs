@@ -2,13 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-use msk_mcp::Server;
+mod support;
+
 use msk_tuning::store::Store;
-use rmcp::model::{CallToolRequestParams, ReadResourceRequestParams, ResourceContents};
-use rmcp::service::RunningService;
-use rmcp::{RoleClient, ServiceExt};
+use rmcp::model::{ReadResourceRequestParams, ResourceContents};
 use serde_json::{Value, json};
 use std::fs;
+use support::Client;
 
 const LEAN: &str = "task lean {
     body     human
@@ -27,25 +27,19 @@ const LEAN: &str = "task lean {
 
 struct Talk {
     folder: tempfile::TempDir,
-    client: RunningService<RoleClient, ()>,
+    client: Client,
 }
 
 impl Talk {
     async fn begin() -> Self {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("tasks.msk"), LEAN).unwrap();
-        let (here, there) = tokio::io::duplex(1 << 16);
-        let (input, output) = tokio::io::split(there);
-        tokio::spawn(Server::new(folder.path()).unwrap().converse(input, output));
-        let client = ().serve(here).await.unwrap();
-        Self { folder, client }
+        Self { client: support::connect(folder.path()).await, folder }
     }
 
     /// What a tool says, and whether it is an error.
     async fn call(&self, tool: &'static str, arguments: Value) -> (Value, bool) {
-        let Value::Object(arguments) = arguments else { panic!("no object") };
-        let result = self.client.call_tool(CallToolRequestParams::new(tool).with_arguments(arguments)).await.unwrap();
-        (result.structured_content.unwrap(), result.is_error == Some(true))
+        support::call(&self.client, tool, arguments).await
     }
 
     async fn ask(&self, tool: &'static str, arguments: Value) -> Value {
