@@ -5,7 +5,7 @@ use crate::error::{Context, Error};
 use crate::overlays::Overlays;
 use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
-use msk::runtime::episode::{Ending, Episode, EpisodeKey};
+use msk::runtime::episode::{Episode, EpisodeKey};
 use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, play_past_ends, replay, report};
 use msk::runtime::inspect::StateFile;
 use msk::runtime::policy::{self, Policy};
@@ -113,13 +113,8 @@ fn past_ends(
     let found = play_past_ends(episode, key, policy)?;
     write_state(args, episode)?;
     let task = &trial.task;
-    let names = |reasons: &[usize], all: &[String]| {
-        let names: Vec<&str> = reasons.iter().filter_map(|&reason| all.get(reason)).map(String::as_str).collect();
-        names.join(" and ")
-    };
     let first = match &found.first {
-        Some((steps, Ending::Terminated(reasons))) => format!("{} after {steps}", names(reasons, &task.terminations)),
-        Some((steps, Ending::Finished(reasons))) => format!("{} after {steps}", names(reasons, &task.finishes)),
+        Some((steps, ending)) if ending.is_of_task() => format!("{} after {steps}", ending.conditions(task)),
         _ => "no end before the horizon".to_owned(),
     };
     let fault = found.fault.map_or("no fault".to_owned(), |fault| format!("stopped by a fault: {fault}"));

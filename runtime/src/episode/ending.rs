@@ -1,7 +1,7 @@
 //! How an episode ends, and what can go wrong within one.
 
 use crate::physics;
-use msk_compiler::task::{NonFiniteTerm, NotDrawn, TaskFault};
+use msk_compiler::task::{CompiledTask, NonFiniteTerm, NotDrawn, TaskFault};
 
 /// The end of an episode. A failure of the task, the horizon and a fault of the computation are three different things.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,17 @@ impl Ending {
     /// Whether the task ended it, and neither time nor a fault.
     pub fn is_of_task(&self) -> bool {
         matches!(self, Self::Terminated(_) | Self::Finished(_))
+    }
+
+    /// The names of the conditions of `task` that ended it, joined by `and`; empty if the task did not end it.
+    pub fn conditions(&self, task: &CompiledTask) -> String {
+        let (holding, all) = match self {
+            Self::Terminated(holding) => (holding, &task.terminations),
+            Self::Finished(holding) => (holding, &task.finishes),
+            Self::Truncated | Self::Fault(_) => return String::new(),
+        };
+        let names: Vec<&str> = holding.iter().filter_map(|&index| all.get(index)).map(String::as_str).collect();
+        names.join(" and ")
     }
 }
 

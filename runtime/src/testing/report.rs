@@ -181,13 +181,9 @@ impl Judge<'_> {
         let Some(played) = self.played.get(take) else { return "nothing was shown".into() };
         let time = self.time(played.steps);
         let task = &self.tests.task;
-        let names = |reasons: &[usize], all: &[String]| {
-            let names: Vec<&str> = reasons.iter().filter_map(|&reason| all.get(reason)).map(String::as_str).collect();
-            names.join(" and ")
-        };
         match &played.ending {
-            Some(Ending::Terminated(reasons)) => format!("the episode ended by {} at {time}", names(reasons, &task.terminations)),
-            Some(Ending::Finished(reasons)) => format!("the episode finished by {} at {time}", names(reasons, &task.finishes)),
+            Some(ending @ Ending::Terminated(_)) => format!("the episode ended by {} at {time}", ending.conditions(task)),
+            Some(ending @ Ending::Finished(_)) => format!("the episode finished by {} at {time}", ending.conditions(task)),
             Some(Ending::Truncated) => format!("the episode reached the horizon at {time}"),
             Some(Ending::Fault(fault)) => format!("the episode was stopped by a fault: {fault}"),
             None => format!("the test was over at {time}"),

@@ -115,15 +115,10 @@ impl Tally {
         let task = episode.task();
         let terms = task.terms.iter().zip(self.plain.into_iter().zip(self.discounted));
         let terms = terms.map(|(term, (plain, discounted))| TermReturn { name: term.name.clone(), plain, discounted });
-        let names = |reasons: &[usize], all: &[String]| {
-            let names: Vec<&str> = reasons.iter().filter_map(|&reason| all.get(reason)).map(String::as_str).collect();
-            names.join(" and ")
-        };
         let ended_by = match episode.ending() {
-            Some(Ending::Terminated(reasons)) => names(reasons, &task.terminations),
-            Some(Ending::Finished(reasons)) => names(reasons, &task.finishes),
             Some(Ending::Fault(fault)) => format!("fault: {fault}"),
             Some(Ending::Truncated) | None => "horizon".to_owned(),
+            Some(ending) => ending.conditions(task),
         };
         Returns { steps: episode.steps(), ended_by, success: episode.success(), terms: terms.collect() }
     }
