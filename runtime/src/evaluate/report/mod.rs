@@ -4,11 +4,11 @@ mod overview;
 mod table;
 
 pub use overview::overview;
+pub use table::Table;
 
 use super::{MetricSummary, Spread, Summary, TaskSummary, TermSummary};
 use core::fmt::Write;
 use msk_compiler::numbers::{exact, for_people};
-use table::Table;
 
 /// The whole report.
 pub fn markdown(summary: &Summary) -> String {
@@ -38,11 +38,7 @@ pub fn markdown(summary: &Summary) -> String {
     for task in summary.tasks.iter().filter(|task| !task.terms.is_empty()) {
         // Writing to a string cannot fail.
         let _ = write!(text, "\n## {}: reward terms\n\n", task.task);
-        let mut terms = Table::new(&["term", "weight", "value per step", "pay per step", "share"]);
-        for term in &task.terms {
-            terms.row(term_row(term));
-        }
-        text.push_str(&terms.markdown());
+        text.push_str(&terms(&task.terms));
         if !task.weights_versions.is_empty() {
             let paid = task.weights_versions.iter().map(|(version, count)| format!("{version} ({count})"));
             let _ = write!(text, "\nWeights while it ran (episodes): {}\n", paid.collect::<Vec<_>>().join(", "));

@@ -4,7 +4,7 @@ use core::fmt::Write;
 
 /// Rows of cells below a head. The first column and the one that is called `ended by` hold words and are aligned to the left,
 /// the others hold numbers and are aligned to the right.
-pub(super) struct Table {
+pub struct Table {
     rows: Vec<Row>,
 }
 
@@ -15,22 +15,23 @@ enum Row {
 }
 
 impl Table {
-    pub(super) fn new(head: &[&str]) -> Self {
+    /// A table with this head.
+    pub fn new(head: &[&str]) -> Self {
         Self { rows: vec![Row::Cells(head.iter().map(|&title| title.into()).collect())] }
     }
 
     /// A row with as many cells as the head.
-    pub(super) fn row(&mut self, cells: Vec<String>) {
+    pub fn row(&mut self, cells: Vec<String>) {
         self.rows.push(Row::Cells(cells));
     }
 
     /// A row without numbers.
-    pub(super) fn remark(&mut self, name: String, remark: String) {
+    pub fn remark(&mut self, name: String, remark: String) {
         self.rows.push(Row::Remark(name, remark));
     }
 
     /// As Markdown, which a terminal shows well and a page renders.
-    pub(super) fn markdown(&self) -> String {
+    pub fn markdown(&self) -> String {
         let columns = self.head().len();
         let widths = self.widths(true);
         let mut text = String::new();
@@ -63,7 +64,7 @@ impl Table {
     }
 
     /// Without rules, each row cut to `width` characters: for a screen.
-    pub(super) fn plain(&self, width: usize) -> String {
+    pub fn plain(&self, width: usize) -> String {
         let widths = self.widths(false);
         let mut text = String::new();
         for row in &self.rows {
