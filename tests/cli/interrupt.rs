@@ -2,7 +2,7 @@
 #![cfg(unix)]
 
 use crate::project::{Done, LEAN, Project, journal};
-use std::process::{Child, Command};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 const ARGUMENTS: [&str; 10] = ["eval", "lean.msk", "--policy", "zero", "--episodes", "2000", "--threads", "2", "--out", "out"];
@@ -17,12 +17,24 @@ fn send(project: &Project, child: &Child, signal: &str) {
     assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
 }
 
+/// The program as it is started where nothing is ignored, also when the tests themselves run under `nohup`.
+fn listening(project: &Project) -> Command {
+    let program = project.command(&ARGUMENTS);
+    if !cfg!(target_os = "linux") {
+        return program;
+    }
+    let mut command = Command::new("env");
+    command.arg("--default-signal=HUP").arg(program.get_program()).args(program.get_args());
+    command.current_dir(project.path("")).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
 #[test]
 fn an_interrupted_run_leaves_a_valid_journal_that_can_be_continued() {
     for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let project = Project::empty();
         project.write("lean.msk", LEAN);
-        let child = project.command(&ARGUMENTS).spawn().unwrap();
+        let child = listening(&project).spawn().unwrap();
         send(&project, &child, signal);
         let done = Done::from(child.wait_with_output().unwrap());
         assert_eq!(done.code, Some(code), "{signal}: {done:?}");
