@@ -38,7 +38,7 @@ impl Secret {
     }
 }
 
-/// The secrets of one reasoner. Every text that its answer brings in passes [`Secrets::shown`] before it goes to a message, a log
+/// The secrets of one reasoner. Every text that its answer brings in passes `shown` before it goes to a message, a log
 /// or the terminal.
 #[derive(Debug, Clone, Default)]
 pub struct Secrets(Vec<Secret>);
