@@ -1,7 +1,8 @@
-//! The corpora of wrong programs, counted: defects of published tasks with what is said of each, and every code with its cases.
+//! The corpora of wrong programs, counted: defects of published tasks and typical mistakes with the verdict on each, and every code
+//! with its cases.
 //!
-//! The pages themselves are compared with what the compiler says by `meaning.rs` and `language.rs`; here is looked at what
-//! they claim. `MSK_UPDATE=1 cargo test` rewrites the table of `defects/README.md`.
+//! The pages themselves are compared with what the compiler says by `meaning.rs` and `language.rs`; here the verdicts are compared
+//! with the answers below them. `MSK_UPDATE=1 cargo test` rewrites the tables of `defects/README.md` and `mistakes/README.md`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
@@ -13,6 +14,12 @@ use std::path::{Path, PathBuf};
 /// What may be said of a defect, from what is best to what is worst.
 const VERDICTS: [&str; 6] =
     ["impossible to express", "compile error", "lint", "caught by probing", "shown by the task's own test", "not caught"];
+
+/// The verdicts on a typical mistake.
+const MISTAKE_VERDICTS: [&str; 5] = ["compile error", "lint", "caught by probing", "not caught", "no mistake"];
+
+/// How far the answer to a mistake that is caught helps to correct it.
+const HELP: [&str; 3] = ["helpful", "partly", "poor"];
 
 /// The least number of wrong programs.
 const WRONG_PROGRAMS: usize = 300;
@@ -41,6 +48,21 @@ struct Defect {
     text: String,
 }
 
+impl Defect {
+    /// Whether the answers below the text are of the kind that the verdict claims.
+    fn verdict_holds(&self) -> bool {
+        let error = self.text.contains("\nerror[E");
+        let warning = self.text.contains("\nwarning[W");
+        match self.verdict {
+            "compile error" => error,
+            "lint" => warning,
+            "caught by probing" => !error && self.text.contains("\n```probed\n"),
+            "not caught" | "shown by the task's own test" | "no mistake" => !error,
+            _ => true,
+        }
+    }
+}
+
 fn defects(page: &str, text: &str) -> Vec<Defect> {
     text.split("\n## ")
         .skip(1)
@@ -59,23 +81,91 @@ fn defects(page: &str, text: &str) -> Vec<Defect> {
 fn what_is_said_of_a_defect_is_what_the_compiler_says() {
     let mut wrong = Vec::new();
     for (page, text) in pages("defects") {
-        for defect in defects(&page, &text) {
-            let error = defect.text.contains("\nerror[E");
-            let warning = defect.text.contains("\nwarning[W") || defect.text.contains("```text\nwarning[W");
-            let error = error || defect.text.contains("```text\nerror[E");
-            let holds = match defect.verdict {
-                "compile error" => error,
-                "lint" => warning,
-                "caught by probing" => !error && defect.text.contains("\n```probed\n"),
-                "not caught" | "shown by the task's own test" => !error,
-                _ => true,
-            };
-            if !holds {
-                wrong.push(format!("{page}: {}: {}", defect.title, defect.verdict));
-            }
-        }
+        let defects = defects(&page, &text);
+        let claims = defects.iter().filter(|defect| !defect.verdict_holds());
+        wrong.extend(claims.map(|defect| format!("{page}: {}: {}", defect.title, defect.verdict)));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A typical mistake with the verdict on its answer, and how far that helps; nothing where it is not caught or is no mistake.
+struct Mistake {
+    defect: Defect,
+    help: Option<&'static str>,
+}
+
+/// The mistakes of a page; none where its sections carry no verdicts.
+fn mistakes(page: &str, text: &str) -> Vec<Mistake> {
+    if !text.contains("\nVerdict: ") {
+        return Vec::new();
+    }
+    let read = |section: &str| {
+        let title = section.lines().next().unwrap().to_owned();
+        let said = section.lines().find_map(|line| line.strip_prefix("Verdict: "));
+        let said = said.unwrap_or_else(|| panic!("{page}: `{title}` carries no verdict"));
+        let (verdict, help) = said.split_once(", ").map_or((said, None), |(verdict, help)| (verdict, Some(help)));
+        let known = |words: &[&'static str], word: &str| words.iter().copied().find(|known| *known == word);
+        let verdict = known(&MISTAKE_VERDICTS, verdict).unwrap_or_else(|| panic!("{page}: `{title}`: {said}"));
+        let help = help.map(|help| known(&HELP, help).unwrap_or_else(|| panic!("{page}: `{title}`: {said}")));
+        let caught = !matches!(verdict, "not caught" | "no mistake");
+        assert_eq!(help.is_some(), caught, "{page}: `{title}`: {said}");
+        Mistake { defect: Defect { title, verdict, text: section.to_owned() }, help }
+    };
+    text.split("\n## ").skip(1).map(read).collect()
+}
+
+#[test]
+fn the_verdict_on_a_mistake_is_what_the_compiler_says() {
+    let mut wrong = Vec::new();
+    for (page, text) in pages("mistakes") {
+        let mistakes = mistakes(&page, &text);
+        let claims = mistakes.iter().map(|mistake| &mistake.defect).filter(|defect| !defect.verdict_holds());
+        wrong.extend(claims.map(|defect| format!("{page}: {}: {}", defect.title, defect.verdict)));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_table_of_mistakes_counts_them() {
+    let kinds: Vec<&str> = MISTAKE_VERDICTS.into_iter().chain(HELP).collect();
+    let mut table = format!("| page | texts | {} |\n|---|---:|{}\n", kinds.join(" | "), "---:|".repeat(kinds.len()));
+    let mut totals = vec![0; kinds.len()];
+    let mut uncaught = String::new();
+    for (page, text) in pages("mistakes") {
+        let mistakes = mistakes(&page, &text);
+        if mistakes.is_empty() {
+            continue;
+        }
+        let count = |kind: &&str| {
+            mistakes.iter().filter(|mistake| mistake.defect.verdict == *kind || mistake.help == Some(*kind)).count()
+        };
+        let counts: Vec<usize> = kinds.iter().map(count).collect();
+        totals.iter_mut().zip(&counts).for_each(|(total, count)| *total += count);
+        let cells: Vec<String> = counts.iter().map(usize::to_string).collect();
+        let _ = writeln!(table, "| [{page}]({page}.md) | {} | {} |", mistakes.len(), cells.join(" | "));
+        for mistake in mistakes.iter().filter(|mistake| mistake.defect.verdict == "not caught") {
+            let _ = writeln!(uncaught, "- {page}: {}", mistake.defect.title);
+        }
+    }
+    let of = |kind: &str| totals[kinds.iter().position(|known| *known == kind).unwrap()];
+    let (texts, slips) = (MISTAKE_VERDICTS.iter().map(|kind| of(kind)).sum::<usize>(), |texts: usize| texts - of("no mistake"));
+    let cells: Vec<String> = totals.iter().map(usize::to_string).collect();
+    let _ = writeln!(table, "| **all** | {texts} | {} |", cells.join(" | "));
+    let _ = writeln!(table, "\nNot caught are {} of {}:\n\n{uncaught}", of("not caught"), slips(texts));
+    between_marks(&folder("mistakes").join("README.md"), table.trim_end());
+    assert!(texts > 150, "{texts}");
+}
+
+/// Compares what stands between the marks of a table with what it should be.
+fn between_marks(path: &Path, table: &str) {
+    let page = std::fs::read_to_string(path).unwrap();
+    let (before, rest) = page.split_once("<!-- table -->\n").unwrap();
+    let (_, after) = rest.split_once("<!-- /table -->").unwrap();
+    let fresh = format!("{before}<!-- table -->\n{table}\n<!-- /table -->{after}");
+    if std::env::var_os("MSK_UPDATE").is_some() {
+        std::fs::write(path, &fresh).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(path).unwrap(), fresh, "MSK_UPDATE=1 rewrites the table");
 }
 
 #[test]
@@ -95,15 +185,7 @@ fn the_table_of_defects_counts_them() {
         row(&format!("[{page}]({page}.md)"), &counts);
     }
     row("**all**", &totals);
-    let path = folder("defects").join("README.md");
-    let page = std::fs::read_to_string(&path).unwrap();
-    let (before, rest) = page.split_once("<!-- table -->\n").unwrap();
-    let (_, after) = rest.split_once("<!-- /table -->").unwrap();
-    let fresh = format!("{before}<!-- table -->\n{table}<!-- /table -->{after}");
-    if std::env::var_os("MSK_UPDATE").is_some() {
-        std::fs::write(&path, &fresh).unwrap();
-    }
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), fresh, "MSK_UPDATE=1 rewrites the table");
+    between_marks(&folder("defects").join("README.md"), table.trim_end());
     assert!(totals.iter().sum::<usize>() > 150, "{totals:?}");
     assert_eq!(totals[VERDICTS.len() - 1], 0, "a defect that nothing shows");
 }

@@ -93,14 +93,14 @@ fn what_is_told_can_be_allowed_with_a_reason() {
     assert_eq!(codes_of(&format!("allow holds_at_reset \"on purpose\"\n{holds}")), [""; 0]);
 }
 
-/// Defects of the corpus of which is said that probing catches them, with what it says: a block `probed` after that of the text.
+/// Defects and mistakes of the corpus of which is said that probing catches them, with what it says: a block `probed` after that of
+/// the text.
 ///
 /// `MSK_UPDATE=1 cargo test` rewrites these blocks; read the difference before keeping it.
-#[test]
-fn defects_that_are_said_to_be_caught_are() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compiler/tests/language/defects");
+fn probed_blocks_of(folder: &str, pages: &[&str]) -> usize {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compiler/tests/language").join(folder);
     let mut caught = 0;
-    for page in ["hands", "standing", "steps", "walking"] {
+    for page in pages {
         let path = folder.join(page).with_extension("md");
         let text = std::fs::read_to_string(&path).unwrap();
         let sections: Vec<String> = text
@@ -114,7 +114,19 @@ fn defects_that_are_said_to_be_caught_are() {
         }
         assert_eq!(std::fs::read_to_string(&path).unwrap(), fresh, "{page}: MSK_UPDATE=1 rewrites the page");
     }
+    caught
+}
+
+#[test]
+fn defects_that_are_said_to_be_caught_are() {
+    let caught = probed_blocks_of("defects", &["hands", "standing", "steps", "walking"]);
     assert!(caught >= 19, "{caught}");
+}
+
+#[test]
+fn mistakes_that_are_said_to_be_caught_are() {
+    let caught = probed_blocks_of("mistakes", &["endings", "rewards", "worlds_and_policies"]);
+    assert!(caught >= 1, "{caught}");
 }
 
 /// A section of a page with what probing says of its first text.
@@ -123,8 +135,8 @@ fn answered(section: &str) -> String {
     let (kind, rest) = rest.split_once('\n').unwrap();
     let (body, after) = rest.split_once("\n```").unwrap();
     let statements = match kind {
-        "beginning" | "task" | "task-reward" => body.to_owned(),
         "success" => format!("success {body}"),
+        kind if kind == "beginning" || kind == "task" || kind.starts_with("task-") => body.to_owned(),
         _ => format!("{kind} {{\n{body}\n}}"),
     };
     let answer: Vec<String> = told(&statements)
@@ -137,7 +149,12 @@ fn answered(section: &str) -> String {
         Some((between, rest)) => format!("{between}{}", rest.split_once("```").unwrap().1),
         None => after.to_owned(),
     };
-    format!("{before}\n```msk {kind}\n{body}\n```\n```probed\n{}```{after}", answer.join(""))
+    // What the compiler says comes first.
+    let (compiled, after) = match after.strip_prefix("\n```text\n").and_then(|rest| rest.split_once("\n```")) {
+        Some((compiled, after)) => (format!("\n```text\n{compiled}\n```"), after),
+        None => (String::new(), after.as_str()),
+    };
+    format!("{before}\n```msk {kind}\n{body}\n```{compiled}\n```probed\n{}```{after}", answer.join(""))
 }
 
 #[test]
