@@ -114,12 +114,6 @@ impl Real for Pair {
     fn abs(self) -> Self {
         self.each(f64::abs)
     }
-    fn min(self, other: Self) -> Self {
-        self.both(other, f64::min)
-    }
-    fn max(self, other: Self) -> Self {
-        self.both(other, f64::max)
-    }
     fn sin_cos(self) -> (Self, Self) {
         let [a, b] = self.0.map(Real::sin_cos);
         (Self([a.0, b.0]), Self([a.1, b.1]))

@@ -3,6 +3,7 @@
 //! Muscles are excited at random throughout, a fresh uniform value for each every ten milliseconds: a body at rest would
 //! flatter the constraint solver, whose work is done when the set of contacts and limits changes.
 
+use crate::scalar::Real;
 use crate::{
     model::{GeomKind, JointKind, Model},
     physics::{Fault, State, Workspace, constrained, inertia, kinematics, smooth, stepping, tendons},
@@ -121,7 +122,7 @@ impl Tally {
 pub fn run(model: &Model, settings: &Settings) -> Report {
     let threads = settings.threads.max(1);
     let start = Instant::now();
-    let deadline = start + Duration::from_secs_f64(settings.seconds.max(0.0));
+    let deadline = start + Duration::from_secs_f64(settings.seconds.at_least(0.0));
     let tally = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads as u64)
             .map(|thread| scope.spawn(move || work(model, settings.protocol, settings.seed.wrapping_add(thread), deadline)))
@@ -154,7 +155,7 @@ fn work(model: &Model, protocol: Protocol, seed: u64, deadline: Instant) -> Tall
     let mut workspace = Workspace::new(model);
     let origin = initial_state(model, protocol, &mut workspace);
     let mut state = origin.clone();
-    let steps_per_excitation = (0.01 / model.options.timestep).round().max(1.0) as usize;
+    let steps_per_excitation = (0.01 / model.options.timestep).round().at_least(1.0) as usize;
     while Instant::now() < deadline {
         if state.time >= protocol.duration() {
             state.clone_from(&origin);

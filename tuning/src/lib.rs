@@ -6,6 +6,9 @@
 //! 4. [`statistics`] says of episodes what each term did in them;
 //! 5. a [`reasoner::Reasoner`] proposes other weights from that, and [`session`] is the loop around it.
 
+// Results agree between machines to the bit: see `clippy.toml`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod live;
 pub mod overlay;
 pub mod reasoner;

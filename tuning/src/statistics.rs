@@ -3,6 +3,7 @@
 use msk_compiler::task::CompiledTask;
 use msk_compiler::weights::Bounds;
 use msk_runtime::evaluate::{ByTerm, EpisodeRecord, Spread};
+use msk_runtime::scalar::Real;
 use serde::{Deserialize, Serialize};
 
 /// Episodes of one task, summed up.
@@ -140,7 +141,7 @@ fn terms(task: &CompiledTask, weights: &[f64], in_scope: &[bool], records: &[Epi
             range: [low, high].map(|bound| bound.is_finite().then_some(bound)),
             mean,
             // Rounding may put the mean of the squares a hair below the square of the mean.
-            deviation: mean.zip(square).map(|(mean, square)| (square - mean * mean).max(0.0).sqrt()),
+            deviation: mean.zip(square).map(|(mean, square)| (square - mean * mean).at_least(0.0).sqrt()),
             share: (magnitude > 0.0).then(|| pays[index] / magnitude),
             with_success: correlation(index, records, success),
             with_survival: correlation(index, records, survived),
@@ -167,8 +168,8 @@ fn correlation(term: usize, records: &[EpisodeRecord], number: impl Fn(&EpisodeR
         sums[2] += (a - x) * (b - y);
     }
     // What varies by rounding alone does not vary.
-    let varies = |sum: f64, mean: f64| sum > count * (1e-12 * (1.0 + mean.abs())).powi(2);
-    (pairs.len() > 1 && varies(sums[0], x) && varies(sums[1], y)).then(|| (sums[2] / (sums[0] * sums[1]).sqrt()).clamp(-1.0, 1.0))
+    let varies = |sum: f64, mean: f64| sum > count * (1e-12 * (1.0 + mean.abs())).squared();
+    (pairs.len() > 1 && varies(sums[0], x) && varies(sums[1], y)).then(|| (sums[2] / (sums[0] * sums[1]).sqrt()).clip(-1.0, 1.0))
 }
 
 fn metrics(task: &CompiledTask, records: &[EpisodeRecord]) -> Vec<MetricStatistics> {

@@ -4,6 +4,7 @@ use super::Body;
 use super::sensors::Snapshot;
 use crate::model::Model;
 use crate::physics::collision::{Contact, Placed, Scratch, distance};
+use crate::scalar::Real;
 use crate::scene::ground::Ground;
 use msk_compiler::scene::Part;
 use nalgebra::Vector3;
@@ -113,7 +114,7 @@ impl Snapshot<'_> {
         self.body.each_shape(first, |one| {
             if second == Part::Ground && self.body.ground.is_empty() {
                 let level = Ground { model, kinematics, shapes: &[] };
-                least = least.min(level.clearance(&[one]));
+                least = least.at_most(level.clearance(&[one]));
             }
             let placed = Placed::of(model, kinematics, 0, one);
             self.body.each_shape(second, |other| {
@@ -121,7 +122,7 @@ impl Snapshot<'_> {
                     return;
                 }
                 let found = distance::between(&placed, &Placed::of(model, kinematics, 0, other), least, &mut scratch);
-                least = found.map_or(least, |gap| least.min(gap.distance));
+                least = found.map_or(least, |gap| least.at_most(gap.distance));
             });
         });
         least

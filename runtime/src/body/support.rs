@@ -1,6 +1,7 @@
 //! What holds the body up: where the ground's force acts, and how far the centre of mass is from the edge of support.
 
 use super::sensors::Snapshot;
+use crate::scalar::Real;
 use msk_compiler::scene::Part;
 use nalgebra::{Vector2, Vector3};
 
@@ -18,7 +19,7 @@ impl Snapshot<'_> {
         let mut total = 0.0;
         let mut moment = Vector3::zeros();
         for (position, force) in self.footing() {
-            let force = force.max(0.0);
+            let force = force.at_least(0.0);
             total += force;
             moment += position * force;
         }
@@ -49,14 +50,14 @@ fn margin(points: impl Iterator<Item = Vector2<f64>> + Clone, point: Vector2<f64
         for second in points.clone() {
             let along = second - first;
             let length = along.norm();
-            let share = if length > 0.0 { ((point - first).dot(&along) / (length * length)).clamp(0.0, 1.0) } else { 0.0 };
+            let share = if length > 0.0 { ((point - first).dot(&along) / (length * length)).clip(0.0, 1.0) } else { 0.0 };
             let distance = (point - first - along * share).norm();
-            nearest = Some(nearest.map_or(distance, |nearest| nearest.min(distance)));
+            nearest = Some(nearest.map_or(distance, |nearest| nearest.at_most(distance)));
             // An edge of the hull has all other points on its left, some of them not on it.
             let mut sides = points.clone().map(|other| cross(along, other - first));
             let beyond = 1e-12 * length;
             if length > 0.0 && sides.clone().all(|side| side >= -beyond) && sides.any(|side| side > beyond) {
-                inside = inside.min(cross(along, point - first) / length);
+                inside = inside.at_most(cross(along, point - first) / length);
             }
         }
     }

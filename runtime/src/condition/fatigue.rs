@@ -14,6 +14,7 @@
 
 use super::{ConditionError, within};
 use crate::model::{Dynamics, Model};
+use crate::scalar::Real;
 use serde::{Deserialize, Serialize};
 
 /// Rates of fatigue, the same for all muscles.
@@ -72,8 +73,8 @@ impl Compartments {
     pub fn advance(&mut self, rates: &Fatigue, model: &Model, elapsed: f64, excitations: &mut [f64]) {
         for (muscle, excitation) in excitations.iter_mut().enumerate() {
             let Dynamics::Muscle([rise, fall, _]) = model.actuators.dynamics[muscle] else { continue };
-            let fatigued = self.pass(rates, [rise, fall], elapsed, muscle, excitation.clamp(0.0, 1.0));
-            *excitation = excitation.min(1.0 - fatigued);
+            let fatigued = self.pass(rates, [rise, fall], elapsed, muscle, excitation.clip(0.0, 1.0));
+            *excitation = excitation.at_most(1.0 - fatigued);
         }
     }
 
@@ -85,12 +86,12 @@ impl Compartments {
         let short = target - active;
         let time = if short > 0.0 { times[0] * pace } else { times[1] / pace };
         // The drive reaches its target at the earliest, and never recruits units that are not at rest.
-        let drive = (short * (elapsed / time.max(elapsed.max(f64::MIN_POSITIVE)))).min(resting.max(0.0));
+        let drive = (short * (elapsed / time.at_least(elapsed.at_least(f64::MIN_POSITIVE)))).at_most(resting.at_least(0.0));
         let recovery = if active >= target { rates.recovery * rates.rest } else { rates.recovery };
         let tired = -libm::expm1(-rates.fatigue * elapsed) * active;
         let recovered = -libm::expm1(-recovery * elapsed) * fatigued;
-        self.active[muscle] = (active + drive - tired).clamp(0.0, 1.0);
-        self.fatigued[muscle] = (fatigued + tired - recovered).clamp(0.0, 1.0 - self.active[muscle]);
+        self.active[muscle] = (active + drive - tired).clip(0.0, 1.0);
+        self.fatigued[muscle] = (fatigued + tired - recovered).clip(0.0, 1.0 - self.active[muscle]);
         self.fatigued[muscle]
     }
 }

@@ -4,6 +4,7 @@ use super::streams::{EpisodeKey, Stream};
 use crate::body::Body;
 use crate::model::{Equality, Model, rotation};
 use crate::physics::{self, State, Workspace};
+use crate::scalar::Real;
 use msk_compiler::task::{Init, ObjectStart, Settle, Spread};
 use nalgebra::Vector3;
 
@@ -114,7 +115,7 @@ fn fold(value: f64, centre: f64, range: Option<[f64; 2]>) -> f64 {
             } else {
                 value
             };
-            mirrored.clamp(low, high)
+            mirrored.clip(low, high)
         }
         _ => value,
     }

@@ -1,5 +1,6 @@
 //! From a policy's action to muscle excitation.
 
+use crate::scalar::Real;
 use msk_compiler::body::ExcitationMap;
 
 /// The action that asks least of a muscle, and the one in force before the first step.
@@ -10,7 +11,7 @@ pub const REST: f64 = -1.0;
 /// `Linear` is u = (a + 1) / 2. `Sigmoid` is u = 1 / (1 + exp(-5 (a - 0.5))): it gives 0.0006 at -1, 0.076 at 0 and 0.924
 /// at 1, so that full excitation is out of reach.
 pub fn excitation(map: ExcitationMap, action: f64) -> f64 {
-    let action = action.clamp(-1.0, 1.0);
+    let action = action.clip(-1.0, 1.0);
     match map {
         ExcitationMap::Linear => 0.5 * (action + 1.0),
         ExcitationMap::Sigmoid => 1.0 / (1.0 + libm::exp(-5.0 * (action - 0.5))),
@@ -23,7 +24,7 @@ pub fn action(map: ExcitationMap, excitation: f64) -> f64 {
         ExcitationMap::Linear => 2.0 * excitation - 1.0,
         ExcitationMap::Sigmoid => 0.5 + 0.2 * libm::log(excitation / (1.0 - excitation)),
     };
-    action.clamp(-1.0, 1.0)
+    action.clip(-1.0, 1.0)
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@ pub use excitation::{REST, excitation};
 pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
 
+use crate::scalar::Real;
 use streams::Streams;
 
 use crate::body::{Body, sensors};
@@ -305,7 +306,7 @@ impl Episode {
         }
         let present = &mut self.present;
         for ((kept, control), value) in present.action.iter_mut().zip(&mut present.state.control).zip(action) {
-            *kept = value.clamp(-1.0, 1.0);
+            *kept = value.clip(-1.0, 1.0);
             *control = excitation(self.body.excitation, *kept);
         }
         let elapsed = 1.0 / self.task.control_frequency;

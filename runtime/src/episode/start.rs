@@ -3,6 +3,7 @@
 use crate::model::{Equality, Model};
 use crate::physics::Workspace;
 use crate::physics::constraint::RowKind;
+use crate::scalar::Real;
 
 /// Shapes that overlap by less than this are said to touch, m.
 const DEEPEST_TOUCH: f64 = 1e-3;
@@ -70,7 +71,7 @@ fn residual(model: &Model, equality: usize, rows: &[f64]) -> Option<Residual> {
         Equality::Joint(coupling) => (model.joints.name[model.couplings.joint[*coupling]].clone(), 0.0),
         // The rows of a weld's turn are half its sine, weighted.
         Equality::Weld { torque_scale, .. } if *torque_scale > 0.0 => {
-            (model.equalities.name[equality].clone(), 2.0 * libm::asin((sine / torque_scale).min(1.0)))
+            (model.equalities.name[equality].clone(), 2.0 * libm::asin((sine / torque_scale).at_most(1.0)))
         }
         _ => (model.equalities.name[equality].clone(), 0.0),
     };

@@ -3,6 +3,7 @@
 use super::EvaluationError;
 use crate::episode::{Ending, Episode, EpisodeKey, REST};
 use crate::policy::Policy;
+use crate::scalar::Real;
 
 /// What came of an episode that was played on to its horizon.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,10 +51,10 @@ impl PastEnds {
         let context = episode.context();
         let contacts = context.workspace.episodes.first().map(|episode| &episode.constraints.contacts);
         let depths = contacts.into_iter().flatten().map(|contact| -contact.distance);
-        self.deepest = depths.fold(self.deepest, f64::max);
+        self.deepest = depths.fold(self.deepest, Real::at_least);
         if let Some((_, dof)) = context.body.root.free {
             let speed = context.state.velocity[dof..dof + 3].iter().map(|part| part * part).sum::<f64>().sqrt();
-            self.fastest = self.fastest.max(speed);
+            self.fastest = self.fastest.at_least(speed);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::condition::MuscleCondition;
 use crate::episode::{Ending, Episode};
+use crate::scalar::Real;
 use msk_compiler::task::CompiledTask;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -114,7 +115,7 @@ impl Tally {
             squares: vec![0.0; terms],
             dead: vec![0.0; terms],
             saturated: vec![0.0; terms],
-            largest: (0..terms).map(|term| task.term_range(term)).map(|[low, high]| low.abs().max(high.abs())).collect(),
+            largest: (0..terms).map(|term| task.term_range(term)).map(|[low, high]| low.abs().at_least(high.abs())).collect(),
             metrics: vec![(0.0, 0); metrics],
             last_metrics: vec![f64::NAN; metrics],
         }

@@ -6,6 +6,7 @@
 use crate::body::Body;
 use crate::model::{GeomKind, Model};
 use crate::physics::{State, Workspace, kinematics};
+use crate::scalar::Real;
 use msk_compiler::motion::{Motion, RootPart, Target};
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -157,7 +158,7 @@ fn columns(model: &Model, body: &Body, motion: &Motion) -> Vec<MotionColumn> {
             unit: column.unit.clone(),
             factor: msk_compiler::check::unit::find(&column.unit).map_or(1.0, |unit| unit.factor),
             values: motion.range(index),
-            rate: fast.max(-slow),
+            rate: fast.at_least(-slow),
             range: joint.and_then(|joint| joint.range),
             residual: joint.filter(|joint| !joint.independent).map(|_| residuals[index]),
         }
@@ -177,7 +178,7 @@ fn residuals(model: &Model, body: &Body, motion: &Motion) -> Vec<f64> {
         }
         body.solve_couplings(model, &mut position);
         for (joint, column) in columns {
-            worst[column] = worst[column].max((position[joint.position] - motion.value(column, time)).abs());
+            worst[column] = worst[column].at_least((position[joint.position] - motion.value(column, time)).abs());
         }
     }
     worst
@@ -255,14 +256,14 @@ fn foot(name: String, tracks: &[Vec<Vector3<f64>>], rise: f64, step: f64, cycle:
             let here = stands(track, at);
             standing[at] |= here;
             if here || rise == 0.0 {
-                penetration = penetration.max(level(track[at].z) - track[at].z);
+                penetration = penetration.at_least(level(track[at].z) - track[at].z);
             }
             match (here, from) {
                 (true, None) => from = Some(at),
                 (false, Some(start)) => {
                     // What had begun before the first turn is seen in the second.
                     if !(cycle && start == 0) {
-                        sliding = sliding.max(excursion(&track[start..at]));
+                        sliding = sliding.at_least(excursion(&track[start..at]));
                     }
                     from = None;
                 }
@@ -272,12 +273,12 @@ fn foot(name: String, tracks: &[Vec<Vector3<f64>>], rise: f64, step: f64, cycle:
         if let Some(start) = from
             && !cycle
         {
-            sliding = sliding.max(excursion(&track[start..]));
+            sliding = sliding.at_least(excursion(&track[start..]));
         }
     }
     for at in (0..times).filter(|at| !standing[*at]) {
-        let lowest = tracks.iter().map(|track| track[at].z - level(track[at].z)).fold(f64::INFINITY, f64::min);
-        clearance = clearance.max(lowest);
+        let lowest = tracks.iter().map(|track| track[at].z - level(track[at].z)).fold(f64::INFINITY, Real::at_most);
+        clearance = clearance.at_least(lowest);
     }
     let stance = standing.iter().filter(|standing| **standing).count() as f64 / times.max(1) as f64;
     MotionFoot { name, stance, penetration, sliding, clearance }
@@ -286,7 +287,7 @@ fn foot(name: String, tracks: &[Vec<Vector3<f64>>], rise: f64, step: f64, cycle:
 /// The largest horizontal distance between two places of a track.
 fn excursion(track: &[Vector3<f64>]) -> f64 {
     let pairs = track.iter().enumerate().flat_map(|(index, a)| track[index..].iter().map(move |b| (b - a).xy().norm()));
-    pairs.fold(0.0, f64::max)
+    pairs.fold(0.0, Real::at_least)
 }
 
 /// The sharpest bend of a joint at the seam over the sharpest elsewhere, from differences of rates.
@@ -296,10 +297,11 @@ fn seam(motion: &Motion) -> f64 {
     let joints: Vec<usize> =
         (0..motion.columns.len()).filter(|c| matches!(motion.columns[*c].target, Target::Joint(_))).collect();
     let ratio = |column: &usize| {
-        let inner = (2..TIMES - 1).map(|index| bend(*column, index as f64 * motion.duration / TIMES as f64)).fold(0.0, f64::max);
+        let inner =
+            (2..TIMES - 1).map(|index| bend(*column, index as f64 * motion.duration / TIMES as f64)).fold(0.0, Real::at_least);
         if inner > 1e-9 { bend(*column, 0.0) / inner } else { 0.0 }
     };
-    joints.iter().map(ratio).fold(0.0, f64::max)
+    joints.iter().map(ratio).fold(0.0, Real::at_least)
 }
 
 /// How far joints differ from their partners on the other side.
@@ -311,7 +313,7 @@ fn sides(motion: &Motion) -> Option<(f64, bool)> {
         let differences = pairs.iter().flat_map(|&(left, right)| {
             motion.times.iter().map(move |time| (motion.value(left, time + delay) - motion.value(right, *time)).abs())
         });
-        differences.fold(0.0, f64::max)
+        differences.fold(0.0, Real::at_least)
     };
     let (together, later) = (worst(0.0), if motion.cycle { worst(0.5 * motion.duration) } else { f64::INFINITY });
     (!pairs.is_empty()).then_some(if later < together { (later, true) } else { (together, false) })

@@ -4,6 +4,7 @@ use crate::body::coupling;
 use crate::model::{ElasticTendons, JointKind, Model, Muscle};
 use crate::physics::tendons::{PathVertex, VertexKind, path};
 use crate::physics::{State, Workspace, kinematics, moment_arms, tendons};
+use crate::scalar::Real;
 use core::f64::consts::PI;
 use serde::Serialize;
 
@@ -195,7 +196,7 @@ impl Sweep<'_> {
                 .as_ref()
                 .unwrap_or(&ElasticTendons::default())
                 .stretching_length(slack, model.actuators.length_range[self.muscle]),
-            fibre_range: [fibres().fold(f64::INFINITY, f64::min), fibres().fold(f64::NEG_INFINITY, f64::max)],
+            fibre_range: [fibres().fold(f64::INFINITY, Real::at_most), fibres().fold(f64::NEG_INFINITY, Real::at_least)],
             path: points,
             samples,
         }

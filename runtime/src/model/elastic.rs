@@ -1,6 +1,7 @@
 //! What turns the muscles of a model into fibres and tendons in series.
 
 use super::Model;
+use crate::scalar::Real;
 use serde::{Deserialize, Serialize};
 
 /// Elastic tendons for all muscles of a model: a choice of curves and four figures, each with its source.
@@ -90,7 +91,7 @@ impl ElasticTendons {
 impl ElasticTendons {
     /// Length of tendon that stretches, m: the slack length, or the least share of the path in the middle of its range.
     pub fn stretching_length(&self, slack: f64, [shortest, longest]: [f64; 2]) -> f64 {
-        slack.max(self.least * 0.5 * (shortest + longest))
+        slack.at_least(self.least * 0.5 * (shortest + longest))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Shapes and marked points that bodies carry.
 
 use super::{Quaternion, Softness};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Kind of shape, in MuJoCo's order.
@@ -32,7 +33,7 @@ impl GeomKind {
             Self::Plane | Self::HeightField | Self::Mesh => 0.0,
             Self::Sphere => size.x,
             Self::Capsule => size.x + size.y,
-            Self::Ellipsoid => size.max(),
+            Self::Ellipsoid => size.x.at_least(size.y).at_least(size.z),
             Self::Cylinder => libm::hypot(size.x, size.y),
             Self::Box => size.norm(),
         }

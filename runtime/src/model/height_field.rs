@@ -1,5 +1,6 @@
 //! Height fields: ground given by heights over a rectangle.
 
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Heights over a rectangle centred at the geom's origin, solid down to a base below it.
@@ -40,6 +41,6 @@ impl HeightField {
     /// Radius of a sphere about the origin that holds the shape, m.
     pub fn bounding_radius(&self) -> f64 {
         let [x, y] = self.radius;
-        Vector3::new(x, y, self.elevation.max(self.base)).norm()
+        Vector3::new(x, y, self.elevation.at_least(self.base)).norm()
     }
 }

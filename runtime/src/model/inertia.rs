@@ -2,6 +2,7 @@
 
 use super::rotation::{self, IDENTITY};
 use super::{GeomKind, Quaternion};
+use crate::scalar::Real;
 use core::f64::consts::PI;
 use nalgebra::{Matrix3, Vector3};
 
@@ -84,7 +85,7 @@ pub(crate) fn combine(parts: &[MassProperties]) -> Option<MassProperties> {
 pub(crate) fn principal(matrix: &Matrix3<f64>) -> (Vector3<f64>, Quaternion) {
     let mut diagonalised = *matrix;
     let mut axes = Matrix3::identity();
-    let scale = matrix.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let scale = matrix.iter().fold(0.0_f64, |most, x| most.at_least(x.abs()));
     // Three rotations or so square the off-diagonal part: twenty suffice, the bound only guards against surprises.
     for _ in 0..96 {
         let off = |i: usize, j: usize| diagonalised[(i, j)].abs();

@@ -1,6 +1,7 @@
 //! Triangle meshes and their convex hulls.
 
 use super::Quaternion;
+use crate::scalar::Real;
 use core::ops::Range;
 use nalgebra::Vector3;
 
@@ -76,6 +77,6 @@ impl Hull {
 
     /// Largest distance of a corner from the origin, m.
     pub fn radius(&self) -> f64 {
-        self.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max)
+        self.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, Real::at_least)
     }
 }

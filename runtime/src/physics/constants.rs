@@ -16,6 +16,7 @@ use super::{
     tendons::{self, TendonPaths},
 };
 use crate::model::{Actuators, AttachmentOrigin, Bias, Equality, Gain, JointKind, Model};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Fills [`Bodies::inverse_weight`](crate::model::Bodies), [`Dofs::inverse_weight`](crate::model::Dofs), lengths and inverse
@@ -106,10 +107,10 @@ pub fn settle_springs(model: &mut Model, wanted: &[(usize, [f64; 2])]) {
     let weights = dof_weights(model, &inertia.factor);
     for &(joint, [time, ratio]) in wanted {
         let dofs: Vec<usize> = (0..model.nv).filter(|&dof| model.dofs.joint[dof] == joint).collect();
-        let mean = dofs.len() as f64 / dofs.iter().map(|&dof| weights[dof]).sum::<f64>().max(MINIMUM);
-        model.joints.stiffness[joint] = mean / (time * ratio).powi(2).max(MINIMUM);
+        let mean = dofs.len() as f64 / dofs.iter().map(|&dof| weights[dof]).sum::<f64>().at_least(MINIMUM);
+        model.joints.stiffness[joint] = mean / (time * ratio).squared().at_least(MINIMUM);
         for dof in dofs {
-            model.dofs.damping[dof] = 2.0 * mean / time.max(MINIMUM);
+            model.dofs.damping[dof] = 2.0 * mean / time.at_least(MINIMUM);
         }
     }
 }
@@ -121,7 +122,7 @@ fn settle_damping(actuators: &mut Actuators, actuator: usize, response: f64) {
         && pull == -*back
         && *damping > 0.0
     {
-        *damping *= -2.0 * (pull / response.max(MINIMUM)).max(0.0).sqrt();
+        *damping *= -2.0 * (pull / response.at_least(MINIMUM)).at_least(0.0).sqrt();
     }
 }
 
@@ -158,7 +159,7 @@ fn body_weight(model: &Model, kinematics: &Kinematics<f64>, factor: &[f64], body
         return [0.0; 2];
     };
     if only_slides(model, body) {
-        return [1.0 / model.bodies.mass[body].max(MINIMUM), 0.0];
+        return [1.0 / model.bodies.mass[body].at_least(MINIMUM), 0.0];
     }
     let arm = kinematics.inertial_position[body] - kinematics.reference(model, body);
     let mut mean = |force: &dyn Fn(Vector3<f64>) -> [Vector3<f64>; 2]| {
@@ -205,7 +206,7 @@ fn dof_weights(model: &Model, factor: &[f64]) -> Vec<f64> {
         })
         .collect();
     for dof in (0..model.nv).filter(|&dof| only_slides(model, model.dofs.body[dof])) {
-        weights[dof] = 1.0 / model.bodies.mass[model.dofs.body[dof]].max(MINIMUM);
+        weights[dof] = 1.0 / model.bodies.mass[model.dofs.body[dof]].at_least(MINIMUM);
     }
     for joint in 0..model.joints.kind.len() {
         let triples = match model.joints.kind[joint] {

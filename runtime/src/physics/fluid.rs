@@ -127,13 +127,13 @@ fn immersed(model: &Model, body: usize, density: f64, viscosity: f64) -> Immerse
     let (mass, inertia) = (model.bodies.mass[body], model.bodies.inertia[body]);
     let [x, y, z] = [0, 1, 2].map(|axis| {
         let square = inertia[(axis + 1) % 3] + inertia[(axis + 2) % 3] - inertia[axis];
-        (6.0 * square.max(MINIMUM) / mass).sqrt()
+        (6.0 * square.at_least(MINIMUM) / mass).sqrt()
     });
     let mean = (x + y + z) / 3.0;
-    let spinning = |own: f64, a: f64, b: f64| density * own * (a.powi(4) + b.powi(4)) / 64.0;
+    let spinning = |own: f64, a: f64, b: f64| density * own * (a.squared().squared() + b.squared().squared()) / 64.0;
     Immersed {
         body,
-        linear: [[PI * mean.powi(3) * viscosity; 3], [3.0 * PI * mean * viscosity; 3]],
+        linear: [[PI * (mean.squared() * mean) * viscosity; 3], [3.0 * PI * mean * viscosity; 3]],
         quadratic: [
             [spinning(x, y, z), spinning(y, z, x), spinning(z, x, y)],
             [0.5 * density * y * z, 0.5 * density * z * x, 0.5 * density * x * y],

@@ -211,7 +211,7 @@ fn tendon_force<T: Real>(model: &Model, tendons: &TendonPaths<T>, tendon: usize)
     let (length, velocity) = (tendons.length[tendon], tendons.velocity[tendon]);
     let rest = model.tendons.resting_length[tendon];
     let [low, high] = model.tendons.spring_length[tendon].unwrap_or([rest, rest]);
-    let slack = (T::splat(low) - length).max(T::splat(0.0)) + (T::splat(high) - length).min(T::splat(0.0));
+    let slack = (T::splat(low) - length).at_least(T::splat(0.0)) + (T::splat(high) - length).at_most(T::splat(0.0));
     T::splat(model.tendons.stiffness[tendon]) * slack - T::splat(model.tendons.damping[tendon]) * velocity
 }
 

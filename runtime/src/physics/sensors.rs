@@ -17,6 +17,7 @@ use super::{
     state::State,
 };
 use crate::model::{Attachment, Equality, Framed, Measure, Model};
+use crate::scalar::Real;
 use nalgebra::{Matrix3, Vector3};
 
 /// Readings of all sensors, one after another (`sensordata`), after a [`forward`](super::forward) pass on `state`.
@@ -28,7 +29,7 @@ pub fn readings(model: &Model, state: &State<f64>, workspace: &Workspace<f64>) -
         let start = out.len();
         view.read(measure, &mut out);
         if cutoff > 0.0 {
-            out[start..].iter_mut().for_each(|value| *value = value.clamp(-cutoff, cutoff));
+            out[start..].iter_mut().for_each(|value| *value = value.clip(-cutoff, cutoff));
         }
     }
     out
@@ -333,7 +334,7 @@ impl View<'_> {
         let bodies = &self.model.bodies;
         let part = |body: usize| self.velocity(Framed::InertialBody(body))[1] * bodies.mass[body];
         let momentum: Vector3<f64> = self.subtree(root).into_iter().map(part).sum();
-        momentum / bodies.subtree_mass[root].max(super::rotation::MINIMUM)
+        momentum / bodies.subtree_mass[root].at_least(super::rotation::MINIMUM)
     }
 
     fn subtree_momentum(&self, root: usize) -> Vector3<f64> {

@@ -6,6 +6,7 @@ use crate::episode::{Ending, Episode, EpisodeKey, Penetration, REST, Residual};
 use crate::library::{BodyLibrary, BoundBody, in_words};
 use crate::physics::State;
 use crate::physics::collision::{Placed, Scratch, distance};
+use crate::scalar::Real;
 use msk_compiler::check::DEAD;
 use msk_compiler::diagnostics::codes::{lints, probing};
 use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
@@ -167,7 +168,7 @@ fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally
         count(&mut found.finishes, &report.finishes);
         found.success += u64::from(report.success);
         found.terms.resize(report.terms.len(), 0.0);
-        found.terms.iter_mut().zip(&report.terms).for_each(|(most, value)| *most = most.max(value.abs()));
+        found.terms.iter_mut().zip(&report.terms).for_each(|(most, value)| *most = most.at_least(value.abs()));
     }
     found.penetrations.sort_by(|a, b| b.depth.total_cmp(&a.depth));
     let state = states.into_iter().next().unwrap_or_else(|| episode.state().clone());
@@ -177,7 +178,7 @@ fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally
 impl Tally {
     fn overlap(&mut self, new: Penetration) {
         match self.penetrations.iter_mut().find(|known| known.shapes == new.shapes) {
-            Some(known) => known.depth = known.depth.max(new.depth),
+            Some(known) => known.depth = known.depth.at_least(new.depth),
             None => self.penetrations.push(new),
         }
     }
@@ -185,8 +186,8 @@ impl Tally {
     fn gap(&mut self, new: Residual) {
         match self.residuals.iter_mut().find(|known| known.name == new.name) {
             Some(known) => {
-                known.distance = known.distance.max(new.distance);
-                known.turn = known.turn.max(new.turn);
+                known.distance = known.distance.at_least(new.distance);
+                known.turn = known.turn.at_least(new.turn);
             }
             None => self.residuals.push(new),
         }

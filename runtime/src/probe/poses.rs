@@ -9,6 +9,7 @@ use crate::body::sensors::{self, Control, Memory, Snapshot};
 use crate::episode::Stream;
 use crate::model::{Model, Quaternion, rotation};
 use crate::physics::{State, Workspace, constrained, kinematics};
+use crate::scalar::Real;
 use crate::scene::ground::Ground;
 use msk_compiler::frame::FrameLayout;
 use msk_compiler::task::RootPlacement;
@@ -177,7 +178,7 @@ impl<'a> Room<'a> {
                 (true, _) | (_, true) if chance.uniform() < 0.5 => low + (high - low) * chance.uniform(),
                 _ => middle + width * (high - low) * chance.normal(),
             };
-            pose.joints[joint] = value.clamp(low.min(middle), high.max(middle));
+            pose.joints[joint] = value.clip(low.at_most(middle), high.at_least(middle));
         }
         let things = self.body.objects.len();
         let around = if things > 0 && chance.uniform() < 0.5 {
@@ -224,7 +225,7 @@ impl<'a> Room<'a> {
                 let joint = self.free[pick(chance, self.free.len())];
                 let [low, high] = self.range(joint);
                 let value = new.joints[joint] + size * (high - low) * chance.normal();
-                new.joints[joint] = value.clamp(low, high);
+                new.joints[joint] = value.clip(low, high);
             }
         }
         match pick(chance, 6) {
@@ -240,8 +241,8 @@ impl<'a> Room<'a> {
         }
         new.rest = match new.rest {
             Rest::Ground(_) if standing => Rest::Ground(0.0),
-            Rest::Ground(lift) => Rest::Ground((lift + 0.1 * size * chance.normal()).clamp(0.0, HIGHEST_HOP)),
-            Rest::Held(height) => Rest::Held((height + size * chance.normal()).clamp(0.2, 2.5)),
+            Rest::Ground(lift) => Rest::Ground((lift + 0.1 * size * chance.normal()).clip(0.0, HIGHEST_HOP)),
+            Rest::Held(height) => Rest::Held((height + size * chance.normal()).clip(0.2, 2.5)),
             Rest::Things => Rest::Things,
         };
         new
@@ -253,7 +254,7 @@ impl<'a> Room<'a> {
         let further = |a: f64, b: f64| 2.0 * b - a;
         for &joint in &self.free {
             let [low, high] = self.range(joint);
-            new.joints[joint] = further(first.joints[joint], second.joints[joint]).clamp(low, high);
+            new.joints[joint] = further(first.joints[joint], second.joints[joint]).clip(low, high);
         }
         new.place = core::array::from_fn(|axis| further(first.place[axis], second.place[axis]));
         new.heading = further(first.heading, second.heading);
@@ -370,7 +371,7 @@ impl<'a> Room<'a> {
         kinematics::update(self.model, &self.begins, &mut self.workspace.kinematics);
         let below =
             |shapes| Ground { model: self.model, kinematics: &self.workspace.kinematics, shapes }.clearance(&self.body.shapes);
-        below(&self.body.ground).min(below(&self.scenery))
+        below(&self.body.ground).at_most(below(&self.scenery))
     }
 
     /// Whether the task begins on the feet: nothing of the body is lower than they are.
@@ -379,7 +380,7 @@ impl<'a> Room<'a> {
         let ground = Ground { model: self.model, kinematics: &self.workspace.kinematics, shapes: &self.body.ground };
         let all = ground.clearance(&self.body.shapes);
         let foot = |&foot: &usize| ground.clearance(&self.body.landmarks[foot].segment);
-        let lowest = self.feet.iter().map(foot).fold(f64::INFINITY, f64::min);
+        let lowest = self.feet.iter().map(foot).fold(f64::INFINITY, Real::at_most);
         lowest.is_finite() && lowest - all < 0.02
     }
 }

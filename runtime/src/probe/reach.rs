@@ -7,6 +7,7 @@ use super::poses::Room;
 use super::search::{Goal, Range, Search, Shown, Tally};
 use super::{Found, at};
 use crate::episode::{EpisodeKey, Stream};
+use crate::scalar::Real;
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
 use msk_compiler::frame::Sensor;
@@ -242,7 +243,7 @@ fn between([low, high]: [f64; 2], unit: &str) -> String {
 
 /// `0`, `3e-20`
 fn amount(value: f64) -> String {
-    for_people(f64::max(value, 0.0))
+    for_people(value.at_least(0.0))
 }
 
 /// A term that never pays or always does.
@@ -254,7 +255,7 @@ fn term(
     shown: &[Shown],
     standing: bool,
 ) -> Option<Told> {
-    let largest = about.range.high.max(-about.range.low);
+    let largest = about.range.high.at_least(-about.range.low);
     let nothing = NOTHING * if largest.is_finite() { largest } else { 1.0 };
     let start = |place: Option<usize>| place.and_then(|place| shown.get(place));
     let sized = |range: &Range| start(if range.high.0 >= -range.low.0 { range.high.1 } else { range.low.1 });

@@ -2,6 +2,7 @@
 
 use super::poses::{Pose, Room};
 use crate::episode::{EpisodeKey, Stream};
+use crate::scalar::Real;
 use msk_compiler::frame::Sensor;
 use msk_compiler::graph::interval::Bounds;
 use msk_compiler::survey::{About, Survey};
@@ -59,7 +60,7 @@ impl Range {
 
     /// The largest magnitude.
     pub fn size(&self) -> f64 {
-        self.high.0.max(-self.low.0)
+        self.high.0.at_least(-self.low.0)
     }
 }
 
@@ -105,7 +106,7 @@ impl Tally {
         }
         for (side, bounds) in self.sides.iter_mut().zip(survey.sides(subject).into_iter().flatten()) {
             let middle = 0.5 * (bounds.low + bounds.high);
-            *side = [side[0].min(middle), side[1].max(middle)];
+            *side = [side[0].at_most(middle), side[1].at_least(middle)];
         }
     }
 }
@@ -135,7 +136,7 @@ impl Search<'_, '_, '_, '_> {
         match goal {
             Goal::Hold(wanted) => self.survey.lack(subject, wanted),
             // Where nothing at all is paid, what is missing leads on.
-            Goal::Pay(size) => match bounds().high.max(-bounds().low) {
+            Goal::Pay(size) => match bounds().high.at_least(-bounds().low) {
                 0.0 => 1.0 + size + self.survey.lack(subject, true),
                 paid => size - paid,
             },
@@ -174,7 +175,7 @@ impl Search<'_, '_, '_, '_> {
                 } else if distance == least {
                     best = pose;
                 }
-                least = least.min(distance);
+                least = least.at_most(distance);
             }
             if least > (1.0 - GAIN) * before {
                 break;

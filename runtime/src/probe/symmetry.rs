@@ -6,6 +6,7 @@ use super::search::Shown;
 use super::{Found, at};
 use crate::episode::{Episode, EpisodeKey, Stream};
 use crate::physics::State;
+use crate::scalar::Real;
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::numbers::{beside, for_people};
 use msk_compiler::survey::{About, Survey};
@@ -52,7 +53,7 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], e
             }
         };
         let values: Vec<[f64; 2]> = pairs.iter().filter_map(|[here, there]| Some([value(here)?, value(there)?])).collect();
-        let largest = values.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let largest = values.iter().flatten().fold(0.0_f64, |most, value| most.at_least(value.abs()));
         let unlike: Vec<&[f64; 2]> = values.iter().filter(|[a, b]| (a - b).abs() > SAME * largest).collect();
         let most = unlike.iter().max_by(|[a, b], [c, d]| (a - b).abs().total_cmp(&(c - d).abs()));
         let Some([here, there]) = most.filter(|_| unlike.len() >= WITNESSES) else { continue };

@@ -1,6 +1,7 @@
 //! The vertical gap between two convex shapes.
 
 use crate::physics::collision::Solid;
+use crate::scalar::Real;
 use nalgebra::{Vector2, Vector3};
 
 /// A point of the shape that lies farthest along `direction` (any length but zero).
@@ -29,7 +30,7 @@ pub(super) fn gap(upper: &Solid<'_>, lower: &Solid<'_>) -> Option<f64> {
         let Some(normal) = underside(&portal) else { break };
         let lowest = difference(&normal);
         // All of the difference lies above this plane, and the portal above the gap.
-        level = level.max(normal.dot(&lowest) / normal.z);
+        level = level.at_least(normal.dot(&lowest) / normal.z);
         if height(&portal) - level < EXACT {
             break;
         }
@@ -66,7 +67,7 @@ fn insideness([a, b, c]: &[Vector3<f64>; 3]) -> f64 {
     if area == 0.0 {
         return f64::NEG_INFINITY;
     }
-    [cross(b, c), cross(c, a), cross(a, b)].iter().map(|part| part / area).fold(f64::INFINITY, f64::min)
+    [cross(b, c), cross(c, a), cross(a, b)].iter().map(|part| part / area).fold(f64::INFINITY, Real::at_most)
 }
 
 /// Three points of a convex set whose triangle the vertical through the origin pierces; `None` if it misses the set.

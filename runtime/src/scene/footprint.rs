@@ -2,6 +2,7 @@
 
 use super::convex::farthest;
 use crate::physics::collision::Solid;
+use crate::scalar::Real;
 use nalgebra::{Vector2, Vector3};
 
 /// Steps at most; smooth shapes need about ten.
@@ -92,7 +93,7 @@ fn on_edge([a, b]: &[Vector2<f64>; 2]) -> Vector2<f64> {
     if square == 0.0 {
         return *a;
     }
-    a + along * (-a.dot(&along) / square).clamp(0.0, 1.0)
+    a + along * (-a.dot(&along) / square).clip(0.0, 1.0)
 }
 
 fn around_origin([a, b, c]: &[Vector2<f64>; 3]) -> bool {

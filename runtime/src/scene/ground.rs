@@ -8,6 +8,7 @@ use crate::body::shape::support;
 use crate::model::{GeomKind, HeightField, Model};
 use crate::physics::collision::{Asset, Core, Placed, Solid, ray};
 use crate::physics::kinematics::Kinematics;
+use crate::scalar::Real;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Where a scene with walkable things has none under a place, the ground counts as this high, m: deeper than any fall.
@@ -71,7 +72,7 @@ impl Ground<'_> {
     /// have to rise to clear it, infinite where no ground is under any of them.
     pub fn clearance(&self, shapes: &[usize]) -> f64 {
         let each = shapes.iter().map(|&shape| self.clearance_of(shape));
-        each.fold(f64::INFINITY, f64::min)
+        each.fold(f64::INFINITY, Real::at_most)
     }
 
     fn clearance_of(&self, shape: usize) -> f64 {
@@ -84,9 +85,9 @@ impl Ground<'_> {
         for &ground in self.shapes {
             let (centre, rotation) = (self.kinematics.geom_position[ground], self.kinematics.geom_rotation[ground]);
             if self.model.geoms.kind[ground] == GeomKind::Plane {
-                least = least.min(self.above_plane(shape, centre, rotation.column(2).into_owned()));
+                least = least.at_most(self.above_plane(shape, centre, rotation.column(2).into_owned()));
             } else if self.may_be_above(shape, ground, least) {
-                least = least.min(self.above(&solid, ground, least));
+                least = least.at_most(self.above(&solid, ground, least));
             }
         }
         least
@@ -138,13 +139,13 @@ fn over_field(shape: &Solid<'_>, placed: &Placed<'_>, field: &HeightField, least
         let [low, high] = [-directions[axis], directions[axis]].map(|direction| reach(direction).dot(&directions[axis]));
         let index = |along: f64| (along / field.radius[axis] + 1.0) * 0.5 * (count - 1) as f64;
         // One cell more on both sides covers the rounding.
-        let first = (index(low) - 1.0).max(0.0) as usize;
-        first..((index(high) + 2.0).max(0.0) as usize).min(count - 1)
+        let first = (index(low) - 1.0).at_least(0.0) as usize;
+        first..((index(high) + 2.0).at_least(0.0) as usize).min(count - 1)
     };
     let lowest = farthest(shape, &-Vector3::z()).z;
     let mut least = least;
     let mut over = |corners: [Vector3<f64>; 3]| {
-        let top = corners[0].z.max(corners[1].z).max(corners[2].z);
+        let top = corners[0].z.at_least(corners[1].z).at_least(corners[2].z);
         if lowest - top >= least {
             return;
         }
@@ -152,7 +153,7 @@ fn over_field(shape: &Solid<'_>, placed: &Placed<'_>, field: &HeightField, least
         let prism = [a, b, c, a, b, c];
         let core = Core::Prism(&prism);
         let triangle = Solid { core, position: corners[0], rotation: Matrix3::identity(), radius: 0.0 };
-        least = least.min(gap(shape, &triangle).unwrap_or(f64::INFINITY));
+        least = least.at_most(gap(shape, &triangle).unwrap_or(f64::INFINITY));
     };
     let columns = cells(0, field.columns);
     for row in cells(1, field.rows) {

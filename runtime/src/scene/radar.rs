@@ -2,6 +2,7 @@
 
 use super::footprint::{nearest, ray};
 use crate::physics::collision::Solid;
+use crate::scalar::Real;
 use core::f64::consts::TAU;
 use nalgebra::Vector2;
 
@@ -38,10 +39,10 @@ impl Radar {
                 Some(distance)
             } else {
                 let edges = [left, right].map(|angle| ray(shape, self.eye, self.direction(angle)));
-                edges.into_iter().flatten().reduce(f64::min)
+                edges.into_iter().flatten().reduce(Real::at_most)
             };
             if let Some(seen) = seen {
-                *nearness = nearness.max(1.0 - seen / self.range);
+                *nearness = nearness.at_least(1.0 - seen / self.range);
             }
         }
     }

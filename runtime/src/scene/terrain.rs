@@ -4,6 +4,7 @@
 
 use super::elements::NewGeom;
 use crate::model::{GeomKind, HeightField, rotation};
+use crate::scalar::Real;
 use msk_compiler::scene::Terrain;
 use nalgebra::Vector3;
 
@@ -60,8 +61,8 @@ const FIELD_BASE: f64 = 0.5;
 
 /// A height field: its samples run from 0 at the lowest of the heights to 1 at the highest.
 fn field(name: &str, [length, width]: [f64; 2], [columns, rows]: [usize; 2], heights: &[f64]) -> NewGeom {
-    let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let low = heights.iter().copied().fold(f64::INFINITY, Real::at_most);
+    let high = heights.iter().copied().fold(f64::NEG_INFINITY, Real::at_least);
     // A level field needs some elevation to be a field at all.
     let elevation = if high > low { high - low } else { 1.0 };
     NewGeom {

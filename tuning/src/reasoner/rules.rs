@@ -5,6 +5,7 @@
 
 use super::{Proposal, Reasoner, ReasonerError, Request};
 use crate::statistics::{Allowed, TermStatistics};
+use msk_runtime::scalar::Real;
 use std::sync::atomic::AtomicBool;
 
 /// Part of the steps beyond which a term counts as always saturated, or always dead.
@@ -30,7 +31,7 @@ impl Reasoner for RuleBook {
         let mut reasons = Vec::new();
         for term in request.statistics.terms.iter().filter(|term| term.in_scope && term.bounds != Allowed::Fixed) {
             let found = judge(term);
-            let change: f64 = found.iter().map(|(change, _)| change).sum::<f64>().clamp(-1.0, 1.0);
+            let change: f64 = found.iter().map(|(change, _)| change).sum::<f64>().clip(-1.0, 1.0);
             if change == 0.0 || term.weight == 0.0 {
                 continue;
             }
@@ -58,7 +59,7 @@ fn judge(term: &TermStatistics) -> Vec<(f64, &'static str)> {
     } else if let (true, Some(mean), Some(top)) = (paid, term.mean, top)
         && mean < 0.5 * top
     {
-        found.push((1.0 - (mean / top).max(0.0), "it is deficient"));
+        found.push((1.0 - (mean / top).at_least(0.0), "it is deficient"));
     }
     let related = term.with_success.or(term.with_survival).unwrap_or(0.0);
     if related > RELATED && paid {

@@ -5,6 +5,7 @@
 
 use super::document::Element;
 use super::error::ModelError;
+use crate::scalar::Real;
 
 /// Activation and deactivation time constants, smoothing width: MuJoCo's defaults for a muscle.
 const MUSCLE_DYNAMICS: [f64; 3] = [0.01, 0.04, 0.0];
@@ -134,7 +135,7 @@ fn cylinder(element: &Element, below: &Element) -> Result<Law, ModelError> {
     let time = element.size_or("timeconst", figures(below, "dynprm", [1.0])?[0])?;
     let mut area = element.size_or("area", figures(below, "gainprm", [1.0])?[0])?;
     if element.text("diameter").is_some() {
-        area = core::f64::consts::FRAC_PI_4 * element.size_or("diameter", 0.0)?.powi(2);
+        area = core::f64::consts::FRAC_PI_4 * element.size_or("diameter", 0.0)?.squared();
     }
     let bias = element.numbers_over("bias", first::<3>(&figures(below, "biasprm", [0.0])?))?;
     Ok(Law { types: ["filter", "fixed", "affine"], dynamics: leading([time]), gain: leading([area]), bias: leading(bias) })

@@ -60,7 +60,7 @@ impl Law {
             Dynamics::None => T::splat(0.0),
             Dynamics::Integrator => control,
             Dynamics::Filter(time) | Dynamics::ExactFilter(time) => {
-                self.short_way(control - activation) / T::splat(time.max(MINIMUM))
+                self.short_way(control - activation) / T::splat(time.at_least(MINIMUM))
             }
             Dynamics::Muscle(constants) => activation_rate(control, activation, constants),
         }
@@ -71,14 +71,14 @@ impl Law {
     pub fn next<T: Real>(&self, activation: T, rate: T, length: T, step: f64) -> T {
         let change = match &self.dynamics {
             Dynamics::ExactFilter(time) => {
-                let time = time.max(MINIMUM);
+                let time = time.at_least(MINIMUM);
                 rate * T::splat(time * (1.0 - libm::exp(-step / time)))
             }
             _ => rate * T::splat(step),
         };
         let mut next = activation + change;
         if let Some([low, high]) = self.range {
-            next = next.max(T::splat(low)).min(T::splat(high));
+            next = next.at_least(T::splat(low)).at_most(T::splat(high));
         }
         match self.circle {
             Some(_) => length + self.short_way(next - length),

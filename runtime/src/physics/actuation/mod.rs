@@ -467,7 +467,7 @@ pub fn moment<T: Real>(
 #[inline(always)]
 fn clamped<T: Real>(value: T, range: Option<[f64; 2]>) -> T {
     match range {
-        Some([low, high]) => value.max(T::splat(low)).min(T::splat(high)),
+        Some([low, high]) => value.at_least(T::splat(low)).at_most(T::splat(high)),
         None => value,
     }
 }

@@ -11,7 +11,7 @@ use crate::{physics::rotation::MINIMUM, scalar::Real};
 #[inline(always)]
 pub fn activation_rate<T: Real>(excitation: T, activation: T, constants: &[f64; 3]) -> T {
     let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
-    let unit = |value: T| value.max(zero).min(one);
+    let unit = |value: T| value.at_least(zero).at_most(one);
     let pace = half + T::splat(1.5) * unit(activation);
     let (rise, fall) = (T::splat(constants[0]) * pace, T::splat(constants[1]) / pace);
     let change = unit(excitation) - activation;
@@ -24,7 +24,7 @@ pub fn activation_rate<T: Real>(excitation: T, activation: T, constants: &[f64; 
         let share = x * x * x * (T::splat(3.0) * x * (T::splat(2.0) * x - T::splat(5.0)) + T::splat(10.0));
         fall + (rise - fall) * share
     };
-    change / time.max(T::splat(MINIMUM))
+    change / time.at_least(T::splat(MINIMUM))
 }
 
 /// The constants of a force-length-velocity curve: peaks and scales ready for use.
@@ -51,13 +51,13 @@ impl Curve {
     /// From MuJoCo's nine figures: range (2), force, scale, lmin, lmax, vmax, fpmax, fvmax.
     pub fn new(figures: &[f64; 9], length_range: [f64; 2], acceleration_scale: f64) -> Self {
         let [low, high, force, force_scale, shortest, longest, fastest, passive_peak, lengthening_peak] = *figures;
-        let optimal = (length_range[1] - length_range[0]) / (high - low).max(MINIMUM);
-        let scale = 1.0 / optimal.max(MINIMUM);
+        let optimal = (length_range[1] - length_range[0]) / (high - low).at_least(MINIMUM);
+        let scale = 1.0 / optimal.at_least(MINIMUM);
         Self {
-            peak: if force < 0.0 { force_scale / acceleration_scale.max(MINIMUM) } else { force },
+            peak: if force < 0.0 { force_scale / acceleration_scale.at_least(MINIMUM) } else { force },
             scale,
             offset: low - length_range[0] * scale,
-            velocity_scale: 1.0 / (optimal * fastest).max(MINIMUM),
+            velocity_scale: 1.0 / (optimal * fastest).at_least(MINIMUM),
             shortest,
             ascending: 0.5 * (shortest + 1.0),
             descending: 0.5 * (1.0 + longest),
@@ -104,8 +104,8 @@ impl Curve {
     pub fn slope_by_velocity<T: Real>(&self, velocity: T) -> T {
         let (zero, one, two) = (T::splat(0.0), T::splat(1.0), T::splat(2.0));
         let knee = self.lengthening_peak - 1.0;
-        let lengthening = two * (T::splat(knee) - velocity).max(zero) * T::splat(1.0 / knee.max(MINIMUM));
-        let shortening = two * (velocity + one).max(zero);
+        let lengthening = two * (T::splat(knee) - velocity).at_least(zero) * T::splat(1.0 / knee.at_least(MINIMUM));
+        let shortening = two * (velocity + one).at_least(zero);
         T::select(zero.less(velocity), lengthening, shortening)
     }
 
@@ -113,10 +113,10 @@ impl Curve {
     #[inline(always)]
     pub fn active_by_length<T: Real>(&self, length: T) -> T {
         let (one, half) = (T::splat(1.0), T::splat(0.5));
-        let share = |from: f64, to: f64| (length - T::splat(from)) * T::splat(1.0 / (to - from).max(MINIMUM));
+        let share = |from: f64, to: f64| (length - T::splat(from)) * T::splat(1.0 / (to - from).at_least(MINIMUM));
         let rising = share(self.shortest, self.ascending);
-        let falling = (T::splat(self.longest) - length) * T::splat(1.0 / (self.longest - self.descending).max(MINIMUM));
-        let below = (one - length) * T::splat(1.0 / (1.0 - self.ascending).max(MINIMUM));
+        let falling = (T::splat(self.longest) - length) * T::splat(1.0 / (self.longest - self.descending).at_least(MINIMUM));
+        let below = (one - length) * T::splat(1.0 / (1.0 - self.ascending).at_least(MINIMUM));
         let above = share(1.0, self.descending);
         let top = |x: T| one - half * x * x;
         let foot = |x: T| half * x * x;
@@ -135,7 +135,7 @@ impl Curve {
         let peak = T::splat(self.lengthening_peak);
         let knee = self.lengthening_peak - 1.0;
         let slower = T::splat(knee) - velocity;
-        let lengthening = peak - slower * slower * T::splat(1.0 / knee.max(MINIMUM));
+        let lengthening = peak - slower * slower * T::splat(1.0 / knee.at_least(MINIMUM));
         let shortening = (velocity + one) * (velocity + one);
         let mut value = T::select(T::splat(knee).less(velocity), peak, lengthening);
         value = T::select(zero.less(velocity), value, shortening);
@@ -158,7 +158,7 @@ impl Curve {
     #[inline(always)]
     fn stretch<T: Real>(&self, length: T) -> T {
         let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
-        let inverse = T::splat(1.0 / (self.descending - 1.0).max(MINIMUM));
+        let inverse = T::splat(1.0 / (self.descending - 1.0).at_least(MINIMUM));
         let curve = (length - one) * inverse;
         let line = (length - T::splat(self.descending)) * inverse;
         let value = T::select(T::splat(self.descending).less(length), half + line, half * curve * curve);

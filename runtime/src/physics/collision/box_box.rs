@@ -8,6 +8,7 @@
 //!    clearly, since one point holds a box less well than the face would.
 
 use super::{Touch, frame_of, place::Placed, polygon::Polygon};
+use crate::scalar::Real;
 use nalgebra::{Matrix3, Vector3};
 
 /// A direction across edges counts as a face's normal from this cosine on, MuJoCo 4.0.0's.
@@ -100,12 +101,12 @@ fn crossing(first: &Placed<'_>, i: usize, second: &Placed<'_>, j: usize, normal:
     let mut on_second = (q - p).cross(&u).dot(&across) / square;
     let [half_first, half_second] = [first.size[i], second.size[j]];
     if on_first.abs() > half_first {
-        on_first = on_first.clamp(-half_first, half_first);
+        on_first = on_first.clip(-half_first, half_first);
         on_second = (p + u * on_first - q).dot(&v);
     }
     if on_second.abs() > half_second {
-        on_second = on_second.clamp(-half_second, half_second);
-        on_first = (q + v * on_second - p).dot(&u).clamp(-half_first, half_first);
+        on_second = on_second.clip(-half_second, half_second);
+        on_first = (q + v * on_second - p).dot(&u).clip(-half_first, half_first);
     }
     (p + u * on_first + q + v * on_second) * 0.5
 }

@@ -5,6 +5,7 @@
 
 use super::Candidate;
 use crate::model::{GeomKind, Model, rotation};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -66,7 +67,7 @@ impl Broad {
             let mut places: Vec<(f64, usize)> =
                 centres.iter().zip(&near).map(|(centre, &(_, index))| (centre[axis], index)).collect();
             places.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let reach = near.iter().map(|&(_, index)| candidates[index].bound).fold(0.0, f64::max) + SLACK;
+            let reach = near.iter().map(|&(_, index)| candidates[index].bound).fold(0.0, Real::at_least) + SLACK;
             rows.push(Row { geom, axis, reach, places });
         }
         always.sort_unstable();

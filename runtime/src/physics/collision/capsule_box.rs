@@ -5,6 +5,7 @@
 //! as the box reaches gives the other, so that a capsule lying on a box rests on two points.
 
 use super::{Touch, place::Placed, round::ball_box, shapes::TINY};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// What the segment is nearest to.
@@ -42,7 +43,7 @@ fn nearest(centre: Vector3<f64>, arm: Vector3<f64>, size: Vector3<f64>) -> Optio
         if outside.iter().filter(|outside| **outside).count() > 1 {
             continue;
         }
-        let square = (end - end.zip_map(&size, |x, half| x.clamp(-half, half))).norm_squared();
+        let square = (end - end.zip_map(&size, |x, half| x.clip(-half, half))).norm_squared();
         if best.is_none_or(|(least, ..)| square < least) {
             best = Some((square, sense, Nearest::Face { sense, axis: outside.iter().position(|outside| *outside) }));
         }
@@ -142,11 +143,11 @@ fn onwards(centre: Vector3<f64>, arm: Vector3<f64>, size: Vector3<f64>, first: f
             let axis = differs.iter().position(|differs| *differs == odd)?;
             if arm[axis] * arm[axis] > 0.5 * arm.norm_squared() {
                 // Along the edge that leads away from the corner.
-                Some(sense * (1.0 - sense * first).min(span(axis)))
+                Some(sense * (1.0 - sense * first).at_most(span(axis)))
             } else {
                 // Over the face that has this axis.
                 let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
-                Some(-sense * (1.0 + sense * first).min(span(a)).min(span(b)))
+                Some(-sense * (1.0 + sense * first).at_most(span(a)).at_most(span(b)))
             }
         }
         Nearest::Edge { axis, signs, place } => {
@@ -162,7 +163,7 @@ fn onwards(centre: Vector3<f64>, arm: Vector3<f64>, size: Vector3<f64>, first: f
             let left = 1.0 - sense * first;
             let towards = if (sense > 0.0) == ahead[axis] { 1.0 - place } else { 1.0 + place };
             let along_edge = size[axis] * towards / arm[axis].abs();
-            Some(sense * left.min(span(over)).min(along_edge))
+            Some(sense * left.at_most(span(over)).at_most(along_edge))
         }
     }
 }

@@ -23,6 +23,7 @@ use super::{
     frame_of,
 };
 use crate::model::GeomKind;
+use crate::scalar::Real;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// Signed distance of `point` to the ellipsoid with half axes `axes` along the coordinate axes, and the outward unit normal
@@ -32,7 +33,7 @@ fn point_to_ellipsoid<const N: usize>(axes: [f64; N], point: [f64; N]) -> (f64, 
     // written in s = t + a_min² >= 0 so that points close to the smallest axis' plane keep their precision.
     let smallest = (0..N).fold(0, |best, i| if axes[i] < axes[best] { i } else { best });
     let excess: [f64; N] = core::array::from_fn(|i| (axes[i] - axes[smallest]) * (axes[i] + axes[smallest]));
-    let mut s: f64 = (0..N).map(|i| axes[i] * point[i].abs() - excess[i]).fold(0.0, f64::max);
+    let mut s: f64 = (0..N).map(|i| axes[i] * point[i].abs() - excess[i]).fold(0.0, Real::at_least);
     for _ in 0..100 {
         let (mut value, mut slope) = (-1.0, 0.0);
         for i in (0..N).filter(|&i| point[i] != 0.0) {
@@ -55,7 +56,7 @@ fn point_to_ellipsoid<const N: usize>(axes: [f64; N], point: [f64; N]) -> (f64, 
         core::array::from_fn(|i| if s + excess[i] > 0.0 { axes[i] * point[i] / (s + excess[i]) } else { 0.0 });
     if s <= 0.0 {
         let others: f64 = (0..N).filter(|&i| i != smallest).map(|i| unit[i] * unit[i]).sum();
-        unit[smallest] = (1.0 - others).max(0.0).sqrt();
+        unit[smallest] = (1.0 - others).at_least(0.0).sqrt();
     }
     let gradient: [f64; N] = core::array::from_fn(|i| unit[i] / axes[i]);
     let length = gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
@@ -94,7 +95,7 @@ fn separate_across(ellipsoid: &Placed<'_>, centre: Vector3<f64>, axis: Vector3<f
     let major = major.try_normalize(1e-300).unwrap_or_else(Vector2::x);
     let (p, q) = (u * major.x + v * major.y, v * major.x - u * major.y);
     let larger = mean + radius;
-    let smaller = (shadow.determinant() / larger).max(0.0);
+    let smaller = (shadow.determinant() / larger).at_least(0.0);
     let (distance, normal) = point_to_ellipsoid([larger.sqrt(), smaller.sqrt()], [p.dot(&centre), q.dot(&centre)]);
     Separation { distance, normal: p * normal[0] + q * normal[1] }
 }
@@ -207,7 +208,7 @@ impl Pair {
             let curvature = Matrix2::new(u.dot(&(hessian * u)) - value, cross, cross, v.dot(&(hessian * v)) - value);
             let concave = curvature.m11 < 0.0 && curvature.determinant() > 0.0;
             let newton = if concave { curvature.try_inverse().map(|inverse| -(inverse * slope)) } else { None };
-            let mut step = newton.unwrap_or_else(|| slope / self.between.norm().max(1e-3));
+            let mut step = newton.unwrap_or_else(|| slope / self.between.norm().at_least(1e-3));
             if step.norm() > 0.5 {
                 step *= 0.5 / step.norm();
             }
@@ -270,7 +271,7 @@ mod tests {
             let (distance, normal) = point_to_ellipsoid(axes, point);
             // Moving back along the normal lands on the surface, where the surface has that normal.
             let foot: [f64; 3] = core::array::from_fn(|i| point[i] - distance * normal[i]);
-            let level: f64 = (0..3).map(|i| (foot[i] / axes[i]).powi(2)).sum();
+            let level: f64 = (0..3).map(|i| (foot[i] / axes[i]).squared()).sum();
             assert!((level - 1.0).abs() < 1e-10, "level {level} at {point:?}");
         }
     }

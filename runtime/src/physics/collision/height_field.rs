@@ -11,6 +11,7 @@ use super::{
     place::{Asset, Placed},
 };
 use crate::model::HeightField;
+use crate::scalar::Real;
 use nalgebra::{Matrix3, Vector3};
 
 /// Contacts of one pair at most, MuJoCo's `mjMAXCONPAIR`.
@@ -35,7 +36,7 @@ pub(super) fn distance(field: &Placed<'_>, shape: &Placed<'_>, range: f64, scrat
     let mut best: Option<Separation> = None;
     each_prism(field, shape, range, scratch, |separation, limit| {
         if separation.distance < *limit || best.is_none() {
-            *limit = separation.distance.max(0.0);
+            *limit = separation.distance.at_least(0.0);
             best = Some(separation);
         }
         true
@@ -68,7 +69,7 @@ fn each_prism(
     }
     let cells = |low: f64, high: f64, radius: f64, count: usize| {
         let place = |value: f64| (value / radius + 1.0) * 0.5 * (count - 1) as f64;
-        (place(low).floor().max(0.0) as usize)..(place(high).ceil().max(0.0) as usize).min(count - 1)
+        (place(low).floor().at_least(0.0) as usize)..(place(high).ceil().at_least(0.0) as usize).min(count - 1)
     };
     let columns = cells(low.x, high.x, x, data.columns);
     let mut limit = reach;

@@ -2,6 +2,7 @@
 
 use super::{Plan, broad::Broad, can_meet};
 use crate::model::{GeomKind, Model, Softness};
+use crate::scalar::Real;
 use core::ops::Range;
 use std::collections::BTreeSet;
 
@@ -163,7 +164,7 @@ fn declared(model: &Model, pair: usize) -> Mixed {
         margin: pairs.margin[pair],
         gap: pairs.gap[pair],
         dimension: usize::from(pairs.dimension[pair]),
-        friction: pairs.friction[pair].map(|coefficient| coefficient.max(SMALLEST_FRICTION)),
+        friction: pairs.friction[pair].map(|coefficient| coefficient.at_least(SMALLEST_FRICTION)),
         softness: pairs.softness[pair],
         friction_reference: pairs.friction_reference[pair],
     }
@@ -183,9 +184,9 @@ fn mixed(model: &Model, [a, b]: [usize; 2]) -> Mixed {
     };
     let sliding_torsional_rolling = match leader {
         Some(geom) => geoms.friction[geom],
-        None => core::array::from_fn(|k| geoms.friction[a][k].max(geoms.friction[b][k])),
+        None => core::array::from_fn(|k| geoms.friction[a][k].at_least(geoms.friction[b][k])),
     };
-    let [sliding, torsional, rolling] = sliding_torsional_rolling.map(|coefficient: f64| coefficient.max(SMALLEST_FRICTION));
+    let [sliding, torsional, rolling] = sliding_torsional_rolling.map(|coefficient: f64| coefficient.at_least(SMALLEST_FRICTION));
     Mixed {
         margin: geoms.margin[a] + geoms.margin[b],
         gap: geoms.gap[a] + geoms.gap[b],
@@ -220,7 +221,7 @@ fn average_softness(first: Softness, second: Softness, weight: f64) -> Softness 
     let standard = first.reference[0] > 0.0 && second.reference[0] > 0.0;
     let reference = core::array::from_fn(|k| {
         let (a, b) = (first.reference[k], second.reference[k]);
-        if standard { average(a, b) } else { a.min(b) }
+        if standard { average(a, b) } else { a.at_most(b) }
     });
     Softness { reference, impedance: core::array::from_fn(|k| average(first.impedance[k], second.impedance[k])) }
 }

@@ -8,6 +8,7 @@ use super::{
     polygon::widest_four,
     shapes::TINY,
 };
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Contacts with a box, cylinder or mesh at most.
@@ -48,7 +49,7 @@ pub(super) fn capsule(plane: &Placed<'_>, capsule: &Placed<'_>, reach: f64, foun
 pub(super) fn ellipsoid(plane: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
     let normal = plane.axis();
     let scaled = ellipsoid.rotation.tr_mul(&normal).component_mul(&ellipsoid.size);
-    let lowest = ellipsoid.position - ellipsoid.rotation * ellipsoid.size.component_mul(&scaled) / scaled.norm().max(TINY);
+    let lowest = ellipsoid.position - ellipsoid.rotation * ellipsoid.size.component_mul(&scaled) / scaled.norm().at_least(TINY);
     let distance = (lowest - plane.position).dot(&normal);
     if distance <= reach {
         found.push(touch(lowest, normal, distance));

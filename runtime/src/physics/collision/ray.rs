@@ -42,7 +42,7 @@ pub fn cast<T: Real>(
         if radius > 0.0 {
             // Rays that pass the bounding sphere by need not know the shape.
             let centre = kinematics.geom_position[geom].map(|value| value.lane(lane)) - origin;
-            let along = (centre.dot(&direction) / square).clamp(0.0, limit);
+            let along = (centre.dot(&direction) / square).clip(0.0, limit);
             if (centre - direction * along).norm_squared() > radius * radius * (1.0 + 1e-9) {
                 continue;
             }
@@ -220,10 +220,10 @@ impl Ray {
         let ends = span.map(|distance| self.at(distance));
         let cells = |axis: usize, count: usize, radius: f64| {
             let index = |end: Vector3<f64>| (end[axis] / radius + 1.0) * 0.5 * (count - 1) as f64;
-            let (low, high) = (index(ends[0]).min(index(ends[1])), index(ends[0]).max(index(ends[1])));
+            let (low, high) = (index(ends[0]).at_most(index(ends[1])), index(ends[0]).at_least(index(ends[1])));
             // One cell more on both sides covers the rounding.
-            let low = (low - 1.0).max(0.0) as usize;
-            low..((high + 2.0).max(0.0) as usize).min(count - 1)
+            let low = (low - 1.0).at_least(0.0) as usize;
+            low..((high + 2.0).at_least(0.0) as usize).min(count - 1)
         };
         let columns = cells(0, field.columns, x);
         let mut found = None;
@@ -281,8 +281,8 @@ impl Ray {
                 }
                 continue;
             }
-            enter = enter.max((-half[axis] * d.signum() - p) / d);
-            leave = leave.min((half[axis] * d.signum() - p) / d);
+            enter = enter.at_least((-half[axis] * d.signum() - p) / d);
+            leave = leave.at_most((half[axis] * d.signum() - p) / d);
         }
         (enter <= leave && leave.is_finite()).then_some([enter, leave])
     }
@@ -299,8 +299,8 @@ mod tests {
         let inside = |kind: GeomKind, p: Vector3<f64>| match kind {
             GeomKind::Sphere => p.norm() / size.x,
             GeomKind::Ellipsoid => p.component_div(&size).norm(),
-            GeomKind::Capsule => (p - Vector3::z() * p.z.clamp(-size.y, size.y)).norm() / size.x,
-            GeomKind::Cylinder => (p.xy().norm() / size.x).max(p.z.abs() / size.y),
+            GeomKind::Capsule => (p - Vector3::z() * p.z.clip(-size.y, size.y)).norm() / size.x,
+            GeomKind::Cylinder => (p.xy().norm() / size.x).at_least(p.z.abs() / size.y),
             _ => p.component_div(&size).amax(),
         };
         for kind in [GeomKind::Sphere, GeomKind::Ellipsoid, GeomKind::Capsule, GeomKind::Cylinder, GeomKind::Box] {

@@ -1,6 +1,7 @@
 //! Spheres against boxes and cylinders, in closed form.
 
 use super::{Touch, frame_of, place::Placed, shapes::TINY};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Sphere against box.
@@ -11,7 +12,7 @@ pub(super) fn sphere_box(sphere: &Placed<'_>, cuboid: &Placed<'_>, reach: f64, f
 /// A ball against a box: the nearest point of the box decides, or its nearest face where the ball's centre is inside.
 pub(super) fn ball_box(centre: Vector3<f64>, radius: f64, cuboid: &Placed<'_>, reach: f64) -> Option<Touch> {
     let local = cuboid.local(centre);
-    let nearest = local.zip_map(&cuboid.size, |x, half| x.clamp(-half, half));
+    let nearest = local.zip_map(&cuboid.size, |x, half| x.clip(-half, half));
     let away = nearest - local;
     let length = away.norm();
     let (core, normal, middle) = if length > TINY {

@@ -4,6 +4,7 @@
 //! shape to the second, the position lies half way between the two surfaces.
 
 use super::{Placed, Touch, frame_of};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Below this a length counts as zero, MuJoCo's `mjMINVAL`.
@@ -35,7 +36,7 @@ pub(super) fn sphere_sphere(first: &Placed<'_>, second: &Placed<'_>, reach: f64,
 /// Sphere against capsule: the nearest point of the capsule's segment as a sphere.
 pub(super) fn sphere_capsule(sphere: &Placed<'_>, capsule: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
     let axis = capsule.axis();
-    let along = axis.dot(&(sphere.position - capsule.position)).clamp(-capsule.size.y, capsule.size.y);
+    let along = axis.dot(&(sphere.position - capsule.position)).clip(-capsule.size.y, capsule.size.y);
     let radii = [sphere.size.x, capsule.size.x];
     let nearest = capsule.position + axis * along;
     found.extend(points(sphere.position, radii, nearest, reach, concentric_normal(sphere, capsule)));
@@ -62,18 +63,18 @@ pub(super) fn capsule_capsule(first: &Placed<'_>, second: &Placed<'_>, reach: f6
         let mut x1 = -across.dot(&between.cross(&half_second)) / determinant;
         let mut x2 = -across.dot(&between.cross(&half_first)) / determinant;
         if !(-1.0..=1.0).contains(&x1) {
-            x1 = x1.clamp(-1.0, 1.0);
+            x1 = x1.clip(-1.0, 1.0);
             x2 = (v - mb * x1) / mc;
         }
         if !(-1.0..=1.0).contains(&x2) {
-            x2 = x2.clamp(-1.0, 1.0);
-            x1 = ((u - mb * x2) / ma).clamp(-1.0, 1.0);
+            x2 = x2.clip(-1.0, 1.0);
+            x1 = ((u - mb * x2) / ma).clip(-1.0, 1.0);
         }
         touch(x1, x2);
         return;
     }
-    let on_second = |x1: f64| ((v - mb * x1) / mc.max(TINY)).clamp(-1.0, 1.0);
-    let on_first = |x2: f64| ((u - mb * x2) / ma.max(TINY)).clamp(-1.0, 1.0);
+    let on_second = |x1: f64| ((v - mb * x1) / mc.at_least(TINY)).clip(-1.0, 1.0);
+    let on_first = |x2: f64| ((u - mb * x2) / ma.at_least(TINY)).clip(-1.0, 1.0);
     let mut count = touch(1.0, on_second(1.0)) + touch(-1.0, on_second(-1.0));
     for x2 in [1.0, -1.0] {
         if count < 2 {

@@ -19,6 +19,7 @@
 //! ```
 
 use super::jacobian::MOST_BASE_ROWS;
+use crate::scalar::Real;
 use core::ops::Range;
 
 /// A vector or matrix over a contact's rows; the first `dimension` entries count.
@@ -175,7 +176,7 @@ impl Cone {
                 let tangential = scaled.tangential;
                 let stretch = across / tangential;
                 let change = moved(0) - self.ratio * stretch;
-                let bend = -self.ratio * scaled.depth * (square - stretch * stretch).max(0.0) / tangential;
+                let bend = -self.ratio * scaled.depth * (square - stretch * stretch).at_least(0.0) / tangential;
                 let stiffness = self.stiffness(weight);
                 [stiffness * scaled.depth * change, stiffness * (change * change + bend)]
             }
@@ -227,7 +228,7 @@ mod tests {
             prop_assert!((bend - (slopes[1] - slopes[0]) / (2.0 * h)).abs() < 1e-4 * (1.0 + bend));
             prop_assert!(bend >= 0.0);
             // Never outside the cone, and on its surface while sliding.
-            let tangential: f64 = (1..dimension).map(|j| (force[j] / friction[j - 1]).powi(2)).sum::<f64>().sqrt();
+            let tangential: f64 = (1..dimension).map(|j| (force[j] / friction[j - 1]).squared()).sum::<f64>().sqrt();
             prop_assert!(tangential <= force[0] * (1.0 + 1e-9) + 1e-12);
             if zone == Zone::Sliding { prop_assert!((tangential - force[0]).abs() < 1e-9 * (1.0 + force[0])); }
         }

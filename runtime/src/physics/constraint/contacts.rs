@@ -72,7 +72,7 @@ fn add_edges(model: &Model, candidate: &Candidate, kind: RowKind, place: Place, 
     }
     // All edges share one regularisation, that of the first scaled to keep the normal's stiffness (MuJoCo's pyramid).
     let sliding = candidate.friction[0] * candidate.friction[0] / model.options.impedance_ratio;
-    let common = (2.0 * sliding * rows.regularization[first]).max(1e-15);
+    let common = (2.0 * sliding * rows.regularization[first]).at_least(1e-15);
     rows.regularization[first..].fill(common);
 }
 

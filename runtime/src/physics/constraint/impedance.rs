@@ -1,6 +1,7 @@
 //! How soft a constraint is: MuJoCo's impedance d(r), stiffness k, damping b ("Solver parameters" in its manual).
 
 use crate::model::Softness;
+use crate::scalar::Real;
 
 /// Impedances stay in this range, MuJoCo's `mjMINIMP` and `mjMAXIMP`.
 const IMPEDANCE_RANGE: [f64; 2] = [1e-4, 0.9999];
@@ -23,19 +24,19 @@ pub(super) struct SpringDamper {
 pub(super) fn spring_damper(softness: &Softness, residual: f64, shortest: f64) -> SpringDamper {
     let [low, high] = IMPEDANCE_RANGE;
     let [start, end, width, midpoint, power] = softness.impedance;
-    let (start, end, midpoint) = (start.clamp(low, high), end.clamp(low, high), midpoint.clamp(low, high));
+    let (start, end, midpoint) = (start.clip(low, high), end.clip(low, high), midpoint.clip(low, high));
     let impedance = if start == end || width <= TINY {
         0.5 * (start + end)
     } else {
-        start + sigmoid(residual.abs() / width, midpoint, power.max(1.0)) * (end - start)
+        start + sigmoid(residual.abs() / width, midpoint, power.at_least(1.0)) * (end - start)
     };
     let [first, second] = reference(softness);
     if first > 0.0 {
-        let time_constant = first.max(shortest);
-        let stiffness = 1.0 / (end * end * time_constant * time_constant * second * second).max(TINY);
-        SpringDamper { stiffness, damping: 2.0 / (end * time_constant).max(TINY), impedance }
+        let time_constant = first.at_least(shortest);
+        let stiffness = 1.0 / (end * end * time_constant * time_constant * second * second).at_least(TINY);
+        SpringDamper { stiffness, damping: 2.0 / (end * time_constant).at_least(TINY), impedance }
     } else {
-        SpringDamper { stiffness: -first / (end * end).max(TINY), damping: -second / end.max(TINY), impedance }
+        SpringDamper { stiffness: -first / (end * end).at_least(TINY), damping: -second / end.at_least(TINY), impedance }
     }
 }
 

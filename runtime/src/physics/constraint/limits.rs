@@ -48,7 +48,7 @@ impl Constraints {
                 JointKind::Ball => {
                     let (angle, axis) = turn(core::array::from_fn(|k| position(address + k)));
                     let mut entries = [(dof, -axis.x), (dof + 1, -axis.y), (dof + 2, -axis.z)];
-                    self.add_joint_limit(model, joint, low.max(high) - angle, &mut entries);
+                    self.add_joint_limit(model, joint, low.at_least(high) - angle, &mut entries);
                 }
                 JointKind::Free => {}
             }

@@ -1,6 +1,7 @@
 //! The rows' numbers, in MuJoCo's order and units.
 
 use super::{impedance::SpringDamper, jacobian::Jacobian};
+use crate::scalar::Real;
 
 /// What a constraint row belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,7 +126,7 @@ impl Rows {
         self.stiffness.push(spring.stiffness);
         self.damping.push(spring.damping);
         self.impedance.push(spring.impedance);
-        self.regularization.push(((1.0 - spring.impedance) / spring.impedance * approximate).max(1e-15));
+        self.regularization.push(((1.0 - spring.impedance) / spring.impedance * approximate).at_least(1e-15));
         self.lower.push(lower);
         self.upper.push(upper);
     }

@@ -5,6 +5,8 @@
 //! for solving the muscle redundancy problem", Ann. Biomed. Eng. 44 (2016), supplementary equations S1 to S4. They are smooth
 //! and follow the Bézier curves of Millard, Uchida, Seth and Delp, "Flexing computational muscle", J. Biomech. Eng. 135 (2013).
 
+use crate::scalar::Real;
+
 /// A curve's value and its slope.
 pub type Sloped = [f64; 2];
 
@@ -159,7 +161,7 @@ impl Tendon {
     /// Energy stored at `strain`, in units of peak force times slack length.
     pub fn energy(&self, strain: f64) -> f64 {
         let [_, _, c3] = TENDON;
-        let exponent = (self.rate * (strain - self.slack)).max(0.0);
+        let exponent = (self.rate * (strain - self.slack)).at_least(0.0);
         c3 * (libm::expm1(exponent) - exponent) / self.rate
     }
 }
@@ -217,8 +219,8 @@ mod tests {
         for hundredth in 5..200 {
             let length = f64::from(hundredth) / 100.0 + 0.003;
             assert!((active(length)[1] - central(&|l| active(l)[0], length)).abs() < 1e-7);
-            assert!((passive(length)[1] - central(&|l| passive(l)[0], length)).abs() < 1e-6 * passive(length)[1].max(1.0));
-            assert!((passive(length)[0] - central(&passive_energy, length)).abs() < 1e-7 * passive(length)[0].max(1.0));
+            assert!((passive(length)[1] - central(&|l| passive(l)[0], length)).abs() < 1e-6 * passive(length)[1].at_least(1.0));
+            assert!((passive(length)[0] - central(&passive_energy, length)).abs() < 1e-7 * passive(length)[0].at_least(1.0));
             let speed = 3.0 * (length - 1.0);
             assert!((velocity(speed)[1] - central(&|v| velocity(v)[0], speed)).abs() < 1e-7);
         }
@@ -229,8 +231,8 @@ mod tests {
                 let (at, small) = (share * strain, 1e-5 * strain);
                 let central = |curve: &dyn Fn(f64) -> f64| (curve(at + small) - curve(at - small)) / (2.0 * small);
                 let [force, slope] = tendon.force(at);
-                assert!((slope - central(&|e| tendon.force(e)[0])).abs() <= 1e-6 * slope.max(1.0 / strain));
-                assert!((force - central(&|e| tendon.energy(e))).abs() <= 1e-6 * force.max(1.0));
+                assert!((slope - central(&|e| tendon.force(e)[0])).abs() <= 1e-6 * slope.at_least(1.0 / strain));
+                assert!((force - central(&|e| tendon.energy(e))).abs() <= 1e-6 * force.at_least(1.0));
             }
         }
     }

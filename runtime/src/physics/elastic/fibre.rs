@@ -5,6 +5,7 @@ use super::{
     table::Tables,
 };
 use crate::physics::actuation::Curve;
+use crate::scalar::Real;
 use std::sync::Arc;
 
 /// Shortest fibre, in optimal lengths. Where a path is still shorter, its tendon hangs slack.
@@ -129,7 +130,7 @@ impl Unit {
         let start = before[0] / self.optimal;
         let reach = step * self.fastest;
         let guess = before[1] / speed;
-        let local = self.local(path, (start + reach * guess).max(SHORTEST));
+        let local = self.local(path, (start + reach * guess).at_least(SHORTEST));
         let mut anchor = Anchor::default();
         let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
         let mut value = guess;
@@ -157,7 +158,7 @@ impl Unit {
                 break;
             }
         }
-        let length = (start + reach * value).max(SHORTEST);
+        let length = (start + reach * value).at_least(SHORTEST);
         let value = if reach > 0.0 { (length - start) / reach } else { value };
         self.fibre(&local, length, value)
     }
@@ -167,12 +168,12 @@ impl Unit {
     fn last_step(&self, local: &Local, balance: &Balance, length: f64, [from, to]: [f64; 2]) -> Fibre {
         let [pull, slope] = balance.pull;
         let change = self.tendon.small_change(pull, slope * (to - from));
-        let active = (local.active[0] + local.active[1] * (length - local.length)).max(0.0)
+        let active = (local.active[0] + local.active[1] * (length - local.length)).at_least(0.0)
             * balance.factor.unwrap_or_else(|| self.curves.over_velocity(to)[0]);
         Fibre {
             length: length * self.optimal,
             velocity: to * self.optimal * self.fastest,
-            force: (pull + change).max(0.0) * self.peak,
+            force: (pull + change).at_least(0.0) * self.peak,
             gain: active * local.cosine * self.strength * self.peak,
         }
     }
@@ -180,12 +181,12 @@ impl Unit {
     /// The fibre that is in balance with its tendon while the tendon keeps its length: it moves with its path, at most at its
     /// maximal velocity. By bisection between the shortest fibre and the one that leaves the tendon slack.
     pub fn equilibrium(&self, path: f64, path_velocity: f64, activation: f64) -> Fibre {
-        let value = (path_velocity / (self.optimal * self.fastest)).clamp(-1.0, 1.0);
+        let value = (path_velocity / (self.optimal * self.fastest)).clip(-1.0, 1.0);
         let excess =
             |length: f64| self.balance(&self.local(path, length), &mut Anchor::default(), length, 0.0, value, activation).excess;
         let along = (path - self.slack) / self.optimal;
-        let longest = (along.max(0.0) * along.max(0.0) + self.thickness * self.thickness).sqrt();
-        let mut bracket = [SHORTEST, longest.max(SHORTEST)];
+        let longest = (along.at_least(0.0) * along.at_least(0.0) + self.thickness * self.thickness).sqrt();
+        let mut bracket = [SHORTEST, longest.at_least(SHORTEST)];
         if excess(bracket[1]) <= 0.0 {
             // Shortening faster than it can pull: the tendon is slack.
             bracket[0] = bracket[1];
@@ -204,7 +205,7 @@ impl Unit {
             return length;
         }
         let thickness = self.thickness * self.optimal;
-        (length * length - thickness * thickness).max(0.0).sqrt()
+        (length * length - thickness * thickness).at_least(0.0).sqrt()
     }
 
     fn local(&self, path: f64, length: f64) -> Local {
@@ -213,7 +214,7 @@ impl Unit {
             1.0
         } else {
             let sine = self.thickness / length;
-            (1.0 - sine * sine).max(0.0).sqrt().max(SMALLEST_COSINE)
+            (1.0 - sine * sine).at_least(0.0).sqrt().at_least(SMALLEST_COSINE)
         };
         let strain = (path - self.slack - self.optimal * length * cosine) / self.compliant;
         Local { length, active, passive, cosine, strain: [strain, -self.optimal / (cosine * self.compliant)] }
@@ -221,8 +222,8 @@ impl Unit {
 
     fn balance(&self, local: &Local, anchor: &mut Anchor, start: f64, reach: f64, value: f64, activation: f64) -> Balance {
         let offset = start + reach * value - local.length;
-        let active = activation * self.strength * (local.active[0] + local.active[1] * offset).max(0.0);
-        let mut force = (local.passive[0] + local.passive[1] * offset).max(0.0) + self.damping * value;
+        let active = activation * self.strength * (local.active[0] + local.active[1] * offset).at_least(0.0);
+        let mut force = (local.passive[0] + local.passive[1] * offset).at_least(0.0) + self.damping * value;
         let mut slope = local.passive[1] * reach + self.damping;
         let mut factor = None;
         if active > 0.0 {
@@ -239,7 +240,7 @@ impl Unit {
     fn fibre(&self, local: &Local, length: f64, value: f64) -> Fibre {
         let offset = length - local.length;
         let [pull, _] = self.tendon.force(local.strain[0] + local.strain[1] * offset);
-        let active = (local.active[0] + local.active[1] * offset).max(0.0) * self.curves.over_velocity(value)[0];
+        let active = (local.active[0] + local.active[1] * offset).at_least(0.0) * self.curves.over_velocity(value)[0];
         Fibre {
             length: length * self.optimal,
             velocity: value * self.optimal * self.fastest,

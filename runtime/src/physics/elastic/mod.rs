@@ -71,7 +71,7 @@ impl<T: Real> Fibres<T> {
             let [muscle, activation] = unit.place;
             for lane in 0..T::LANES {
                 let at = |values: &[T]| values[muscle].lane(lane);
-                let (path, activation) = (at(paths.length), state.activation[activation].lane(lane).clamp(0.0, 1.0));
+                let (path, activation) = (at(paths.length), state.activation[activation].lane(lane).clip(0.0, 1.0));
                 let before = [at(&state.fibre_length), at(&state.fibre_velocity)];
                 let Fibre { length, velocity, force, gain } = if before[0] > 0.0 {
                     unit.advance(path, before, activation, state.fibre_step)
@@ -105,9 +105,9 @@ fn unit(
         place,
         optimal,
         slack,
-        compliant: settings.stretching_length(slack, model.actuators.length_range[muscle]).max(MINIMUM),
+        compliant: settings.stretching_length(slack, model.actuators.length_range[muscle]).at_least(MINIMUM),
         peak: passive.peak(),
-        strength: active.peak() / passive.peak().max(MINIMUM),
+        strength: active.peak() / passive.peak().at_least(MINIMUM),
         fastest: active.fastest(),
         damping: settings.damping,
         thickness: libm::sin(pennation),

@@ -6,6 +6,7 @@
 //! is halved where it does not shrink by itself.
 
 use crate::physics::constraint::cone::Cone;
+use crate::scalar::Real;
 
 /// The cost along the direction: a quadratic part, the rows' clipped springs and the elliptic cones.
 pub(super) struct Line<'a> {
@@ -34,7 +35,7 @@ impl Line<'_> {
         let rows = self.residual.iter().zip(self.rate).zip(self.weight).zip(self.lower.iter().zip(self.upper));
         for (((residual, rate), weight), (lower, upper)) in rows {
             let free = -weight * (residual + step * rate);
-            slope -= free.max(*lower).min(*upper) * rate;
+            slope -= free.at_least(*lower).at_most(*upper) * rate;
             curvature += if free > *lower && free < *upper { weight * rate * rate } else { 0.0 };
         }
         for cone in self.cones {
@@ -61,7 +62,7 @@ impl Line<'_> {
             let slow = !self.cones.is_empty() && high.is_finite() && high - low > 0.5 * widths[0];
             widths = [widths[1], high - low];
             if slow || next.is_nan() || next <= low || next >= high {
-                next = 0.5 * (low + high.min(2.0 * low + 1.0));
+                next = 0.5 * (low + high.at_most(2.0 * low + 1.0));
             }
             if next == step {
                 break;

@@ -39,6 +39,7 @@ use super::{
     inertia,
 };
 use crate::model::Model;
+use crate::scalar::Real;
 use line_search::Line;
 use path_matrix::PathPattern;
 
@@ -127,7 +128,7 @@ impl Newton {
         self.prepare(model, constraints);
         let Constraints { jacobian, rows, cones, .. } = constraints;
         let parts = &mut Parts { jacobian, rows, cones };
-        let scale = 1.0 / trace(model, problem.mass).max(1e-15);
+        let scale = 1.0 / trace(model, problem.mass).at_least(1e-15);
         let mut cost = self.start(model, problem, parts);
         self.push_back(problem, parts);
         self.damping = 0.0;
@@ -292,7 +293,7 @@ fn spring_cost(rows: &Rows, residual: &[f64]) -> f64 {
 
 /// A row's force at a residual J a - a_ref.
 fn row_force(rows: &Rows, row: usize, residual: f64) -> f64 {
-    (-rows.weight[row] * residual).max(rows.lower[row]).min(rows.upper[row])
+    (-rows.weight[row] * residual).at_least(rows.lower[row]).at_most(rows.upper[row])
 }
 
 fn trace(model: &Model, mass: &[f64]) -> f64 {

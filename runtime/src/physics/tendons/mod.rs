@@ -159,7 +159,7 @@ fn straight<T: Real>(start: &Vector3<T>, end: &Vector3<T>) -> (T, Vector3<T>) {
     let gap = end - start;
     let length = norm(&gap);
     let vanishes = length.less(T::splat(MINIMUM));
-    let direction = scale(&gap, T::splat(1.0) / length.max(T::splat(MINIMUM)));
+    let direction = scale(&gap, T::splat(1.0) / length.at_least(T::splat(MINIMUM)));
     let along = |value: T, other: f64| T::select(vanishes, T::splat(other), value);
     (length, Vector3::new(along(direction.x, 1.0), along(direction.y, 0.0), along(direction.z, 0.0)))
 }

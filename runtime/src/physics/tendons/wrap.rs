@@ -82,7 +82,7 @@ pub fn bend<T: Real>(start: &Vector3<T>, end: &Vector3<T>, obstacle: &Obstacle<T
         // Unrolled, the path on and off the cylinder is one straight line: height grows with planar length.
         let before = distance(&a, &planar.first);
         let after = distance(&b, &planar.second);
-        let slope = (end.z - start.z) / (before + arc + after).max(T::splat(MINIMUM));
+        let slope = (end.z - start.z) / (before + arc + after).at_least(T::splat(MINIMUM));
         first.z = start.z + slope * before;
         second.z = start.z + slope * (before + arc);
         let height = second.z - first.z;
@@ -99,12 +99,12 @@ fn plane<T: Real>(shape: WrapShape, start: &Vector3<T>, end: &Vector3<T>) -> [Ve
         return [Vector3::new(one, zero, zero), Vector3::new(zero, one, zero)];
     }
     let tiny = T::splat(MINIMUM);
-    let x = scale(start, one / norm(start).max(tiny));
+    let x = scale(start, one / norm(start).at_least(tiny));
     let normal = cross(start, end);
     // End points in line with the centre leave the plane open: any normal across the start will do; it is taken across the
     // start's largest component, as MuJoCo does.
     let [u, v, w] = [x.x.abs(), x.y.abs(), x.z.abs()];
-    let first = T::not(u.less(v.max(w)));
+    let first = T::not(u.less(v.at_least(w)));
     let second = T::and(T::not(first), T::not(v.less(w)));
     let other =
         Vector3::new(T::select(first, zero, one), T::select(second, zero, one), T::select(T::or(first, second), one, zero));
@@ -112,7 +112,7 @@ fn plane<T: Real>(shape: WrapShape, start: &Vector3<T>, end: &Vector3<T>) -> [Ve
     let aligned = norm(&normal).less(tiny);
     let normal = Vector3::from_fn(|row, _| T::select(aligned, fallback[row], normal[row]));
     let y = cross(&normal, &x);
-    [x, scale(&y, one / norm(&y).max(tiny))]
+    [x, scale(&y, one / norm(&y).at_least(tiny))]
 }
 
 fn planar_bend<T: Real>(
@@ -173,7 +173,7 @@ fn around<T: Real>(a: &[T; 2], b: &[T; 2], side: Option<[T; 2]>, radius: T) -> O
     let second = tangent(b, square_b, radius, -direction);
     let angle = (direction * cross2(&first, &second)).atan2(dot2(&first, &second));
     let beyond = T::and(opposed, angle.less(zero));
-    let angle = T::select(beyond, angle + T::splat(core::f64::consts::TAU), angle.max(zero));
+    let angle = T::select(beyond, angle + T::splat(core::f64::consts::TAU), angle.at_least(zero));
     Some(PlanarBend { touches, first, second, arc: radius * angle })
 }
 
@@ -181,8 +181,8 @@ fn around<T: Real>(a: &[T; 2], b: &[T; 2], side: Option<[T; 2]>, radius: T) -> O
 #[inline(always)]
 fn tangent<T: Real>(point: &[T; 2], square_distance: T, radius: T, direction: T) -> [T; 2] {
     let square = radius * radius;
-    let inverse = T::splat(1.0) / square_distance.max(T::splat(MINIMUM));
-    let across = direction * radius * (square_distance - square).max(T::splat(0.0)).sqrt();
+    let inverse = T::splat(1.0) / square_distance.at_least(T::splat(MINIMUM));
+    let across = direction * radius * (square_distance - square).at_least(T::splat(0.0)).sqrt();
     [(point[0] * square - point[1] * across) * inverse, (point[1] * square + point[0] * across) * inverse]
 }
 
@@ -200,11 +200,11 @@ fn inside<T: Real>(a: &[T; 2], b: &[T; 2], radius: T) -> Option<PlanarBend<T>> {
     // f = asin(A sin t) + asin(B sin t) - 2 t + G = 0. Newton's method from t = pi/2 approaches the root from one side;
     // MuJoCo stops at 1e-6, where the length, stationary at the root, is good to 1e-12. Angles are summed as a product of
     // unit complex numbers, (cos, sin), which leaves one arc tangent to an iteration.
-    let (ratio_a, ratio_b) = (radius / length_a.max(tiny), radius / length_b.max(tiny));
-    let scale = one / (length_a * length_b).max(tiny);
+    let (ratio_a, ratio_b) = (radius / length_a.at_least(tiny), radius / length_b.at_least(tiny));
+    let scale = one / (length_a * length_b).at_least(tiny);
     let turn = cross2(a, b);
     let between = [dot2(a, b) * scale, turn.abs() * scale];
-    let cosine = |sin: T| (one - sin * sin).max(tiny).sqrt();
+    let cosine = |sin: T| (one - sin * sin).at_least(tiny).sqrt();
     let mut incidence = T::splat(core::f64::consts::FRAC_PI_2);
     let (mut sin, mut cos) = (one, T::splat(0.0));
     for _ in 0..20 {
@@ -225,7 +225,7 @@ fn inside<T: Real>(a: &[T; 2], b: &[T; 2], radius: T) -> Option<PlanarBend<T>> {
     let base = select(from_a, *a, *b);
     let (length, ratio) = (T::select(from_a, length_a, length_b), T::select(from_a, ratio_a, ratio_b));
     let angle = multiply([cos, sin], [cosine(ratio * sin), -ratio * sin]);
-    let reach = radius / length.max(tiny);
+    let reach = radius / length.at_least(tiny);
     let point = multiply([base[0] * reach, base[1] * reach], angle);
     Some(PlanarBend { touches, first: point, second: point, arc: T::splat(0.0) })
 }
@@ -235,7 +235,7 @@ fn inside<T: Real>(a: &[T; 2], b: &[T; 2], radius: T) -> Option<PlanarBend<T>> {
 fn passes_within<T: Real>(a: &[T; 2], b: &[T; 2], square: T) -> T::Mask {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let gap = [b[0] - a[0], b[1] - a[1]];
-    let along = (-dot2(&gap, a) / dot2(&gap, &gap).max(T::splat(MINIMUM))).max(zero).min(one);
+    let along = (-dot2(&gap, a) / dot2(&gap, &gap).at_least(T::splat(MINIMUM))).at_least(zero).at_most(one);
     let nearest = [a[0] + along * gap[0], a[1] + along * gap[1]];
     T::not(square.less(dot2(&nearest, &nearest)))
 }

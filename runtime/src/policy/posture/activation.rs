@@ -6,6 +6,7 @@
 
 use crate::episode::excitation;
 use crate::physics::actuation::activation_rate;
+use crate::scalar::Real;
 use msk_compiler::body::ExcitationMap;
 
 /// How an excitation is held.
@@ -40,7 +41,7 @@ impl Hold {
         let miss = |excitation: f64| self.activation(activation, excitation, constants) - wanted;
         let [mut low, mut high] = range;
         // Holding the present activation changes nothing, and parts rising from falling, where the time constant jumps.
-        let still = activation.clamp(low, high);
+        let still = activation.clip(low, high);
         if wanted >= activation {
             low = still;
         } else {
@@ -77,12 +78,12 @@ pub(super) fn excitation_range(map: ExcitationMap) -> [f64; 2] {
 /// The action in [-1, 1] that asks for `wanted` excitation, or comes nearest to it.
 pub(super) fn action(map: ExcitationMap, wanted: f64) -> f64 {
     let [low, high] = excitation_range(map);
-    let wanted = wanted.clamp(low, high);
+    let wanted = wanted.clip(low, high);
     let action = match map {
         ExcitationMap::Linear => 2.0 * wanted - 1.0,
         ExcitationMap::Sigmoid => 0.5 + 0.2 * libm::log(wanted / (1.0 - wanted)),
     };
-    action.clamp(-1.0, 1.0)
+    action.clip(-1.0, 1.0)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@
 //! previous control step's y it usually takes three to six.
 
 use super::{sparse::Columns, symmetric::Symmetric};
+use crate::scalar::Real;
 
 /// Bounds and cost of one unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,10 +68,10 @@ impl Allocation {
         self.x.resize(unknowns.len(), 0.0);
         self.free.resize(unknowns.len(), 0.0);
         self.slope.resize(unknowns.len(), 0.0);
-        let scale = wanted.iter().fold(1.0, |largest: f64, value| largest.max(value.abs()));
+        let scale = wanted.iter().fold(1.0, |largest: f64, value| largest.at_least(value.abs()));
         for iteration in 0..ITERATIONS {
             self.evaluate(inertia, columns, unknowns, wanted);
-            let error = self.gradient.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            let error = self.gradient.iter().fold(0.0, |largest: f64, value| largest.at_least(value.abs()));
             if error <= TOLERANCE * scale {
                 return iteration;
             }
@@ -92,7 +93,7 @@ impl Allocation {
         }
         for (index, unknown) in unknowns.iter().enumerate() {
             self.free[index] = columns.dot(index, &self.multiplier) / unknown.cost;
-            self.x[index] = self.free[index].clamp(unknown.low, unknown.high);
+            self.x[index] = self.free[index].clip(unknown.low, unknown.high);
             columns.add_scaled(index, self.x[index], &mut self.gradient);
         }
     }
@@ -123,7 +124,7 @@ impl Allocation {
         let derivative = |length: f64| {
             let moving = unknowns.iter().zip(&self.free).zip(&self.slope);
             let forces = moving
-                .map(|((unknown, free), slope)| unknown.cost * slope * (free + length * slope).clamp(unknown.low, unknown.high));
+                .map(|((unknown, free), slope)| unknown.cost * slope * (free + length * slope).clip(unknown.low, unknown.high));
             start + length * curvature + forces.sum::<f64>()
         };
         let [mut low, mut high] = [0.0, 1.0];
@@ -182,7 +183,7 @@ mod tests {
                 prop_assert!(unknown.low <= x[index] && x[index] <= unknown.high);
                 for change in [-1e-3, 1e-3] {
                     let mut neighbour = x.clone();
-                    neighbour[index] = (x[index] + change).clamp(unknown.low, unknown.high);
+                    neighbour[index] = (x[index] + change).clip(unknown.low, unknown.high);
                     prop_assert!(best <= cost(&columns, &unknowns, &wanted, &neighbour) + 1e-9 * best);
                 }
             }

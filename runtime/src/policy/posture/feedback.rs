@@ -14,6 +14,7 @@
 use super::{View, coordinates::Coordinates, dynamics::Motion, goal::Goal, symmetric::Symmetric};
 use crate::body::Body;
 use crate::physics::{State, kinematics::Kinematics, rotation::difference};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Stiffness (1/s²) and damping (1/s) of a wish, and its weight in the compromise.
@@ -133,7 +134,7 @@ impl Feedback {
 
     /// Adds the wish for resting feet and solves.
     fn compromise(&mut self, view: &View<'_>, feet: &[Motion]) {
-        let share = (FOOT_POINTS / feet.len() as f64).min(1.0);
+        let share = (FOOT_POINTS / feet.len() as f64).at_most(1.0);
         for point in feet {
             let wish = FEET.vector(&Vector3::zeros(), &point.velocity(view.velocities), view.hold);
             self.point_wish(point, &wish, &Vector3::repeat(FEET.weight * FEET.weight * share));

@@ -7,6 +7,7 @@ use super::{Present, support::Support};
 use crate::body::Body;
 use crate::model::Model;
 use crate::physics::{State, Workspace, kinematics, rotation::difference};
+use crate::scalar::Real;
 use crate::testing::Script;
 use msk_compiler::motion::{Motion, Parts, RootPart};
 use msk_compiler::task::Init;
@@ -68,7 +69,7 @@ impl Course {
                 body.place(model, &init.root, &solved, state, workspace);
             }
             Self::Script { script, period } => {
-                let step = (time / period).max(0.0).min(f64::from(script.last()));
+                let step = (time / period).at_least(0.0).at_most(f64::from(script.last()));
                 script.place_between(step, model, body, state, workspace);
             }
         }

@@ -37,6 +37,7 @@ use super::{Policy, PolicyContext, PolicyError};
 use crate::body::Body;
 use crate::model::Model;
 use crate::physics::{State, Workspace};
+use crate::scalar::Real;
 use crate::testing::Script;
 use activation::Hold;
 use allocation::{Allocation, Unknown};
@@ -257,7 +258,7 @@ impl Controller {
         let view = View { model, state, workspace, coordinates, velocities, hold: self.hold.duration() };
 
         self.support.update(model, &workspace.kinematics);
-        self.offset += (view.hold / LEAN_TIME).min(1.0) * (self.final_offset - self.offset);
+        self.offset += (view.hold / LEAN_TIME).at_most(1.0) * (self.final_offset - self.offset);
         let target = self.support.centre().map(|centre| centre + self.offset);
         let near = |point: &&Point| point.height < CONTACT_HEIGHT;
         let bearing: Vec<Point> = self.support.points.iter().filter(near).copied().collect();

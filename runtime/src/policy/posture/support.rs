@@ -3,6 +3,7 @@
 use crate::body::Body;
 use crate::model::{GeomKind, Model};
 use crate::physics::kinematics::Kinematics;
+use crate::scalar::Real;
 use msk_compiler::vocabulary::GroupKind;
 use nalgebra::{Matrix3, Vector3};
 
@@ -79,7 +80,7 @@ impl Support {
                 let normal = kinematics.geom_rotation[plane].column(2).into_owned();
                 (kinematics.geom_position[plane], normal, model.geoms.friction[plane][0])
             });
-            let friction = friction.max(model.geoms.friction[shape][0]);
+            let friction = friction.at_least(model.geoms.friction[shape][0]);
             let body = model.geoms.body[shape];
             let mut push = |arm: Vector3<f64>| {
                 let position = centre + arm;
@@ -150,7 +151,7 @@ mod tests {
         let size = Vector3::new(0.1, 0.3, 0.2);
         for kind in [GeomKind::Sphere, GeomKind::Capsule, GeomKind::Ellipsoid, GeomKind::Cylinder, GeomKind::Box] {
             let mut lowest = f64::INFINITY;
-            underside(kind, &size, &turn, &normal, &mut |arm| lowest = lowest.min(arm.dot(&normal)));
+            underside(kind, &size, &turn, &normal, &mut |arm| lowest = lowest.at_most(arm.dot(&normal)));
             let reach = support(kind, size, -turn.transpose() * normal);
             assert!((lowest + reach).abs() < 1e-12, "{kind:?}: {lowest} is not {reach}");
         }

@@ -5,6 +5,7 @@ use crate::bodies;
 use crate::body::Body;
 use crate::model::Model;
 use crate::physics::{self, State, Workspace};
+use crate::scalar::Real;
 use msk_compiler::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription};
 use msk_compiler::task::RootPlacement;
 use nalgebra::Vector3;
@@ -133,7 +134,7 @@ fn the_required_force_is_that_of_the_equations_of_motion() {
     }
     let mut expected = vec![0.0; coordinates.len()];
     coordinates.project(&full, &mut expected);
-    let scale = expected.iter().fold(0.0, |largest: f64, force| largest.max(force.abs()));
+    let scale = expected.iter().fold(0.0, |largest: f64, force| largest.at_least(force.abs()));
     for (column, (found, expected)) in found.iter().zip(&expected).enumerate() {
         assert!((found - expected).abs() < 1e-9 * scale, "coordinate {column}: {found} is not {expected}");
     }
@@ -163,7 +164,7 @@ fn a_push_of_fifty_newtons_does_not_topple_it() {
             stand.step(&mut controller);
             heights.push(stand.com().z);
         }
-        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let lowest = heights.iter().copied().fold(f64::INFINITY, Real::at_most);
         assert!(lowest > 0.92, "sank to {lowest} m after a push along {direction:?}");
     }
 }

@@ -3,6 +3,7 @@
 use crate::model::{GeomKind, HeightField, Model};
 use crate::physics::collision::{Placed, Solid, ray};
 use crate::physics::{State, Workspace, kinematics};
+use crate::scalar::Real;
 use crate::scene::convex::{farthest, gap};
 use crate::scene::ground::{ABYSS, Ground};
 use crate::scene::radar::Radar;
@@ -187,7 +188,7 @@ proptest! {
                 let place = at(f64::from(cell % 40), f64::from(cell / 40)) / 39.0 * 1.2 + at(x - 0.6, y - 0.6);
                 let below = Vector3::new(place.x, place.y, -9.0);
                 let Some((rise, _)) = ray::meet(&upper, below, Vector3::z()) else { continue };
-                least = least.min(rise - 9.0 - ground.height(place));
+                least = least.at_most(rise - 9.0 - ground.height(place));
             }
             (ground.clearance(&[1]), least)
         };
@@ -228,7 +229,7 @@ proptest! {
                 let sector = (0.5 - bearing / over) * count as f64;
                 if (0.0..count as f64).contains(&sector) {
                     let nearness = &mut expected[sector as usize];
-                    *nearness = nearness.max(1.0 - seen.norm() / 2.5);
+                    *nearness = nearness.at_least(1.0 - seen.norm() / 2.5);
                 }
             }
         }

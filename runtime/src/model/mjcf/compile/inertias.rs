@@ -6,6 +6,7 @@ use super::tree::Frame;
 use crate::model::inertia::{MassProperties, combine, moments, principal, volume};
 use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
+use crate::scalar::Real;
 use nalgebra::{Matrix3, Vector3};
 
 /// Density of a geom that gives neither mass nor density: water's.
@@ -119,7 +120,7 @@ impl Compiler<'_> {
             (None, None) => (Vector3::zeros(), frame.orientation),
             (Some(_), Some(_)) => return Err(element.invalid("`inertial` takes either `diaginertia` or `fullinertia`, not both")),
         };
-        let positive = full.is_none() || self.settings.least_inertia > 0.0 || moments.min() > 0.0;
+        let positive = full.is_none() || self.settings.least_inertia > 0.0 || moments.iter().all(|moment| *moment > 0.0);
         if moments.iter().any(|moment| *moment < 0.0) && diagonal.is_some() || !positive {
             return Err(element.invalid("the inertia is not positive"));
         }
@@ -167,8 +168,8 @@ impl Compiler<'_> {
     /// Applies the file's lower bounds, and the triangle inequality that moments of inertia obey.
     fn bound(&self, body: &Element, properties: &mut MassProperties) -> Result<(), ModelError> {
         let settings = &self.settings;
-        properties.mass = properties.mass.max(settings.least_mass);
-        properties.moments = properties.moments.map(|moment| moment.max(settings.least_inertia));
+        properties.mass = properties.mass.at_least(settings.least_mass);
+        properties.moments = properties.moments.map(|moment| moment.at_least(settings.least_inertia));
         let [a, b, c] = [properties.moments.x, properties.moments.y, properties.moments.z];
         if a + b < c || a + c < b || b + c < a {
             if !settings.balance_inertia {

@@ -10,6 +10,7 @@ use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
 use crate::model::{Actuators, Bias, ContactPairs, Dynamics, Gain, Integrator, JointKind, Model, Transmission};
 use crate::physics::{self, State, Workspace, actuation, inertia, smooth};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -179,7 +180,7 @@ impl LengthRanges {
         if !ascending(range) {
             return Err(format!("its length goes from {} to {}", range[0], range[1]));
         }
-        let unsettled = [low, high].iter().map(|[least, most]| most - least).fold(0.0, f64::max);
+        let unsettled = [low, high].iter().map(|[least, most]| most - least).fold(0.0, Real::at_least);
         if unsettled > self.tolerance * (range[1] - range[0]) {
             return Err(format!("its length still changes by {unsettled} after {} s", self.total));
         }
@@ -194,14 +195,14 @@ impl LengthRanges {
         let mut row = vec![0.0; model.nv];
         let mut lengths = None::<[f64; 2]>;
         // A shorter time constant would stop the motion at once.
-        let decay = libm::exp(-model.options.timestep / self.time_constant.max(0.01));
+        let decay = libm::exp(-model.options.timestep / self.time_constant.at_least(0.01));
         while state.time < self.total {
             state.velocity.iter_mut().for_each(|velocity| *velocity *= decay);
             smooth::positions(model, &state, &mut workspace);
             actuation::moment(model, &state, &workspace.kinematics, &workspace.tendons, 0, &mut row);
             state.applied_force.copy_from_slice(&row);
             inertia::solve(model, &workspace.inertia.factor, &mut row);
-            let scale = sign * self.acceleration / norm(&row).max(LEAST);
+            let scale = sign * self.acceleration / norm(&row).at_least(LEAST);
             state.applied_force.iter_mut().for_each(|force| *force *= scale);
             let force = norm(&state.applied_force);
             if let Some(most) = self.most_force.filter(|most| force > *most) {
@@ -211,7 +212,7 @@ impl LengthRanges {
             if state.time > self.total - self.interval {
                 let length = workspace.actuation.length[0];
                 let [least, most] = lengths.unwrap_or([length; 2]);
-                lengths = Some([least.min(length), most.max(length)]);
+                lengths = Some([least.at_most(length), most.at_least(length)]);
             }
         }
         lengths.ok_or_else(|| "`inttotal` and `interval` leave no time to measure".to_owned())

@@ -118,7 +118,9 @@ impl Compiler<'_> {
             return Err(asset.invalid("a height field needs at least 2 rows and 2 columns"));
         }
         // In single precision, as MuJoCo keeps them.
-        let (low, high) = samples.iter().fold((f32::MAX, f32::MIN), |(low, high), &x| (low.min(x), high.max(x)));
+        let (low, high) = samples
+            .iter()
+            .fold((f32::MAX, f32::MIN), |(low, high), &x| (if x < low { x } else { low }, if x > high { x } else { high }));
         for sample in &mut samples {
             *sample -= low;
             if high > low {

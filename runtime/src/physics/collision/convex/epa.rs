@@ -7,6 +7,7 @@
 //! planes and lines up to rounding, and decisions that contradict each other would tear the surface.
 
 use super::solid::{Solid, Vertex, farthest};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 use robust::{Coord3D, orient3d};
 
@@ -98,7 +99,7 @@ fn begin(first: &Solid<'_>, second: &Solid<'_>, polytope: &mut Polytope) -> Opti
     let b = find(-Vector3::x());
     let along = b.point - a.point;
     let across =
-        |direction: Vector3<f64>| direction - along * (direction.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE));
+        |direction: Vector3<f64>| direction - along * (direction.dot(&along) / along.norm_squared().at_least(f64::MIN_POSITIVE));
     let c = widest([Vector3::y(), Vector3::z(), -Vector3::y(), -Vector3::z()].map(|axis| find(across(axis))), |point| {
         (point - a.point).cross(&along).norm_squared()
     });
@@ -226,7 +227,7 @@ impl Polytope {
         // How far the projection is inside a face, as a share of its area; negative outside.
         let inside = |face: &Face| {
             let areas = areas(face);
-            areas.iter().fold(f64::INFINITY, |least, area| least.min(*area)) / areas.iter().sum::<f64>()
+            areas.iter().fold(f64::INFINITY, |least, area| least.at_most(*area)) / areas.iter().sum::<f64>()
         };
         let mut best = (face, inside(&self.faces[face]));
         for (index, other) in self.faces.iter().enumerate() {
@@ -238,7 +239,7 @@ impl Polytope {
             }
         }
         let holder = &self.faces[best.0];
-        let areas = areas(holder).map(|area| area.max(0.0));
+        let areas = areas(holder).map(|area| area.at_least(0.0));
         let total: f64 = areas.iter().sum();
         let weights = if total > 0.0 { areas.map(|area| area / total) } else { [1.0, 0.0, 0.0] };
         let vertices = holder.corners.map(|corner| self.vertices[corner]);

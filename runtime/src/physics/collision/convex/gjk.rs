@@ -5,6 +5,7 @@
 //! other way, and goes on with the smallest simplex that holds the new nearest point.
 
 use super::solid::{Solid, Vertex, farthest};
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Rounds at most: polyhedra need few, smooth shapes that nearly touch some tens.
@@ -109,7 +110,7 @@ impl Simplex {
     fn segment(&self, [i, j]: [usize; 2]) -> Nearest {
         let [a, b] = [i, j].map(|index| self.vertices[index].point);
         let along = b - a;
-        let share = (-a.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        let share = (-a.dot(&along) / along.norm_squared()).clip(0.0, 1.0);
         if share.is_nan() || share == 0.0 {
             return self.corner(i);
         }

@@ -12,6 +12,7 @@ use super::{
     separate,
     solid::{Core, Solid},
 };
+use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Two faces face each other if the cosine between one normal and the reverse of the other is above this.
@@ -131,8 +132,8 @@ fn edge_meets(
         let [near, far] = [from, to].map(|end| outward.dot(&(end - start)));
         match (near > 0.0, far > 0.0) {
             (true, true) => return,
-            (true, false) => enter = enter.max(near / (near - far)),
-            (false, true) => leave = leave.min(near / (near - far)),
+            (true, false) => enter = enter.at_least(near / (near - far)),
+            (false, true) => leave = leave.at_most(near / (near - far)),
             (false, false) => {}
         }
     }

@@ -2,6 +2,7 @@
 
 use super::super::place::{Asset, Placed};
 use crate::model::{GeomKind, Hull};
+use crate::scalar::Real;
 use nalgebra::{Matrix3, Vector3};
 
 /// What a shape is once its roundness is taken off.
@@ -103,11 +104,11 @@ impl<'a> Solid<'a> {
             Core::Point => 0.0,
             Core::Segment(half) => half,
             Core::Ellipsoid(size) | Core::Box(size) => size.amax(),
-            Core::Cylinder(radius, half) => radius.max(half),
+            Core::Cylinder(radius, half) => radius.at_least(half),
             Core::Hull(hull) => hull.vertices.first().map_or(0.0, |vertex| vertex.amax()),
             Core::Prism(corners) => corners[3].amax(),
         };
-        size.max(self.radius)
+        size.at_least(self.radius)
     }
 }
 
