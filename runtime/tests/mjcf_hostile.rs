@@ -127,6 +127,14 @@ fn masses_that_cannot_move() {
     let both = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\" fullinertia=\"1 1 1 0 0 0\"/>";
     refused(&body(both), "not both");
     refused(&body("<inertial mass=\"1\" diaginertia=\"1 1 1\"/>"), "needs the attribute `pos`");
+    // One direction with two joints: the mass matrix is singular, in numbers or after rounding.
+    let twice = |mass: &str, armature: &str| {
+        let slide = |name: &str| format!("<joint name=\"{name}\" type=\"slide\" armature=\"{armature}\"/>");
+        let inertial = format!("<inertial pos=\"0 0 0\" mass=\"{mass}\" diaginertia=\"1 1 1\"/>");
+        format!("<mujoco><worldbody><body>{inertial}{}{}</body></worldbody></mujoco>", slide("a"), slide("b"))
+    };
+    refused(&twice("1", "0"), "the mass matrix has no inverse at the reference configuration");
+    refused(&twice("2.9e14", "1e-5"), "rounding leaves nothing of the inertia that joint 0 (`a`) moves by itself");
     refused(&with("<body><geom type=\"mesh\" mesh=\"none\" contype=\"0\" conaffinity=\"0\"/></body>"), "does not exist");
 }
 

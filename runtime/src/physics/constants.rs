@@ -22,13 +22,17 @@ use nalgebra::Vector3;
 /// Fills [`Bodies::inverse_weight`](crate::model::Bodies), [`Dofs::inverse_weight`](crate::model::Dofs), lengths and inverse
 /// weights of [`Tendons`](crate::model::Tendons), the derived frames of [`Equalities`](crate::model::Equalities) and
 /// [`Actuators::acceleration_scale`](crate::model::Actuators). Everything else in the model must be complete.
-pub fn derive(model: &mut Model) {
+///
+/// # Errors
+/// A mass matrix without an inverse: the message names a joint that takes part in it.
+pub fn derive(model: &mut Model) -> Result<(), String> {
     let state = State::<f64>::new(model);
     let mut kinematics = Kinematics::new(model);
     let mut inertia = Inertia::new(model);
     let mut tendons = TendonPaths::new(model);
     kinematics::update(model, &state, &mut kinematics);
     inertia::update(model, &kinematics, &mut inertia);
+    invertible(model, &inertia.factor)?;
     tendons::update(&state, &kinematics, &mut tendons);
 
     model.tendons.reference_length = tendons.length.clone();
@@ -51,6 +55,22 @@ pub fn derive(model: &mut Model) {
         settle_damping(&mut model.actuators, actuator, response);
     }
     model.tendons.resting_length = resting_lengths(model, state, &mut kinematics, tendons);
+    Ok(())
+}
+
+/// Whether every pivot D of the factorised mass matrix L'DL is positive. One is not where rounding leaves nothing of a joint's own
+/// inertia: two slides along one axis, under a mass of 1e14 kg with an armature of 1e-5 kg each, or without any armature.
+fn invertible(model: &Model, factor: &[f64]) -> Result<(), String> {
+    let pivot = |dof: usize| factor[model.dofs.row[dof].end - 1];
+    match (0..model.nv).find(|&dof| !(pivot(dof) > 0.0 && pivot(dof).is_finite())) {
+        None => Ok(()),
+        Some(dof) => Err(format!(
+            "the mass matrix has no inverse at the reference configuration: rounding leaves nothing of the inertia that joint {} (`{}`) \
+             moves by itself; two joints may have the same axis, or masses differ by more than fifteen digits (an `armature` gives \
+             a joint inertia of its own)",
+            model.dofs.joint[dof], model.joints.name[model.dofs.joint[dof]]
+        )),
+    }
 }
 
 /// Tendon lengths with every hinge and slide where its spring rests, and free and ball joints at the reference.

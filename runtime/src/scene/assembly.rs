@@ -151,7 +151,7 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
         model.geoms.friction[geoms[geom]] = friction;
     }
     topology::complete(&mut model).map_err(BuildError::Model)?;
-    constants::derive(&mut model);
+    constants::derive(&mut model).map_err(BuildError::Model)?;
     Ok(Built { model, bodies, joints, geoms, sites })
 }
 

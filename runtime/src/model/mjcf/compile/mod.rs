@@ -91,7 +91,7 @@ pub(super) fn compile(mut document: Document<'_>) -> Result<Model, ModelError> {
     topology::complete(&mut compiler.model).map_err(|message| root.invalid(message))?;
     compiler.read_keyframes()?;
     constants::settle_springs(&mut compiler.model, &compiler.springs);
-    constants::derive(&mut compiler.model);
+    constants::derive(&mut compiler.model).map_err(|message| root.invalid(message))?;
     let actuators: Vec<&Element> = section(root, "actuator").collect();
     compiler.settings.length_ranges.complete(&mut compiler.model, &actuators)?;
     Ok(compiler.model)
