@@ -9,21 +9,26 @@
 
 mod inspection;
 mod motions;
+mod reading;
 mod settings;
 mod units;
 
 pub use inspection::{InspectedFile, Inspection, TaskScope};
+pub use reading::{MAXIMUM_BYTES, MAXIMUM_FILES};
 
 use crate::body::BodyDescription;
-use crate::check::scope::FileInSight;
+use crate::check::scope::{FileInSight, Globals, Names};
+use crate::check::uncalled::Cycles;
 use crate::check::{self, Texts};
 use crate::diagnostics::{Checked, Diagnostic, FileId, Report, Reported, SourceMap, Span, codes};
-use crate::files::{BodySource, LoadError, Loader, plain};
+use crate::files::{BodySource, Loader, plain};
 use crate::syntax;
-use crate::syntax::tree::{self, Item, TaskStatement};
+use crate::syntax::tree::{self, Item};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
+use reading::Reader;
 use std::cell::RefCell;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -115,7 +120,7 @@ pub fn inspect(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource) -> In
 }
 
 fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[Setting], noting: bool) -> Inspection {
-    let mut reader = Reader { loader, sources: SourceMap::default(), files: Vec::new(), diagnostics: Vec::new() };
+    let mut reader = Reader::new(loader);
     if let Err(problem) = reader.read_all(entry) {
         let message = problem.to_string();
         let file = reader.sources.add(entry.display().to_string(), "");
@@ -133,19 +138,21 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     settings::apply(&settings, &mut units, &mut diagnostics);
     let (mut tasks, mut scopes) = (Vec::new(), Vec::new());
     let called = RefCell::default();
+    let ids: Vec<FileId> = files.iter().map(|file| file.tree.file).collect();
+    let uses = |file: &SourceFile| file.uses.iter().map(|&used| ids[used]).collect();
+    let globals = Globals::collect(files.iter().map(|file| FileInSight { tree: &file.tree, uses: uses(file) }));
+    diagnostics.extend(globals.clashes(syntax::MAXIMUM_ERRORS));
     for unit in &units {
-        let in_sight = in_sight(&files, unit.home);
         let (described, texts, motions) = (&described, &texts, &motions);
-        let compiler = units::Compiler { described, bodies, texts, motions, in_sight, noting, called: &called };
+        let compiler = units::Compiler { described, bodies, texts, motions, globals: &globals, noting, called: &called };
         // One that fails has said why.
         tasks.extend(compiler.compile(unit, &mut scopes, &mut diagnostics).map(Arc::new));
     }
     let known: Vec<&Vocabulary> = described.values().filter_map(|body| body.vocabulary.as_ref().ok()).collect();
-    for home in 0..files.len() {
-        let mut sight = in_sight(&files, home);
-        // The file itself comes first.
-        sight.sort_by_key(|one| one.tree.file != files[home].tree.file);
-        check::uncalled::check(&sight, &called.borrow(), &known, &mut diagnostics);
+    let names = Names::global(&globals);
+    let cycles = Cycles::of(files.iter().map(|file| &file.tree), &names);
+    for file in &files {
+        check::uncalled::check(&file.tree, &names, &cycles, &called.borrow(), &known, &mut diagnostics);
     }
     let suites = suites(&files, &all_tasks, &mut diagnostics);
     drop_consequences(&sources, &files, &mut diagnostics);
@@ -157,17 +164,19 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
 
 /// Drops complaints about names whose declaration is there, but could not be read: only the declaration is at fault.
 fn drop_consequences(sources: &SourceMap, files: &[SourceFile], diagnostics: &mut Vec<Diagnostic>) {
-    let unreadable: Vec<&str> = files
-        .iter()
-        .map(|file| file.tree.file)
-        .filter(|file| diagnostics.iter().any(|told| told.code.id.starts_with("E01") && told.file() == *file))
-        .map(|file| sources.text(file))
-        .collect();
-    let declared = |name: &str| {
-        let words = ["fn", "let", "const", "state", "clock", "random", "reference", "observation", "task"];
-        !name.is_empty() && words.iter().any(|word| unreadable.iter().any(|text| text.contains(&format!("{word} {name}"))))
-    };
-    diagnostics.retain(|told| told.code != codes::names::UNKNOWN_NAME || !declared(told.span().of(sources.text(told.file()))));
+    let broken: BTreeSet<FileId> =
+        diagnostics.iter().filter(|told| told.code.id.starts_with("E01")).map(Diagnostic::file).collect();
+    let unreadable = files.iter().map(|file| file.tree.file).filter(|file| broken.contains(file)).map(|file| sources.text(file));
+    const WORDS: [&str; 9] = ["fn", "let", "const", "state", "clock", "random", "reference", "observation", "task"];
+    let mut declared = BTreeSet::new();
+    for text in unreadable {
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let named = words.windows(2).filter(|pair| WORDS.contains(&pair[0])).map(|pair| pair[1]);
+        declared.extend(named.filter_map(|word| word.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).next()));
+    }
+    declared.remove("");
+    diagnostics
+        .retain(|told| told.code != codes::names::UNKNOWN_NAME || !declared.contains(told.span().of(sources.text(told.file()))));
 }
 
 /// A file with those that it uses, by their place in the list of files.
@@ -175,108 +184,6 @@ struct SourceFile {
     path: PathBuf,
     tree: tree::File,
     uses: Vec<usize>,
-}
-
-struct Reader<'a> {
-    loader: &'a dyn Loader,
-    sources: SourceMap,
-    files: Vec<SourceFile>,
-    diagnostics: Vec<Diagnostic>,
-}
-
-impl Reader<'_> {
-    /// Reads the entry and, breadth first, what it uses; a file that several use is read once.
-    fn read_all(&mut self, entry: &Path) -> Result<(), LoadError> {
-        let entry = plain(entry);
-        let text = self.loader.load(&entry)?;
-        self.add(entry, text);
-        let mut next = 0;
-        while next < self.files.len() {
-            let file = self.files[next].tree.file;
-            let base = self.files[next].path.parent().map(Path::to_path_buf).unwrap_or_default();
-            let used: Vec<tree::Text> = self.files[next]
-                .tree
-                .items
-                .iter()
-                .filter_map(|item| if let Item::Use(used) = item { Some(used.path.clone()) } else { None })
-                .collect();
-            for path in used {
-                match self.read_used(&plain(&base.join(&path.value))) {
-                    Ok(index) => self.files[next].uses.push(index),
-                    Err(problem) => {
-                        let message = format!("cannot use \"{}\": {problem}", path.value);
-                        let diagnostic = Diagnostic::new(codes::names::FILE, file, path.span, message)
-                            .help("the path is relative to the file that uses it");
-                        self.diagnostics.push(diagnostic);
-                    }
-                }
-            }
-            next += 1;
-        }
-        Ok(())
-    }
-
-    fn read_used(&mut self, path: &Path) -> Result<usize, LoadError> {
-        if let Some(known) = self.files.iter().position(|file| file.path == path) {
-            return Ok(known);
-        }
-        let text = self.loader.load(path)?;
-        Ok(self.add(path.to_path_buf(), text))
-    }
-
-    fn add(&mut self, path: PathBuf, text: String) -> usize {
-        let file = self.sources.add(path.display().to_string(), text);
-        let parsed = syntax::parse(file, self.sources.text(file));
-        self.diagnostics.extend(parsed.diagnostics);
-        self.files.push(SourceFile { path, tree: parsed.tree, uses: Vec::new() });
-        self.files.len() - 1
-    }
-
-    /// Finds the body of every task that no file declares: in a folder `bodies` beside or above the entry, else built in.
-    fn read_bodies(&mut self, entry: &Path, bodies: &dyn BodySource) {
-        let mut wanted = BTreeSet::new();
-        let mut declared = BTreeSet::new();
-        for item in self.files.iter().flat_map(|file| &file.tree.items) {
-            match item {
-                Item::Task(tree::Task { statements, .. }) | Item::Sequence(tree::Sequence { statements, .. }) => {
-                    wanted.extend(statements.iter().filter_map(|statement| match statement {
-                        TaskStatement::Body(body) => Some(body.name.text.clone()),
-                        _ => None,
-                    }));
-                }
-                Item::Body(body) => {
-                    declared.insert(body.name.text.clone());
-                }
-                _ => {}
-            }
-        }
-        for name in wanted.difference(&declared) {
-            self.read_body(entry, name, bodies);
-        }
-    }
-
-    fn read_body(&mut self, entry: &Path, name: &str, bodies: &dyn BodySource) {
-        let entry = plain(entry);
-        for folder in entry.ancestors().skip(1) {
-            let path = folder.join("bodies").join(format!("{name}.msk"));
-            match self.loader.load(&path) {
-                Ok(text) => {
-                    self.add(path, text);
-                    return;
-                }
-                Err(LoadError::Missing(_)) => {}
-                Err(problem) => {
-                    let file = self.files[0].tree.file;
-                    let message = problem.to_string();
-                    self.diagnostics.push(Diagnostic::new(codes::names::FILE, file, Span::default(), message));
-                    return;
-                }
-            }
-        }
-        if let Some((path, text)) = bodies.find(name) {
-            self.add(path, text);
-        }
-    }
 }
 
 /// A body with what tasks on it may name.
@@ -291,6 +198,10 @@ fn describe_bodies(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> BTreeMap<String, Described> {
     let mut described = BTreeMap::new();
+    let mut unreadable: BTreeMap<FileId, Reported> = BTreeMap::new();
+    for told in diagnostics.iter() {
+        unreadable.extend(Reported::among([told]).map(|reported| (told.file(), reported)));
+    }
     for file in files {
         for item in &file.tree.items {
             let Item::Body(body) = item else { continue };
@@ -299,7 +210,8 @@ fn describe_bodies(
             let base = file.path.parent().map(Path::to_path_buf).unwrap_or_default();
             description.model = plain(&base.join(&description.model)).display().to_string();
             // A body whose text is broken is not bound: the model would only be blamed for it.
-            let broken = Reported::among(diagnostics.iter().chain(&own).filter(|told| told.file() == file.tree.file));
+            let broken = Reported::among(&own).or(unreadable.get(&file.tree.file).copied());
+            unreadable.extend(broken.map(|reported| (file.tree.file, reported)));
             diagnostics.append(&mut own);
             let vocabulary = match broken {
                 Some(reported) => Err(reported),
@@ -336,7 +248,7 @@ fn bind(
 }
 
 fn task_names<'a>(files: &'a [SourceFile], diagnostics: &mut Vec<Diagnostic>) -> Vec<&'a str> {
-    let mut names: Vec<(&str, FileId, Span)> = Vec::new();
+    let mut names: BTreeMap<&str, (FileId, Span)> = BTreeMap::new();
     for file in files {
         for item in &file.tree.items {
             let task_name = match item {
@@ -344,36 +256,22 @@ fn task_names<'a>(files: &'a [SourceFile], diagnostics: &mut Vec<Diagnostic>) ->
                 Item::Sequence(sequence) => &sequence.name,
                 _ => continue,
             };
-            if let Some((name, first_file, first)) = names.iter().find(|(name, ..)| *name == task_name.text) {
-                let message = format!("there are two tasks called `{name}`");
-                let diagnostic = Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, task_name.span, message)
-                    .here("again here")
-                    .label(*first_file, *first, "first here");
-                diagnostics.push(diagnostic);
-            } else {
-                names.push((&task_name.text, file.tree.file, task_name.span));
+            match names.entry(&task_name.text) {
+                Entry::Vacant(free) => {
+                    free.insert((file.tree.file, task_name.span));
+                }
+                Entry::Occupied(known) => {
+                    let (first_file, first) = *known.get();
+                    let message = format!("there are two tasks called `{}`", task_name.text);
+                    let diagnostic = Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, task_name.span, message)
+                        .here("again here")
+                        .label(first_file, first, "first here");
+                    diagnostics.push(diagnostic);
+                }
             }
         }
     }
-    names.into_iter().map(|(name, ..)| name).collect()
-}
-
-/// For every file that the file at `index` may lead to: its own declarations and those it uses.
-fn in_sight(files: &[SourceFile], index: usize) -> Vec<FileInSight<'_>> {
-    let mut reached = BTreeSet::from([index]);
-    let mut pending = vec![index];
-    while let Some(next) = pending.pop() {
-        for &used in &files[next].uses {
-            if reached.insert(used) {
-                pending.push(used);
-            }
-        }
-    }
-    let sight = |index: usize| FileInSight {
-        tree: &files[index].tree,
-        uses: files[index].uses.iter().map(|&used| &files[used].tree).collect(),
-    };
-    reached.into_iter().map(sight).collect()
+    names.into_keys().collect()
 }
 
 struct SourceTexts<'a>(&'a SourceMap);

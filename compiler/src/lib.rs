@@ -31,6 +31,7 @@ pub mod task;
 pub mod testing;
 pub mod vocabulary;
 pub mod weights;
+mod work;
 
 pub use compile::{Compilation, Inspection, Protocol, Suite, compile, compile_with, inspect};
 pub use evaluation::{Draws, Middle};

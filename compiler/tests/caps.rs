@@ -5,9 +5,14 @@
 #[allow(dead_code, reason = "the pages have their own tests")]
 mod support;
 
-use msk_compiler::diagnostics::Report;
+use msk_compiler::compile;
+use msk_compiler::diagnostics::{Report, Severity};
+use msk_compiler::files::{LoadError, Loader};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use support::compiling::{compile_text, complete};
+use support::compiling::{Bodies, compile_text, complete};
 
 /// The codes of what is said to a text, in order, each once.
 fn codes(text: &str) -> Vec<&'static str> {
@@ -146,4 +151,64 @@ fn the_clock_of_a_sequence_counts_all_phases() {
     // The second phase ends up to two seconds after the beginning of the episode.
     assert!(codes(&sequence("[1, 2]")).contains(&"E0311"), "{:?}", codes(&sequence("[1, 2]")));
     assert!(!codes(&sequence("[1, 2, 3]")).iter().any(|code| code.starts_with('E')), "{:?}", codes(&sequence("[1, 2, 3]")));
+}
+
+/// Files without end, each of which uses the next `breadth`; counts how often each is read.
+struct Endless {
+    breadth: usize,
+    filling: String,
+    loads: RefCell<BTreeMap<PathBuf, usize>>,
+}
+
+impl Loader for Endless {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        let missing = || LoadError::Missing(path.to_path_buf());
+        let number: usize = path.file_stem().and_then(|stem| stem.to_str()?.parse().ok()).ok_or_else(missing)?;
+        *self.loads.borrow_mut().entry(path.to_path_buf()).or_default() += 1;
+        let uses = (1..=self.breadth).map(|step| format!("use \"{}.msk\"\n", number + step));
+        Ok(uses.collect::<String>() + &self.filling)
+    }
+}
+
+#[test]
+fn files_and_their_bytes_are_bounded_and_each_is_read_once() {
+    for (breadth, filling, most, words) in [
+        (1, String::new(), compile::MAXIMUM_FILES, "file number 1001"),
+        (30, String::new(), compile::MAXIMUM_FILES, "file number 1001"),
+        (1, "// long\n".repeat(30_000), 71, "more than 16 MB"),
+    ] {
+        let endless = Endless { breadth, filling, loads: RefCell::default() };
+        let Err(report) = msk_compiler::compile(Path::new("0.msk"), &endless, &Bodies) else { panic!("it ends") };
+        let told: Vec<&str> = report.diagnostics.iter().map(|told| told.code.id).collect();
+        assert_eq!(told, ["E0410"], "{report}");
+        assert!(report.diagnostics[0].message.contains(words), "{report}");
+        let loads = endless.loads.into_inner();
+        assert!(loads.len() <= most && loads.values().all(|count| *count == 1), "{} files are read", loads.len());
+    }
+}
+
+#[test]
+fn errors_of_a_file_are_capped_and_the_others_are_counted() {
+    let functions: String = (0..2000).map(|number| format!("fn f{number}(x) = x + missing_{number}\n")).collect();
+    let text = functions + &complete("reward { 1 a = torso.up.z + missing }");
+    let Err(report) = compile_text(&text, &[]) else { panic!("names are missing") };
+    let errors: Vec<_> = report.diagnostics.iter().filter(|told| told.severity == Severity::Error).collect();
+    assert_eq!(errors.len(), 501);
+    let last = errors[500];
+    assert_eq!(last.code.id, "E0131");
+    assert!(last.message.starts_with("and 1501 more errors in this file"), "{}", last.message);
+}
+
+#[test]
+fn what_tasks_inherit_is_bounded() {
+    let line = |count: usize| -> String { (1..count).map(|n| format!("task t{n} extends t{} {{ }}\n", n - 1)).collect() };
+    let base = complete("reward { 1 a = torso.up.z }").replace("task example", "task t0");
+    assert!(base.contains("task t0"));
+    assert!(codes(&(base.clone() + &line(60))).iter().all(|code| code.starts_with('W')));
+    assert!(codes(&(base + &line(100))).contains(&"E0410"));
+    // Many copies of much.
+    let lets: String = (0..4000).map(|n| format!("let a_{n} = 1\n")).collect();
+    let large = complete(&format!("{lets}reward {{ 1 a = torso.up.z }}")).replace("task example", "task t0");
+    let copies: String = (1..100).map(|n| format!("task c{n} extends t0 {{ }}\n")).collect();
+    assert!(codes(&(large + &copies)).contains(&"E0410"));
 }

@@ -14,6 +14,9 @@ use crate::numbers::told_apart;
 use crate::syntax::tree::{
     Block, Bounds, Channel, Ends, Entry, Ident, Remove, Reward, Task, TaskParameter, TaskStatement, Term, Weight,
 };
+use crate::work::visit;
+use std::cell::Cell;
+use std::collections::BTreeMap;
 
 /// A statement with the file in which it stands.
 #[derive(Debug, Clone)]
@@ -45,7 +48,7 @@ pub(crate) struct InFile<'a> {
 pub(crate) type Find<'f, 'a> = &'f dyn Fn(FileId, &str) -> Result<InFile<'a>, Vec<String>>;
 
 /// What a row is named under: rows replace each other within their section only.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Section {
     /// Said once: the word itself.
     Single(&'static str),
@@ -90,6 +93,39 @@ enum Change {
     Remove(Section, Remove, FileId),
 }
 
+/// Most tasks that one task may extend, over each other.
+pub const MAXIMUM_EXTENDED: usize = 64;
+
+/// Most statements that all tasks of a compilation together may inherit: each is a copy.
+pub const MAXIMUM_INHERITED: usize = 200_000;
+
+/// Statements that may still be inherited.
+pub(crate) struct Budget(Cell<usize>);
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self(Cell::new(MAXIMUM_INHERITED))
+    }
+}
+
+impl Budget {
+    /// Takes statements.
+    ///
+    /// # Errors
+    /// So many are not left, which is reported at `name`.
+    pub(crate) fn spend(&self, statements: usize, name: &Ident, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
+        visit(statements);
+        if let Some(left) = self.0.get().checked_sub(statements) {
+            self.0.set(left);
+            return Ok(());
+        }
+        let message = format!("here the tasks come to inherit more than {MAXIMUM_INHERITED} statements in all");
+        let diagnostic = Diagnostic::new(codes::tasks::TOO_LARGE, file, name.span, message)
+            .help("every task that extends another, and every phase of a sequence, is a copy of what it inherits");
+        Err(diagnostic.report(diagnostics))
+    }
+}
+
 /// The task with what it inherits. `find` looks a task up from a file.
 ///
 /// # Errors
@@ -97,6 +133,7 @@ enum Change {
 pub(crate) fn whole<'a>(
     task: InFile<'a>,
     find: Find<'_, 'a>,
+    budget: &Budget,
     texts: &dyn Texts,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Checked<WholeTask> {
@@ -115,8 +152,15 @@ pub(crate) fn whole<'a>(
                 .help(format!("the circle: {}", names.join(" -> ")));
             return Err(diagnostic.report(diagnostics));
         }
+        if chain.len() > MAXIMUM_EXTENDED {
+            let message = format!("`{}` extends more than {MAXIMUM_EXTENDED} tasks, over each other", task.task.name.text);
+            let start = task.task.extends.as_ref().map_or(task.task.name.span, |name| name.span);
+            return Err(Diagnostic::new(codes::tasks::TOO_LARGE, task.file, start, message).report(diagnostics));
+        }
         chain.push(found);
     }
+    let inherited = chain.iter().skip(1).map(|one| one.task.statements.len()).sum();
+    budget.spend(inherited, &task.task.name, task.file, diagnostics)?;
     let plain = |of: InFile<'_>, layer: usize| {
         let statements = of.task.statements.iter().cloned();
         statements.map(|statement| Placed { statement, file: of.file, layer }).collect::<Vec<_>>()
@@ -124,7 +168,7 @@ pub(crate) fn whole<'a>(
     if chain.len() == 1 {
         return Ok(WholeTask { task: task.task.clone(), file: task.file, statements: plain(task, 0) });
     }
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows = Rows::default();
     let mut failures = Failures::default();
     for (place, one) in chain.iter().rev().enumerate() {
         // Tests belong to the task that they test.
@@ -141,7 +185,7 @@ pub(crate) fn whole<'a>(
             }
         }
     }
-    let statements = rows.into_iter().map(|row| row.placed).collect();
+    let statements = rows.rows.into_iter().flatten().map(|row| row.placed).collect();
     failures.or(WholeTask { task: task.task.clone(), file: task.file, statements })
 }
 
@@ -261,10 +305,35 @@ fn rows<T>(
     changes
 }
 
+/// Rows in their order, found by what they are named under.
+#[derive(Default)]
+struct Rows {
+    /// `None` where a row was removed.
+    rows: Vec<Option<Row>>,
+    /// Where the rows of each name stand.
+    places: BTreeMap<(Section, String), Vec<usize>>,
+}
+
+impl Rows {
+    fn find(&mut self, section: Section, name: &str) -> Option<&mut Row> {
+        let place = self.places.get(&(section, name.to_owned()))?.first()?;
+        self.rows.get_mut(*place)?.as_mut()
+    }
+
+    fn push(&mut self, row: Row) {
+        self.places.entry((row.section, row.name.clone())).or_default().push(self.rows.len());
+        self.rows.push(Some(row));
+    }
+
+    fn names(&self, section: Section) -> impl Iterator<Item = &str> + Clone {
+        self.rows.iter().flatten().filter(move |row| row.section == section).map(|row| row.name.as_str())
+    }
+}
+
 /// Puts a row in the place of the one it overrides, or behind all.
-fn apply(row: Row, extending: bool, rows: &mut Vec<Row>, diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
+fn apply(row: Row, extending: bool, rows: &mut Rows, diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
     let replaces = extending && !matches!(row.section, Section::Loose | Section::Layered(_));
-    let known = rows.iter_mut().find(|known| replaces && known.section == row.section && known.name == row.name);
+    let known = if replaces { rows.find(row.section, &row.name) } else { None };
     match known {
         Some(known) => override_row(known, row, diagnostics),
         None => {
@@ -272,8 +341,8 @@ fn apply(row: Row, extending: bool, rows: &mut Vec<Row>, diagnostics: &mut Vec<D
                 && let Some(term) = term_of(&row.placed.statement)
                 && term.formula.is_none()
             {
-                let names = rows.iter().filter(|known| known.section == Section::Term).map(|known| known.name.as_str());
                 let (name, span) = (&term.name.text, term.name.span);
+                let names = rows.names(Section::Term);
                 let diagnostic = overrides_nothing(lacks("term", name), name, row.placed.file, span, names);
                 return Err(diagnostic.report(diagnostics));
             }
@@ -363,19 +432,12 @@ fn set_parameter(statement: &mut TaskStatement, parameter: TaskParameter) {
     }
 }
 
-fn take_out(
-    section: Section,
-    remove: &Remove,
-    file: FileId,
-    rows: &mut Vec<Row>,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Checked<()> {
-    let fits = |row: &Row| row.section == section && row.name == remove.name.text;
-    if rows.iter().any(fits) {
-        rows.retain(|row| !fits(row));
+fn take_out(section: Section, remove: &Remove, file: FileId, rows: &mut Rows, diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
+    if let Some(places) = rows.places.remove(&(section, remove.name.text.clone())) {
+        places.into_iter().for_each(|place| rows.rows[place] = None);
         return Ok(());
     }
-    let names = rows.iter().filter(|row| row.section == section).map(|row| row.name.as_str());
+    let names = rows.names(section);
     let name = &remove.name.text;
     Err(overrides_nothing(lacks(section.word(), name), name, file, remove.name.span, names).report(diagnostics))
 }

@@ -8,6 +8,7 @@ use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::diagnostics::{nearest, synonyms};
 use crate::syntax::tree::{Ident, Name, NamePart, Text};
 use crate::vocabulary::{GroupKind, JointKind};
+use std::collections::BTreeSet;
 
 /// Sets of joints and muscles that every body has.
 const SETS: &[&str] = &["joints", "hinges", "slides", "independent", "muscles"];
@@ -145,6 +146,20 @@ impl<'a> Checker<'a> {
     pub(crate) fn means_something(&self, name: &str) -> bool {
         let signal = [Owner::Time, Owner::WholeBody].into_iter().any(|owner| signals::find(owner, name).is_some());
         signal || self.body_element(name).is_some() || super::functions::find(name).is_some()
+    }
+
+    /// All names for which [`means_something`](Self::means_something) holds.
+    pub(crate) fn taken_names(&self) -> BTreeSet<&'a str> {
+        let body = self.vocabulary;
+        let signals = [Owner::Time, Owner::WholeBody].into_iter().flat_map(signals::of);
+        let functions = super::functions::FUNCTIONS.iter().chain(super::functions::OPERATORS);
+        let landmarks = body.landmarks.iter().map(|landmark| landmark.name.as_str());
+        let joints = body.joints.iter().map(|joint| joint.name.as_str());
+        let muscles = body.muscles.iter().map(|muscle| muscle.name.as_str());
+        let groups = body.groups.iter().map(|group| group.name.as_str());
+        let parts = landmarks.chain(joints).chain(muscles).chain(groups);
+        let words = signals.filter_map(|signal| signal.name.split('(').next()).chain(functions.map(|function| function.name));
+        parts.chain(words).chain(SETS.iter().copied()).chain(["com", "ground", "robot"]).collect()
     }
 
     fn body_names(&self) -> Vec<String> {

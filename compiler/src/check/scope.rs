@@ -1,16 +1,21 @@
-//! Which names mean what, and where.
+//! Name resolution: which declarations each place sees.
 //!
-//! A function or constant of a library sees its own file and what that file uses; a formula of a task sees, besides, what the
-//! task declares. Local names come first, then declarations, then the body and the signals.
+//! 1. [`Globals`] holds the declarations of all files, collected once for a compilation: a function or constant of a library sees
+//!    its own file and the files that it uses directly;
+//! 2. [`Names`] lays over them what a task declares, which its formulas see besides.
+//!
+//! Local names come first, then declarations, then the body and the signals.
 
 use super::inherit::WholeTask;
 use super::notes::Notebook;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::syntax::tree::{
-    Binding, Clock, Docs, Entry, Function, Item, Observation, Random, Reference, StateDeclaration, TaskParameter, TaskStatement,
+    Binding, Clock, Docs, Entry, File, Function, Item, Observation, Random, Reference, StateDeclaration, TaskParameter,
+    TaskStatement,
 };
+use crate::work::visit;
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Where a formula stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -71,44 +76,116 @@ pub(crate) struct Declared<'a> {
     pub file: FileId,
 }
 
-/// Declarations in sight of one task.
+/// A file with the files that it uses directly.
+pub(crate) struct FileInSight<'a> {
+    pub tree: &'a File,
+    pub uses: Vec<FileId>,
+}
+
+/// The declarations of all files, and which file sees which.
+///
+/// Files may all use each other, so that tables of what each file sees would hold the square of what is declared: a name is looked
+/// up among the few files that declare it instead.
 #[derive(Debug, Default)]
+pub(crate) struct Globals<'a> {
+    /// By name, in the order of files and texts.
+    declared: BTreeMap<&'a str, Vec<Declared<'a>>>,
+    /// Names that each file declares.
+    own: BTreeMap<FileId, Vec<&'a str>>,
+    /// For each file the files that it sees: itself first, then those that it uses, by their rank in its text.
+    ranks: BTreeMap<FileId, BTreeMap<FileId, usize>>,
+}
+
+impl<'a> Globals<'a> {
+    /// Collects the declarations of all files; visits each declaration and each `use` once.
+    pub(crate) fn collect(files: impl IntoIterator<Item = FileInSight<'a>>) -> Self {
+        let mut globals = Self::default();
+        for FileInSight { tree, uses } in files {
+            let own = globals.own.entry(tree.file).or_default();
+            for (name, definition) in tree.items.iter().filter_map(top_level) {
+                globals.declared.entry(name).or_default().push(Declared { definition, file: tree.file });
+                own.push(name);
+            }
+            visit(own.len() + uses.len());
+            let ranks = globals.ranks.entry(tree.file).or_default();
+            for (rank, file) in std::iter::once(tree.file).chain(uses).enumerate() {
+                ranks.entry(file).or_insert(rank);
+            }
+        }
+        globals
+    }
+
+    /// The declaration of `name` that `file` sees: its own before those of files that it uses.
+    fn find(&self, file: FileId, name: &str) -> Option<Declared<'a>> {
+        let ranks = self.ranks.get(&file)?;
+        let seen = self.declared.get(name)?.iter().filter_map(|declared| Some((ranks.get(&declared.file)?, declared)));
+        seen.min_by_key(|(rank, _)| **rank).map(|(_, declared)| *declared)
+    }
+
+    /// Names that `file` sees, for suggestions: they are put together anew each time.
+    fn in_sight(&self, file: FileId) -> BTreeSet<&'a str> {
+        let files = self.ranks.get(&file).into_iter().flat_map(BTreeMap::keys);
+        files.flat_map(|file| self.own.get(file).into_iter().flatten().copied()).collect()
+    }
+
+    /// Reports names that a file sees declared more than once; not many more than `most` of them.
+    pub(crate) fn clashes(&self, most: usize) -> Vec<Diagnostic> {
+        let mut users: BTreeMap<FileId, Vec<(FileId, usize)>> = BTreeMap::new();
+        for (user, ranks) in &self.ranks {
+            for (file, rank) in ranks {
+                users.entry(*file).or_default().push((*user, *rank));
+            }
+        }
+        let mut clashes = Vec::new();
+        for (name, all) in self.declared.iter().filter(|(_, all)| all.len() > 1) {
+            // What each file sees of this name. A file that sees two declarations is an error, so that this work is bounded by the
+            // number of files for each name that is declared well.
+            let mut seen: BTreeMap<FileId, Vec<(usize, Declared<'a>)>> = BTreeMap::new();
+            for declared in all {
+                for (user, rank) in users.get(&declared.file).into_iter().flatten() {
+                    visit(1);
+                    seen.entry(*user).or_default().push((*rank, *declared));
+                }
+            }
+            for (_, mut seen) in seen {
+                seen.sort_by_key(|(rank, _)| *rank);
+                let Some(((_, first), others)) = seen.split_first() else { continue };
+                clashes.extend(others.iter().map(|(_, second)| clash(name, *first, *second)));
+                if clashes.len() > most {
+                    return clashes;
+                }
+            }
+        }
+        clashes
+    }
+}
+
+/// Declarations in sight of one task.
+#[derive(Debug)]
 pub(crate) struct Names<'a> {
     task: BTreeMap<&'a str, Declared<'a>>,
-    files: HashMap<FileId, BTreeMap<&'a str, Declared<'a>>>,
+    globals: &'a Globals<'a>,
     /// What is understood of each place, where an editor asks for it.
     pub notes: Option<Notebook>,
     /// Functions that were called, and so checked.
     pub called: RefCell<BTreeSet<(FileId, String)>>,
 }
 
-/// A file with the files that it uses directly.
-pub(crate) struct FileInSight<'a> {
-    pub tree: &'a crate::syntax::tree::File,
-    pub uses: Vec<&'a crate::syntax::tree::File>,
-}
-
 impl<'a> Names<'a> {
-    /// Collects the declarations of all files and of `task`; clashes are errors.
-    pub(crate) fn collect(files: &[FileInSight<'a>], task: Option<&'a WholeTask>, diagnostics: &mut Vec<Diagnostic>) -> Self {
-        let mut names = Self::default();
-        for file in files {
-            let mut sight = BTreeMap::new();
-            for tree in std::iter::once(file.tree).chain(file.uses.iter().copied()) {
-                for (name, definition) in tree.items.iter().filter_map(top_level) {
-                    declare(&mut sight, name, Declared { definition, file: tree.file }, diagnostics);
-                }
-            }
-            names.files.insert(file.tree.file, sight);
-        }
-        for placed in task.into_iter().flat_map(|task| &task.statements) {
+    /// The declarations of files alone.
+    pub(crate) fn global(globals: &'a Globals<'a>) -> Self {
+        Self { task: BTreeMap::new(), globals, notes: None, called: RefCell::default() }
+    }
+
+    /// The declarations of files and those of `task`; clashes with the latter are errors.
+    pub(crate) fn of(globals: &'a Globals<'a>, task: &'a WholeTask, diagnostics: &mut Vec<Diagnostic>) -> Self {
+        let mut names = Self::global(globals);
+        for placed in &task.statements {
             for (name, definition) in in_task(&placed.statement) {
                 let declared = Declared { definition, file: placed.file };
                 // What is inherited must clash neither where it was written nor where it now stands.
-                let homes = [Some(placed.file), task.map(|task| task.file)];
-                let outside = homes.into_iter().flatten().find_map(|file| names.files.get(&file)?.get(name));
-                match outside {
-                    Some(first) => diagnostics.push(clash(name, *first, declared)),
+                match [placed.file, task.file].into_iter().find_map(|file| globals.find(file, name)) {
+                    Some(first) => diagnostics.push(clash(name, first, declared)),
                     None => declare(&mut names.task, name, declared, diagnostics),
                 }
             }
@@ -121,14 +198,14 @@ impl<'a> Names<'a> {
         if let Some(declared) = self.task.get(name).filter(|_| place.in_task) {
             return Some((*declared, Place { file: declared.file, in_task: true }));
         }
-        let declared = self.files.get(&place.file)?.get(name)?;
-        Some((*declared, Place { file: declared.file, in_task: false }))
+        let declared = self.globals.find(place.file, name)?;
+        Some((declared, Place { file: declared.file, in_task: false }))
     }
 
     /// Names in sight at `place`.
     pub(crate) fn in_sight(&self, place: Place) -> impl Iterator<Item = &'a str> + '_ {
         let task = self.task.keys().copied().filter(move |_| place.in_task);
-        task.chain(self.files.get(&place.file).into_iter().flat_map(|sight| sight.keys().copied()))
+        task.chain(self.globals.in_sight(place.file))
     }
 
     /// What the task itself declares.
@@ -183,5 +260,49 @@ fn in_task(statement: &TaskStatement) -> Vec<(&str, Definition<'_>)> {
             parameters.collect()
         }
         _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostics::SourceMap;
+    use crate::syntax;
+    use crate::work::assert_linear;
+
+    /// Files of one declaration each that all use each other.
+    fn crowd(files: usize) -> Vec<File> {
+        let mut sources = SourceMap::default();
+        let text = |number| format!("const of_{number} = 1\n");
+        (0..files).map(|number| syntax::parse(sources.add(format!("{number}.msk"), ""), &text(number)).tree).collect()
+    }
+
+    fn globals(trees: &[File]) -> Globals<'_> {
+        let ids: Vec<FileId> = trees.iter().map(|tree| tree.file).collect();
+        Globals::collect(trees.iter().map(|tree| FileInSight { tree, uses: ids.clone() }))
+    }
+
+    #[test]
+    fn files_that_all_use_each_other_are_visited_once_for_each_use() {
+        // The number of uses is the square of the number of files: the work must not be its cube.
+        assert_linear(400, |uses| {
+            let trees = crowd(uses.isqrt());
+            globals(&trees).declared.len()
+        });
+        let trees = crowd(30);
+        let names = globals(&trees);
+        assert_eq!(names.declared.len(), 30);
+        for (user, declaring) in [(0, 29), (29, 0), (7, 7)] {
+            let found = names.find(trees[user].file, &format!("of_{declaring}")).unwrap();
+            assert_eq!(found.file, trees[declaring].file);
+        }
+    }
+
+    #[test]
+    fn a_name_that_many_files_declare_is_told_a_bounded_number_of_times() {
+        let mut sources = SourceMap::default();
+        let parse = |_| syntax::parse(sources.add("a.msk", ""), "const same = 1\n").tree;
+        let trees: Vec<File> = (0..100).map(parse).collect();
+        assert_eq!(globals(&trees).clashes(150).len(), 198);
     }
 }

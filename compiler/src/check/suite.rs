@@ -6,7 +6,7 @@ use crate::diagnostics::nearest;
 use crate::diagnostics::{Diagnostic, FileId, codes};
 use crate::syntax::tree::{self, FieldValue};
 
-/// Checks a suite against the names of all tasks in sight.
+/// Checks a suite against the names of all tasks in sight, which are sorted.
 pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Suite {
     let mut checked = Suite { name: suite.name.text.clone(), families: Vec::new(), protocols: Vec::new() };
     let mut empty = |what: &str, name: &tree::Ident| {
@@ -21,7 +21,7 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
     for family in &suite.families {
         let mut members = Vec::new();
         for task in &family.tasks {
-            if !tasks.contains(&task.text.as_str()) {
+            if tasks.binary_search(&task.text.as_str()).is_err() {
                 let near = nearest(&task.text, tasks.iter().copied());
                 let message = format!("there is no task `{}` in sight", task.text);
                 let mut diagnostic = Diagnostic::new(codes::names::UNKNOWN_NAME, file, task.span, message);

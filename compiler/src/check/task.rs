@@ -417,10 +417,9 @@ impl<'a> Checker<'a> {
     /// A declaration that has the name of a signal or of a part of the body would hide it.
     fn must_not_hide_signals(&mut self) {
         let names = self.names;
-        for name in names.in_sight(self.task_place) {
-            if self.means_something(name)
-                && let Some((declared, _)) = names.find(self.task_place, name)
-            {
+        // The few names that are taken are looked up among those in sight, which may be as many as a text holds.
+        for name in self.taken_names() {
+            if let Some((declared, _)) = names.find(self.task_place, name) {
                 let message = format!("`{name}` already means something: it is a part of the body, a signal or a function");
                 let diagnostic =
                     Diagnostic::new(codes::names::DECLARED_TWICE, declared.file, declared.definition.span(), message)

@@ -2,10 +2,10 @@
 
 use super::{Described, SourceFile, TaskScope};
 use crate::body::BodyDescription;
-use crate::check::inherit::{self, Find, InFile, Placed, WholeTask};
+use crate::check::inherit::{self, Budget, Find, InFile, Placed, WholeTask};
 use crate::check::notes::{Note, Notebook};
 use crate::check::reference::{Motions, Tables};
-use crate::check::scope::{FileInSight, Names};
+use crate::check::scope::{Globals, Names};
 use crate::check::task::{Around, InSequence, body_of};
 use crate::check::{self, CheckedTests, Texts, written};
 use crate::diagnostics::{Checked, Diagnostic, Failures, FileId, Reported, Severity, codes};
@@ -14,9 +14,10 @@ use crate::files::BodySource;
 use crate::frame::Query;
 use crate::lower::{CheckedPhase, Heading, Tested, finish};
 use crate::motion::Motion;
-use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, TaskStatement};
+use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, Task, TaskStatement};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
+use crate::work::visit;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,8 +27,6 @@ use std::sync::Arc;
 pub(super) struct Unit<'a> {
     pub name: &'a Ident,
     docs: Option<&'a Docs>,
-    /// In which file it stands, by its place among all.
-    pub home: usize,
     file: FileId,
     /// One for a task, two or more for a sequence.
     pub phases: Vec<PhaseTask<'a>>,
@@ -44,30 +43,30 @@ pub(super) struct PhaseTask<'a> {
 
 /// Everything that becomes a task, in the order of files and texts.
 pub(super) fn collect<'a>(files: &'a [SourceFile], texts: &dyn Texts, diagnostics: &mut Vec<Diagnostic>) -> Vec<Unit<'a>> {
-    let find = |file: FileId, name: &str| find_task(files, file, name);
+    let index = TaskIndex::of(files);
+    let find = |file: FileId, name: &str| index.find(file, name);
+    let budget = Budget::default();
     let mut units = Vec::new();
-    for (home, source) in files.iter().enumerate() {
+    for source in files {
         let file = source.tree.file;
         for item in &source.tree.items {
             match item {
                 Item::Task(task) => {
-                    let whole = inherit::whole(InFile { task, file }, &find, texts, diagnostics);
+                    let whole = inherit::whole(InFile { task, file }, &find, &budget, texts, diagnostics);
                     units.extend(whole.map(|whole| Unit {
                         name: &task.name,
                         docs: task.docs.as_ref(),
-                        home,
                         file,
                         phases: vec![PhaseTask { task: whole, phase: None }],
                         sequence: None,
                     }));
                 }
                 Item::Sequence(sequence) => {
-                    let phases = phases(sequence, file, &find, texts, diagnostics);
+                    let phases = phases(sequence, file, &find, &budget, texts, diagnostics);
                     let own = sequence.statements.iter().cloned().map(|statement| Placed { statement, file, layer: 0 }).collect();
                     units.extend(phases.map(|phases| Unit {
                         name: &sequence.name,
                         docs: sequence.docs.as_ref(),
-                        home,
                         file,
                         phases,
                         sequence: Some(own),
@@ -80,20 +79,36 @@ pub(super) fn collect<'a>(files: &'a [SourceFile], texts: &dyn Texts, diagnostic
     units
 }
 
-/// A task in sight of a file: its own or one of a file that it uses.
-fn find_task<'a>(files: &'a [SourceFile], file: FileId, name: &str) -> Result<InFile<'a>, Vec<String>> {
-    let mut known = Vec::new();
-    let Some(home) = files.iter().find(|source| source.tree.file == file) else { return Err(known) };
-    for source in std::iter::once(home).chain(home.uses.iter().map(|&used| &files[used])) {
-        for item in &source.tree.items {
-            let Item::Task(task) = item else { continue };
-            if task.name.text == name {
-                return Ok(InFile { task, file: source.tree.file });
-            }
-            known.push(task.name.text.clone());
-        }
+/// Tasks by name, and what each file uses.
+struct TaskIndex<'a> {
+    files: &'a [SourceFile],
+    places: BTreeMap<FileId, usize>,
+    /// The tasks of each file; of two with one name the first.
+    tasks: Vec<BTreeMap<&'a str, &'a Task>>,
+}
+
+impl<'a> TaskIndex<'a> {
+    fn of(files: &'a [SourceFile]) -> Self {
+        let places = files.iter().enumerate().map(|(place, file)| (file.tree.file, place)).collect();
+        let tasks = files.iter().map(|file| {
+            let tasks = file.tree.items.iter().rev();
+            tasks
+                .filter_map(|item| if let Item::Task(task) = item { Some((task.name.text.as_str(), task)) } else { None })
+                .collect()
+        });
+        Self { files, places, tasks: tasks.collect() }
     }
-    Err(known)
+
+    /// A task in sight of a file: its own or one of a file that it uses; else the names of those in sight.
+    fn find(&self, file: FileId, name: &str) -> Result<InFile<'a>, Vec<String>> {
+        let Some(&home) = self.places.get(&file) else { return Err(Vec::new()) };
+        let in_sight = std::iter::once(home).chain(self.files[home].uses.iter().copied());
+        let found = in_sight.clone().find_map(|place| {
+            visit(1);
+            Some(InFile { task: self.tasks[place].get(name)?, file: self.files[place].tree.file })
+        });
+        found.ok_or_else(|| in_sight.flat_map(|place| self.tasks[place].keys().map(|name| (*name).to_owned())).collect())
+    }
 }
 
 /// The phases of a sequence, each with what the sequence says for all.
@@ -101,6 +116,7 @@ fn phases<'a>(
     sequence: &'a Sequence,
     file: FileId,
     find: Find<'_, 'a>,
+    budget: &Budget,
     texts: &dyn Texts,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Checked<Vec<PhaseTask<'a>>> {
@@ -113,8 +129,10 @@ fn phases<'a>(
     if declared.len() < 2 {
         said("a sequence has at least two phases: `phase walk until arrived`".to_owned(), sequence.name.span);
     }
-    for (place, phase) in declared.iter().enumerate() {
-        if declared[..place].iter().any(|known| known.task.text == phase.task.text) {
+    let mut named = BTreeSet::new();
+    for phase in &declared {
+        visit(1);
+        if !named.insert(phase.task.text.as_str()) {
             said(format!("the phase `{}` comes twice; results could not tell the two apart", phase.task.text), phase.span);
         }
     }
@@ -136,7 +154,9 @@ fn phases<'a>(
     for phase in declared {
         match find(file, &phase.task.text) {
             Ok(found) => {
-                let whole = failures.catch(inherit::whole(found, find, texts, diagnostics));
+                // Every phase is a copy of its task.
+                budget.spend(found.task.statements.len(), &phase.task, file, diagnostics)?;
+                let whole = failures.catch(inherit::whole(found, find, budget, texts, diagnostics));
                 tasks.extend(whole.map(|task| PhaseTask { task, phase: Some(phase) }));
             }
             Err(known) => failures.add(inherit::unknown_task(&phase.task, file, &known).report(diagnostics)),
@@ -250,7 +270,7 @@ pub(super) struct Compiler<'a> {
     pub bodies: &'a dyn BodySource,
     pub texts: &'a dyn Texts,
     pub motions: &'a Tables,
-    pub in_sight: Vec<FileInSight<'a>>,
+    pub globals: &'a Globals<'a>,
     /// Whether what is understood is kept.
     pub noting: bool,
     /// Functions that were called.
@@ -266,7 +286,7 @@ impl Compiler<'_> {
     ) -> Checked<CompiledTask> {
         let first = &unit.phases[0].task;
         let mut all_names: Vec<Names<'_>> =
-            unit.phases.iter().map(|phase| Names::collect(&self.in_sight, Some(&phase.task), diagnostics)).collect();
+            unit.phases.iter().map(|phase| Names::of(self.globals, &phase.task, diagnostics)).collect();
         if self.noting {
             all_names.iter_mut().for_each(|names| names.notes = Some(Notebook::default()));
         }

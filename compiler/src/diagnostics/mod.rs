@@ -25,6 +25,7 @@ pub use source::{FileId, SourceMap, Span};
 pub use synonyms::synonyms;
 
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -175,19 +176,52 @@ pub struct Report {
     pub diagnostics: Vec<Diagnostic>,
 }
 
+/// Most errors that are reported of one file.
+pub const MAXIMUM_ERRORS: usize = 500;
+
 impl Report {
-    /// Sorts the diagnostics and drops repetitions.
+    /// Sorts the diagnostics, drops repetitions, and leaves at most [`MAXIMUM_ERRORS`] errors of each file with a last one that
+    /// counts the others.
     pub fn new(sources: SourceMap, mut diagnostics: Vec<Diagnostic>) -> Self {
         diagnostics.sort_by(|a, b| {
             let key = |d: &Diagnostic| (d.file(), d.span().start, d.span().end, d.code.id);
             key(a).cmp(&key(b)).then_with(|| a.message.cmp(&b.message))
         });
         diagnostics.dedup();
-        Self { sources, diagnostics }
+        Self { sources, diagnostics: capped(diagnostics) }
     }
 
     /// Whether anything in it forbids to go on.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
+}
+
+/// The first errors of each file, with their number of others in place of those; all warnings.
+fn capped(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut counts: BTreeMap<FileId, usize> = BTreeMap::new();
+    let mut kept: Vec<Diagnostic> = Vec::with_capacity(diagnostics.len());
+    let mut closing: BTreeMap<FileId, usize> = BTreeMap::new();
+    for diagnostic in diagnostics {
+        let file = diagnostic.file();
+        // What was left out before is counted already.
+        if diagnostic.code == codes::syntax::MORE_ERRORS {
+            kept.push(diagnostic);
+            continue;
+        }
+        let count = counts.entry(file).or_default();
+        *count += usize::from(diagnostic.severity == Severity::Error);
+        if *count <= MAXIMUM_ERRORS || diagnostic.severity == Severity::Warning {
+            kept.push(diagnostic);
+        } else if *count == MAXIMUM_ERRORS + 1 {
+            closing.insert(file, kept.len());
+            kept.push(Diagnostic::new(codes::syntax::MORE_ERRORS, file, diagnostic.span(), ""));
+        }
+    }
+    for (file, place) in closing {
+        let more = counts.get(&file).map_or(0, |count| count - MAXIMUM_ERRORS);
+        let plural = if more == 1 { "" } else { "s" };
+        kept[place].message = format!("and {more} more error{plural} in this file: at most {MAXIMUM_ERRORS} are shown");
+    }
+    kept
 }

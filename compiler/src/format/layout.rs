@@ -4,6 +4,7 @@ use super::columns::{Group, Marks};
 use super::lines::Line;
 use super::spacing;
 use crate::syntax::scanner::Token;
+use crate::work::visit;
 use std::collections::BTreeMap;
 
 /// A line cut at its columns.
@@ -138,6 +139,7 @@ fn aligned(line: &Cells, widths: &Widths) -> String {
 
 /// Puts lines together: indentation, one empty line at most, comments of neighbouring lines in one column.
 fn write(text: &str, lines: &[Line], bodies: &[String]) -> String {
+    let comment_columns = comment_columns(lines, bodies);
     let mut out = String::new();
     let mut blank = false;
     let mut opened = true;
@@ -156,7 +158,7 @@ fn write(text: &str, lines: &[Line], bodies: &[String]) -> String {
         out.push_str(body);
         if let Some(comment) = line.comment {
             if !body.is_empty() {
-                let width = comment_column(lines, bodies, index) - body.trim_end().chars().count() - indent;
+                let width = comment_columns[index] - body.chars().count() - indent;
                 out.extend(std::iter::repeat_n(' ', width));
             }
             out.push_str(comment.of(text).trim_end());
@@ -168,12 +170,31 @@ fn write(text: &str, lines: &[Line], bodies: &[String]) -> String {
     out
 }
 
-/// Where the comment behind a line begins: two blanks behind the longest of its neighbours that have one.
-fn comment_column(lines: &[Line], bodies: &[String], index: usize) -> usize {
-    let beside = |other: &usize| !lines[*other].tokens.is_empty() && lines[*other].level == lines[index].level;
-    let before = (0..index).rev().take_while(beside);
-    let after = (index..lines.len()).take_while(beside);
-    let width = |other: usize| 4 * lines[other].level + bodies[other].trim_end().chars().count();
-    let commented = before.chain(after).filter(|other| lines[*other].comment.is_some());
-    commented.map(width).max().unwrap_or(0) + 2
+/// Where the comment behind each line begins: two blanks behind the longest of its neighbours that have one. Neighbours are lines
+/// of one level without an empty line or a comment line between them.
+fn comment_columns(lines: &[Line], bodies: &[String]) -> Vec<usize> {
+    let mut columns = Vec::with_capacity(lines.len());
+    let is_beside = |a: &Line, b: &Line| !a.tokens.is_empty() && !b.tokens.is_empty() && a.level == b.level;
+    for neighbours in lines.chunk_by(is_beside) {
+        visit(neighbours.len());
+        let first = columns.len();
+        let commented = neighbours.iter().zip(&bodies[first..]).filter(|(line, _)| line.comment.is_some());
+        let widths = commented.map(|(line, body)| 4 * line.level + body.trim_end().chars().count());
+        let column = widths.max().unwrap_or(0) + 2;
+        columns.resize(first + neighbours.len(), column);
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnostics::FileId;
+    use crate::format::format;
+    use crate::work::assert_linear;
+
+    #[test]
+    fn commented_lines_are_visited_once() {
+        let text = |lines: usize| format!("task t {{\n{}}}\n", "    let a = 1 // x\n".repeat(lines));
+        assert_linear(500, |lines| format(FileId::default(), &text(lines)).unwrap());
+    }
 }

@@ -4,6 +4,7 @@
 //! diagonals; for a cycle its corners are taken in by one rank-one change (Sherman and Morrison).
 
 use crate::extremes::{maximum, minimum};
+use crate::work::visit;
 
 /// A cubic between every two rows: a + b s + c s² + d s³, where s is the time since the earlier row.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +12,11 @@ pub(super) struct Curve {
     pieces: Vec<Piece>,
     /// The last row less the first.
     advance: f64,
+    /// The lowest and the highest value. Intervals of formulas are computed for each of many poses: they must not cost a pass over
+    /// the table.
+    range: [f64; 2],
+    /// The lowest and the highest rate.
+    rate_range: [f64; 2],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,8 +57,10 @@ impl Curve {
             let slope = slopes[row] - length * (2.0 * bend + next) / 6.0;
             Piece { length, coefficients: [values[row], slope, bend / 2.0, (next - bend) / (6.0 * length)] }
         });
+        let pieces: Vec<Piece> = pieces.collect();
         let advance = values.last().zip(values.first()).map_or(0.0, |(last, first)| last - first);
-        Self { pieces: pieces.collect(), advance }
+        let (range, rate_range) = (range(&pieces), rate_range(&pieces));
+        Self { pieces, advance, range, rate_range }
     }
 
     /// All that it is made of.
@@ -73,21 +81,29 @@ impl Curve {
     }
 
     pub(super) fn range(&self) -> [f64; 2] {
-        let ends = self
-            .pieces
-            .iter()
-            .flat_map(|piece| [0.0, piece.length].into_iter().chain(piece.turning_points()).map(|s| piece.value(s)));
-        bounds(ends)
+        self.range
     }
 
     pub(super) fn rate_range(&self) -> [f64; 2] {
-        let ends = self.pieces.iter().flat_map(|piece| {
-            let [_, _, c, d] = piece.coefficients;
-            let vertex = Some(-c / (3.0 * d)).filter(|s| (0.0..=piece.length).contains(s));
-            [0.0, piece.length].into_iter().chain(vertex).map(|s| piece.rate(s))
-        });
-        bounds(ends)
+        self.rate_range
     }
+}
+
+fn range(pieces: &[Piece]) -> [f64; 2] {
+    visit(pieces.len());
+    let ends =
+        pieces.iter().flat_map(|piece| [0.0, piece.length].into_iter().chain(piece.turning_points()).map(|s| piece.value(s)));
+    bounds(ends)
+}
+
+fn rate_range(pieces: &[Piece]) -> [f64; 2] {
+    visit(pieces.len());
+    let ends = pieces.iter().flat_map(|piece| {
+        let [_, _, c, d] = piece.coefficients;
+        let vertex = Some(-c / (3.0 * d)).filter(|s| (0.0..=piece.length).contains(s));
+        [0.0, piece.length].into_iter().chain(vertex).map(|s| piece.rate(s))
+    });
+    bounds(ends)
 }
 
 fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
@@ -135,5 +151,25 @@ fn solve(diagonal: &[f64], sides: &[f64], right: &mut [f64]) {
     for row in (0..right.len()).rev() {
         let next = if row + 1 < right.len() { sides[row] * right[row + 1] } else { 0.0 };
         right[row] = (right[row] - next) / pivots[row];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Curve;
+    use crate::work::{assert_linear, visited};
+
+    #[test]
+    fn ranges_are_found_once_however_often_they_are_asked_for() {
+        let curve = |rows: usize| {
+            let times: Vec<f64> = (0..rows).map(|row| row as f64).collect();
+            let values: Vec<f64> = times.iter().map(|time| libm::sin(*time)).collect();
+            Curve::through(&times, &values, false)
+        };
+        assert_linear(1000, curve);
+        let curve = curve(1000);
+        let [low, high] = curve.range();
+        assert!((-1.01..-0.99).contains(&low) && (0.99..1.01).contains(&high));
+        assert_eq!(visited(|| (curve.range(), curve.rate_range())), 0);
     }
 }

@@ -26,8 +26,8 @@ use tree::{Comment, File};
 pub const MAXIMUM_FILE_SIZE: usize = 256 * 1024;
 /// Most operators, calls and fields that one statement may have.
 pub const MAXIMUM_OPERATORS: usize = 512;
-/// Most errors that are told of one file.
-pub const MAXIMUM_ERRORS: usize = 500;
+pub use crate::diagnostics::MAXIMUM_ERRORS;
+
 /// Most brackets that may be open at once.
 pub const MAXIMUM_DEPTH: usize = scanner::MAXIMUM_DEPTH;
 

@@ -7,7 +7,7 @@
 use super::signature::{Parameter, Shapes, Signature, Takes};
 use super::{Checks, FUNCTIONS, Function, OPERATORS};
 use crate::check::context::Checker;
-use crate::check::scope::{Names, Place};
+use crate::check::scope::{Globals, Names, Place};
 use crate::check::types::{ElementType, Type};
 use crate::check::value::{Data, Value};
 use crate::diagnostics::{FileId, Severity};
@@ -75,7 +75,8 @@ fn vocabulary() -> &'static Vocabulary {
 /// Formulas checked one after the other into one graph; of wrong ones the codes.
 fn checked(texts: &[String]) -> (Graph, Vec<Result<Data, String>>) {
     let formulas: Vec<Expr> = texts.iter().map(|text| formula(text)).collect();
-    let names = Names::default();
+    let globals = Globals::default();
+    let names = Names::global(&globals);
     let mut checker = Checker::new(vocabulary(), &names, Place { file: FileId::default(), in_task: false }, &[]);
     checker.timing.horizon = 50;
     let mut values = Vec::new();

@@ -183,7 +183,7 @@ codes! {
     }
     MORE_ERRORS = "E0131" {
         title: "there are more errors",
-        explanation: "At most 500 errors of syntax are shown of one file.",
+        explanation: "At most 500 errors are shown of one file; the last one counts the others.",
         example: "a file that is not an .msk file at all",
         fix: "correct what is shown and look again",
     }

@@ -1,0 +1,162 @@
+//! Reading: the entry, the files that it uses, and the body files of its tasks, each once.
+
+use super::SourceFile;
+use crate::diagnostics::{Diagnostic, SourceMap, Span, codes};
+use crate::files::{BodySource, LoadError, Loader, plain};
+use crate::syntax;
+use crate::syntax::tree::{self, Item, TaskStatement};
+use crate::work::visit;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Files that are being read.
+pub(super) struct Reader<'a> {
+    loader: &'a dyn Loader,
+    pub(super) sources: SourceMap,
+    pub(super) files: Vec<SourceFile>,
+    /// Place of each file, by its path.
+    places: BTreeMap<PathBuf, usize>,
+    /// Bytes of all files.
+    bytes: usize,
+    pub(super) diagnostics: Vec<Diagnostic>,
+}
+
+/// Most files that one compilation reads.
+pub const MAXIMUM_FILES: usize = 1000;
+
+/// Most bytes that all files of one compilation may have.
+pub const MAXIMUM_BYTES: usize = 16 << 20;
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(loader: &'a dyn Loader) -> Self {
+        let (sources, files, places, diagnostics) = Default::default();
+        Self { loader, sources, files, places, bytes: 0, diagnostics }
+    }
+
+    /// Reads the entry and, breadth first, what it uses; a file that several use is read once.
+    pub(super) fn read_all(&mut self, entry: &Path) -> Result<(), LoadError> {
+        let entry = plain(entry);
+        let text = self.loader.load(&entry)?;
+        self.add(entry, text);
+        let mut next = 0;
+        while next < self.files.len() {
+            let file = self.files[next].tree.file;
+            let base = self.files[next].path.parent().map(Path::to_path_buf).unwrap_or_default();
+            let used: Vec<tree::Text> = self.files[next]
+                .tree
+                .items
+                .iter()
+                .filter_map(|item| if let Item::Use(used) = item { Some(used.path.clone()) } else { None })
+                .collect();
+            let mut uses = BTreeSet::new();
+            for path in used {
+                visit(1);
+                match self.read_used(&plain(&base.join(&path.value))) {
+                    Ok(index) if uses.insert(index) => self.files[next].uses.push(index),
+                    Ok(_) => {}
+                    Err(UseError::Load(problem)) => {
+                        let message = format!("cannot use \"{}\": {problem}", path.value);
+                        let diagnostic = Diagnostic::new(codes::names::FILE, file, path.span, message)
+                            .help("the path is relative to the file that uses it");
+                        self.diagnostics.push(diagnostic);
+                    }
+                    Err(UseError::TooMany(message)) => {
+                        let diagnostic = Diagnostic::new(codes::tasks::TOO_LARGE, file, path.span, message)
+                            .help("compile its parts by themselves: what this file and the files after it use is not read");
+                        self.diagnostics.push(diagnostic);
+                        return Ok(());
+                    }
+                }
+            }
+            next += 1;
+        }
+        Ok(())
+    }
+
+    fn read_used(&mut self, path: &Path) -> Result<usize, UseError> {
+        if let Some(known) = self.places.get(path) {
+            return Ok(*known);
+        }
+        if self.files.len() >= MAXIMUM_FILES {
+            return Err(UseError::TooMany(format!(
+                "this would be file number {}: at most {MAXIMUM_FILES} are read",
+                MAXIMUM_FILES + 1
+            )));
+        }
+        let text = self.loader.load(path)?;
+        if self.bytes + text.len() > MAXIMUM_BYTES {
+            let found = format!("with this file there are more than {} MB of text: at most as much is read", MAXIMUM_BYTES >> 20);
+            return Err(UseError::TooMany(found));
+        }
+        Ok(self.add(path.to_path_buf(), text))
+    }
+
+    fn add(&mut self, path: PathBuf, text: String) -> usize {
+        let file = self.sources.add(path.display().to_string(), text);
+        let parsed = syntax::parse(file, self.sources.text(file));
+        self.diagnostics.extend(parsed.diagnostics);
+        self.bytes += self.sources.text(file).len();
+        self.places.insert(path.clone(), self.files.len());
+        self.files.push(SourceFile { path, tree: parsed.tree, uses: Vec::new() });
+        self.files.len() - 1
+    }
+
+    /// Finds the body of every task that no file declares: in a folder `bodies` beside or above the entry, else built in.
+    pub(super) fn read_bodies(&mut self, entry: &Path, bodies: &dyn BodySource) {
+        let mut wanted = BTreeSet::new();
+        let mut declared = BTreeSet::new();
+        for item in self.files.iter().flat_map(|file| &file.tree.items) {
+            match item {
+                Item::Task(tree::Task { statements, .. }) | Item::Sequence(tree::Sequence { statements, .. }) => {
+                    wanted.extend(statements.iter().filter_map(|statement| match statement {
+                        TaskStatement::Body(body) => Some(body.name.text.clone()),
+                        _ => None,
+                    }));
+                }
+                Item::Body(body) => {
+                    declared.insert(body.name.text.clone());
+                }
+                _ => {}
+            }
+        }
+        for name in wanted.difference(&declared) {
+            self.read_body(entry, name, bodies);
+        }
+    }
+
+    fn read_body(&mut self, entry: &Path, name: &str, bodies: &dyn BodySource) {
+        let entry = plain(entry);
+        for folder in entry.ancestors().skip(1) {
+            let path = folder.join("bodies").join(format!("{name}.msk"));
+            match self.loader.load(&path) {
+                Ok(text) => {
+                    self.add(path, text);
+                    return;
+                }
+                Err(LoadError::Missing(_)) => {}
+                Err(problem) => {
+                    let file = self.files[0].tree.file;
+                    let message = problem.to_string();
+                    self.diagnostics.push(Diagnostic::new(codes::names::FILE, file, Span::default(), message));
+                    return;
+                }
+            }
+        }
+        if let Some((path, text)) = bodies.find(name) {
+            self.add(path, text);
+        }
+    }
+}
+
+/// Why a file cannot be used.
+enum UseError {
+    Load(LoadError),
+    /// There are too many, or too much is written in them: in words.
+    TooMany(String),
+}
+
+impl From<LoadError> for UseError {
+    fn from(error: LoadError) -> Self {
+        Self::Load(error)
+    }
+}
