@@ -157,7 +157,7 @@ impl Session {
             // How many episodes there will be is not known beforehand.
             protocol: Protocol { episodes: 0, seed: settings.seed },
         };
-        let (journal, episodes) = Journal::open(folder.path(), &RunSettings::of(&plan).live(WEIGHTS))?;
+        let (journal, episodes) = Journal::open_in(folder.clone(), &RunSettings::of(&plan).live(WEIGHTS))?;
         settings.claim(&folder, &trial)?;
         let log = Log::open(&folder)?;
         let store = Store::new(&folder, Path::new(WEIGHTS))?;
