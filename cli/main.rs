@@ -3,6 +3,9 @@
 //! A subcommand's file holds its `Args` and `run`; here it gets one line in [`Command`] and one in [`Command::run`].
 //! What goes wrong comes back as an [`Error`] and is printed in one place.
 
+// Results agree between machines to the bit: see `clippy.toml`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod check;
 mod condition;
 mod diff;

@@ -2,6 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use msk::runtime::evaluate::{EpisodeRecord, Plan, RunSettings, Watcher};
+use msk::runtime::scalar::Real;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -74,7 +75,7 @@ impl Progress {
     }
 
     fn show(&self, steps: u64) {
-        let rate = steps as f64 / self.start.elapsed().as_secs_f64().max(1e-3);
+        let rate = steps as f64 / self.start.elapsed().as_secs_f64().at_least(1e-3);
         let (ended, successes) = (self.ended.load(Ordering::Relaxed), self.successes.load(Ordering::Relaxed));
         self.bar.set_message(format!("{successes}/{ended} succeeded  {rate:.0} steps/s"));
     }

@@ -12,6 +12,9 @@
 //! The server opens no file and knows no physics: texts and bodies come from the [`Loader`] and the [`BodySource`] that it is
 //! given. Positions are counted in UTF-16 units unless the client prefers bytes.
 
+// Results agree between machines to the bit: see `clippy.toml`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod actions;
 mod completion;
 mod hints;

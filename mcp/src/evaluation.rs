@@ -5,6 +5,7 @@ use crate::project::{Failure, Project};
 use msk_runtime::episode::EpisodeKey;
 use msk_runtime::evaluate::{Plan, Protocol, Summary, play};
 use msk_runtime::policy;
+use msk_runtime::scalar::Real;
 use msk_storage::Kind;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -67,7 +68,7 @@ pub fn evaluate(project: &Project, asked: &Evaluate, cancelled: &dyn Fn() -> boo
     let seed = asked.seed.unwrap_or(0);
     let episodes = asked.episodes.unwrap_or(5).clamp(1, EPISODES);
     let most = asked.max_steps.unwrap_or(20_000).clamp(1, STEPS);
-    let seconds = asked.max_seconds.filter(|seconds| seconds.is_finite()).unwrap_or(60.0).clamp(0.1, SECONDS);
+    let seconds = asked.max_seconds.filter(|seconds| seconds.is_finite()).unwrap_or(60.0).clip(0.1, SECONDS);
     let mut policy = policy::create(asked.policy.as_deref().unwrap_or("posture"))?;
     let mut episode = trial.episode()?;
     let (start, stop, steps) = (Instant::now(), AtomicBool::new(false), std::sync::atomic::AtomicU64::new(0));
