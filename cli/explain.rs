@@ -1,6 +1,7 @@
 //! `msk explain [TASK]`: what was understood of a task, or of all tasks of a file.
 
 use crate::error::{Context, Error};
+use crate::help;
 use crate::overlays::Overlays;
 use crate::project::{self, Project, Settings};
 use clap::ValueEnum;
@@ -13,7 +14,8 @@ use std::process::ExitCode;
 /// Explain tasks: formulas, weights, ranges, values at reset, what each term reads, scene, beginning, ends
 #[derive(clap::Args)]
 pub struct Args {
-    /// Name of a task in tasks.msk, a file, or a task of a file as FILE@TASK; without it, the tasks of tasks.msk
+    /// Name of a task in tasks.msk, a file, or a task of a file as FILE@TASK; without it, the tasks of tasks.msk. An error code
+    /// or the name of a lint gives its page, as `msk help` does
     task: Option<String>,
     /// How to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -45,6 +47,10 @@ enum Format {
 /// Errors in the file, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let named = args.task.as_deref().unwrap_or(project::SUITE);
+    if help::has_page(named) {
+        write!(io::stdout().lock(), "{}", help::page_of(named)?)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let (project, mut trials) = Project::select(named, &args.settings.settings)?;
     args.overlays.apply(&project, &mut trials)?;
     let text = match args.format {

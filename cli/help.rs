@@ -1,20 +1,22 @@
-//! `msk help [COMMAND | CODE | exit-codes]`: what a command does, what an error code means, or what the program's exit codes say.
+//! `msk help [COMMAND | CODE | LINT | lints | exit-codes]`: what a command does, what a code or a lint means, which lints there are, or
+//! what the program's exit codes say.
 
 use crate::Cli;
 use crate::error::Error;
 use clap::CommandFactory;
-use msk::compiler::diagnostics::{Code, codes};
+use msk::compiler::diagnostics::{Code, codes, lints};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// What the exit codes mean, for people and scripts; `msk help exit-codes` prints it.
 const EXIT_CODES: &str = include_str!("../docs/exit-codes.md");
 
-/// Explain a command, an error code such as E0203, or the exit codes
+/// Explain a command, an error code such as E0203, a lint such as dead_at_reset, or the exit codes; list all lints
 #[derive(clap::Args)]
 pub struct Args {
-    /// A command, such as `eval`, a code, such as `E0203`, or `exit-codes`; nothing for the list of commands
-    #[arg(value_name = "COMMAND | CODE | exit-codes")]
+    /// A command, such as `eval`, a code, such as `E0203`, a lint, such as `dead_at_reset`, `lints` for the list of all, or
+    /// `exit-codes`; nothing for the list of commands
+    #[arg(value_name = "COMMAND | CODE | LINT | lints | exit-codes")]
     topic: Vec<String>,
 }
 
@@ -25,15 +27,38 @@ pub struct Args {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     match args.topic.as_slice() {
-        [id] if is_code(id) => {
-            let code = codes::find(id)
-                .ok_or_else(|| Error::usage(format!("there is no code `{id}`")).hint("`grammar/REFERENCE.md` lists all codes"))?;
-            write!(out, "{}", page(code))?;
-        }
+        [topic] if has_page(topic) => write!(out, "{}", page_of(topic)?)?,
+        [topic] if topic == "lints" => write!(out, "{}", table_of_lints())?,
         [topic] if topic == "exit-codes" => write!(out, "{EXIT_CODES}")?,
         names => write!(out, "{}", command_help(names)?)?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether a word is a code, or the name of a lint: what `page_of` has a page for, or refuses.
+pub fn has_page(topic: &str) -> bool {
+    is_code(topic) || lints().any(|(_, lint)| lint.name == topic)
+}
+
+/// The page of a code or of a lint.
+///
+/// # Errors
+/// There is none.
+pub fn page_of(topic: &str) -> Result<String, Error> {
+    let named = lints().find(|(_, lint)| lint.name == topic).map(|(code, _)| code);
+    let unknown = || Error::usage(format!("there is no code `{topic}`")).hint("`grammar/REFERENCE.md` lists all codes");
+    named.or_else(|| codes::find(topic)).map(page).ok_or_else(unknown)
+}
+
+/// Every lint with its level, the stage of `msk check` that finds it, and what it finds.
+fn table_of_lints() -> String {
+    let wide = lints().map(|(_, lint)| lint.name.len()).max().unwrap_or(0);
+    let line = |code: &str, name: &str, level: &str, stage: &str, title: &str| {
+        format!("{code:<5}  {name:<wide$}  {level:<5}  {stage:<7}  {title}\n")
+    };
+    let rows = lints().map(|(code, lint)| line(code.id, lint.name, lint.level().name(), lint.stage.name(), code.title));
+    let head = line("code", "lint", "level", "stage", "what it finds");
+    head + &rows.collect::<String>() + "\n`msk help NAME` prints the page of one.\n"
 }
 
 /// A letter and four digits.
@@ -43,8 +68,9 @@ fn is_code(topic: &str) -> bool {
 
 fn page(code: &Code) -> String {
     let indent = |text: &str| text.lines().map(|line| format!("    {line}\n")).collect::<String>();
-    let Code { id, title, explanation, example, fix } = code;
-    format!("{id}: {title}\n\n{explanation}\n\nWrong:\n{}\nRight:\n{}", indent(example), indent(fix))
+    let Code { title, explanation, example, fix, .. } = code;
+    let named = code.named();
+    format!("{named}: {title}\n\n{explanation}\n\nWrong:\n{}\nRight:\n{}", indent(example), indent(fix))
 }
 
 fn command_help(names: &[String]) -> Result<String, Error> {

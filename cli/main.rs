@@ -41,9 +41,8 @@ use std::process::ExitCode;
 /// MSK: write full-body motor-control tasks as text, check them, and run them on a 416-muscle human.
 #[derive(Parser)]
 #[command(name = "msk", version, disable_help_subcommand = true, max_term_width = 100)]
-#[command(
-    after_help = "`msk help COMMAND` explains a command, `msk help E0203` an error code, `msk help exit-codes` the exit codes."
-)]
+#[command(after_help = "`msk help COMMAND` explains a command, `msk help E0203` an error code, `msk help lints` the lints, \
+                  `msk help exit-codes` the exit codes.")]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -12,6 +12,7 @@ mod motions;
 mod reading;
 mod settings;
 mod units;
+mod unread;
 
 pub use inspection::{InspectedFile, Inspection, TaskScope};
 pub use reading::{MAXIMUM_BYTES, MAXIMUM_FILES};
@@ -20,7 +21,7 @@ use crate::body::BodyDescription;
 use crate::check::scope::{FileInSight, Globals, Names};
 use crate::check::uncalled::Cycles;
 use crate::check::{self, Texts};
-use crate::diagnostics::{Checked, Diagnostic, FileId, Report, Reported, SourceMap, Span, codes};
+use crate::diagnostics::{Allowance, Checked, Diagnostic, FileId, Report, Reported, SourceMap, Span, Stage, codes};
 use crate::files::{BodySource, Loader, plain};
 use crate::syntax;
 use crate::syntax::tree::{self, Item};
@@ -137,14 +138,14 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     let mut units = units::collect(&files, &texts, &mut diagnostics);
     settings::apply(&settings, &mut units, &mut diagnostics);
     let (mut tasks, mut scopes) = (Vec::new(), Vec::new());
-    let called = RefCell::default();
+    let (called, unread) = (RefCell::default(), RefCell::default());
     let ids: Vec<FileId> = files.iter().map(|file| file.tree.file).collect();
     let uses = |file: &SourceFile| file.uses.iter().map(|&used| ids[used]).collect();
     let globals = Globals::collect(files.iter().map(|file| FileInSight { tree: &file.tree, uses: uses(file) }));
     diagnostics.extend(globals.clashes(syntax::MAXIMUM_ERRORS));
     for unit in &units {
         let (described, texts, motions) = (&described, &texts, &motions);
-        let compiler = units::Compiler { described, bodies, texts, motions, globals: &globals, noting, called: &called };
+        let compiler = units::Compiler { described, bodies, texts, motions, globals: &globals, noting, called: &called, unread: &unread };
         // One that fails has said why.
         tasks.extend(compiler.compile(unit, &mut scopes, &mut diagnostics).map(Arc::new));
     }
@@ -156,6 +157,12 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     }
     let suites = suites(&files, &all_tasks, &mut diagnostics);
     drop_consequences(&sources, &files, &mut diagnostics);
+    unread.into_inner().drop_read(&mut diagnostics);
+    if Reported::among(&diagnostics).is_none() {
+        // A task with errors may be the one that needs an `allow`.
+        let allowances = tasks.iter().flat_map(|task: &Arc<CompiledTask>| &task.places.allowances);
+        diagnostics.extend(Allowance::unfulfilled(allowances, Stage::Compile));
+    }
     let report = Report::new(sources, diagnostics);
     let bodies = described.into_values().map(|body| body.description).collect();
     let files = files.into_iter().map(|file| InspectedFile { path: file.path, tree: file.tree, uses: file.uses }).collect();

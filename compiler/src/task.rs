@@ -5,7 +5,7 @@
 
 use crate::body::BodyDescription;
 use crate::check::Compared;
-use crate::diagnostics::{FileId, Span};
+use crate::diagnostics::{Allowance, FileId, Span};
 use crate::frame::FrameLayout;
 use crate::graph::Graph;
 use crate::graph::interval::Bounds;
@@ -16,7 +16,6 @@ use crate::scene::SceneDescription;
 use crate::syntax::tree::Expr;
 use crate::testing::TaskTests;
 use crate::vocabulary::Vocabulary;
-use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -91,10 +90,10 @@ pub struct Places {
     pub terminations: Vec<(FileId, Span)>,
     /// The conditions of the reasons that end an episode without being failures, in order.
     pub finishes: Vec<(FileId, Span)>,
-    /// The formulas of the terms, in order, each with the lints that are allowed on it.
-    pub terms: Vec<((FileId, Span), BTreeSet<String>)>,
-    /// Lints that the task allows.
-    pub allowed: BTreeSet<String>,
+    /// The formulas of the terms, in order.
+    pub terms: Vec<(FileId, Span)>,
+    /// Every `allow` of the task, and whether it covers what the compiler warns of.
+    pub allowances: Vec<Allowance>,
 }
 
 /// A task of a sequence; a task that is no sequence has one.

@@ -5,7 +5,7 @@
 use msk_compiler::check::functions::{self, Function};
 use msk_compiler::check::scene::elements;
 use msk_compiler::check::signals;
-use msk_compiler::diagnostics::{Code, FileId, codes};
+use msk_compiler::diagnostics::{Code, FileId, Lint, codes, lints};
 use msk_compiler::syntax::{self, UNITS};
 use std::fmt::Write;
 use std::path::Path;
@@ -40,13 +40,22 @@ fn examples_are_read() {
 fn section(code: &Code) -> String {
     let fence = |text: &str| format!("```text\n{text}\n```\n");
     format!(
-        "### {}: {}\n\n{}\n\n{}\nis written\n\n{}\n",
+        "### {}: {}\n\n{}{}\n\n{}\nis written\n\n{}\n",
         code.id,
         code.title,
+        code.lint.map_or(String::new(), |lint| format!("Lint `{}`. ", lint.name)),
         code.explanation,
         fence(code.example),
         fence(code.fix)
     )
+}
+
+/// The lints, each with a link to its page.
+fn lint_table() -> String {
+    let row = |(code, lint): (&Code, Lint)| {
+        format!("| {} | `{}` | {} | {} | {} |\n", code.id, lint.name, lint.level().name(), lint.stage.name(), code.title)
+    };
+    format!("| code | lint | level | stage | what it finds |\n|---|---|---|---|---|\n{}", lints().map(row).collect::<String>())
 }
 
 /// A table of functions.
@@ -77,6 +86,7 @@ fn generated_parts_are_those_of_the_compiler() {
     let parts = [
         ("elements", elements::markdown()),
         ("codes", list(codes::syntax::ALL)),
+        ("lints", lint_table()),
         ("signals", signals::markdown()),
         ("functions", table(functions::FUNCTIONS)),
         ("operators", table(functions::OPERATORS)),

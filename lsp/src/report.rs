@@ -97,6 +97,7 @@ impl<'a> Translator<'a> {
         for (word, line) in lines {
             message.extend(line.iter().map(|line| format!("\n{word}: {line}")));
         }
+        message.extend(diagnostic.code.lint.iter().map(|lint| format!("\nlint: {}", lint.name)));
         message.extend(diagnostic.help.iter().map(|help| format!("\n{help}")));
         let related: Vec<DiagnosticRelatedInformation> = diagnostic
             .labels

@@ -37,6 +37,17 @@ fn json_has_codes_places_and_edits() {
 }
 
 #[test]
+fn an_allow_of_what_only_the_model_shows_is_judged_where_the_model_is_looked_at() {
+    let project = Project::lean();
+    project
+        .write("lean.msk", &LEAN.replace("family stabilization", "family stabilization\n    allow starts_inside \"on purpose\""));
+    let probed = project.msk(&["check", "lean.msk"]).succeeded();
+    assert!(probed.out.contains("warning[W0513 unfulfilled_allow]: nothing here causes `starts_inside`"), "{}", probed.out);
+    let unprobed = project.msk(&["check", "--no-probe", "lean.msk"]).succeeded();
+    assert!(unprobed.out.contains("nothing to remark"), "{}", unprobed.out);
+}
+
+#[test]
 fn an_explanation_tells_terms_weights_and_values_at_reset() {
     let project = Project::lean();
     let done = project.msk(&["explain", "lean"]).succeeded();
@@ -64,7 +75,7 @@ fn tasks_are_begun_on_their_bodies_unless_they_shall_not_be() {
     let project = Project::lean();
     project.write("deep.msk", &LEAN.replace("height on ground", "height 0.85 m").replace("task lean", "task deep"));
     let probed = project.msk(&["check", "deep.msk"]).succeeded();
-    assert!(probed.out.contains("warning[W0530]") && probed.out.contains("mm inside"), "{}", probed.out);
+    assert!(probed.out.contains("warning[W0530 starts_inside]") && probed.out.contains("mm inside"), "{}", probed.out);
     let unprobed = project.msk(&["check", "--no-probe", "deep.msk"]).succeeded();
     assert!(unprobed.out.contains("nothing to remark"), "{}", unprobed.out);
 }

@@ -28,6 +28,19 @@ fn every_code_has_a_page() {
 }
 
 #[test]
+fn every_lint_is_listed_and_has_a_page_under_its_name_and_its_code() {
+    let project = Project::empty();
+    let list = project.msk(&["help", "lints"]).succeeded().out;
+    let row = list.lines().find(|line| line.starts_with("W0511 ")).unwrap_or_else(|| panic!("{list}"));
+    assert_eq!(row.split_whitespace().take(4).collect::<Vec<_>>(), ["W0511", "dead_at_reset", "warn", "probe"], "{row}");
+    let page = project.msk(&["help", "dead_at_reset"]).succeeded().out;
+    assert!(page.starts_with("W0511 dead_at_reset: "), "{page}");
+    for asked in [["help", "w0511"], ["explain", "W0511"], ["explain", "dead_at_reset"]] {
+        assert_eq!(project.msk(&asked).succeeded().out, page, "{asked:?}");
+    }
+}
+
+#[test]
 fn the_vocabulary_is_printed_for_people_and_as_json() {
     let project = Project::empty();
     let text = project.msk(&["vocabulary"]).succeeded().out;

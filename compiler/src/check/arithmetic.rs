@@ -261,11 +261,7 @@ impl<'a> Checker<'a> {
     /// Warns of a thing that is compared with, subtracted from or joined to itself.
     pub(crate) fn warn_identical(&mut self, left: NodeId, right: NodeId, span: Span) {
         // The same thing at two moments is what tests compare.
-        if left == right
-            && self.in_tests.is_none()
-            && self.graph.constant_lanes(left).is_none()
-            && !self.allowed.contains("identical")
-        {
+        if left == right && self.in_tests.is_none() && self.graph.constant_lanes(left).is_none() {
             let message = "both sides are the same thing";
             let diagnostic =
                 self.diagnostic(codes::lints::IDENTICAL, span, message).help("one of them was probably to be another");

@@ -8,7 +8,7 @@ use super::scene::Surroundings;
 use super::scene::geometry::Known;
 use super::scope::{Names, Place};
 use super::value::Value;
-use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
+use crate::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
@@ -139,8 +139,8 @@ pub(crate) struct Checker<'a> {
     pub phases: Vec<String>,
     /// The present phase and whether it has succeeded, once that is known.
     pub own_success: Option<(String, NodeId)>,
-    /// Lints that are allowed in place.
-    pub allowed: BTreeSet<String>,
+    /// What libraries allow in the task.
+    pub allowances: Vec<Allowance>,
     /// What surrounds the body; not yet while the scene itself is checked.
     pub surroundings: Option<&'a Surroundings<'a>>,
     /// Constants of objects by `NAME.SIGNAL`.
@@ -189,7 +189,7 @@ impl<'a> Checker<'a> {
             broken_references: BTreeMap::new(),
             phases: Vec::new(),
             own_success: None,
-            allowed: BTreeSet::new(),
+            allowances: Vec::new(),
             surroundings: None,
             known: BTreeMap::new(),
             beginning: false,

@@ -136,10 +136,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn plain_entry<T>(&mut self, entry: &'a Entry<T>, what: &str) -> Option<&'a T> {
         match entry {
             Entry::Item(item) => Some(item),
-            Entry::Allow(allow) => {
-                self.allow(allow);
-                None
-            }
+            Entry::Allow(_) => None,
             Entry::Remove(remove) => {
                 let message = format!("only a task that extends another can remove a {what}");
                 self.error(codes::composition::OVERRIDES_NOTHING, remove.span, message);

@@ -1,4 +1,7 @@
-//! Lints: what compiles, but is probably not what was meant. Each can be allowed in place by its name.
+//! Lints: what compiles, but is probably not what was meant.
+//!
+//! A lint pushes its warning wherever it finds it; whether an `allow` covers it is decided once all of a task are there
+//! (`allows`).
 
 pub(crate) mod events;
 mod folded;
@@ -10,77 +13,14 @@ use super::ranges::{Standing, Working};
 use super::reward::PaidTerm;
 use super::scope::Definition;
 use super::task::CheckedTask;
-use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes, nearest};
+use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
 use crate::numbers::for_people;
-use crate::syntax::tree::{Allow, BinaryOperator, Expr, ExprKind};
+use crate::syntax::tree::{BinaryOperator, Expr, ExprKind};
 use crate::task::RootPlacement;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Every lint by the name under which it is allowed.
-const LINTS: [&str; 32] = [
-    "always_paid",
-    "cannot_begin",
-    "constant_channel",
-    "constant_term",
-    "dead_at_reset",
-    "dead_term",
-    "decided",
-    "doubled_sign",
-    "ending_pays",
-    "factor_in_term",
-    "fleeting",
-    "folded",
-    "hidden_sign",
-    "holds_at_reset",
-    "identical",
-    "idle_mass",
-    "never_paid",
-    "one_side",
-    "outweighs",
-    "paid_every_step",
-    "repeats_scene",
-    "spike",
-    "starts_above",
-    "starts_apart",
-    "starts_inside",
-    "timed_failure",
-    "twice_observed",
-    "unmirrored",
-    "unobserved",
-    "unreached",
-    "unseen",
-    "unused",
-];
-
-/// The names of all lints, in the order of the alphabet.
-pub fn names() -> impl Iterator<Item = &'static str> {
-    LINTS.into_iter()
-}
-
-impl<'a> Checker<'a> {
-    /// The lint that an `allow` names; one that does not exist is an error, or the next slip would go unseen.
-    pub(crate) fn lint(&mut self, allow: &'a Allow) -> Option<&'a str> {
-        let name = allow.lint.text.as_str();
-        if LINTS.contains(&name) {
-            return Some(name);
-        }
-        let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, allow.lint.span, format!("there is no lint `{name}`"));
-        let near = nearest(name, LINTS);
-        let diagnostic = if near.is_empty() { diagnostic.help(format!("there is {}", LINTS.join(", "))) } else { diagnostic };
-        let offer = |diagnostic: Diagnostic, name| diagnostic.suggest(format!("did you mean `{name}`?"), allow.lint.span, name);
-        self.diagnostics.push(near.into_iter().fold(diagnostic, offer));
-        None
-    }
-
-    /// Allows a lint in the whole task.
-    pub(crate) fn allow(&mut self, allow: &'a Allow) {
-        let name = self.lint(allow);
-        self.allowed.extend(name.map(str::to_owned));
-    }
-}
 
 /// Names that a task declares and nothing reads.
 pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
@@ -91,7 +31,7 @@ pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
         if !checker.used.contains(name) && !elsewhere {
             let span = declared.definition.span();
             let message = format!("nothing reads `{name}`");
-            push(checker, "unused", Diagnostic::new(codes::lints::UNUSED, declared.file, span, message), diagnostics);
+            diagnostics.push(Diagnostic::new(codes::lints::UNUSED, declared.file, span, message));
         }
     }
 }
@@ -102,74 +42,58 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
     let bounds = interval::analyse(&task.graph, &ranges);
     for term in &task.terms {
         let found = interval::of_scalar(&bounds, term.node);
-        constant_term(checker, term, found, diagnostics);
-        doubled_sign(checker, term, found, diagnostics);
-        factor_in_term(checker, term, diagnostics);
+        constant_term(term, found, diagnostics);
+        doubled_sign(term, found, diagnostics);
+        factor_in_term(term, diagnostics);
     }
-    decided_ends(checker, task, &bounds, diagnostics);
-    twice_observed(checker, task, diagnostics);
+    decided_ends(task, &bounds, diagnostics);
+    twice_observed(task, diagnostics);
     states(checker, task, diagnostics);
     at_reset(checker, task, &bounds, diagnostics);
-    pay::amounts(checker, task, &bounds, diagnostics);
+    pay::amounts(task, &bounds, diagnostics);
     sight::constant_channels(checker, task, &bounds, diagnostics);
-    sight::timed_failures(checker, task, &bounds, diagnostics);
-    sight::fleeting(checker, task, diagnostics);
+    sight::timed_failures(task, &bounds, diagnostics);
+    sight::fleeting(task, diagnostics);
     sight::unseen(checker, task, diagnostics);
     sight::one_side(checker, task, diagnostics);
     task.terms.iter().map(|term| interval::of_scalar(&bounds, term.node)).collect()
 }
 
-fn push(checker: &Checker<'_>, lint: &str, diagnostic: Diagnostic, diagnostics: &mut Vec<Diagnostic>) {
-    if !checker.allowed.contains(lint) {
-        diagnostics.push(diagnostic);
-    }
-}
-
-/// The same for a lint on a term, which may allow it for itself.
-fn push_term(checker: &Checker<'_>, term: &PaidTerm<'_>, lint: &str, diagnostic: Diagnostic, diagnostics: &mut Vec<Diagnostic>) {
-    if !term.allowed.contains(&lint) {
-        push(checker, lint, diagnostic, diagnostics);
-    }
-}
-
-fn at(checker: &Checker<'_>, code: &'static Code, term: &PaidTerm<'_>, message: String) -> Diagnostic {
-    let _ = checker;
+fn at(code: &'static Code, term: &PaidTerm<'_>, message: String) -> Diagnostic {
     Diagnostic::new(code, term.file, term.formula.span, message)
 }
 
 /// A term that is the same at every step pays nothing for anything.
-fn constant_term(checker: &Checker<'_>, term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
+fn constant_term(term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
     let Some(value) = bounds.single() else { return };
     if !value.is_finite() {
         let message = format!("the term `{}` is {} whatever the body does", term.name, for_people(value));
-        let diagnostic = at(checker, codes::tasks::NOT_FINITE, term, message);
+        let diagnostic = at(codes::tasks::NOT_FINITE, term, message);
         diagnostics.push(diagnostic.help("every episode would end in a fault at its first step"));
         return;
     }
-    let (lint, code) =
-        if value == 0.0 { ("dead_term", codes::lints::DEAD_TERM) } else { ("constant_term", codes::lints::CONSTANT_TERM) };
+    let code = if value == 0.0 { codes::lints::DEAD_TERM } else { codes::lints::CONSTANT_TERM };
     let message = format!("the term `{}` is {} whatever the body does", term.name, for_people(value));
-    let diagnostic =
-        at(checker, code, term, message).help("what it reads cannot change it: look for a swapped side or a saturated bound");
-    push_term(checker, term, lint, diagnostic, diagnostics);
+    let diagnostic = at(code, term, message).help("what it reads cannot change it: look for a swapped side or a saturated bound");
+    diagnostics.push(diagnostic);
 }
 
 /// A negative weight on a term that is never positive pays for what was to be a cost.
-fn doubled_sign(checker: &Checker<'_>, term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
+fn doubled_sign(term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
     if term.weight < 0.0 && bounds.high <= 0.0 && bounds.low < 0.0 {
         let message = format!("the term `{}` is never positive and its weight is negative: the cost becomes pay", term.name);
-        let diagnostic = at(checker, codes::lints::DOUBLED_SIGN, term, message).help("keep one of the two signs");
-        push_term(checker, term, "doubled_sign", diagnostic, diagnostics);
+        let diagnostic = at(codes::lints::DOUBLED_SIGN, term, message).help("keep one of the two signs");
+        diagnostics.push(diagnostic);
     }
     if term.weight > 0.0 && bounds.high <= 0.0 && bounds.low < 0.0 {
         let message = format!("the term `{}` is never positive; its sign is hidden in the formula", term.name);
         let help = "write the formula positive and its weight negative, so that the column of weights tells what is a cost";
-        push_term(checker, term, "hidden_sign", at(checker, codes::lints::HIDDEN_SIGN, term, message).help(help), diagnostics);
+        diagnostics.push(at(codes::lints::HIDDEN_SIGN, term, message).help(help));
     }
 }
 
 /// `10 x = 0.5 * f`: the factor belongs in the weight.
-fn factor_in_term(checker: &Checker<'_>, term: &PaidTerm<'_>, diagnostics: &mut Vec<Diagnostic>) {
+fn factor_in_term(term: &PaidTerm<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let mut expr: &Expr = term.formula;
     loop {
         match &expr.kind {
@@ -186,7 +110,7 @@ fn factor_in_term(checker: &Checker<'_>, term: &PaidTerm<'_>, diagnostics: &mut 
     let message = format!("the term `{}` has a plain factor", term.name);
     let diagnostic = Diagnostic::new(codes::lints::FACTOR_IN_TERM, term.file, expr.span, message)
         .help("it belongs in the weight, where people and tuners look for it");
-    push_term(checker, term, "factor_in_term", diagnostic, diagnostics);
+    diagnostics.push(diagnostic);
 }
 
 fn is_plain_number(expr: &Expr) -> bool {
@@ -207,13 +131,13 @@ fn conditions(task: &CheckedTask<'_>) -> Vec<(String, NodeId, FileId, Span)> {
 }
 
 /// Ends and success that can never hold or never fail.
-fn decided_ends(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
+fn decided_ends(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
     for (what, node, file, span) in conditions(task) {
         if let Some(value) = interval::of_scalar(bounds, node).single() {
             let verdict = if value == 0.0 { "can never hold" } else { "always holds" };
             let diagnostic = Diagnostic::new(codes::lints::DECIDED, file, span, format!("{what} {verdict}"))
                 .help("the ranges of what it reads decide it; compare `msk explain`");
-            push(checker, "decided", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
     }
 }
@@ -237,7 +161,7 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
         if interval::of_scalar(&reset, node).single() == Some(1.0) && !decided {
             let message = format!("{what} holds before anything has happened, in the pose in which the task begins");
             let diagnostic = Diagnostic::new(codes::lints::HOLDS_AT_RESET, file, span, message);
-            push(checker, "holds_at_reset", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
     }
     for term in &task.terms {
@@ -246,11 +170,11 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
         if range.low >= 0.0 && range.high.is_finite() && value < DEAD * range.high && !gated(term.formula, &task.graph, term.node)
         {
             let message = format!("the term `{}` pays almost nothing in the pose in which the task begins", term.name);
-            let diagnostic = at(checker, codes::lints::DEAD_AT_RESET, term, message)
+            let diagnostic = at(codes::lints::DEAD_AT_RESET, term, message)
                 .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
                 .found(for_people(value))
                 .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
-            push_term(checker, term, "dead_at_reset", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
     }
 }
@@ -265,13 +189,13 @@ pub(crate) fn gated(formula: &Expr, graph: &Graph, node: NodeId) -> bool {
 }
 
 /// Two channels that carry the same numbers.
-fn twice_observed(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+fn twice_observed(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let mut first: BTreeMap<NodeId, &str> = BTreeMap::new();
     for channel in &task.channels {
         if let Some(known) = first.insert(channel.node, &channel.name) {
             let message = format!("the channels `{known}` and `{}` carry the same numbers", channel.name);
             let diagnostic = Diagnostic::new(codes::lints::TWICE_OBSERVED, channel.file, channel.span, message);
-            push(checker, "twice_observed", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
     }
 }
@@ -298,7 +222,7 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
         let (file, span) = place(name);
         if !read.contains(&hidden) && kind == "state" {
             let message = format!("nothing reads `{name}`");
-            push(checker, "unused", Diagnostic::new(codes::lints::UNUSED, file, span, message), diagnostics);
+            diagnostics.push(Diagnostic::new(codes::lints::UNUSED, file, span, message));
         } else if paid.contains(&hidden) && !seen.contains(&hidden) {
             let message = format!("the reward depends on the {kind} `{name}`, which the policy cannot observe");
             let diagnostic = Diagnostic::new(codes::lints::UNOBSERVED, file, span, message)
@@ -307,7 +231,7 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
                 Some(reference) => diagnostic.help(format!("`{reference}.phase` tells it")),
                 None => diagnostic,
             };
-            push(checker, "unobserved", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
     }
 }

@@ -10,6 +10,7 @@
 //!
 //! Every error is reported where it is, none stops the rest.
 
+pub(crate) mod allows;
 mod arithmetic;
 pub(crate) mod body;
 mod call;
@@ -45,8 +46,8 @@ pub mod unit;
 mod value;
 
 pub(crate) use context::{Compared, Timing};
+pub use lints::DEAD;
 pub(crate) use lints::gated;
-pub use lints::{DEAD, names as lints};
 pub(crate) use observe::{Texts, written};
 pub(crate) use ranges::Working;
 pub(crate) use tests::CheckedTests;

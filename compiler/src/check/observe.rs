@@ -1,5 +1,6 @@
 //! Observations: named channels, blocks of a library unfolded.
 
+use super::allows;
 use super::context::{Checked, Checker, Failures};
 use super::scope::{Definition, Place};
 use super::task::summary;
@@ -67,6 +68,9 @@ impl<'a> Checker<'a> {
     ) -> Checked<()> {
         let mut failures = Failures::default();
         for entry in entries {
+            if let (Entry::Allow(allow), Some(_)) = (entry, block) {
+                self.allowances.extend(allows::of_library(allow, self.place.file, &mut self.diagnostics));
+            }
             let Some(channel) = self.plain_entry(entry, "channel") else { continue };
             failures.catch(self.channel(channel, texts, block, found));
         }

@@ -10,7 +10,7 @@ use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Binary;
 use crate::numbers::{exact, for_people, told_apart};
-use crate::syntax::tree::{Bounds, Docs, Entry, Expr, ExprKind, Reward, Term};
+use crate::syntax::tree::{Bounds, Docs, Expr, ExprKind, Reward, Term};
 use crate::weights::{LARGEST, may_be};
 
 /// A term that the graph computes.
@@ -30,27 +30,20 @@ pub(crate) struct PaidTerm<'a> {
     pub node: NodeId,
     /// Whether it counts 0 or 1.
     pub condition: bool,
-    /// Lints that are allowed on it.
-    pub allowed: Vec<&'a str>,
 }
 
 impl<'a> Checker<'a> {
     /// Checks the terms of a reward block.
     pub(crate) fn reward(&mut self, reward: &'a Reward, terms: &mut Vec<PaidTerm<'a>>) -> Checked<()> {
         let mut failures = Failures::default();
-        let mut allowed = Vec::new();
         for entry in &reward.terms {
-            if let Entry::Allow(allow) = entry {
-                allowed.extend(self.lint(allow));
-                continue;
-            }
             let Some(term) = self.plain_entry(entry, "term") else { continue };
             if terms.iter().any(|known| known.name == term.name.text) {
                 let message = format!("there are two terms called `{}`", term.name.text);
                 failures.add(self.error(codes::tasks::LABEL_TWICE, term.name.span, message));
             }
             match self.term(term, reward.per_second) {
-                Ok(paid) => terms.push(PaidTerm { allowed: std::mem::take(&mut allowed), ..paid }),
+                Ok(paid) => terms.push(paid),
                 Err(reported) => failures.add(reported),
             }
         }
@@ -89,7 +82,6 @@ impl<'a> Checker<'a> {
             per_second,
             node: data.node,
             condition: data.kind == Type::One(ElementType::Bool),
-            allowed: Vec::new(),
         })
     }
 

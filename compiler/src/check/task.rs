@@ -14,7 +14,7 @@ use super::scope::{Names, Place};
 use super::tests::CheckedTests;
 use super::types::{ElementType, Type};
 use super::value::{Data, Value};
-use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
+use crate::diagnostics::{Allowance, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
@@ -23,7 +23,6 @@ use crate::scene::SceneDescription;
 use crate::syntax::tree::{BodyUse, Docs, Expr, StateDeclaration, TaskStatement, Test};
 use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
-use std::collections::BTreeSet;
 
 /// A task whose every formula is checked and in the graph.
 #[derive(Clone)]
@@ -54,8 +53,8 @@ pub(crate) struct CheckedTask<'a> {
     pub success_at: (FileId, Span),
     /// Where the word `init` stands.
     pub init_at: (FileId, Span),
-    /// Lints that the task allows as a whole.
-    pub allowed: BTreeSet<String>,
+    /// What libraries allow in it.
+    pub allowances: Vec<Allowance>,
     pub randoms: Vec<KnownRandom>,
     pub references: Vec<KnownReference>,
     pub parameters: Vec<Parameter>,
@@ -124,6 +123,15 @@ pub(crate) struct Around<'a> {
     pub motions: Motions<'a>,
 }
 
+/// What is found of a task.
+#[derive(Default)]
+pub(crate) struct Told {
+    /// Errors, and warnings about single formulas.
+    pub formulas: Vec<Diagnostic>,
+    /// Warnings about the task as a whole.
+    pub whole: Vec<Diagnostic>,
+}
+
 /// Checks a task against the vocabulary of its body. Errors and warnings come with it; the task only if there is no error.
 pub(crate) fn check<'a>(
     task: &'a WholeTask,
@@ -131,7 +139,7 @@ pub(crate) fn check<'a>(
     around: Around<'a>,
     sequence: InSequence<'a>,
     queries: Vec<Query>,
-) -> (Checked<CheckedTask<'a>>, Vec<Diagnostic>) {
+) -> (Checked<CheckedTask<'a>>, Told) {
     let Around { vocabulary, surroundings, texts, motions } = around;
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     checker.known = surroundings.known.clone();
@@ -147,20 +155,15 @@ pub(crate) fn check<'a>(
         checked = Err(checker.internal_error(finding, task.task.name.span));
     }
     let broken = Reported::among(&checker.diagnostics);
-    let mut diagnostics = std::mem::take(&mut checker.diagnostics);
+    let mut told = Told { formulas: std::mem::take(&mut checker.diagnostics), whole: Vec::new() };
     let graph = std::mem::take(&mut checker.graph);
     checker.hand_over_notes(checked.as_ref().map_or(&graph, |checked| &checked.graph));
     let mut checked = checked.and_then(|checked| broken.map_or(Ok(checked), Err));
     if let Ok(checked) = &mut checked {
-        // A task is looked at by itself; as a phase it would only be told of again.
-        let mut warnings = Vec::new();
-        lints::unused(&checker, &mut warnings);
-        checked.term_bounds = lints::task(&checker, checked, &mut warnings);
-        checked.allowed.clone_from(&checker.allowed);
-        let whole = sequence.phases.is_empty();
-        diagnostics.extend(warnings.into_iter().filter(|told| whole || told.severity == Severity::Error));
+        lints::unused(&checker, &mut told.whole);
+        checked.term_bounds = lints::task(&checker, checked, &mut told.whole);
     }
-    (checked, diagnostics)
+    (checked, told)
 }
 
 impl<'a> Checker<'a> {
@@ -235,7 +238,7 @@ impl<'a> Checker<'a> {
             success_at: success_at.unwrap_or((self.task_place.file, task.task.name.span)),
             init_at: begun_at.unwrap_or((self.task_place.file, task.task.name.span)),
             comparisons: std::mem::take(&mut self.comparisons),
-            allowed: BTreeSet::new(),
+            allowances: std::mem::take(&mut self.allowances),
             randoms: std::mem::take(&mut self.randoms),
             references: self.references.clone(),
             parameters: parameters?,
@@ -372,8 +375,6 @@ impl<'a> Checker<'a> {
                     parts.init.push((block, *file));
                 }
                 S::Success(expr) => self.only_one(&mut parts.success, (expr, *file), expr.span, "success"),
-                S::Allow(allow) => self.allow(allow),
-                S::Scene(block) => self.in_file(*file, |checker| checker.allow_in_scene(&block.entries)),
                 _ => {}
             }
         }

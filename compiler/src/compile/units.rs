@@ -1,14 +1,15 @@
 //! What becomes a compiled task: a task with what it inherits, or a sequence with its phases.
 
+use super::unread::Unread;
 use super::{Described, SourceFile, TaskScope};
 use crate::body::BodyDescription;
 use crate::check::inherit::{self, Budget, Find, InFile, Placed, WholeTask};
 use crate::check::notes::{Note, Notebook};
 use crate::check::reference::{Motions, Tables};
 use crate::check::scope::{Globals, Names};
-use crate::check::task::{Around, InSequence, body_of};
+use crate::check::task::{Around, InSequence, Told, body_of};
 use crate::check::{self, CheckedTests, Texts, written};
-use crate::diagnostics::{Checked, Diagnostic, Failures, FileId, Reported, Severity, codes};
+use crate::diagnostics::{Allowance, Checked, Diagnostic, Failures, FileId, Reported, Severity, codes};
 use crate::explain::definitions;
 use crate::files::BodySource;
 use crate::frame::Query;
@@ -224,15 +225,18 @@ fn phases_of<'a>(
     around: Around<'a>,
     whole: InSequence<'a>,
     mut queries: Vec<Query>,
-) -> (Checked<Vec<CheckedPhase<'a>>>, Vec<Diagnostic>) {
-    let (mut checked, mut diagnostics) = (Vec::new(), Vec::new());
+    unread: &mut Unread,
+) -> (Checked<Vec<CheckedPhase<'a>>>, Told) {
+    let (mut checked, mut diagnostics) = (Vec::new(), Told::default());
     let mut failures = Failures::default();
     for (index, (phase, names)) in unit.phases.iter().zip(all_names).enumerate() {
         let until = phase.phase.and_then(|phase| phase.until.as_ref()).map(|until| (until, unit.file));
         let before = checked.iter().fold(0_u32, |sum, phase: &CheckedPhase<'_>| sum.saturating_add(phase.checked.timing.horizon));
         let sequence = InSequence { index, until, before, ..whole };
         let (found, told) = check::task::check(&phase.task, names, around, sequence, queries.clone());
-        diagnostics.extend(told);
+        unread.note(names, around.surroundings, &told.whole);
+        diagnostics.formulas.extend(told.formulas);
+        diagnostics.whole.extend(told.whole);
         let found = failures.catch(found);
         if let Some(found) = &found {
             queries.clone_from(
@@ -275,6 +279,8 @@ pub(super) struct Compiler<'a> {
     pub noting: bool,
     /// Functions that were called.
     pub called: &'a RefCell<BTreeSet<(FileId, String)>>,
+    /// Names that no task reads.
+    pub unread: &'a RefCell<Unread>,
 }
 
 impl Compiler<'_> {
@@ -300,9 +306,8 @@ impl Compiler<'_> {
             _ => None,
         });
         // All phases share the scene: it is that of the first.
-        let (surroundings, told) = check::scene::surroundings(first, &all_names[0], &vocabulary);
-        let broken = Reported::among(&told);
-        diagnostics.extend(told);
+        let (surroundings, mut of_scene) = check::scene::surroundings(first, &all_names[0], &vocabulary);
+        let broken = Reported::among(&of_scene);
         let vocabulary = vocabulary.with_scene(&surroundings.scene);
         let trace = |motion: &Motion| self.bodies.trace(&description, motion);
         let around = Around {
@@ -312,12 +317,28 @@ impl Compiler<'_> {
             motions: Motions { tables: self.motions, trace: &trace },
         };
         let whole = InSequence { phases: &phase_names, success, tests: phase_names.is_empty(), ..InSequence::default() };
-        let (checked, mut told) = phases_of(unit, &all_names, around, whole, Vec::new());
+        let unread = &mut *self.unread.borrow_mut();
+        let (checked, mut told) = phases_of(unit, &all_names, around, whole, Vec::new(), unread);
         if broken.is_some() {
             // What formulas do not find may be what is broken in the scene: only the scene is at fault.
-            told.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
+            told.formulas.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
         }
-        diagnostics.extend(told);
+        let statements = unit.phases.iter().map(|phase| &phase.task.statements);
+        let mut misnamed = Vec::new();
+        let mut allowances: Vec<Allowance> = statements.flat_map(|said| check::allows::of_task(said, &mut misnamed)).collect();
+        let libraries = checked.iter().flatten().flat_map(|phase| &phase.checked.allowances);
+        allowances.extend(libraries.cloned());
+        told.formulas.append(&mut of_scene);
+        for told in [&mut told.formulas, &mut told.whole] {
+            Allowance::apply(&mut allowances, told);
+        }
+        if unit.sequence.is_some() || !misnamed.is_empty() {
+            // What an `allow` with a wrong name is to cover is not known. And a task is looked at by itself; as a phase it would only be told of again.
+            told.whole.retain(|told| told.severity == Severity::Error);
+        }
+        diagnostics.append(&mut misnamed);
+        diagnostics.append(&mut told.formulas);
+        diagnostics.append(&mut told.whole);
         let mut checked = broken.map_or(checked, Err);
         let tested = match (&unit.sequence, &mut checked) {
             (Some(statements), Ok(checked)) if statements.iter().any(is_test) => {
@@ -325,9 +346,10 @@ impl Compiler<'_> {
                 let known = checked.last().map(|last| last.checked.queries.clone()).unwrap_or_default();
                 let horizon = checked.iter().fold(0_u32, |sum, phase| sum.saturating_add(phase.checked.timing.horizon));
                 let tested = InSequence { tests: true, horizon, ..whole };
-                let (phases, mut told) = phases_of(unit, &all_names, around, tested, known);
+                let (phases, told) = phases_of(unit, &all_names, around, tested, known, unread);
                 // What it warns of is told already.
-                diagnostics.extend(told.drain(..).filter(|told| phases.is_err() && told.severity == Severity::Error));
+                let errors = told.formulas.into_iter().chain(told.whole).filter(|told| told.severity == Severity::Error);
+                diagnostics.extend(errors.filter(|_| phases.is_err()));
                 Some(tests_of(phases?, diagnostics)?)
             }
             (_, Ok(checked)) => tests_taken(checked),
@@ -354,7 +376,9 @@ impl Compiler<'_> {
             success,
             shared: shared.collect(),
         };
-        Ok(finish(heading, checked, tested, self.texts))
+        let mut task = finish(heading, checked, tested, self.texts);
+        task.places.allowances = allowances;
+        Ok(task)
     }
 
     /// The body that a task runs on, with what the task changes on it.

@@ -33,6 +33,7 @@ impl Diagnostic {
             .collect();
         json!({
             "code": self.code.id,
+            "lint": self.code.lint.map(|lint| lint.name),
             "severity": self.severity,
             "message": self.message,
             "labels": labels,

@@ -6,17 +6,21 @@
 //!
 //! The codes, with an explanation and an example for each, are one table: [`codes`].
 
+mod allowance;
 pub mod codes;
 mod fix;
 mod json;
+mod lint;
 mod nearest;
 mod render;
 mod reported;
 mod source;
 mod synonyms;
 
+pub use allowance::{Allowance, Scope};
 pub use codes::Code;
 pub use fix::fixed;
+pub use lint::{Level, Lint, Stage, find_lint, lints};
 pub use nearest::nearest;
 pub use render::Style;
 pub(crate) use reported::Failures;

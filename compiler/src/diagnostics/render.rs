@@ -54,7 +54,7 @@ impl Diagnostic {
         let paint = Paint { style, severity: self.severity };
         let mut text = String::new();
         let word = if self.severity == Severity::Error { "error" } else { "warning" };
-        let head = format!("{word}[{}]", self.code.id);
+        let head = format!("{word}[{}]", self.code.named());
         let _ = writeln!(text, "{}: {}", paint.main(&head), paint.bold(&printable(&self.message)));
         let margin = self.margin(sources);
         let mut shown: Option<FileId> = None;

@@ -218,11 +218,7 @@ impl Places {
         self.success = checked.success_at;
         self.terminations.extend(checked.terminations.iter().map(|end| (end.file, end.span)));
         self.finishes.extend(checked.finishes.iter().map(|end| (end.file, end.span)));
-        self.terms.extend(checked.terms.iter().map(|term| {
-            let allowed = term.allowed.iter().map(|lint| (*lint).to_owned()).collect();
-            ((term.file, term.formula.span), allowed)
-        }));
-        self.allowed.extend(checked.allowed.iter().cloned());
+        self.terms.extend(checked.terms.iter().map(|term| (term.file, term.formula.span)));
     }
 }
 

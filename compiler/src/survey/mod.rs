@@ -157,7 +157,7 @@ impl<'a> Survey<'a> {
         let places = &task.places;
         let own = |range: &std::ops::Range<usize>, nodes: &[NodeId]| range.clone().zip(nodes.to_vec()).collect::<Vec<_>>();
         for (index, node) in own(&phase.terms, &outputs.terms) {
-            if let Some((at, _)) = places.terms.get(index) {
+            if let Some(at) = places.terms.get(index) {
                 add(About::Term(index), *at, node, None, String::new());
             }
         }

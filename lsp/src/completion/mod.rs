@@ -55,7 +55,8 @@ pub fn complete(workspace: &Workspace<'_>, path: &Path, byte: usize, encoding: E
         Wanted::Joints => joints(&vocabulary(workspace, path, byte)),
         Wanted::Poses => poses(&vocabulary(workspace, path, byte)),
         Wanted::Lints => {
-            msk_compiler::check::lints().map(|name| proposal(name, CompletionItemKind::CONSTANT, "a lint", "")).collect()
+            let lints = msk_compiler::diagnostics::lints().filter(|(_, lint)| lint.allowable());
+            lints.map(|(code, lint)| proposal(lint.name, CompletionItemKind::CONSTANT, code.title, "")).collect()
         }
         Wanted::Declared(space) => declared(workspace, path, byte, |known| known == *space),
         Wanted::Frames => frames(&vocabulary(workspace, path, byte)),

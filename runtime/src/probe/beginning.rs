@@ -1,7 +1,7 @@
 //! The beginning of a task: overlaps, what does not hold together, ends that hold at the first step.
 
+use super::at;
 use super::poses::Room;
-use super::{Found, at};
 use crate::episode::{Ending, Episode, EpisodeKey, Penetration, REST, Residual};
 use crate::library::{BodyLibrary, BoundBody, in_words};
 use crate::physics::State;
@@ -13,7 +13,6 @@ use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
 use msk_compiler::numbers::for_people;
 use msk_compiler::survey::{About, Survey};
 use msk_compiler::task::CompiledTask;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// How often a task is begun: enough to see through its noise.
@@ -54,24 +53,24 @@ struct Tally {
 }
 
 /// Begins a task with several seeds and tells what is wrong with that; nothing more can be said of one that cannot begin.
-pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, told: &mut Vec<Found>) -> Option<Begun> {
+pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, told: &mut Vec<Diagnostic>) -> Option<Begun> {
     match begin(task, bodies) {
         Ok((begun, tally)) => {
-            told.extend(tell(task, &tally).into_iter().map(|(lint, diagnostic)| (lint, BTreeSet::new(), diagnostic)));
+            told.append(&mut tell(task, &tally));
             dead(task, &tally, told);
             Some(begun)
         }
         Err(reason) => {
             let message = format!("the task `{}` cannot begin", task.name);
             let diagnostic = at(probing::CANNOT_BEGIN, task.places.init, message).found(reason);
-            told.push((CANNOT_BEGIN, BTreeSet::new(), diagnostic));
+            told.push(diagnostic);
             None
         }
     }
 }
 
 /// Terms of the first phase that could pay well and pay almost nothing where the task begins.
-fn dead(task: &CompiledTask, found: &Tally, told: &mut Vec<Found>) {
+fn dead(task: &CompiledTask, found: &Tally, told: &mut Vec<Diagnostic>) {
     let Some(survey) = Survey::new(task, 0) else { return };
     for subject in survey.subjects().iter().filter(|subject| !subject.gated && subject.of_pose) {
         let About::Term(index) = subject.about else { continue };
@@ -83,13 +82,13 @@ fn dead(task: &CompiledTask, found: &Tally, told: &mut Vec<Found>) {
                 .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
                 .found(format!("{} at most in {SEEDS} episodes", for_people(most)))
                 .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
-            told.push((DEAD_AT_RESET, task.places.terms[index].1.clone(), diagnostic));
+            told.push(diagnostic);
         }
     }
 }
 
 /// Tells of a body that begins in the air with nothing that holds it.
-pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, told: &mut Vec<Found>) {
+pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, told: &mut Vec<Diagnostic>) {
     let root = &task.init.root;
     let meant = root.lift > 0.0 || root.velocity != [0.0; 3] || task.init.follows.is_some() || task.init.settle.is_some();
     if meant || room.body.root.free.is_none() || room.body.shapes.is_empty() || !room.body.connections.is_empty() {
@@ -100,12 +99,12 @@ pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, told: &mut Vec<Fou
         let message = format!("the task `{}` begins with the body {:.1} cm above everything: it falls", task.name, 1e2 * height);
         let diagnostic = at(probing::STARTS_ABOVE, task.places.init, message)
             .help("`height on ground` puts its lowest point on the ground; if it is to drop, say `allow starts_above \"...\"`");
-        told.push((STARTS_ABOVE, BTreeSet::new(), diagnostic));
+        told.push(diagnostic);
     }
 }
 
 /// Tells of things that the body wears inside it: what is fixed to each other never collides, so no contact shows it.
-pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, told: &mut Vec<Found>) {
+pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, told: &mut Vec<Diagnostic>) {
     let (model, kinematics) = (room.model, &room.workspace.kinematics);
     let mut scratch = Scratch::default();
     let mut overlaps: Vec<Penetration> = Vec::new();
@@ -128,17 +127,9 @@ pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, told: &mut Vec<Found>) 
         let message = format!("the task `{}` has the body wear {}", task.name, overlap(deepest));
         let diagnostic = others(at(probing::STARTS_INSIDE, task.places.init, message), overlaps.iter().map(overlap));
         let help = "say where it is: `at` with a place in the frame of what carries it, or `allow starts_inside \"...\"`";
-        told.push((STARTS_INSIDE, BTreeSet::new(), diagnostic.help(help)));
+        told.push(diagnostic.help(help));
     }
 }
-
-/// Names under which what is found is allowed.
-const CANNOT_BEGIN: &str = "cannot_begin";
-const STARTS_INSIDE: &str = "starts_inside";
-const STARTS_APART: &str = "starts_apart";
-const STARTS_ABOVE: &str = "starts_above";
-const DEAD_AT_RESET: &str = "dead_at_reset";
-const HOLDS_AT_RESET: &str = "holds_at_reset";
 
 fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally), String> {
     let staged = bodies.stage(&task.body, &task.scene).map_err(|error| in_words(&error))?;
@@ -194,37 +185,34 @@ impl Tally {
     }
 }
 
-/// What is found as warnings, each with the name under which it is allowed.
-fn tell(task: &CompiledTask, found: &Tally) -> Vec<(&'static str, Diagnostic)> {
+/// What is found as warnings.
+fn tell(task: &CompiledTask, found: &Tally) -> Vec<Diagnostic> {
     let places = &task.places;
     let mut told = Vec::new();
     if let Some(deepest) = found.penetrations.first() {
         let message = format!("the task `{}` begins with {}", task.name, overlap(deepest));
         let diagnostic = at(probing::STARTS_INSIDE, places.init, message);
         let diagnostic = others(diagnostic, found.penetrations.iter().map(overlap));
-        told.push((STARTS_INSIDE, diagnostic.help("move one of them, or say `allow starts_inside \"...\"`")));
+        told.push(diagnostic.help("move one of them, or say `allow starts_inside \"...\"`"));
     }
     if let Some(first) = found.residuals.first() {
         let message = format!("the task `{}` begins with {}", task.name, gap(first));
         let diagnostic = at(probing::STARTS_APART, places.init, message);
         let diagnostic = others(diagnostic, found.residuals.iter().map(gap));
-        told.push((
-            STARTS_APART,
-            diagnostic.help("begin where both meet, hold them `here`, or say `allow starts_apart \"...\"`"),
-        ));
+        told.push(diagnostic.help("begin where both meet, hold them `here`, or say `allow starts_apart \"...\"`"));
     }
     // A failure is wrong in any episode; what is no failure may be met by chance, but not always.
     let failures = task.terminations.iter().zip(&places.terminations).zip(&found.terminations);
     for ((name, place), &count) in failures.filter(|(_, count)| **count > 0) {
-        told.push((HOLDS_AT_RESET, holds(&format!("the termination `{name}`"), *place, count)));
+        told.push(holds(&format!("the termination `{name}`"), *place, count));
     }
     let finishes = task.finishes.iter().zip(&places.finishes).zip(&found.finishes);
     for ((name, place), &count) in finishes.filter(|(_, count)| **count == SEEDS) {
-        told.push((HOLDS_AT_RESET, holds(&format!("the reason to finish `{name}`"), *place, count)));
+        told.push(holds(&format!("the reason to finish `{name}`"), *place, count));
     }
     // The last step of an episode may well succeed.
     if found.success == SEEDS && task.horizon > 1 {
-        told.push((HOLDS_AT_RESET, holds("success", places.success, found.success)));
+        told.push(holds("success", places.success, found.success));
     }
     told
 }

@@ -17,24 +17,32 @@ mod symmetry;
 use crate::library::BodyLibrary;
 use msk_compiler::diagnostics::codes::lints::HOLDS_AT_RESET;
 use msk_compiler::diagnostics::codes::probing::UNREACHED;
-use msk_compiler::diagnostics::{Code, Diagnostic, FileId, Span};
+use msk_compiler::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, Stage};
 use msk_compiler::task::CompiledTask;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Something found: the name under which it is allowed, the lints that are allowed in its place, what is told.
-type Found = (&'static str, BTreeSet<String>, Diagnostic);
-
-/// Probes tasks on all cores, in their order.
-pub fn tasks(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary) -> Vec<Diagnostic> {
-    tasks.par_iter().flat_map_iter(|task| probe(task, bodies)).collect()
+/// What probing finds of a task.
+struct Probed {
+    /// What no `allow` covers.
+    warnings: Vec<Diagnostic>,
+    /// Every `allow` of the task, and whether it covers what the compiler or probing finds.
+    allowances: Vec<Allowance>,
 }
 
-/// The same without what the compiler has `told` already: of one place and one code once is enough.
+/// Probes tasks on all cores, in their order: what no `allow` covers.
+pub fn tasks(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary) -> Vec<Diagnostic> {
+    tasks.par_iter().flat_map_iter(|task| probe(task, bodies).warnings).collect()
+}
+
+/// The same without what the compiler has `told` already (of one place and one code once is enough), and with every `allow` of
+/// what probing looks for that covers nothing.
 pub fn new_of(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary, told: &[Diagnostic]) -> Vec<Diagnostic> {
-    let mut found = self::tasks(tasks, bodies);
+    let (warnings, allowances): (Vec<_>, Vec<_>) =
+        tasks.par_iter().map(|task| probe(task, bodies)).map(|probed| (probed.warnings, probed.allowances)).unzip();
+    let mut found = warnings.concat();
     found.retain(|new| told.iter().all(|known| !repeats(new, known)));
+    found.extend(Allowance::unfulfilled(allowances.iter().flatten(), Stage::Probe));
     found
 }
 
@@ -44,22 +52,24 @@ fn repeats(new: &Diagnostic, known: &Diagnostic) -> bool {
     same && (new.file(), new.span()) == (known.file(), known.span())
 }
 
-fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Vec<Diagnostic> {
-    let mut told = Vec::new();
-    if let Some(begun) = beginning::probe(task, bodies, &mut told) {
+fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Probed {
+    let (mut warnings, mut allowances) = (Vec::new(), task.places.allowances.clone());
+    if let Some(begun) = beginning::probe(task, bodies, &mut warnings) {
         let (model, body) = (&*begun.staged.model, &*begun.staged.body);
         let mut room = poses::Room::new(model, body, &begun.state, &task.frame);
-        beginning::above(task, &mut room, &mut told);
-        beginning::worn(task, &room, &mut told);
+        beginning::above(task, &mut room, &mut warnings);
+        beginning::worn(task, &room, &mut warnings);
         let shown = reach::draw(&mut room);
         let mut reached = reach::probe(task, &mut room, &shown, &begun.frames);
-        reached.retain(|(_, _, new)| told.iter().all(|(_, _, known)| !repeats(new, known)));
-        told.append(&mut reached);
-        told.extend(symmetry::probe(task, &mut room, &shown, &begun.episode));
+        reached.retain(|new| warnings.iter().all(|known| !repeats(new, known)));
+        warnings.append(&mut reached);
+        warnings.extend(symmetry::probe(task, &mut room, &shown, &begun.episode));
+    } else {
+        // Nothing is known of a task that cannot begin, so no `allow` is needless.
+        allowances.iter_mut().for_each(|allowance| allowance.fulfilled = true);
     }
-    let allowed = &task.places.allowed;
-    let remarks = told.into_iter().filter(|(lint, own, _)| !allowed.contains(*lint) && !own.contains(*lint));
-    remarks.map(|(_, _, diagnostic)| diagnostic).collect()
+    Allowance::apply(&mut allowances, &mut warnings);
+    Probed { warnings, allowances }
 }
 
 fn at(code: &'static Code, (file, span): (FileId, Span), message: String) -> Diagnostic {

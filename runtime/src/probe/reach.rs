@@ -3,13 +3,13 @@
 //! Many poses are drawn (`poses`), always the same ones; what all of them decide alike is searched for, from the pose that comes
 //! nearest, by small changes. What is then still decided alike is told with the numbers that were met.
 
+use super::at;
 use super::poses::Room;
 use super::search::{Goal, Range, Search, Shown, Tally};
-use super::{Found, at};
 use crate::episode::{EpisodeKey, Stream};
 use crate::scalar::Real;
 use msk_compiler::diagnostics::codes::probing;
-use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
+use msk_compiler::diagnostics::{Code, Diagnostic, FileId, Span};
 use msk_compiler::frame::Sensor;
 use msk_compiler::numbers::for_people;
 use msk_compiler::survey::{About, Subject, Survey};
@@ -30,10 +30,6 @@ const AS_NEAR: f64 = 0.01;
 const TOGETHER: f64 = 0.1;
 /// A term that always pays more than this part of its range can hardly be earned.
 const MOST: f64 = 0.5;
-
-pub(super) const UNREACHED: &str = "unreached";
-pub(super) const NEVER_PAID: &str = "never_paid";
-pub(super) const ALWAYS_PAID: &str = "always_paid";
 
 /// Poses of a body in a scene, always the same.
 pub(super) fn draw(room: &mut Room<'_>) -> Vec<Shown> {
@@ -65,7 +61,7 @@ struct Verdict {
 }
 
 /// Looks at all phases of a task in the poses `shown`; `begins` are records of beginnings.
-pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], begins: &[Vec<f64>]) -> Vec<Found> {
+pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], begins: &[Vec<f64>]) -> Vec<Diagnostic> {
     let mut told = Vec::new();
     let mut comparisons: BTreeMap<(FileId, Span), Vec<Verdict>> = BTreeMap::new();
     let begins_standing = room.begins_standing();
@@ -105,10 +101,10 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], b
                 let message = verdict.map_or(String::new(), |verdict| verdict.2);
                 decided.extend(never.is_some().then_some(subject));
                 comparisons.entry(about.at).or_default().push(Verdict { never, message });
-            } else if let Some((lint, _, message)) = verdict
+            } else if let Some((code, _, message)) = verdict
                 && !decided.iter().any(|known| search.survey.reads(subject, *known))
             {
-                told.push(found(task, &about, lint, named(task, &about) + &message));
+                told.push(warning(code, &about, named(task, &about) + &message));
             }
         }
     }
@@ -118,7 +114,7 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], b
             continue;
         };
         if first.never.is_some() {
-            told.push((UNREACHED, lints_at(task, place), unreached(place, first.message.clone())));
+            told.push(unreached(place, first.message.clone()));
         }
     }
     told
@@ -140,28 +136,17 @@ fn named(task: &CompiledTask, subject: &Subject) -> String {
     }
 }
 
-fn found(task: &CompiledTask, subject: &Subject, lint: &'static str, message: String) -> Found {
-    let diagnostic = match lint {
-        NEVER_PAID => at(probing::NEVER_PAID, subject.at, message)
-            .help("look for a wrong landmark, unit or sign; if it is meant, say `allow never_paid \"...\"`"),
-        ALWAYS_PAID => {
-            at(probing::ALWAYS_PAID, subject.at, message).help("pay what can be missed, or say `allow always_paid \"...\"`")
-        }
-        _ => unreached(subject.at, message),
+fn warning(code: &'static Code, subject: &Subject, message: String) -> Diagnostic {
+    let help = if code == probing::ALWAYS_PAID {
+        "pay what can be missed, or say `allow always_paid \"...\"`".to_owned()
+    } else {
+        let lint = code.lint.map_or(code.id, |lint| lint.name);
+        format!("look for a wrong landmark, unit or sign; if it is meant, say `allow {lint} \"...\"`")
     };
-    (lint, lints_at(task, subject.at), diagnostic)
+    at(code, subject.at, message).help(help)
 }
 
-/// Lints that are allowed on the term in whose formula a place is.
-fn lints_at(task: &CompiledTask, (file, span): (FileId, Span)) -> BTreeSet<String> {
-    let inside = |known: &&((FileId, Span), BTreeSet<String>)| {
-        let (own, term) = known.0;
-        own == file && term.start <= span.start && span.end <= term.end
-    };
-    task.places.terms.iter().find(inside).map_or_else(BTreeSet::new, |(_, allowed)| allowed.clone())
-}
-
-type Told = (&'static str, bool, String);
+type Told = (&'static Code, bool, String);
 
 /// A condition that never holds or never fails.
 fn condition(
@@ -183,7 +168,7 @@ fn condition(
         if about.about != About::Comparison && missing < TOGETHER {
             continue;
         }
-        return Some((UNREACHED, wanted, decided(about, tally, wanted, search.looked - looked + shown.len(), "poses")));
+        return Some((probing::UNREACHED, wanted, decided(about, tally, wanted, search.looked - looked + shown.len(), "poses")));
     }
     None
 }
@@ -215,7 +200,11 @@ fn missed_on_feet(
         }
         if !search.run(subject, Goal::Hold(wanted), start, true, &mut standing) {
             let poses = search.looked - looked + gaps.len();
-            return Some((UNREACHED, wanted, decided(about, &standing, wanted, poses, "poses with a flat foot on the ground")));
+            return Some((
+                probing::UNREACHED,
+                wanted,
+                decided(about, &standing, wanted, poses, "poses with a flat foot on the ground"),
+            ));
         }
     }
     None
@@ -269,7 +258,7 @@ fn term(
         }
         let poses = search.looked - looked + shown.len();
         let message = format!(" is {} at most in {poses} poses: it pays nothing", amount(tally.all.size()));
-        return Some((NEVER_PAID, true, message));
+        return Some((probing::NEVER_PAID, true, message));
     }
     if !standing || about.reads_ends || tally.standing.high.1.is_none() {
         return None;
@@ -286,7 +275,7 @@ fn term(
                 for_people(low),
                 for_people(high)
             );
-            return Some((ALWAYS_PAID, true, message));
+            return Some((probing::ALWAYS_PAID, true, message));
         }
     }
     None

@@ -1,17 +1,17 @@
 //! What a task that says that it is symmetric pays for states and for their mirror images.
 
+use super::at;
 use super::mirror::Mirror;
 use super::poses::Room;
 use super::search::Shown;
-use super::{Found, at};
 use crate::episode::{Episode, EpisodeKey, Stream};
 use crate::physics::State;
 use crate::scalar::Real;
+use msk_compiler::diagnostics::Diagnostic;
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::numbers::{beside, for_people};
 use msk_compiler::survey::{About, Survey};
 use msk_compiler::task::{CompiledTask, StepReport};
-use std::collections::BTreeSet;
 
 /// How many states are mirrored.
 const STATES: usize = 24;
@@ -24,10 +24,8 @@ const PRESSED: f64 = 3e-3;
 /// Speeds of joints (rad/s) and of the root (m/s, rad/s).
 const SPEED: f64 = 0.5;
 
-const UNMIRRORED: &str = "unmirrored";
-
 /// Compares states with their mirror images; a sequence and a scene with two unlike sides are left alone.
-pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], episode: &Episode) -> Vec<Found> {
+pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], episode: &Episode) -> Vec<Diagnostic> {
     let (true, 1, Some(survey)) = (task.symmetric, Survey::phases(task), Survey::new(task, 0)) else { return Vec::new() };
     let Some(mirror) = Mirror::new(room.model, room.body, &room.begins) else { return Vec::new() };
     let mut episode = episode.clone();
@@ -67,11 +65,10 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], e
             About::Success | About::Comparison => continue,
         };
         let message = format!("the task is `symmetric`, but `{name}` {message}");
-        let diagnostic = at(probing::UNMIRRORED, subject.at, message)
+        let warning = at(probing::UNMIRRORED, subject.at, message)
             .found(format!("{} of {} states differ, by {} at most", unlike.len(), values.len(), for_people((here - there).abs())))
             .help("read both sides alike, or leave out `symmetric`");
-        let own = if let About::Term(index) = subject.about { task.places.terms[index].1.clone() } else { BTreeSet::new() };
-        told.push((UNMIRRORED, own, diagnostic));
+        told.push(warning);
     }
     told
 }

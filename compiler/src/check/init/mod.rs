@@ -58,12 +58,8 @@ impl<'a> Checker<'a> {
                 InitStatement::Object(element) => checker.placement(element, &mut beginning),
                 InitStatement::Noise(noise) => checker.noise(noise, &mut beginning.init),
                 InitStatement::Settle(settle) => checker.settle(settle, &mut beginning.init),
-                InitStatement::Allow(allow) => {
-                    checker.allow(allow);
-                    Ok(())
-                }
                 // Carried out already.
-                InitStatement::Remove(_) => Ok(()),
+                InitStatement::Allow(_) | InitStatement::Remove(_) => Ok(()),
             });
             failures.catch(result);
         }

@@ -19,10 +19,8 @@ impl Checker<'_> {
         } else {
             return;
         };
-        if !self.allowed.contains("folded") {
-            let diagnostic = self.diagnostic(codes::intent::FOLDED, span, format!("in this absolute value {same}"));
-            self.diagnostics.push(diagnostic.help(instead));
-        }
+        let diagnostic = self.diagnostic(codes::intent::FOLDED, span, format!("in this absolute value {same}"));
+        self.diagnostics.push(diagnostic.help(instead));
     }
 }
 

@@ -1,8 +1,7 @@
 //! Lints on what is paid: how much, how often, and what it costs to end.
 
+use super::at;
 use super::events::is_event;
-use super::{at, push, push_term};
-use crate::check::context::Checker;
 use crate::check::reward::PaidTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
@@ -19,7 +18,7 @@ const MOST: f64 = 100.0;
 const SMALL: f64 = 0.5;
 
 /// Lints on the amounts of all terms.
-pub(super) fn amounts(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
+pub(super) fn amounts(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
     let ranges: Vec<Bounds> = task.terms.iter().map(|term| paid(term, interval::of_scalar(bounds, term.node))).collect();
     let size = |range: &Bounds| maximum(range.high.abs(), range.low.abs());
     for (index, term) in task.terms.iter().enumerate() {
@@ -27,11 +26,11 @@ pub(super) fn amounts(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[V
         let rest: f64 = others().map(size).sum();
         if rest > 0.0 && size(&ranges[index]) > MOST * rest && size(&ranges[index]).is_finite() {
             let message = format!("the term `{}` can pay more than {MOST} times as much as all others together", term.name);
-            let diagnostic = at(checker, codes::intent::OUTWEIGHS, term, message)
+            let diagnostic = at(codes::intent::OUTWEIGHS, term, message)
                 .expected(format!("at most {MOST} times {}", for_people(rest)))
                 .found(for_people(size(&ranges[index])))
                 .help("what the others pay for is lost beside it; a weight that stands in the formula as well is counted twice");
-            push_term(checker, term, "outweighs", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
         let gains: f64 = others().map(|range| maximum(range.high, 0.0)).sum();
         if term.condition
@@ -41,20 +40,20 @@ pub(super) fn amounts(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[V
             && !reads_ends(task, term)
         {
             let message = format!("the term `{}` pays its whole weight at every step at which it holds", term.name);
-            let diagnostic = at(checker, codes::intent::PAID_EVERY_STEP, term, message)
+            let diagnostic = at(codes::intent::PAID_EVERY_STEP, term, message)
                 .expected(format!("at most {} a step, as all others together", for_people(gains)))
                 .found(for_people(ranges[index].high))
                 .help("pay an event once, `once(...)`, or each time that it begins, `rising(...)`");
-            push_term(checker, term, "paid_every_step", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
         if ranges[index].high == f64::INFINITY && jumps(&task.graph, term.node) {
             let message = format!("the term `{}` pays without bound for what jumps at every contact", term.name);
-            let diagnostic = at(checker, codes::intent::SPIKE, term, message)
+            let diagnostic = at(codes::intent::SPIKE, term, message)
                 .help("bound it: `clip(x, 0, 1)`, `tanh(x)`, or pay for a speed or a height instead");
-            push_term(checker, term, "spike", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
     }
-    ending(checker, task, &ranges, diagnostics);
+    ending(task, &ranges, diagnostics);
 }
 
 /// Between which amounts a term pays at one step.
@@ -65,7 +64,7 @@ fn paid(term: &PaidTerm<'_>, range: Bounds) -> Bounds {
 }
 
 /// Where each step can cost and no term knows of the end, ending early can be what pays most.
-fn ending(checker: &Checker<'_>, task: &CheckedTask<'_>, ranges: &[Bounds], diagnostics: &mut Vec<Diagnostic>) {
+fn ending(task: &CheckedTask<'_>, ranges: &[Bounds], diagnostics: &mut Vec<Diagnostic>) {
     // What is written as a cost; a term that is paid and may sink below zero is none.
     let charged = task.terms.iter().zip(ranges).filter(|(term, _)| term.weight < 0.0);
     let costs: f64 = charged.map(|(_, range)| maximum(-range.low, 0.0)).sum();
@@ -77,7 +76,7 @@ fn ending(checker: &Checker<'_>, task: &CheckedTask<'_>, ranges: &[Bounds], diag
     let message = format!("ending as a failure, as with `{}`, costs nothing, though steps can cost", first.name);
     let diagnostic = Diagnostic::new(codes::intent::ENDING_PAYS, first.file, first.span, message)
         .help("a policy may learn to end early: pay for going on (`5 alive = not terminated`) or charge the end (`-100 failed = terminated`)");
-    push(checker, "ending_pays", diagnostic, diagnostics);
+    diagnostics.push(diagnostic);
 }
 
 /// Whether a term depends on how the episode ends.

@@ -1,6 +1,6 @@
 //! Lints on what is looked at: by the policy, by ends, by success, and on both sides of the body.
 
-use super::{at, push, push_term};
+use super::at;
 use crate::check::context::Checker;
 use crate::check::scope::Definition;
 use crate::check::task::CheckedTask;
@@ -31,18 +31,13 @@ pub(super) fn constant_channels(
             let message = format!("the channel `{}` never changes", channel.name);
             let diagnostic = Diagnostic::new(codes::intent::CONSTANT_CHANNEL, channel.file, channel.span, message)
                 .help("it tells the policy nothing: look for a quantity that stands still, or leave it out");
-            push(checker, "constant_channel", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
     }
 }
 
 /// Failures that time alone decides.
-pub(super) fn timed_failures(
-    checker: &Checker<'_>,
-    task: &CheckedTask<'_>,
-    bounds: &[Vec<Bounds>],
-    diagnostics: &mut Vec<Diagnostic>,
-) {
+pub(super) fn timed_failures(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
     for end in &task.terminations {
         let decided = bounds[end.node.index()].iter().all(|lane| lane.single().is_some());
         let by_time = |id: &NodeId| {
@@ -53,13 +48,13 @@ pub(super) fn timed_failures(
             let message = format!("time alone ends the episode as the failure `{}`", end.name);
             let diagnostic = Diagnostic::new(codes::intent::TIMED_FAILURE, end.file, end.span, message)
                 .help("reaching the end of the time is no failure: say `horizon`, or put the reason into `finish`");
-            push(checker, "timed_failure", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
         }
     }
 }
 
 /// A success that one step of a speed or of a contact settles for good.
-pub(super) fn fleeting(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+pub(super) fn fleeting(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let graph = &task.graph;
     let settled = graph.reachable([task.success]).into_iter().find(|&id| {
         let node = graph.node(id);
@@ -71,7 +66,7 @@ pub(super) fn fleeting(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
         let message = "one step of a speed or of a contact settles the success for the whole episode";
         let diagnostic = Diagnostic::new(codes::intent::FLEETING, file, span, message)
             .help("say for how long it must last: `ever(held(c, 0.5 s))`");
-        push(checker, "fleeting", diagnostic, diagnostics);
+        diagnostics.push(diagnostic);
     }
 }
 
@@ -134,9 +129,9 @@ pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics:
             if moves && !seen.contains(&index) && told.insert(index) {
                 let name = &landmarks[index].name;
                 let message = format!("the pay depends on where `{name}` is, which the policy cannot observe");
-                let diagnostic = at(checker, codes::intent::UNSEEN, term, message)
+                let diagnostic = at(codes::intent::UNSEEN, term, message)
                     .help(format!("add it to `observe`: `{name}.position - pelvis.position`"));
-                push_term(checker, term, "unseen", diagnostic, diagnostics);
+                diagnostics.push(diagnostic);
             }
         }
     }
@@ -182,7 +177,7 @@ pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
         let message = format!("the task is `symmetric`, but {what} reads `{name}` and never `{missing}`");
         let diagnostic = Diagnostic::new(codes::intent::ONE_SIDE, file, span, message)
             .help(format!("read both, `{}`, or leave out `symmetric`", pair(name)));
-        push(checker, "one_side", diagnostic, diagnostics);
+        diagnostics.push(diagnostic);
     }
 }
 
@@ -210,7 +205,7 @@ fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec
             let (file, span) = span.unwrap_or(place);
             let diagnostic = Diagnostic::new(codes::intent::ONE_SIDE, file, span, message)
                 .help(format!("pose both alike, `{} = ...`, or leave out `symmetric`", pair(name)));
-            push(checker, "one_side", diagnostic, diagnostics);
+            diagnostics.push(diagnostic);
             return;
         }
     }

@@ -8,7 +8,7 @@ use crate::check::value::{Data, Thing, Value};
 use crate::diagnostics::codes;
 use crate::graph::NodeId;
 use crate::scene::{Connection, SceneDescription};
-use crate::syntax::tree::{self, Element, ElementName, Expr, SceneStatement, TaskStatement};
+use crate::syntax::tree::{self, Element, ElementName, Expr, TaskStatement};
 use crate::task::Disturbance;
 
 /// Connections of a scene, and when those that let go do so.
@@ -43,17 +43,6 @@ impl<'a> Checker<'a> {
         let ((connections, releases), markers) = (connections?, markers?);
         failures.or(())?;
         Ok(Staged { scene: SceneDescription { connections, ..scene }, releases, markers, disturbances })
-    }
-
-    /// Lints that a scene allows.
-    pub(crate) fn allow_in_scene(&mut self, statements: &'a [SceneStatement]) {
-        for statement in statements {
-            match statement {
-                SceneStatement::Allow(allow) => self.allow(allow),
-                SceneStatement::Repeat(repeat) => self.allow_in_scene(&repeat.statements),
-                _ => {}
-            }
-        }
     }
 
     /// The welds and connections of the scene.

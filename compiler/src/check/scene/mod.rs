@@ -26,11 +26,11 @@ mod rotation;
 mod shapes;
 
 use super::context::{Checker, Reported};
-use super::inherit::{Placed, WholeTask};
+use super::inherit::WholeTask;
 use super::scope::{Names, Place};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::scene::{Motion, Object, Parent, SceneDescription, Surface};
-use crate::syntax::tree::{Element, ElementName, Expr, SceneStatement, TaskStatement};
+use crate::syntax::tree::{Element, ElementName, Expr, TaskStatement};
 use crate::vocabulary::{Landmark, Vocabulary};
 use expand::{Expanded, Locals, Unrolled};
 use geometry::Known;
@@ -125,7 +125,6 @@ pub(crate) fn surroundings<'a>(
         _ => None,
     });
     let mut blocks = blocks.peekable();
-    checker.allowed.extend(allowed(&task.statements));
     if blocks.peek().is_none() {
         let surroundings =
             Surroundings { scene: SceneDescription { ground: Some(GROUND), ..Default::default() }, ..Default::default() };
@@ -149,22 +148,6 @@ pub(crate) fn surroundings<'a>(
     checker.hand_over_notes(&graph);
     let surroundings = Surroundings { scene, fixed, known, starts, used, statements };
     (surroundings, checker.diagnostics)
-}
-
-/// Lints that the task or its scene allows; whether there are such lints is looked at with the task.
-fn allowed(statements: &[Placed]) -> Vec<String> {
-    let mut names = Vec::new();
-    for placed in statements {
-        match &placed.statement {
-            TaskStatement::Allow(allow) => names.push(allow.lint.text.clone()),
-            TaskStatement::Scene(block) => names.extend(block.entries.iter().filter_map(|entry| match entry {
-                SceneStatement::Allow(allow) => Some(allow.lint.text.clone()),
-                _ => None,
-            })),
-            _ => {}
-        }
-    }
-    names
 }
 
 /// The level ground of a task that says nothing of a scene.
@@ -229,7 +212,7 @@ impl<'a> Checker<'a> {
                     .help("give a shape of it `mass 2 kg` or `density 500 kg/m^3`");
                 self.report(diagnostic);
             }
-            if stage.fixed[index] && object.mass > 0.0 && !self.allowed.contains("idle_mass") {
+            if stage.fixed[index] && object.mass > 0.0 {
                 let message = format!("`{}` stands still: its mass means nothing", object.name);
                 let diagnostic = Diagnostic::new(codes::lints::IDLE_MASS, file, span, message)
                     .help("leave it out, or let the thing move: `free`, or a joint");

@@ -41,19 +41,16 @@ impl Checker<'_> {
 
     /// Warnings about the scene, once all formulas are checked.
     pub(crate) fn scene_lints(&self, diagnostics: &mut Vec<Diagnostic>) {
-        if !self.allowed.contains("repeats_scene") {
-            diagnostics.extend(self.repeated.iter().map(|(file, span, name)| {
-                Diagnostic::new(codes::lints::REPEATS_SCENE, *file, *span, format!("the scene already says this: `{name}`")).help(
-                    format!(
-                        "read it, so that both change together: `{name}`; a chance likeness says `allow repeats_scene \"...\"`"
-                    ),
-                )
-            }));
-        }
+        diagnostics.extend(self.repeated.iter().map(|(file, span, name)| {
+            let message = format!("the scene already says this: `{name}`");
+            Diagnostic::new(codes::lints::REPEATS_SCENE, *file, *span, message).help(format!(
+                "read it, so that both change together: `{name}`; a chance likeness says `allow repeats_scene \"...\"`"
+            ))
+        }));
         let groups = self.surroundings.into_iter().flat_map(|surroundings| &surroundings.statements.groups);
         for group in groups {
             let name = &group.statement.name;
-            if !self.used.contains(&name.text) && !self.allowed.contains("unused") {
+            if !self.used.contains(&name.text) {
                 let message = format!("nothing reads the group `{}`", name.text);
                 diagnostics.push(Diagnostic::new(codes::lints::UNUSED, group.file, name.span, message));
             }

@@ -3,11 +3,15 @@
 //! `E01` syntax, `E02` names, `E03` types, dimensions and frames, `E04` what tasks mean, `W05` lints. A code never changes its
 //! meaning; a code that is no longer used is not given again.
 
+use super::Lint;
+
 /// A stable code with its page.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Code {
     /// `E0103`
     pub id: &'static str,
+    /// The lint that it is, if it is a warning.
+    pub lint: Option<Lint>,
     /// A few words.
     pub title: &'static str,
     /// What it means and why it is refused.
@@ -19,17 +23,22 @@ pub struct Code {
 }
 
 impl Code {
+    /// The code and, of a warning, the name of its lint: `W0511 dead_at_reset`.
+    pub fn named(&self) -> String {
+        self.lint.map_or_else(|| self.id.to_owned(), |lint| format!("{} {}", self.id, lint.name))
+    }
+
     /// The page as text, for `msk help`.
     pub fn page(&self) -> String {
         let indented = |text: &str| text.lines().map(|line| format!("    {line}\n")).collect::<String>();
         let (example, fix) = (indented(self.example), indented(self.fix));
-        format!("{}: {}\n\n{}\n\nFor example\n\n{example}\nis written\n\n{fix}", self.id, self.title, self.explanation)
+        format!("{}: {}\n\n{}\n\nFor example\n\n{example}\nis written\n\n{fix}", self.named(), self.title, self.explanation)
     }
 }
 
 /// Declares a part of the table: a constant per code and the list of all.
 macro_rules! codes {
-    ($($name:ident = $id:literal {
+    ($($name:ident = $id:literal $(lint $lint:ident $stage:ident)? {
         title: $title:literal,
         explanation: $explanation:literal,
         example: $example:literal,
@@ -39,6 +48,7 @@ macro_rules! codes {
             #[doc = $title]
             pub const $name: &$crate::diagnostics::Code = &$crate::diagnostics::Code {
                 id: $id,
+                lint: $crate::diagnostics::codes::declared!($($lint $stage)?),
                 title: $title,
                 explanation: $explanation,
                 example: $example,
@@ -49,6 +59,17 @@ macro_rules! codes {
         pub const ALL: &[&$crate::diagnostics::Code] = &[$($name),*];
     };
 }
+
+/// The lint that a code declares: `dead_term Compile`, a name and its stage.
+macro_rules! declared {
+    () => {
+        None
+    };
+    ($lint:ident $stage:ident) => {
+        Some($crate::diagnostics::Lint { name: stringify!($lint), stage: $crate::diagnostics::Stage::$stage })
+    };
+}
+use declared;
 
 pub mod composition;
 pub mod intent;
