@@ -1,7 +1,8 @@
 //! Every syntax code's page tells the truth: its example causes the code, its fix does not.
 
-use msk_compiler::diagnostics::{FileId, codes};
+use msk_compiler::diagnostics::{FileId, codes, lints};
 use msk_compiler::syntax::parse;
+use std::collections::BTreeSet;
 
 /// Pages whose example is a description because the text would be too long.
 const DESCRIBED: [&str; 5] = ["E0121", "E0122", "E0123", "E0127", "E0131"];
@@ -27,4 +28,14 @@ fn codes_are_unique_and_in_order() {
     let ids: Vec<&str> = codes::all().map(|code| code.id).collect();
     assert!(ids.windows(2).all(|pair| pair[0][1..] < pair[1][1..]), "{ids:?}");
     assert_eq!(codes::find("e0101").map(|code| code.id), Some("E0101"));
+}
+
+#[test]
+fn every_warning_is_a_lint_under_a_name_of_its_own() {
+    let named: BTreeSet<&str> = lints().map(|(_, lint)| lint.name).collect();
+    let warnings: Vec<_> = codes::all().filter(|code| code.id.starts_with('W')).collect();
+    assert!(warnings.iter().all(|code| code.lint.is_some()) && named.len() == warnings.len());
+    assert_eq!(lints().find(|(code, _)| !code.id.starts_with('W')), None);
+    let plain = |name: &&str| name.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_') && **name != *"warnings";
+    assert!(named.iter().all(plain), "{named:?}");
 }
