@@ -39,8 +39,10 @@ fn json_has_codes_places_and_edits() {
 #[test]
 fn an_allow_of_what_only_the_model_shows_is_judged_where_the_model_is_looked_at() {
     let project = Project::lean();
-    project
-        .write("lean.msk", &LEAN.replace("family   stabilization", "family   stabilization\n    allow starts_inside \"on purpose\""));
+    project.write(
+        "lean.msk",
+        &LEAN.replace("family   stabilization", "family   stabilization\n    allow starts_inside \"on purpose\""),
+    );
     let probed = project.msk(&["check", "lean.msk"]).succeeded();
     assert!(probed.out.contains("warning[W0513 unfulfilled_allow]: nothing here causes `starts_inside`"), "{}", probed.out);
     let unprobed = project.msk(&["check", "--no-probe", "lean.msk"]).succeeded();
