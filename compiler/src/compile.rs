@@ -145,7 +145,8 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     diagnostics.extend(globals.clashes(syntax::MAXIMUM_ERRORS));
     for unit in &units {
         let (described, texts, motions) = (&described, &texts, &motions);
-        let compiler = units::Compiler { described, bodies, texts, motions, globals: &globals, noting, called: &called, unread: &unread };
+        let compiler =
+            units::Compiler { described, bodies, texts, motions, globals: &globals, noting, called: &called, unread: &unread };
         // One that fails has said why.
         tasks.extend(compiler.compile(unit, &mut scopes, &mut diagnostics).map(Arc::new));
     }
