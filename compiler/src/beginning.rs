@@ -6,7 +6,7 @@
 //! [`CompiledTask::beginning`]: crate::task::CompiledTask::beginning
 
 use crate::frame::Origin;
-use crate::motion::Following;
+use crate::motion::{Following, RootPart};
 
 /// How an episode begins.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -174,6 +174,29 @@ impl Init {
         if let Some(slot) = slot {
             *slot = value;
         }
+    }
+
+    /// Writes one number, whatever chance or the motion on which the task begins had decided.
+    pub fn decide(&mut self, setting: Setting, value: f64) {
+        self.drawn.retain(|(known, _)| *known != setting);
+        self.unfollow(setting);
+        self.set(setting, value);
+    }
+
+    /// Takes a number no longer from the motion on which the task begins.
+    pub fn unfollow(&mut self, setting: Setting) {
+        let Some(following) = &mut self.follows else { return };
+        let part = match setting {
+            Setting::Coordinate(joint) => return following.parts.joints.retain(|(known, _)| *known != joint),
+            Setting::RootPosition(0) => RootPart::X,
+            Setting::RootPosition(_) => RootPart::Y,
+            Setting::RootHeight => RootPart::Height,
+            Setting::RootHeading => RootPart::Heading,
+            Setting::RootPitch => RootPart::Pitch,
+            Setting::RootRoll => RootPart::Roll,
+            _ => return,
+        };
+        following.parts.root.retain(|known| *known != part);
     }
 
     /// Whether nothing scatters.

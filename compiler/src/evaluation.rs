@@ -6,11 +6,12 @@
 //!    which starts from the very snapshot in which the one before it ended.
 
 use crate::graph::operation::Chance;
-use crate::lower::{NoneTaken, Scalar, View};
+use crate::lower::{NoneTaken, Scalar, View, deciding_sensors};
 use crate::motion::Start;
 use crate::numbers::for_people;
 use crate::task::{CompiledTask, FollowedMotion, Init, NonFiniteTerm, NotDrawn, Phase, StepReport, TaskFault, TaskState};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Where chance comes from: a stream per random, in the order of [`CompiledTask::randoms`].
@@ -118,6 +119,15 @@ impl CompiledTask {
     pub fn drawn(&self, index: usize, state: &TaskState) -> f64 {
         let number = self.phase(state).program.beginning.get(index);
         number.map_or(0.0, |number| number.read(&View { frame: &[], record: &state.record }))
+    }
+
+    /// The same task measured only as far as reward, terminations and success depend on it: its observation, metrics and markers
+    /// are without meaning.
+    #[must_use]
+    pub fn deciding(&self) -> Self {
+        let meanings = self.phases.iter().map(|phase| &phase.meaning);
+        let read: BTreeSet<_> = meanings.flat_map(|meaning| deciding_sensors(&meaning.graph, &meaning.outputs)).collect();
+        Self { frame: self.frame.only(|sensor| read.contains(&sensor)), ..self.clone() }
     }
 
     /// Where a marker is, in the snapshot of `frame`.

@@ -239,6 +239,30 @@ impl Sensor {
     }
 }
 
+impl Sensor {
+    /// Whether it measures what only the full forward pass knows: forces, accelerations of joints, paths of muscles. All others
+    /// follow from positions, velocities, contacts and what the muscles are told.
+    pub fn needs_forces(self) -> bool {
+        use Sensor as S;
+        matches!(
+            self,
+            S::JointAcceleration(_)
+                | S::JointTorque(_)
+                | S::MuscleLength(_)
+                | S::MuscleVelocity(_)
+                | S::MuscleForce(_)
+                | S::MuscleFibreLength(_)
+                | S::MuscleFibreVelocity(_)
+                | S::MuscleTendonLength(_)
+                | S::MomentArm(..)
+                | S::CentreOfPressure
+                | S::GroundForce(_)
+                | S::ContactForce(..)
+                | S::Slip(..)
+        )
+    }
+}
+
 /// What a sensor measures, by places in the [`Vocabulary`](crate::vocabulary::Vocabulary)'s lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Subject {
@@ -341,6 +365,13 @@ impl FrameLayout {
             self.queries.len() - 1
         });
         self.slot(Sensor::Query(index, size))
+    }
+
+    /// The same record in which only the sensors that `wanted` names are measured; slots of the others keep their places.
+    #[must_use]
+    pub fn only(&self, wanted: impl Fn(Sensor) -> bool) -> Self {
+        let entries = self.entries.iter().copied().filter(|(sensor, _)| wanted(*sensor)).collect();
+        Self { entries, queries: self.queries.clone(), size: self.size }
     }
 
     /// Queries of the terrain, to which [`Sensor::Query`] refers.

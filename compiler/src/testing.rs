@@ -4,11 +4,14 @@
 //! read are numbers that [`TaskTests::task`] reports among its metrics at every step; the task that users run has none of them, and its
 //! hash does not know of tests.
 
+mod written;
+
 use crate::diagnostics::{FileId, Span};
 use crate::task::{CompiledTask, Init};
 use std::sync::Arc;
 
 pub use crate::syntax::tree::CompareOperator as Comparison;
+pub use written::{Change, Target, WrittenCycle, WrittenKey, WrittenScript};
 
 /// The tests of a task.
 pub struct TaskTests {

@@ -31,7 +31,7 @@ pub(crate) use formula::{Scalar, View};
 pub(crate) use interpret::{Interpreter, Moment};
 #[cfg(feature = "interpreter")]
 pub use interpret::{PlainTask, Snapshot};
-pub(crate) use outputs::{DrawOutput, Outputs, layout};
+pub(crate) use outputs::{DrawOutput, Outputs, deciding_sensors, layout};
 pub(crate) use plan::Plan;
 pub(crate) use program::Program;
 pub(crate) use run::NoneTaken;

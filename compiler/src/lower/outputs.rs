@@ -3,6 +3,7 @@
 use crate::frame::{FrameLayout, Query, Sensor};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
+use std::collections::BTreeSet;
 
 /// What a task wants computed.
 #[derive(Debug, Clone, Default)]
@@ -48,6 +49,16 @@ impl Outputs {
         let single = [self.success, self.until, self.succeeded];
         lists.flatten().copied().chain(draws).chain(single.into_iter().flatten())
     }
+}
+
+/// The sensors on which reward, terminations and success depend: what only channels, metrics and markers read is left out.
+pub(crate) fn deciding_sensors(graph: &Graph, outputs: &Outputs) -> BTreeSet<Sensor> {
+    let shown = Outputs { channels: Vec::new(), metrics: Vec::new(), markers: Vec::new(), ..outputs.clone() };
+    let sensors = graph.reachable(shown.roots()).into_iter().filter_map(|id| match &graph.node(id).operation {
+        Operation::Sensors(sensors) => Some(sensors.clone()),
+        _ => None,
+    });
+    sensors.flatten().collect()
 }
 
 /// The sensors that `outputs` read, and the queries of the terrain.

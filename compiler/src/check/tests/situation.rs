@@ -5,7 +5,6 @@ use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
-use crate::motion::RootPart;
 use crate::scene::Motion;
 use crate::syntax::tree::{Assignment, Change, Expr, ExprKind, Name, Situation};
 use crate::task::{Init, Setting};
@@ -61,7 +60,7 @@ impl<'a> Checker<'a> {
                 let before = set.to_vec();
                 self.adjust(assignment, &mut scene.init.coordinates, set)?;
                 let fresh = set.iter().zip(before).enumerate().filter(|(_, (now, before))| **now && !before);
-                fresh.for_each(|(joint, _)| unfollow(&mut scene.init, Setting::Coordinate(joint)));
+                fresh.for_each(|(joint, _)| scene.init.unfollow(Setting::Coordinate(joint)));
                 Ok(())
             }
         }
@@ -73,7 +72,7 @@ impl<'a> Checker<'a> {
             "height" => {
                 init.root.meets.clear();
                 init.drawn.retain(|(setting, _)| *setting != Setting::RootHeight);
-                unfollow(init, Setting::RootHeight);
+                init.unfollow(Setting::RootHeight);
                 init.root.height = match &value.kind {
                     ExprKind::Name(word) if word.text == "ground" => None,
                     _ => Some(self.fixed_number(value, Dimension::LENGTH, "`root.height`")?),
@@ -87,7 +86,7 @@ impl<'a> Checker<'a> {
             "at" => {
                 init.root.meets.clear();
                 let place: [f64; 2] = self.fixed_bracket(value, Dimension::LENGTH, "`root.at`")?;
-                (0..2).for_each(|axis| decide(init, Setting::RootPosition(axis), place[axis]));
+                (0..2).for_each(|axis| init.decide(Setting::RootPosition(axis), place[axis]));
                 Ok(())
             }
             "heading" | "pitch" | "roll" => {
@@ -97,7 +96,7 @@ impl<'a> Checker<'a> {
                     _ => Setting::RootRoll,
                 });
                 let number = self.fixed_number(value, dimension, &format!("`root.{}`", name.text))?;
-                decide(init, setting, number);
+                init.decide(setting, number);
                 Ok(())
             }
             other => {
@@ -129,7 +128,7 @@ impl<'a> Checker<'a> {
         };
         if name.text == "at" {
             let position: [f64; 3] = self.fixed_bracket(value, Dimension::LENGTH, "`at`")?;
-            (0..3).for_each(|axis| decide(init, Setting::ObjectPosition(place, axis), position[axis]));
+            (0..3).for_each(|axis| init.decide(Setting::ObjectPosition(place, axis), position[axis]));
         } else {
             init.objects[place].orientation = self.turned(value)?;
         }
@@ -137,30 +136,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Sets a number that may have been drawn, or followed a motion.
-fn decide(init: &mut Init, setting: Setting, value: f64) {
-    init.drawn.retain(|(known, _)| *known != setting);
-    unfollow(init, setting);
-    init.set(setting, value);
-}
-
-/// What a test decides no longer follows the motion on which the task begins.
-pub(super) fn unfollow(init: &mut Init, setting: Setting) {
-    let Some(following) = &mut init.follows else { return };
-    let part = match setting {
-        Setting::Coordinate(joint) => return following.parts.joints.retain(|(known, _)| *known != joint),
-        Setting::RootPosition(0) => RootPart::X,
-        Setting::RootPosition(_) => RootPart::Y,
-        Setting::RootHeight => RootPart::Height,
-        Setting::RootHeading => RootPart::Heading,
-        Setting::RootPitch => RootPart::Pitch,
-        Setting::RootRoll => RootPart::Roll,
-        _ => return,
-    };
-    following.parts.root.retain(|known| *known != part);
-}
-
-/// The same for a field of `root { ... }`.
+/// A field of `root { ... }` that a test decides no longer follows the motion on which the task begins.
 pub(super) fn unfollow_field(scene: &mut Scene, field: &str) {
     let setting = match field {
         "height" => Setting::RootHeight,
@@ -172,5 +148,5 @@ pub(super) fn unfollow_field(scene: &mut Scene, field: &str) {
         "roll" => Setting::RootRoll,
         _ => return,
     };
-    unfollow(&mut scene.init, setting);
+    scene.init.unfollow(setting);
 }
