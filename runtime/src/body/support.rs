@@ -39,6 +39,20 @@ impl Snapshot<'_> {
     }
 }
 
+impl Snapshot<'_> {
+    /// The same over everything that the body touches and that is no part of it, and the middles of its shapes that are at most `near`
+    /// above the ground: a script puts the lowest point of a body on the ground, to the last bit and no other. `None` if there is nothing.
+    pub(crate) fn resting_margin(&self, near: f64) -> Option<f64> {
+        let centre = self.body.centre_of_mass(self.model, &self.workspace.kinematics);
+        let ground = self.ground();
+        let shapes = self.body.shapes.iter().filter(|&&shape| ground.clearance(&[shape]) <= near);
+        let middles = shapes.map(|&shape| self.workspace.kinematics.geom_position[shape].xy());
+        let touched = self.external_contacts().map(|contact| contact.position.xy());
+        let points: Vec<Vector2<f64>> = middles.chain(touched).collect();
+        margin(points.iter().copied(), centre.xy())
+    }
+}
+
 /// Signed distance of `point` to the edge of the convex hull of `points`, positive within; `None` without points.
 ///
 /// Every pair of points is looked at, so that no memory is needed: contacts are few.

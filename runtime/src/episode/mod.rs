@@ -44,6 +44,8 @@ pub struct Episode {
     weights: Vec<f64>,
     substeps: u32,
     fatigue: Option<Fatigue>,
+    /// Whether steps that a script shows end with the whole forward pass; else with what of it knows no forces.
+    forces: bool,
     present: Snapshot,
     /// Scratch: the forward pass of the present state.
     workspace: Workspace<f64>,
@@ -128,6 +130,7 @@ impl Episode {
             substeps: substeps(&task, model.options.timestep)?,
             weights: task.weights(),
             fatigue: None,
+            forces: true,
             present: Snapshot {
                 key: EpisodeKey::default(),
                 state: State::new(&model),

@@ -16,6 +16,13 @@ use nalgebra::Vector3;
 pub type Placing<'a> = dyn FnMut(&Model, &Body, &mut State<f64>, &mut Workspace<f64>) -> f64 + 'a;
 
 impl Episode {
+    /// The same episode for scripts alone: where the task's frame has no sensor of a force, steps that a script shows leave out what
+    /// only forces need, and their numbers stay the same. Physics must not take over.
+    pub fn for_scripts(mut self) -> Self {
+        self.forces = self.task.frame.entries().iter().any(|(sensor, _)| sensor.needs_forces());
+        self
+    }
+
     /// Begins the episode `key` with what a script shows first. Randoms that are `given` (place, value) are not drawn.
     /// `prepare` is told what was drawn before anything is placed.
     pub fn reset_playing(
@@ -87,7 +94,10 @@ impl Episode {
             let state = &mut episode.present.state;
             differences(&episode.body, &before, state, period);
             state.time = f64::from(episode.present.task.step + 1) * period;
-            physics::forward(&episode.model, state, &mut episode.workspace)?;
+            match episode.forces {
+                true => physics::forward(&episode.model, state, &mut episode.workspace)?,
+                false => physics::motion(&episode.model, state, &mut episode.workspace)?,
+            }
             episode.measure(period);
             Ok(())
         })

@@ -40,6 +40,6 @@ pub use fault::Fault;
 pub use jacobian::{center_of_mass_jacobian, point_jacobian};
 pub use smooth::smooth;
 pub use state::State;
-pub use stepping::{forward, integrate, step};
+pub use stepping::{forward, integrate, motion, step};
 pub use tendons::{moment_arm, moment_arms};
 pub use workspace::Workspace;

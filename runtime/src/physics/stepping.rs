@@ -4,8 +4,10 @@ use super::{
     Workspace, constrained,
     fault::{Fault, Quantity, is_sound},
     integrator::{self, implicit, runge_kutta},
+    kinematics,
     smooth::{inputs, motions, positions},
     state::State,
+    velocities,
 };
 use crate::{
     model::{Integrator, JointKind, Model},
@@ -24,6 +26,18 @@ pub fn forward<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspa
     constrained::rows(model, state, workspace);
     inputs(model, state, workspace);
     constrained::solve(model, state, workspace)
+}
+
+/// The part of [`forward`] that knows no forces: positions, contacts, velocities of bodies.
+///
+/// # Errors
+/// A state that is not finite.
+pub fn motion<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
+    check(model, state)?;
+    kinematics::update(model, state, &mut workspace.kinematics);
+    constrained::contacts(model, workspace);
+    velocities::update(model, state, &workspace.kinematics, &mut workspace.velocities);
+    Ok(())
 }
 
 /// Advances `state` by one step of the model's options.

@@ -3,10 +3,12 @@
 //! 1. Every take of a test is an episode: its script says where everything is (`script`), physics takes over if it says `run`;
 //! 2. what expectations look at is kept at their moments (`take`);
 //! 3. a [`TestReport`] says what held and, with the numbers of both sides, what did not;
-//! 4. what a cheat earns is ranked below what the demonstration earns (`returns`).
+//! 4. what a cheat earns is ranked below what the demonstration earns (`returns`);
+//! 5. cheats that nobody has thought of are searched for ([`exploit`]).
 //!
 //! A test has no chance but that of episode 0 of seed 0, so it ends the same way everywhere.
 
+pub mod exploit;
 pub mod mutation;
 mod report;
 mod returns;

@@ -133,6 +133,12 @@ impl Script {
         }
     }
 
+    /// The keyframes as rows of numbers, with their steps: joints, the root's place (m), lift, heading, pitch and roll, activation, then
+    /// place and orientation of every free object. SI units.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (u32, &[f64])> {
+        self.rows.iter().map(|row| (row.step as u32, row.values.as_slice()))
+    }
+
     /// The step of the last keyframe.
     pub fn last(&self) -> u32 {
         self.rows.last().map_or(0, |row| row.step as u32)

@@ -130,7 +130,7 @@ fn over(episode: &Episode) -> (Seen, u32, Option<Ending>) {
 }
 
 /// Begins with the script, or as the task does where there is none.
-fn begin(episode: &mut Episode, take: &Take, key: EpisodeKey) -> Option<Script> {
+pub(super) fn begin(episode: &mut Episode, take: &Take, key: EpisodeKey) -> Option<Script> {
     if take.script.is_empty() {
         episode.reset(key);
         return None;
