@@ -13,6 +13,7 @@ mod draw;
 mod error;
 mod eval;
 mod explain;
+mod exploit;
 mod fmt;
 mod help;
 mod interrupt;
@@ -61,6 +62,7 @@ enum Command {
     Eval(eval::Args),
     Test(test::Args),
     Mutate(mutate::Args),
+    Exploit(exploit::Args),
     Vocabulary(vocabulary::Args),
     Weights(weights::Args),
     Tune(tune::Args),
@@ -85,6 +87,7 @@ impl Command {
             Self::Eval(args) => eval::run(args),
             Self::Test(args) => test::run(args),
             Self::Mutate(args) => mutate::run(args),
+            Self::Exploit(args) => exploit::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),
             Self::Weights(args) => weights::run(args),
             Self::Tune(args) => tune::run(args),

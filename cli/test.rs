@@ -6,7 +6,7 @@ use crate::ranking;
 use clap::ValueEnum;
 use msk::compiler::diagnostics::{FileId, Span};
 use msk::compiler::task::CompiledTask;
-use msk::runtime::testing::{self, Measure, Returns, TestReport};
+use msk::runtime::testing::{self, TestReport};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -136,23 +136,8 @@ fn as_json(report: &TestReport, project: &Project) -> serde_json::Value {
         "at": place(report.at, project),
         "passed": report.passed(),
         "failures": failures,
-        "returns": report.ranking.as_ref().map(|ranking| figures(&ranking.returns)),
-        "demonstration": report.ranking.as_ref().and_then(|ranking| ranking.demonstration.as_ref()).map(|shown| {
-            json!({ "test": shown.title, "returns": figures(&shown.returns) })
-        }),
-    })
-}
-
-fn figures(returns: &Returns) -> serde_json::Value {
-    let by = |measure| returns.by(measure);
-    json!({
-        "steps": returns.steps,
-        "ended_by": returns.ended_by,
-        "return": by(Measure::Return),
-        "per_step": by(Measure::PerStep),
-        "discounted": by(Measure::Discounted),
-        "discounted_per_step": by(Measure::DiscountedPerStep),
-        "terms": returns.terms,
+        "returns": report.ranking.as_ref().map(|ranking| ranking::figures(&ranking.returns)),
+        "demonstration": report.ranking.as_ref().and_then(|ranking| ranking.demonstration.as_ref()).map(ranking::demonstration),
     })
 }
 

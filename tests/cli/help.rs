@@ -7,7 +7,7 @@ use std::io::Read;
 fn help_lists_the_commands_and_explains_each() {
     let project = Project::empty();
     let all = project.msk(&["help"]).succeeded().out;
-    for command in ["check", "explain", "run", "eval", "test", "mutate", "vocabulary", "physics"] {
+    for command in ["check", "explain", "run", "eval", "test", "mutate", "exploit", "vocabulary", "physics"] {
         assert!(all.contains(&format!("\n  {command} ")), "no `{command}` in {all}");
         let own = project.msk(&["help", command]).succeeded().out;
         assert!(own.contains(&format!("Usage: msk {command}")), "{own}");

@@ -9,6 +9,7 @@ mod empty;
 mod eval;
 mod exit_codes;
 mod explain;
+mod exploit;
 mod fmt;
 mod help;
 mod interrupt;
