@@ -81,7 +81,7 @@ impl Editor {
     }
 }
 
-const TASK: &str = "use \"lean.msk\"\n\ntask example {\n    body human\n    control 100 Hz\n    horizon 10 s\n    init { pose neutral }\n    observe { pelvis.height }\n    reward {\n        10 upright = exp(-lean(torso))\n    }\n    success survived\n}\n";
+const TASK: &str = "use \"lean.msk\"\n\ntask example {\n    body human\n    control 100 Hz\n    horizon 10 s\n    init { pose neutral }\n    observe { pelvis.height }\n    reward {\n        10 upright = exp(-lean(torso))\n    }\n    success survived and pelvis.height > 0.5 m\n}\n";
 
 #[test]
 fn a_conversation_with_an_editor() {

@@ -121,6 +121,7 @@ impl<'a> Checker<'a> {
     }
 
     fn product(&mut self, divide: bool, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
+        self.warn_degrees(divide, left.1, right.1);
         let (verb, function) = if divide { ("divide", Binary::Divide) } else { ("multiply", Binary::Multiply) };
         for (data, expr) in [&left, &right] {
             self.must_be_numbers(verb, data, expr)?;

@@ -36,7 +36,8 @@ impl<'a> Checker<'a> {
             ExprKind::Call { function, arguments } => self.call(function, arguments, expr.span),
             ExprKind::Index { base, index } => self.index(base, index, expr.span),
             ExprKind::List(elements) => {
-                let values = elements.iter().map(|element| (self.value(element), element.span)).collect();
+                let values: Vec<_> = elements.iter().map(|element| (self.value(element), element.span)).collect();
+                self.warn_repeated(elements, &values);
                 self.bracket(values, expr.span)
             }
             ExprKind::Comprehension { element, variable, source } => self.comprehension(element, variable, source, expr.span),

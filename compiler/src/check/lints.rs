@@ -3,10 +3,22 @@
 //! A lint pushes its warning wherever it finds it; whether an `allow` covers it is decided once all of a task are there
 //! (`allows`).
 
+mod amount;
+mod degrees;
+mod duration;
 pub(crate) mod events;
 mod folded;
+mod growth;
+mod linear;
+mod muscles;
+mod outlook;
 mod pay;
+mod poles;
+mod repeated;
 mod sight;
+mod signs;
+mod success;
+mod trend;
 
 use super::context::{Checker, End};
 use super::ranges::{Standing, Working};
@@ -50,15 +62,24 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
     twice_observed(task, diagnostics);
     states(checker, task, diagnostics);
     at_reset(checker, task, &bounds, diagnostics);
-    pay::amounts(task, &bounds, diagnostics);
+    let amounts = amount::of_terms(task, &bounds);
+    pay::of(task, &amounts, diagnostics);
     sight::constant_channels(checker, task, &bounds, diagnostics);
     sight::timed_failures(task, &bounds, diagnostics);
     sight::fleeting(task, diagnostics);
     sight::unseen(checker, task, diagnostics);
     sight::one_side(checker, task, diagnostics);
-    task.terms.iter().map(|term| interval::of_scalar(&bounds, term.node)).collect()
+    signs::weightless(task, &amounts, diagnostics);
+    muscles::of(checker, task, &bounds, &amounts, diagnostics);
+    growth::of(checker, task, &bounds, diagnostics);
+    poles::of(checker, task, &bounds, diagnostics);
+    outlook::of(task, &bounds, &ranges, &amounts, diagnostics);
+    success::of(checker, task, diagnostics);
+    duration::long_horizon(checker, task, diagnostics);
+    amounts.iter().map(|amount| amount.value).collect()
 }
 
+/// A warning about a term, at its formula.
 fn at(code: &'static Code, term: &PaidTerm<'_>, message: String) -> Diagnostic {
     Diagnostic::new(code, term.file, term.formula.span, message)
 }

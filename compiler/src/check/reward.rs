@@ -18,6 +18,8 @@ use crate::weights::{LARGEST, may_be};
 pub(crate) struct PaidTerm<'a> {
     pub name: String,
     pub weight: f64,
+    /// Where the weight stands.
+    pub weight_at: Span,
     pub range: Option<[f64; 2]>,
     pub fixed: bool,
     pub formula: &'a Expr,
@@ -74,6 +76,7 @@ impl<'a> Checker<'a> {
         Ok(PaidTerm {
             name: term.name.text.clone(),
             weight,
+            weight_at: term.weight.as_ref().map_or(term.name.span, |weight| weight.span),
             range,
             fixed,
             formula,

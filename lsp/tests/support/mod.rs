@@ -262,6 +262,6 @@ pub fn within(text: &str, range: &Value) -> String {
 pub fn task(statements: &str) -> String {
     format!(
         "task example {{\n    body human\n    control 100 Hz\n    horizon 10 s\n    init {{ pose neutral }}\n    \
-         observe {{ pelvis.height }}\n    success survived\n{statements}\n}}\n"
+         observe {{ pelvis.height }}\n    success survived and pelvis.height > 0.5 m\n{statements}\n}}\n"
     )
 }

@@ -1,13 +1,14 @@
 //! Lints on what is paid: how much, how often, and what it costs to end.
 
+use super::amount::Amount;
 use super::at;
 use super::events::is_event;
 use crate::check::reward::PaidTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::extremes::{maximum, minimum};
+use crate::extremes::maximum;
 use crate::frame::Sensor;
-use crate::graph::interval::{self, Bounds};
+use crate::graph::interval::Bounds;
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
 use crate::numbers::for_people;
@@ -18,13 +19,15 @@ const MOST: f64 = 100.0;
 const SMALL: f64 = 0.5;
 
 /// Lints on the amounts of all terms.
-pub(super) fn amounts(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
-    let ranges: Vec<Bounds> = task.terms.iter().map(|term| paid(term, interval::of_scalar(bounds, term.node))).collect();
+pub(super) fn of(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics: &mut Vec<Diagnostic>) {
+    let ranges: Vec<Bounds> = amounts.iter().map(|amount| amount.pay).collect();
     let size = |range: &Bounds| maximum(range.high.abs(), range.low.abs());
     for (index, term) in task.terms.iter().enumerate() {
         let others = || ranges.iter().enumerate().filter(move |(other, _)| *other != index).map(|(_, range)| range);
         let rest: f64 = others().map(size).sum();
-        if rest > 0.0 && size(&ranges[index]) > MOST * rest && size(&ranges[index]).is_finite() {
+        // An event is paid in one step, the others in all.
+        let steps = if is_event(&task.graph, term.node) { f64::from(task.timing.horizon) } else { 1.0 };
+        if rest > 0.0 && size(&ranges[index]) > MOST * rest * steps && size(&ranges[index]).is_finite() {
             let message = format!("the term `{}` can pay more than {MOST} times as much as all others together", term.name);
             let diagnostic = at(codes::intent::OUTWEIGHS, term, message)
                 .expected(format!("at most {MOST} times {}", for_people(rest)))
@@ -54,13 +57,6 @@ pub(super) fn amounts(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostic
         }
     }
     ending(task, &ranges, diagnostics);
-}
-
-/// Between which amounts a term pays at one step.
-fn paid(term: &PaidTerm<'_>, range: Bounds) -> Bounds {
-    let by = |value: f64| if term.weight == 0.0 { 0.0 } else { term.weight * value };
-    let (a, b) = (by(range.low), by(range.high));
-    Bounds::new(minimum(a, b), maximum(a, b))
 }
 
 /// Where each step can cost and no term knows of the end, ending early can be what pays most.

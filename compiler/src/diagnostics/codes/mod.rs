@@ -72,6 +72,7 @@ macro_rules! declared {
 use declared;
 
 pub mod composition;
+pub mod incentive;
 pub mod intent;
 pub mod lints;
 pub mod names;
@@ -97,6 +98,7 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
         lints::ALL,
         probing::ALL,
         intent::ALL,
+        incentive::ALL,
     ]
     .into_iter()
     .flatten()

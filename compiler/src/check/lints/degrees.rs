@@ -1,0 +1,105 @@
+//! Conversions between degrees and radians by hand, where angles carry their unit.
+
+use crate::check::context::Checker;
+use crate::diagnostics::codes;
+use crate::numbers::exact;
+use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, Quantity};
+use std::f64::consts::PI;
+
+/// How far a written number may be from the constant that it stands for, as a part of it: `3.14` is pi.
+const ROUNDED: f64 = 1e-3;
+
+/// Factors of a product that are looked at.
+const FACTORS: usize = 8;
+
+impl Checker<'_> {
+    /// Warns of a factor pi / 180 or its reciprocal.
+    pub(crate) fn warn_degrees(&mut self, divide: bool, left: &Expr, right: &Expr) {
+        let Some(into_radians) = conversion(divide, left, right).filter(|_| self.in_tests.is_none()) else { return };
+        let span = left.span.to(right.span);
+        let written = factors(left).into_iter().chain([right]).filter_map(angle).next();
+        if !into_radians {
+            let diagnostic = self
+                .diagnostic(codes::incentive::BY_HAND, span, "this turns radians into degrees by hand")
+                .help("an angle divided by `1 deg` is its number of degrees: `knee_angle_r.q / 1 deg`");
+            self.diagnostics.push(diagnostic);
+            return;
+        }
+        let in_degrees = |quantity: &Quantity| quantity.unit.as_ref().is_some_and(|unit| unit.text == "deg");
+        let message = match written {
+            Some(quantity) if in_degrees(quantity) => "this turns degrees into radians that are an angle already",
+            _ => "this turns degrees into radians by hand",
+        };
+        let diagnostic = self
+            .diagnostic(codes::incentive::BY_HAND, span, message)
+            .help("angles carry their unit: `40 deg` meets `knee_angle_r.q` as it is");
+        let diagnostic = match written {
+            Some(quantity) => {
+                let angle = format!("{} deg", exact(quantity.value));
+                let title = format!("write `{angle}`");
+                // What is an angle stays one; a plain number becomes an angle.
+                if in_degrees(quantity) { diagnostic.fix(title, span, angle) } else { diagnostic.suggest(title, span, angle) }
+            }
+            None => diagnostic,
+        };
+        self.diagnostics.push(diagnostic);
+    }
+}
+
+/// Whether a product or quotient turns degrees into radians (`true`), radians into degrees (`false`), or neither.
+fn conversion(divide: bool, left: &Expr, right: &Expr) -> Option<bool> {
+    let is = |expr: &Expr, wanted: f64| plain(expr).is_some_and(|value| (value / wanted - 1.0).abs() < ROUNDED);
+    let holds = |expr: &Expr, wanted: f64| factors(expr).into_iter().any(|factor| is(factor, wanted));
+    if divide && is(right, 180.0) && holds(left, PI) || !divide && (is(right, PI / 180.0) || is(left, PI / 180.0)) {
+        return Some(true);
+    }
+    if divide && is(right, PI) && holds(left, 180.0) || !divide && (is(right, 180.0 / PI) || is(left, 180.0 / PI)) {
+        return Some(false);
+    }
+    match divide {
+        true if is(right, 180.0 / PI) => Some(true),
+        true if is(right, PI / 180.0) => Some(false),
+        _ => None,
+    }
+}
+
+/// The value of a number that is written without unit, or of `pi`.
+fn plain(expr: &Expr) -> Option<f64> {
+    match &expr.kind {
+        ExprKind::Paren(inner) => plain(inner),
+        ExprKind::Number(number) if number.unit.is_none() => Some(number.value),
+        ExprKind::Name(name) if name.text == "pi" => Some(PI),
+        _ => None,
+    }
+}
+
+/// The factors of a product, as far as they are few.
+fn factors(mut expr: &Expr) -> Vec<&Expr> {
+    let mut found = Vec::new();
+    while found.len() < FACTORS {
+        match &expr.kind {
+            ExprKind::Paren(inner) => expr = inner,
+            ExprKind::Binary { operator: BinaryOperator::Multiply, left, right, .. } => {
+                found.push(&**right);
+                expr = left;
+            }
+            _ => break,
+        }
+    }
+    found.push(expr);
+    found
+}
+
+/// The written number that a conversion turns, in degrees or without unit; the constants of the conversion are none.
+fn angle(expr: &Expr) -> Option<&Quantity> {
+    match &expr.kind {
+        ExprKind::Paren(inner) => angle(inner),
+        ExprKind::Number(number) => {
+            let constant = |wanted: f64| number.unit.is_none() && (number.value / wanted - 1.0).abs() < ROUNDED;
+            let converts = constant(180.0) || constant(PI) || constant(PI / 180.0) || constant(180.0 / PI);
+            let turned = number.unit.as_ref().is_none_or(|unit| unit.text == "deg");
+            (turned && !converts).then_some(number)
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,179 @@
+//! Terms on the muscles themselves: what effort costs, and how many of them are summed.
+
+use super::amount::Amount;
+use super::at;
+use super::trend::{self, Trend};
+use crate::check::context::Checker;
+use crate::check::reward::PaidTerm;
+use crate::check::task::CheckedTask;
+use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::frame::Sensor;
+use crate::graph::interval::Bounds;
+use crate::graph::operation::{Binary, Operation, Reduction, Unary};
+use crate::graph::{Graph, NodeId};
+use crate::numbers::{exact, for_people};
+use crate::syntax::tree::walk::{Visitor, walk_expression};
+use crate::syntax::tree::{Expr, ExprKind};
+
+/// Elements from which on a sum is looked at.
+const MANY: u32 = 32;
+
+/// Lints on terms that read muscles.
+pub(super) fn of(
+    checker: &Checker<'_>,
+    task: &CheckedTask<'_>,
+    bounds: &[Vec<Bounds>],
+    amounts: &[Amount],
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let all = checker.vocabulary.muscles.len();
+    for (index, term) in task.terms.iter().enumerate() {
+        let read = task.graph.reachable([term.node]);
+        let efforts = |id: &NodeId| match &task.graph.node(*id).operation {
+            Operation::Sensors(sensors) => sensors.iter().filter(|sensor| is_effort(**sensor)).count(),
+            _ => 0,
+        };
+        // What few muscles do may be what is asked for.
+        let most = read.iter().map(efforts).max().unwrap_or(0);
+        if most > 0 && 2 * most >= all {
+            pays_effort(task, (term, &amounts[index]), bounds, diagnostics);
+        }
+        rest_of_actions(task, term, &read, diagnostics);
+        heavy_sum(task, term, &read, (index, amounts), diagnostics);
+    }
+}
+
+fn is_effort(sensor: Sensor) -> bool {
+    matches!(sensor, Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::Action(_))
+}
+
+/// A term that pays more the more the muscles work.
+fn pays_effort(
+    task: &CheckedTask<'_>,
+    (term, amount): (&PaidTerm<'_>, &Amount),
+    bounds: &[Vec<Bounds>],
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let rising = if term.weight > 0.0 { Trend::Rising } else { Trend::Falling };
+    // `doubled_sign` warns of two signs that cancel.
+    let doubled = term.weight < 0.0 && amount.value.high <= 0.0;
+    if term.weight == 0.0 || doubled || trend::of(&task.graph, bounds, term.node, is_effort) != rising {
+        return;
+    }
+    let message = format!("the term `{}` pays for effort: the harder all muscles work, the more it pays", term.name);
+    let diagnostic = at(codes::incentive::PAYS_EFFORT, term, message);
+    let diagnostic = if term.weight > 0.0 {
+        let negative = exact(-term.weight);
+        diagnostic
+            .found(format!("a weight of {}", for_people(term.weight)))
+            .help("effort is a cost: its weight is negative")
+            .suggest(format!("write the weight `{negative}`"), term.weight_at, negative)
+    } else {
+        diagnostic.help("the formula falls with effort and its weight is negative: keep one of the two signs")
+    };
+    diagnostics.push(diagnostic);
+}
+
+/// A size of actions, which are -1 at rest.
+fn rest_of_actions(task: &CheckedTask<'_>, term: &PaidTerm<'_>, read: &[NodeId], diagnostics: &mut Vec<Diagnostic>) {
+    let graph = &task.graph;
+    let sized = read.iter().any(|&id| {
+        let node = graph.node(id);
+        match &node.operation {
+            Operation::Binary(Binary::Multiply) => node.inputs[0] == node.inputs[1] && are_actions(graph, node.inputs[0]),
+            Operation::Binary(Binary::Power) | Operation::Unary(Unary::Absolute) | Operation::Reduce(Reduction::Norm, _) => {
+                are_actions(graph, node.inputs[0])
+            }
+            _ => false,
+        }
+    });
+    if !sized {
+        return;
+    }
+    let message = format!("the term `{}` takes the size of actions, which are -1 at rest and 0 at half excitation", term.name);
+    let diagnostic = at(codes::incentive::ACTION_AT_REST, term, message)
+        .help("`excitation` is 0 at rest: `mean(muscles.excitation^2)`; it costs nothing to do nothing then");
+    let mut fields = Fields { name: "action", found: Vec::new() };
+    fields.expression(term.formula);
+    let diagnostic = match fields.found.as_slice() {
+        [only] => diagnostic.suggest("write `excitation`", *only, "excitation"),
+        _ => diagnostic,
+    };
+    diagnostics.push(diagnostic);
+}
+
+/// Whether all lanes of a node are raw actions.
+fn are_actions(graph: &Graph, id: NodeId) -> bool {
+    let node = graph.node(id);
+    match &node.operation {
+        Operation::Sensors(sensors) => sensors.iter().all(|sensor| matches!(sensor, Sensor::Action(_))),
+        Operation::Select(_) => are_actions(graph, node.inputs[0]),
+        _ => false,
+    }
+}
+
+/// A long sum that outweighs all other terms, and would not as a mean.
+fn heavy_sum(
+    task: &CheckedTask<'_>,
+    term: &PaidTerm<'_>,
+    read: &[NodeId],
+    (index, amounts): (usize, &[Amount]),
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let mut calls = Calls { name: "sum", found: Vec::new(), arguments: Vec::new() };
+    calls.expression(term.formula);
+    let longest = read.iter().filter_map(|id| match task.graph.node(*id).operation {
+        Operation::Reduce(Reduction::Sum, count) if count >= MANY => Some(count),
+        _ => None,
+    });
+    let (Some(count), Some(span)) = (longest.max(), calls.found.first()) else { return };
+    let rest: f64 = amounts.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other.size()).sum();
+    let size = amounts[index].size();
+    if rest > 0.0 && size.is_finite() && size > rest && size <= rest * f64::from(count) {
+        let message = format!("the term `{}` sums {count} numbers against all other terms", term.name);
+        let diagnostic = at(codes::incentive::HEAVY_SUM, term, message)
+            .expected(format!("at most {} a step, as all others together", for_people(rest)))
+            .found(for_people(size))
+            .help("a mean keeps its size whatever the body's number of muscles: `mean(...)`");
+        diagnostics.push(diagnostic.suggest("write `mean`", *span, "mean"));
+    }
+}
+
+/// The names of fields in a formula.
+struct Fields {
+    name: &'static str,
+    found: Vec<Span>,
+}
+
+impl<'a> Visitor<'a> for Fields {
+    fn expression(&mut self, expression: &'a Expr) {
+        if let ExprKind::Field { name, .. } = &expression.kind
+            && name.text == self.name
+        {
+            self.found.push(name.span);
+        }
+        walk_expression(self, expression);
+    }
+}
+
+/// The calls of a function in a formula.
+pub(super) struct Calls<'a> {
+    pub name: &'static str,
+    /// The names.
+    pub found: Vec<Span>,
+    /// The first arguments.
+    pub arguments: Vec<&'a Expr>,
+}
+
+impl<'a> Visitor<'a> for Calls<'a> {
+    fn expression(&mut self, expression: &'a Expr) {
+        if let ExprKind::Call { function, arguments } = &expression.kind
+            && let ExprKind::Name(name) = &function.kind
+            && name.text == self.name
+        {
+            self.found.push(name.span);
+            self.arguments.extend(arguments.first().map(|argument| &argument.value));
+        }
+        walk_expression(self, expression);
+    }
+}

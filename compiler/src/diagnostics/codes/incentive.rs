@@ -1,0 +1,113 @@
+//! Codes of what compiles and runs, but pays for something else than it seems: effort, failing, a formula's sign.
+
+codes! {
+    FAILURE_SUCCEEDS = "W0550" lint failure_succeeds Compile {
+        title: "success that is reached by failing",
+        explanation: "Wherever the condition of success holds, a condition of `terminate` holds, too: only an episode that fails \
+            succeeds. A reason that ends the episode without blame belongs in `finish`.",
+        example: "terminate { fallen when pelvis.height < 0.6 m }\nsuccess pelvis.height < 0.5 m",
+        fix: "terminate { fallen when pelvis.height < 0.6 m }\nsuccess pelvis.height > 0.8 m and survived",
+    }
+    CONTRADICTS = "W0551" lint contradicts Compile {
+        title: "success that can never hold",
+        explanation: "Its conditions exclude each other, whatever the body does: it asks to survive and for what ends the episode as \
+            a failure, for the horizon and for a reason to finish before, or for one quantity to be below and above a limit.",
+        example: "terminate { low when pelvis.height < 0.5 m }\nsuccess survived and pelvis.height < 0.4 m",
+        fix: "terminate { low when pelvis.height < 0.3 m }\nsuccess survived and pelvis.height < 0.4 m",
+    }
+    CANNOT_FAIL = "W0552" lint cannot_fail Compile {
+        title: "success that holds whatever the policy does",
+        explanation: "It asks for the horizon only, and nothing terminates the episode before: a policy that lets the body fall \
+            succeeds like any other. `terminate` names failures; or success says what must hold at the end.",
+        example: "success survived",
+        fix: "success survived\nterminate { fallen when pelvis.height < 0.6 m }",
+    }
+    WEIGHTLESS = "W0553" lint weightless Compile {
+        title: "a term of weight 0",
+        explanation: "It pays nothing, and no range lets a tuner raise it. What is watched only is a metric; what is to be left out \
+            of an extended task is removed: `remove NAME`.",
+        example: "reward { 1 tall = pelvis.height / 1 m\n 0 still = exp(-10 s/m * com.speed) }",
+        fix: "reward { 1 tall = pelvis.height / 1 m\n 0 (0..10) still = exp(-10 s/m * com.speed) }",
+    }
+    LONG_HORIZON = "W0554" lint long_horizon Compile {
+        title: "an episode of more than ten minutes",
+        explanation: "The horizon is counted in control steps, or given as a time. An episode of movement takes seconds: a number \
+            of steps was probably written for another control frequency, or seconds for steps.",
+        example: "horizon 3600 s",
+        fix: "horizon 36 s",
+    }
+    BY_HAND = "W0555" lint by_hand Compile {
+        title: "degrees and radians converted by hand",
+        explanation: "Angles carry their unit, so that a factor pi / 180 is never needed; where one stands, an angle is usually \
+            converted twice, and the formula compares with less than a degree.",
+        example: "terminate { bent when knee_angle_r.q > 100 deg * pi / 180 }",
+        fix: "terminate { bent when knee_angle_r.q > 100 deg }",
+    }
+    REPEATED = "W0556" lint repeated Compile {
+        title: "an element that stands in a list twice",
+        explanation: "A mean or a sum counts it twice and misses what was meant instead, usually the other side of the body.",
+        example: "reward { 1 bent = mean([knee_angle_l.q, knee_angle_l.q]) / 1 rad }",
+        fix: "reward { 1 bent = mean([knee_angle_l.q, knee_angle_r.q]) / 1 rad }",
+    }
+    PAYS_EFFORT = "W0557" lint pays_effort Compile {
+        title: "a term that pays for effort",
+        explanation: "It reads the activations, excitations or actions of most muscles, and pays the more the higher they are: \
+            tensing everything earns most. Effort is a cost, with a negative weight.",
+        example: "reward { 1 upright = torso.up.z\n 0.5 effort = mean(muscles.activation^2) }",
+        fix: "reward { 1 upright = torso.up.z\n -0.5 effort = mean(muscles.activation^2) }",
+    }
+    ACTION_AT_REST = "W0558" lint action_at_rest Compile {
+        title: "the size of an action, which is not 0 at rest",
+        explanation: "Actions go from -1, at which a muscle rests, to 1. Their square or absolute value is largest at rest and nothing \
+            at half excitation, so that a cost of it pays for tensing every muscle. `excitation` is 0 at rest.",
+        example: "reward { 1 upright = torso.up.z\n -0.1 effort = mean(muscles.action^2) }",
+        fix: "reward { 1 upright = torso.up.z\n -0.1 effort = mean(muscles.excitation^2) }",
+    }
+    HEAVY_SUM = "W0559" lint heavy_sum Compile {
+        title: "a sum over many muscles against all other terms",
+        explanation: "A sum grows with the number of what is summed: over all muscles it can outweigh everything else, where its mean \
+            would not. A mean keeps its size, and its weight, on any body.",
+        example: "reward { 1 upright = torso.up.z\n 5 alive = not terminated\n -1 effort = sum(muscles.activation^2) }",
+        fix: "reward { 1 upright = torso.up.z\n 5 alive = not terminated\n -1 effort = mean(muscles.activation^2) }",
+    }
+    RUNAWAY = "W0560" lint runaway Compile {
+        title: "an exponential that grows without bound",
+        explanation: "Its exponent is positive for one sign of what it reads, or for every value: where a fall reaches 4 m/s, \
+            `exp(-5 s/m * com.velocity.z)` is 4.9e8, and falling earns more than any task can. A bell takes the size of what it \
+            reads, or its square; anything else is bounded by `clip` or `tanh`.",
+        example: "reward { 1 still = exp(-5 s/m * com.velocity.z) }",
+        fix: "reward { 1 still = exp(-5 s/m * abs(com.velocity.z)) }",
+    }
+    SIGNED_ERROR = "W0561" lint signed_error Compile {
+        title: "an error that counts on one side only",
+        explanation: "The difference from a target has a sign. In an exponential, or as a cost, it pays more the farther what is \
+            measured is on the wrong side: a knee that is to be bent by 40 degrees is paid best when it is straight.",
+        example: "reward { 1 bent = exp(-3 rad^-1 * (knee_angle_r.q - 40 deg)) }",
+        fix: "reward { 1 bent = exp(-3 rad^-1 * abs(knee_angle_r.q - 40 deg)) }",
+    }
+    POLE = "W0562" lint pole Compile {
+        title: "a term that is infinite where a body comes",
+        explanation: "What it divides by passes zero, what its logarithm or its negative power takes reaches zero, or what its root \
+            takes becomes negative. A pay that is no finite number ends the episode in a fault, and close to the pole one step is \
+            worth more than all others.",
+        example: "reward { 1 slow = 0.1 m/s / com.speed }",
+        fix: "reward { 1 slow = 0.1 m/s / (com.speed + 0.1 m/s) }",
+    }
+    PAYS_FAILURE = "W0563" lint pays_failure Compile {
+        title: "a term that pays for failing",
+        explanation: "It pays more in the step that a condition of `terminate` ends than in any other: a sign is lost. Failing is \
+            charged, `-100 fall = terminated`, or going on is paid, `5 alive = not terminated`.",
+        example: "terminate { fallen when pelvis.height < 0.6 m }\nreward { 1 upright = torso.up.z\n 50 fall = terminated }",
+        fix: "terminate { fallen when pelvis.height < 0.6 m }\nreward { 1 upright = torso.up.z\n -50 fall = terminated }",
+    }
+    FORFEITS = "W0564" lint forfeits Compile {
+        title: "success that forfeits what further steps would pay",
+        explanation: "A reason to finish brings success and ends the episode, while every further step would be paid: waiting just \
+            before it earns more than succeeding. Steps that cost until it is reached, pay for progress, or a last step that pays as \
+            much as what remains make succeeding worth most.",
+        example: "reward { 1 upright = exp(-5 * (1 - torso.up.z)) }\nfinish { there when pelvis.position.x > 3 m }\n\
+            success ended by there",
+        fix: "reward { -1 far = tanh(abs(3 m - pelvis.position.x) / 3 m) }\nfinish { there when pelvis.position.x > 3 m }\n\
+            success ended by there",
+    }
+}
