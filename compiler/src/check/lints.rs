@@ -9,8 +9,10 @@ mod duration;
 pub(crate) mod events;
 mod folded;
 mod growth;
+mod heights;
 mod linear;
 mod muscles;
+mod observed;
 mod outlook;
 mod pay;
 mod poles;
@@ -75,6 +77,8 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
     poles::of(checker, task, &bounds, diagnostics);
     outlook::of(task, &bounds, &ranges, &amounts, diagnostics);
     success::of(checker, task, diagnostics);
+    observed::of(checker, task, diagnostics);
+    heights::of(checker, task, diagnostics);
     duration::long_horizon(checker, task, diagnostics);
     amounts.iter().map(|amount| amount.value).collect()
 }
@@ -225,9 +229,10 @@ fn twice_observed(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
 fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let terms = || task.terms.iter().map(|term| term.node);
     let channels = || task.channels.iter().map(|channel| channel.node);
-    let ends = task.terminations.iter().chain(&task.finishes).map(|end| end.node).chain([task.success]);
+    let reasons = || task.terminations.iter().chain(&task.finishes).map(|end| end.node);
+    let ends = reasons().chain([task.success]);
     let ends = ends.chain(task.metrics.iter().map(|metric| metric.node)).chain(task.phase.until);
-    let paid = hidden_behind(task, terms());
+    let (paid, ended) = (hidden_behind(task, terms()), hidden_behind(task, reasons()));
     let seen = hidden_behind(task, channels());
     let read = hidden_behind(task, terms().chain(channels()).chain(ends));
     let place = |name: &str| {
@@ -244,10 +249,12 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
         if !read.contains(&hidden) && kind == "state" {
             let message = format!("nothing reads `{name}`");
             diagnostics.push(Diagnostic::new(codes::lints::UNUSED, file, span, message));
-        } else if paid.contains(&hidden) && !seen.contains(&hidden) {
-            let message = format!("the reward depends on the {kind} `{name}`, which the policy cannot observe");
+        } else if (paid.contains(&hidden) || ended.contains(&hidden)) && !seen.contains(&hidden) {
+            let (what, answered) =
+                if paid.contains(&hidden) { ("the reward", "paid") } else { ("the end of the episode", "ended") };
+            let message = format!("{what} depends on the {kind} `{name}`, which the policy cannot observe");
             let diagnostic = Diagnostic::new(codes::lints::UNOBSERVED, file, span, message)
-                .help("add it to `observe`, or the same observation will be paid differently");
+                .help(format!("add it to `observe`, or the same observation will be {answered} differently"));
             let diagnostic = match name.strip_suffix(".start") {
                 Some(reference) => diagnostic.help(format!("`{reference}.phase` tells it")),
                 None => diagnostic,

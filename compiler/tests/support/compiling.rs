@@ -74,7 +74,7 @@ const REQUIRED: [(&str, &str); 7] = [
     ("control", "control 100 Hz"),
     ("horizon", "horizon 1000 steps"),
     ("init", "init { pose neutral }"),
-    ("observe", "observe { pelvis.height }"),
+    ("observe", "observe { pelvis.height; pelvis.position; pelvis.yaw; t }"),
     ("reward", "reward { 1 tall = pelvis.height / 1 m }"),
     ("success", "success survived and pelvis.height > 0.5 m"),
 ];

@@ -70,7 +70,7 @@ pub(super) fn fleeting(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>
     }
 }
 
-fn is_condition(graph: &Graph, node: NodeId) -> bool {
+pub(super) fn is_condition(graph: &Graph, node: NodeId) -> bool {
     match &graph.node(node).operation {
         Operation::Binary(function) => {
             matches!(function, Binary::Less | Binary::LessEqual | Binary::Equal | Binary::And | Binary::Or)
@@ -138,7 +138,7 @@ pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics:
 }
 
 /// Whether an object moves, by itself or with what carries it.
-fn moves(objects: &[Object], index: usize) -> bool {
+pub(super) fn moves(objects: &[Object], index: usize) -> bool {
     let Some(object) = objects.get(index) else { return false };
     object.motion != Motion::Fixed
         || match &object.parent {
@@ -147,6 +147,16 @@ fn moves(objects: &[Object], index: usize) -> bool {
             Parent::Object(parent) => *parent < index && moves(objects, *parent),
             Parent::Landmark(_) => true,
         }
+}
+
+/// The object that moves and carries an object rigidly, or the object itself; nothing where it stands still or the body carries it.
+pub(super) fn carrier(objects: &[Object], index: usize) -> Option<usize> {
+    let object = objects.get(index)?;
+    match &object.parent {
+        _ if object.motion != Motion::Fixed => Some(index),
+        Parent::Object(parent) if *parent < index => carrier(objects, *parent),
+        _ => None,
+    }
 }
 
 /// In a task that says that it is symmetric: parts of one side that are read, while those of the other are not.

@@ -110,4 +110,31 @@ codes! {
         fix: "reward { -1 far = tanh(abs(3 m - pelvis.position.x) / 3 m) }\nfinish { there when pelvis.position.x > 3 m }\n\
             success ended by there",
     }
+    UNDETERMINED = "W0565" lint undetermined Compile {
+        title: "pay or an end that depends on what no channel tells",
+        explanation: "The reward or an end depends on which way the body faces, where it stands, the time, what has happened before, or how \
+            a thing moves, and no channel tells it: the same observation is paid or ended differently, so that the best a policy can do \
+            is to guess. What the policy feels of its own body leaves its heading and place in the world out.",
+        example: "observe { pelvis.height }\nreward { 1 forward = tanh(com.velocity.x / 1 m/s) }",
+        fix: "observe { pelvis.height; sin(pelvis.yaw); cos(pelvis.yaw) }\nreward { 1 forward = tanh(com.velocity.x / 1 m/s) }",
+    }
+    WORLD_AXIS = "W0566" lint world_axis Compile {
+        title: "an axis of the world, where every episode starts with another heading",
+        explanation: "The heading of the start is drawn, and a term reads a vector along an axis of the world: the same movement is paid \
+            in one episode and charged in the next. A component along the body's own heading is the same whichever way it faces.",
+        example: "random way = uniform(-180 deg .. 180 deg)\ninit { pose neutral; root { height on ground, heading way } }\n\
+            reward { 1 forward = clip(0.5 + com.velocity.x / 1 m/s, 0, 1) }",
+        fix: "random way = uniform(-180 deg .. 180 deg)\ninit { pose neutral; root { height on ground, heading way } }\n\
+            reward { 1 forward = clip(0.5 + (com.velocity in heading(pelvis)).forward / 1 m/s, 0, 1) }",
+    }
+    ABSOLUTE_HEIGHT = "W0567" lint absolute_height Compile {
+        title: "a height above the world's zero on ground that is not level",
+        explanation: "On stairs, a slope or a field of heights, a part of the body is as high above the world's zero as the ground lifts it: who \
+            falls at the top of the stairs is higher than who stands at their foot. `ground_height` is the height of the ground under \
+            a part.",
+        example: "scene { ground; stairs flight { count 4, rise 15 cm, run 50 cm, width 2 m, at [1 m, 0, 0] } }\n\
+            terminate { fallen when pelvis.height < 0.6 m }",
+        fix: "scene { ground; stairs flight { count 4, rise 15 cm, run 50 cm, width 2 m, at [1 m, 0, 0] } }\n\
+            terminate { fallen when pelvis.height - ground_height(pelvis) < 0.6 m }",
+    }
 }
