@@ -7,6 +7,7 @@
 //!
 //! All errors of all files come in one [`Report`].
 
+mod consequences;
 mod inspection;
 mod motions;
 mod reading;
@@ -29,8 +30,8 @@ use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
 use reading::Reader;
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -157,7 +158,7 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
         check::uncalled::check(&file.tree, &names, &cycles, &called.borrow(), &known, &mut diagnostics);
     }
     let suites = suites(&files, &all_tasks, &mut diagnostics);
-    drop_consequences(&sources, &files, &mut diagnostics);
+    consequences::forget(&sources, &mut diagnostics);
     unread.into_inner().drop_read(&mut diagnostics);
     if Reported::among(&diagnostics).is_none() {
         // A task with errors may be the one that needs an `allow`.
@@ -168,23 +169,6 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     let bodies = described.into_values().map(|body| body.description).collect();
     let files = files.into_iter().map(|file| InspectedFile { path: file.path, tree: file.tree, uses: file.uses }).collect();
     Inspection { report, tasks, bodies, suites, files, scopes }
-}
-
-/// Drops complaints about names whose declaration is there, but could not be read: only the declaration is at fault.
-fn drop_consequences(sources: &SourceMap, files: &[SourceFile], diagnostics: &mut Vec<Diagnostic>) {
-    let broken: BTreeSet<FileId> =
-        diagnostics.iter().filter(|told| told.code.id.starts_with("E01")).map(Diagnostic::file).collect();
-    let unreadable = files.iter().map(|file| file.tree.file).filter(|file| broken.contains(file)).map(|file| sources.text(file));
-    const WORDS: [&str; 9] = ["fn", "let", "const", "state", "clock", "random", "reference", "observation", "task"];
-    let mut declared = BTreeSet::new();
-    for text in unreadable {
-        let words: Vec<&str> = text.split_whitespace().collect();
-        let named = words.windows(2).filter(|pair| WORDS.contains(&pair[0])).map(|pair| pair[1]);
-        declared.extend(named.filter_map(|word| word.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).next()));
-    }
-    declared.remove("");
-    diagnostics
-        .retain(|told| told.code != codes::names::UNKNOWN_NAME || !declared.contains(told.span().of(sources.text(told.file()))));
 }
 
 /// A file with those that it uses, by their place in the list of files.

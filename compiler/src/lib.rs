@@ -25,6 +25,7 @@ pub mod mutation;
 pub mod numbers;
 pub mod scene;
 pub mod snapshot;
+pub mod spoken;
 pub mod survey;
 pub mod syntax;
 pub mod task;

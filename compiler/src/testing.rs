@@ -7,6 +7,7 @@
 mod written;
 
 use crate::diagnostics::{FileId, Span};
+use crate::spoken::SpokenUnit;
 use crate::task::{CompiledTask, Init};
 use std::sync::Arc;
 
@@ -153,8 +154,8 @@ pub enum Check {
 pub struct Side {
     /// As written.
     pub source: String,
-    /// Unit, empty for plain numbers.
-    pub unit: String,
+    /// Unit.
+    pub unit: SpokenUnit,
     /// Which of the numbers that tests look at.
     pub probe: Probe,
     /// Where it is read.

@@ -81,6 +81,7 @@ fn generated_parts_are_those_of_the_compiler() {
         codes::lints::ALL,
         codes::probing::ALL,
         codes::intent::ALL,
+        codes::slips::ALL,
     ]
     .concat();
     let parts = [

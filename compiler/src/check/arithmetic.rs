@@ -3,12 +3,14 @@
 use super::context::{Checked, Checker, Compared, Reported};
 use super::dimension::{Dimension, Rational};
 use super::meeting::is_ordered;
-use super::observe::unit_of;
+use super::observe::spoken_unit;
 use super::types::{ElementType, Shape, Type};
+use super::unit;
 use super::value::Data;
-use crate::diagnostics::{Span, codes};
+use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Unary};
+use crate::numbers::{exact, for_people};
 use crate::syntax::tree::{BinaryOperator, CompareOperator, Expr, ExprKind};
 
 /// An operand with the expression it came from.
@@ -26,7 +28,10 @@ impl<'a> Checker<'a> {
         let mut result = self.data(first);
         let mut left_expr = first;
         for (whole, operator, operator_span, right_expr) in spine.into_iter().rev() {
-            let right = self.data(right_expr);
+            let right = match self.time_of_day(operator, left_expr, right_expr) {
+                Some(diagnostic) => Err(self.report(diagnostic)),
+                None => self.data(right_expr),
+            };
             result = match (result, right) {
                 (Ok(left), Ok(right)) => self.infix(operator, operator_span, (left, left_expr), (right, right_expr)),
                 (Err(reported), _) | (_, Err(reported)) => Err(reported),
@@ -34,6 +39,34 @@ impl<'a> Checker<'a> {
             left_expr = whole;
         }
         result
+    }
+
+    /// `5 km/h`, read as a division by `h`: hours and minutes are no units here. The error says the same speed in units that are.
+    fn time_of_day(&self, operator: BinaryOperator, left: &Expr, right: &Expr) -> Option<Diagnostic> {
+        let ExprKind::Name(word) = &right.kind else { return None };
+        let seconds = match word.text.as_str() {
+            "h" | "hour" => 3600.0,
+            "min" | "minute" => 60.0,
+            _ => return None,
+        };
+        let mut last = left;
+        while let ExprKind::Binary { right, .. } = &last.kind {
+            last = right;
+        }
+        let ExprKind::Number(number) = &last.kind else { return None };
+        let unit = number.unit.as_ref()?;
+        // The word touches the unit: with a blank between them something else was meant.
+        let touching = operator == BinaryOperator::Divide && unit.span.end + 1 == right.span.start;
+        if !touching || self.names.find(self.place, &word.text).is_some() {
+            return None;
+        }
+        let one = unit::evaluate(unit).ok()?;
+        let dimension = one.dimension.per(Dimension::TIME)?;
+        let said = format!("{} {dimension}", for_people(number.value * one.value / seconds));
+        let message = format!("`{}` is not a unit", word.text);
+        let diagnostic = self.diagnostic(codes::syntax::UNKNOWN_UNIT, right.span, message);
+        let whole = format!("{} {}/{}", exact(number.value), unit.text, word.text);
+        Some(diagnostic.suggest(format!("`{whole}` is `{said}`"), last.span.to(right.span), said))
     }
 
     fn infix(&mut self, operator: BinaryOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
@@ -57,12 +90,19 @@ impl<'a> Checker<'a> {
                     .diagnostic(codes::types::WRONG_TYPE, expr.span, "`and` and `or` join conditions")
                     .expected("a condition (yes or no)")
                     .found(found);
+                let diagnostic = match data.kind.element() {
+                    Some(element) if element.is_number() => {
+                        diagnostic.help("compare it, `x > 0.5`; to reward both numbers at once, multiply them, `x * y`")
+                    }
+                    _ => diagnostic,
+                };
                 return Err(self.report(diagnostic));
             }
         }
         let span = left.1.span.to(right.1.span);
         let (a, b, kind) = self.agree("join", left, right)?;
         self.warn_identical(a, b, span);
+        self.warn_decided(function, [a, b], span);
         let node = self.graph.binary(function, a, b);
         Ok(Data::new(node, kind))
     }
@@ -73,8 +113,10 @@ impl<'a> Checker<'a> {
         if let Some(place) = self.sum_of_places(subtract, span, &left, &right)? {
             return Ok(place);
         }
-        let span_of_both = left.1.span.to(right.1.span);
+        let (span_of_both, written) = (left.1.span.to(right.1.span), [left.1, right.1]);
         let (a, b, kind) = self.agree(verb, left, right)?;
+        self.warn_beyond_range([a, b], subtract, &kind, written);
+        self.note_height(a, written[1]);
         if subtract {
             self.warn_identical(a, b, span_of_both);
         }
@@ -117,7 +159,9 @@ impl<'a> Checker<'a> {
         let diagnostic = self
             .diagnostic(codes::types::PLACES, left.1.span.to(right.1.span), message)
             .help("place - place is a vector, place + vector is a place; both must be counted in the same axes");
-        self.report(diagnostic)
+        let places = [left, right].map(|(data, _)| matches!(data.kind.element(), Some(ElementType::Place(_))));
+        let between = !subtract && places == [true, true];
+        self.report(if between { diagnostic.help("the place between several is their mean: `mean([a, b])`") } else { diagnostic })
     }
 
     fn product(&mut self, divide: bool, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
@@ -188,6 +232,9 @@ impl<'a> Checker<'a> {
                 .help("divide the base by a unit first: `(x / 1 m)^p`");
             return Err(self.report(diagnostic));
         };
+        if known.as_deref() == Some(&[2.0]) {
+            self.warn_cancelling(base_data.node, base_expr.span);
+        }
         let node = self.graph.add(Operation::Binary(Binary::Power), &nodes);
         Ok(Data::new(node, kind))
     }
@@ -238,10 +285,11 @@ impl<'a> Checker<'a> {
                 return Err(self.report(diagnostic));
             }
         }
-        let span = left.1.span.to(right.1.span);
+        let (span, written) = (left.1.span.to(right.1.span), [left.1, right.1]);
         let (a, b, kind) = self.agree("compare", left, right)?;
         self.warn_identical(a, b, span);
-        let unit = unit_of(&kind);
+        let unit = spoken_unit(&kind, written);
+        self.note_height(a, written[1]);
         let node = match operator {
             CompareOperator::Less => self.graph.binary(Binary::Less, a, b),
             CompareOperator::LessEqual => self.graph.binary(Binary::LessEqual, a, b),

@@ -26,11 +26,16 @@ pub(crate) fn describe(body: &Body, file: FileId, diagnostics: &mut Vec<Diagnost
     for statement in &body.statements {
         reader.statement(statement);
     }
-    for word in ["model", "root"] {
-        if !reader.said.contains_key(word) {
-            let message = format!("the body `{}` does not say its `{word}`", body.name.text);
-            reader.error(codes::tasks::MISSING, body.name.span, message);
-        }
+    let needed = [("model", "`model \"model.xml\"`"), ("root", "`root pelvis { forward x, up z }`")];
+    let missing: Vec<_> = needed.into_iter().filter(|(word, _)| !reader.said.contains_key(*word)).collect();
+    if !missing.is_empty() {
+        let words: Vec<String> = missing.iter().map(|(word, _)| format!("`{word}`")).collect();
+        let message = format!("the body `{}` does not say its {}", body.name.text, words.join(", "));
+        let examples: Vec<&str> = missing.iter().map(|(_, example)| *example).collect();
+        let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, body.name.span, message)
+            .help(format!("write {}", examples.join(", ")))
+            .help("`msk new body NAME --model FILE` writes a body file for a model");
+        reader.diagnostics.push(diagnostic);
     }
     reader.body
 }

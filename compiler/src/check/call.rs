@@ -3,11 +3,12 @@
 use super::context::{Checked, Checker, Failures, Reported, Step};
 use super::dimension::Dimension;
 use super::functions;
+use super::offered::offer_decimal_point;
 use super::scope::Definition;
 use super::types::{ElementType, Frame, Type};
 use super::value::{Data, Thing, Value};
-use crate::diagnostics::nearest;
-use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use crate::diagnostics::{Diagnostic, Edit, FileId, Fix, Span, codes};
+use crate::diagnostics::{function_elsewhere, is_module, nearest};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Reduction};
@@ -24,7 +25,7 @@ impl<'a> Checker<'a> {
             return value;
         }
         let ExprKind::Name(name) = &function.kind else {
-            return Err(self.error(codes::names::NOT_YET, function.span, "calls on a property are not supported yet"));
+            return Err(self.call_on_a_value(function, arguments, span));
         };
         if let Some((declared, place)) = self.names.find(self.place, &name.text) {
             let Definition::Function(callee) = declared.definition else {
@@ -64,12 +65,52 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// Reports `np.exp(x)` and `v.norm()`: functions stand by themselves.
+    fn call_on_a_value(&mut self, function: &Expr, arguments: &[Argument], span: Span) -> Reported {
+        let ExprKind::Field { base, name } = &function.kind else {
+            return self.error(codes::names::NOT_YET, function.span, "only functions can be called, by their name");
+        };
+        let own = functions::find(&name.text).is_some() || self.names.find(self.place, &name.text).is_some();
+        if let ExprKind::Name(module) = &base.kind
+            && is_module(&module.text)
+        {
+            let message = format!("there is nothing called `{}`", module.text);
+            let diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, function.span, message);
+            let diagnostic = match function_elsewhere(&name.text) {
+                Some(advice) if !own => diagnostic.help(advice),
+                _ => diagnostic.help("functions stand by themselves, without a prefix"),
+            };
+            let offered = format!("write `{}(...)`", name.text);
+            return self.report(if own { diagnostic.suggest(offered, function.span, &*name.text) } else { diagnostic });
+        }
+        let message = format!("`{}` cannot be called on a value", name.text);
+        let diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message);
+        if !own {
+            let advice = function_elsewhere(&name.text).unwrap_or("functions stand by themselves: `norm(v)`, `exp(x)`");
+            return self.report(diagnostic.help(advice));
+        }
+        // `v.norm()` becomes `norm(v)`, `a.distance(b)` becomes `distance(a, b)`.
+        let between = match arguments.first() {
+            Some(first) => (Span::new(base.span.end as usize, first.value.span.start as usize), ", "),
+            None => (Span::new(base.span.end as usize, span.end as usize), ")"),
+        };
+        let edit = |span: Span, replacement: String| Edit { file: diagnostic.file(), span, replacement };
+        let edits =
+            vec![edit(Span::at(base.span.start as usize), format!("{}(", name.text)), edit(between.0, between.1.to_owned())];
+        let mut diagnostic = diagnostic;
+        diagnostic.fixes.push(Fix { title: format!("write `{}(...)` around it", name.text), edits, automatic: false });
+        self.report(diagnostic)
+    }
+
     fn unknown_function(&mut self, text: &str, span: Span) -> Reported {
         let known = functions::FUNCTIONS.iter().chain(functions::OPERATORS).map(|function| function.name);
         let names: Vec<&str> = known.chain(self.names.in_sight(self.place)).collect();
         let near = nearest(text, names);
         let message = format!("there is no function `{text}`");
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
+        if let Some(advice) = function_elsewhere(text) {
+            return self.report(diagnostic.help(advice));
+        }
         if near.is_empty() {
             diagnostic = diagnostic.help("functions of a library come with `use \"...\"`");
         }
@@ -99,13 +140,13 @@ impl<'a> Checker<'a> {
             };
             match place.and_then(|place| slots.get_mut(place)) {
                 Some(slot @ None) => *slot = Some(&argument.value),
-                _ => return Err(self.wrong_count(callee, arguments.len(), span)),
+                _ => return Err(self.wrong_count(callee, arguments, span)),
             }
         }
         let mut values = Vec::new();
         let mut failures = Failures::default();
         for (parameter, slot) in callee.parameters.iter().zip(slots) {
-            let Some(expr) = slot else { return Err(self.wrong_count(callee, arguments.len(), span)) };
+            let Some(expr) = slot else { return Err(self.wrong_count(callee, arguments, span)) };
             match self.value(expr) {
                 Ok(value) => {
                     failures.catch(self.check_parameter(parameter, declared_in, &value, expr.span));
@@ -117,14 +158,14 @@ impl<'a> Checker<'a> {
         failures.or(values)
     }
 
-    fn wrong_count(&mut self, callee: &Function, found: usize, span: Span) -> Reported {
+    fn wrong_count(&mut self, callee: &Function, arguments: &[Argument], span: Span) -> Reported {
         let names: Vec<&str> = callee.parameters.iter().map(|parameter| parameter.name.text.as_str()).collect();
         let message = format!("`{}` does not take these arguments", callee.name.text);
         let diagnostic = self
             .diagnostic(codes::types::ARGUMENTS, span, message)
             .expected(format!("`{}({})`", callee.name.text, names.join(", ")))
-            .found(format!("{found} argument(s)"));
-        self.report(diagnostic)
+            .found(format!("{} argument(s)", arguments.len()));
+        self.report(offer_decimal_point(diagnostic, arguments))
     }
 
     /// Checks the value of a declaration against the annotation written beside its name.

@@ -12,6 +12,7 @@ use crate::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
+use crate::spoken::SpokenUnit;
 use crate::vocabulary::Vocabulary;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -85,8 +86,8 @@ pub(crate) struct Compared {
     pub sides: [NodeId; 2],
     pub file: FileId,
     pub span: Span,
-    /// Of both sides; empty for plain numbers.
-    pub unit: String,
+    /// Of both sides.
+    pub unit: SpokenUnit,
 }
 
 /// A declared state or clock of the task.
@@ -137,6 +138,8 @@ pub(crate) struct Checker<'a> {
     pub broken_references: BTreeMap<String, Reported>,
     /// Names of the phases of the sequence before the present one.
     pub phases: Vec<String>,
+    /// Names of those after the present one.
+    pub later_phases: Vec<String>,
     /// The present phase and whether it has succeeded, once that is known.
     pub own_success: Option<(String, NodeId)>,
     /// What libraries allow in the task.
@@ -188,6 +191,7 @@ impl<'a> Checker<'a> {
             references: Vec::new(),
             broken_references: BTreeMap::new(),
             phases: Vec::new(),
+            later_phases: Vec::new(),
             own_success: None,
             allowances: Vec::new(),
             surroundings: None,

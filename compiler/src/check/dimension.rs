@@ -166,6 +166,13 @@ impl Dimension {
         }
     }
 
+    /// Whether it, its inverse or its square root has a name: what is compared is rarely anything else.
+    pub fn is_familiar(self) -> bool {
+        let named = |dimension: Self| NAMED.iter().any(|(_, known)| *known == dimension);
+        let root = Rational::new(1, 2).and_then(|half| self.power(half));
+        named(self) || named(self.inverse()) || root.is_some_and(|root| named(root) || named(root.inverse()))
+    }
+
     /// The dimension with a name that annotations may use (`length`, `velocity`, `angular_velocity`).
     pub fn named(name: &str) -> Option<Self> {
         NAMED.iter().find(|(known, _)| *known == name).map(|(_, dimension)| *dimension)

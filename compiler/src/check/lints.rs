@@ -19,6 +19,7 @@ mod poles;
 mod repeated;
 mod sight;
 mod signs;
+mod slips;
 mod success;
 mod trend;
 
@@ -26,10 +27,11 @@ use super::context::{Checker, End};
 use super::ranges::{Standing, Working};
 use super::reward::PaidTerm;
 use super::scope::Definition;
-use super::task::CheckedTask;
+use super::task::{CheckedTask, InSequence};
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
+use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
-use crate::graph::operation::Operation;
+use crate::graph::operation::{Binary, Memory, Operation};
 use crate::graph::{Graph, NodeId};
 use crate::numbers::for_people;
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind};
@@ -71,6 +73,8 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
     sight::fleeting(task, diagnostics);
     sight::unseen(checker, task, diagnostics);
     sight::one_side(checker, task, diagnostics);
+    slips::twice_paid(task, diagnostics);
+    slips::counts_steps(task, diagnostics);
     signs::weightless(task, &amounts, diagnostics);
     muscles::of(checker, task, &bounds, &amounts, diagnostics);
     growth::of(checker, task, &bounds, diagnostics);
@@ -160,10 +164,85 @@ fn decided_ends(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mu
     for (what, node, file, span) in conditions(task) {
         if let Some(value) = interval::of_scalar(bounds, node).single() {
             let verdict = if value == 0.0 { "can never hold" } else { "always holds" };
-            let diagnostic = Diagnostic::new(codes::lints::DECIDED, file, span, format!("{what} {verdict}"))
-                .help("the ranges of what it reads decide it; compare `msk explain`");
+            let diagnostic = Diagnostic::new(codes::lints::DECIDED, file, span, format!("{what} {verdict}"));
+            let diagnostic = match (sides_in_words(task, node, bounds), held_too_long(task, node, bounds)) {
+                (_, Some(long)) => diagnostic.help(long),
+                (Some(sides), _) if only_time(&task.graph, node) => {
+                    diagnostic.found(sides).help("the episode ends at its `horizon` by itself")
+                }
+                (Some(sides), _) => diagnostic.found(sides),
+                (None, _) => diagnostic.help("the ranges of what it reads decide it; compare `msk explain`"),
+            };
             diagnostics.push(diagnostic);
         }
+    }
+}
+
+/// Whether a condition reads nothing but the time.
+fn only_time(graph: &Graph, node: NodeId) -> bool {
+    let operations = || graph.reachable([node]).into_iter().map(|id| &graph.node(id).operation);
+    operations().any(|operation| *operation == Operation::Step)
+        && operations().all(|operation| match operation {
+            Operation::Sensors(sensors) => sensors.iter().all(|sensor| *sensor == Sensor::Time),
+            operation => !operation.remembers(),
+        })
+}
+
+/// A condition within one that would have to be held for longer than the episode lasts, in words.
+fn held_too_long(task: &CheckedTask<'_>, node: NodeId, bounds: &[Vec<Bounds>]) -> Option<String> {
+    let graph = &task.graph;
+    graph.reachable([node]).into_iter().find_map(|id| {
+        let known = graph.node(id);
+        let (Operation::Binary(Binary::LessEqual), [steps, streak]) = (&known.operation, known.inputs.as_slice()) else {
+            return None;
+        };
+        let steps = graph.constant_value(*steps)?;
+        let most = interval::of_scalar(bounds, *streak).high;
+        let held = graph.node(*streak).operation == Operation::Memory(Memory::Streak) && steps > most;
+        let time = |steps: f64| for_people(steps * task.timing.interval);
+        held.then(|| {
+            let episode = time(f64::from(task.timing.before) + f64::from(task.timing.horizon));
+            format!("nothing is held for {} s in an episode of {episode} s", time(steps))
+        })
+    })
+}
+
+/// Between which values both sides of a comparison stay, if a condition is one.
+fn sides_in_words(task: &CheckedTask<'_>, node: NodeId, bounds: &[Vec<Bounds>]) -> Option<String> {
+    let compared = task.comparisons.iter().find(|compared| compared.node == node)?;
+    let told = |side: NodeId| {
+        let (found, unit) = (interval::of_scalar(bounds, side), &compared.unit);
+        let amount = |value: f64| for_people(unit.amount(value));
+        match (found.single(), found.low.is_finite(), found.high.is_finite()) {
+            (Some(value), ..) => unit.tell(value),
+            (None, true, true) => unit.with_unit(&format!("{} .. {}", amount(found.low), amount(found.high))),
+            (None, true, false) => format!("at least {}", unit.tell(found.low)),
+            (None, false, true) => format!("at most {}", unit.tell(found.high)),
+            (None, false, false) => "any number".to_owned(),
+        }
+    };
+    Some(format!("{} on the left, {} on the right", told(compared.sides[0]), told(compared.sides[1])))
+}
+
+/// A phase of a sequence that can never give way: its `until` needs more time than the phase has, for example.
+pub(crate) fn phase_end(
+    checker: &Checker<'_>,
+    task: &CheckedTask<'_>,
+    sequence: InSequence<'_>,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let (Some(node), Some((expr, file)), Some(phase)) = (task.phase.until, sequence.until, sequence.phases.get(sequence.index))
+    else {
+        return;
+    };
+    let ranges = Working { vocabulary: checker.vocabulary, timing: task.timing, queries: &task.queries };
+    let bounds = interval::analyse_for(&task.graph, node, &ranges);
+    if bounds.iter().all(|lane| lane.single() == Some(0.0)) {
+        let length = for_people(f64::from(task.timing.horizon) * task.timing.interval);
+        let message = format!("the phase `{phase}` never gives way: this can never hold");
+        let diagnostic = Diagnostic::new(codes::lints::DECIDED, file, expr.span, message)
+            .help(format!("within a phase `t` counts from its beginning, and its task ends it at its horizon, after {length} s"));
+        diagnostics.push(diagnostic);
     }
 }
 
@@ -186,6 +265,10 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
         if interval::of_scalar(&reset, node).single() == Some(1.0) && !decided {
             let message = format!("{what} holds before anything has happened, in the pose in which the task begins");
             let diagnostic = Diagnostic::new(codes::lints::HOLDS_AT_RESET, file, span, message);
+            let diagnostic = match sides_in_words(task, node, &reset) {
+                Some(sides) => diagnostic.found(sides).help("is the comparison turned round, or its number in another unit?"),
+                None => diagnostic,
+            };
             diagnostics.push(diagnostic);
         }
     }

@@ -5,7 +5,7 @@ use super::scope::{Declared, Definition, Place};
 use super::signals::{self, Owner};
 use super::value::{Thing, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
-use crate::diagnostics::{nearest, synonyms};
+use crate::diagnostics::{name_elsewhere, nearest, synonyms};
 use crate::syntax::tree::{Ident, Name, NamePart, Text};
 use crate::vocabulary::{GroupKind, JointKind};
 use std::collections::BTreeSet;
@@ -84,7 +84,7 @@ impl<'a> Checker<'a> {
         Ok(fitting)
     }
 
-    fn plain_name(&mut self, text: &str, span: Span) -> Checked<Value> {
+    pub(crate) fn plain_name(&mut self, text: &str, span: Span) -> Checked<Value> {
         if let Some((_, value)) = self.locals.iter().rev().find(|(name, _)| name == text) {
             return Ok(value.clone());
         }
@@ -101,6 +101,9 @@ impl<'a> Checker<'a> {
             self.used.insert(text.to_owned());
             return Ok(thing);
         }
+        if let Some(place) = self.marker(text, span) {
+            return place.map(Value::Data);
+        }
         for owner in [Owner::Time, Owner::WholeBody] {
             if let Some(signal) = signals::find(owner, text) {
                 self.note_signal(span, signal);
@@ -113,17 +116,24 @@ impl<'a> Checker<'a> {
 
     /// Reports a name that means nothing, with those near to it.
     pub(crate) fn unknown_name(&mut self, text: &str, span: Span, candidates: Vec<String>) -> Reported {
-        let near = nearest(text, candidates.iter().map(String::as_str));
+        let mut near = nearest(text, candidates.iter().map(String::as_str));
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, format!("there is nothing called `{text}`"));
+        if let Some(advice) = self.meant_elsewhere(text) {
+            return self.report(diagnostic.help(advice));
+        }
         let meant = synonyms(text, |name| candidates.iter().any(|known| known == name));
-        if super::functions::find(text).is_some() {
-            diagnostic = diagnostic.help(format!("`{text}` is a function: `{text}(...)`"));
-        } else if !meant.is_empty() {
+        if !meant.is_empty() {
             diagnostic = diagnostic.help(format!("here it is `{}`", meant.join("`, `")));
+            near.clear();
+        } else if super::functions::find(text).is_some() {
+            diagnostic = diagnostic.help(format!("`{text}` is a function: `{text}(...)`"));
+        } else if let Some(advice) = name_elsewhere(text) {
+            diagnostic = diagnostic.help(advice);
         } else if near.is_empty() && (1..=12).contains(&candidates.len()) {
             diagnostic = diagnostic.help(format!("there is {}", candidates.join(", ")));
         } else if near.is_empty() {
             diagnostic = diagnostic.help("`msk vocabulary` lists what the body and the language offer");
+            diagnostic.help.extend(self.objects_in_words());
         }
         for name in near {
             diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), span, name);
@@ -137,6 +147,9 @@ impl<'a> Checker<'a> {
         let mut names: Vec<String> = self.body_names().into_iter().filter(plain).collect();
         names.extend(self.names.in_sight(self.place).map(str::to_owned));
         names.extend(self.locals.iter().map(|(name, _)| name.clone()));
+        names.extend(
+            self.surroundings.iter().flat_map(|known| known.statements.markers.iter().filter_map(|marker| marker.name.clone())),
+        );
         let words = signals::SIGNALS.iter().filter(|s| matches!(s.owner, Owner::Time | Owner::WholeBody)).map(|s| s.name);
         names.extend(words.chain(SETS.iter().copied()).chain(["com", "ground", "robot"]).map(str::to_owned));
         names

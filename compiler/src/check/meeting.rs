@@ -3,11 +3,13 @@
 use super::arithmetic::Operand;
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
+use super::offered::{is_bare, offer_unit};
 use super::types::{ElementType, Shape, Type};
 use super::value::{Data, Form};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::operation::Unary;
 use crate::graph::{Graph, NodeId};
+use crate::numbers::exact;
 use crate::syntax::tree::ExprKind;
 
 impl<'a> Checker<'a> {
@@ -118,6 +120,50 @@ impl<'a> Checker<'a> {
         self.by_wrapping(node, kind, |graph, node, wraps| if wraps { graph.unary(Unary::Wrap, node) } else { node })
     }
 
+    /// Says how quantities of these dimensions could meet: a unit for a number without one, else what is probably meant.
+    fn units_that_meet(
+        &self,
+        diagnostic: Diagnostic,
+        left: (&Operand<'a>, Dimension),
+        right: (&Operand<'a>, Dimension),
+    ) -> Diagnostic {
+        for ((number, own), (_, wanted)) in [(right, left), (left, right)] {
+            let computed = wanted == Dimension::ANGLE && self.graph.constant_value(number.0.node).is_some();
+            if own.is_none() && number.0.form != Form::Zero && (is_bare(number.1) || computed) {
+                return offer_unit(diagnostic, wanted, number.1);
+            }
+        }
+        for ((count, own), ((time, seconds), other)) in [(left, right), (right, left)] {
+            if own.is_none() && count.0.kind.all(|element| element == ElementType::Int) && other == Dimension::TIME {
+                let known = self.graph.constant_value(time.node).map(|time| (time / self.timing.interval).round());
+                let help = "`step` counts control steps, `t` is the time in seconds";
+                let diagnostic = match &count.1.kind {
+                    ExprKind::Name(name) if name.text == "step" => diagnostic.help(help).suggest("write `t`", count.1.span, "t"),
+                    _ => diagnostic.help(help),
+                };
+                return match known {
+                    Some(steps) => {
+                        diagnostic.suggest(format!("write `{}`, the number of steps", exact(steps)), seconds.span, exact(steps))
+                    }
+                    None => diagnostic,
+                };
+            }
+        }
+        let (a, b) = (left.1, right.1);
+        if a.per(Dimension::TIME) == Some(b) || b.per(Dimension::TIME) == Some(a) {
+            return diagnostic.help(match [a, b].contains(&Dimension::ANGLE) {
+                true => "one of them is the rate of the other: `.q` is the angle of a joint, `.qd` its angular velocity",
+                false => "one of them is the rate of the other, as `.velocity` is that of `.position`",
+            });
+        }
+        match a.per(b) {
+            Some(factor) => diagnostic.help(format!(
+                "the missing factor is one in `{factor}`: multiply the second by `1 {factor}`, or a constant like it"
+            )),
+            None => diagnostic,
+        }
+    }
+
     fn disagree(&mut self, verb: &str, left: Operand<'a>, right: Operand<'a>) -> Reported {
         let (a, b) = (left.0.kind.met(), right.0.kind.met());
         let described = |data: &Data| data.kind.element_described(self.vocabulary);
@@ -145,27 +191,12 @@ impl<'a> Checker<'a> {
         if sizes[0] != sizes[1] && right.0.kind.element().is_some_and(|element| matches!(element, ElementType::Vector { .. })) {
             diagnostic = diagnostic.help("a bracket beside a vector has as many components as that");
         } else if let (Some(da), Some(db)) = (left.0.kind.dimension(), right.0.kind.dimension()) {
-            diagnostic = missing_factor(diagnostic, da, db, &right);
+            diagnostic = self.units_that_meet(diagnostic, (&left, da), (&right, db));
         } else if [a, b].contains(&Some(ElementType::Steps)) {
             diagnostic = diagnostic.help("a whole number never meets a duration; `t` is the time in seconds, `step` a count");
         }
         self.report(diagnostic)
     }
-}
-
-/// Says by what the right operand would have to be multiplied, and offers to write it.
-fn missing_factor(diagnostic: Diagnostic, left: Dimension, right: Dimension, operand: &Operand<'_>) -> Diagnostic {
-    let Some(factor) = left.per(right) else { return diagnostic };
-    let (data, expr) = operand;
-    if let ExprKind::Number(quantity) = &expr.kind
-        && right.is_none()
-        && data.form != Form::Zero
-    {
-        let place = Span::at(quantity.digits.end as usize);
-        return diagnostic.fix(format!("give it the unit `{left}`"), place, format!(" {left}"));
-    }
-    diagnostic
-        .help(format!("the missing factor is one in `{factor}`: multiply the second by `1 {factor}`, or a constant like it"))
 }
 
 impl Data {

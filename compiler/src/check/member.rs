@@ -32,7 +32,12 @@ impl<'a> Checker<'a> {
         {
             return Ok(Value::Data(constant));
         }
+        let place = matches!(&base.kind, ExprKind::Name(word) if name.text == "position" && self.is_marker(&word.text));
         let base = self.value(base)?;
+        // A marker is a place: `goal.position` is `goal`.
+        if place {
+            return Ok(base);
+        }
         if let Some(part) = self.part_of_object(&base, &name.text) {
             return Ok(part);
         }
@@ -242,7 +247,9 @@ impl<'a> Checker<'a> {
             {
                 let message =
                     format!("{} has no segment, so nothing of it can touch or clear the ground", self.thing_name(*thing));
-                return Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message));
+                let help = format!("those that have one: {}", self.segments_in_words());
+                let diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, span, message).help(help);
+                return Err(self.report(diagnostic));
             }
         }
         Ok(())
@@ -338,7 +345,9 @@ impl<'a> Checker<'a> {
                 let found = data.kind.described(self.vocabulary);
                 let message = format!("`.{}` cannot be read here", name.text);
                 let diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message).found(found);
-                return Err(self.report(diagnostic));
+                let of_vectors = ["x", "y", "z", "xy", "forward", "left", "up"].contains(&name.text.as_str());
+                let help = format!("components belong to vectors and places: `.velocity.{0}`, `.position.{0}`", name.text);
+                return Err(self.report(if of_vectors { diagnostic.help(help) } else { diagnostic }));
             }
         };
         let lanes: Option<&[usize]> = match (frame, name.text.as_str()) {

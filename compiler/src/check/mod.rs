@@ -10,6 +10,7 @@
 //!
 //! Every error is reported where it is, none stops the rest.
 
+mod advice;
 pub(crate) mod allows;
 mod arithmetic;
 pub(crate) mod body;
@@ -29,6 +30,7 @@ mod meeting;
 mod member;
 pub mod notes;
 pub(crate) mod observe;
+mod offered;
 mod parameters;
 mod random;
 mod ranges;

@@ -9,6 +9,7 @@ use super::value::{Data, Value};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Operation;
+use crate::spoken::SpokenUnit;
 use crate::syntax::tree::{Channel, Entry, Expr, ExprKind};
 
 /// A channel that the graph computes.
@@ -99,14 +100,17 @@ impl<'a> Checker<'a> {
             Value::Data(data) => data,
             other => return Err(self.not_numbers(&other, channel.value.span)),
         };
-        if found.iter().any(|known| known.name == name) {
-            let message = format!("there are two channels called `{name}`");
-            let diagnostic = self
-                .diagnostic(codes::tasks::LABEL_TWICE, channel.span, message)
-                .help("give one of them a label of its own: `label = value`");
-            return Err(self.report(diagnostic));
-        }
         let node = self.observed(&data);
+        if let Some(known) = found.iter().find(|known| known.name == name) {
+            let message = format!("there are two channels called `{name}`");
+            let diagnostic = self.diagnostic(codes::tasks::LABEL_TWICE, channel.span, message);
+            let help = match known.node == node && known.block.is_empty() {
+                true => "both carry the same numbers: leave one out".to_owned(),
+                false if known.node == node => format!("`{}` observes it already: leave this one out", known.block),
+                false => "give one of them a label of its own: `label = value`".to_owned(),
+            };
+            return Err(self.report(diagnostic.help(help)));
+        }
         self.spend(self.graph.width(node), channel.span)?;
         let (file, span) = block.map_or((self.place.file, channel.span), |block| (block.file, block.span));
         let block = block.map_or_else(String::new, |block| block.name.to_owned());
@@ -138,6 +142,14 @@ pub(crate) fn unit_of(kind: &Type) -> String {
     match kind {
         Type::One(ElementType::Steps) | Type::List(ElementType::Steps, _) => "steps".to_owned(),
         other => other.units().join(", "),
+    }
+}
+
+/// The unit in which values of this type are told where these formulas are read.
+pub(crate) fn spoken_unit<'a>(kind: &Type, formulas: impl IntoIterator<Item = &'a Expr>) -> SpokenUnit {
+    match kind.dimension() {
+        Some(dimension) => SpokenUnit::written(dimension, formulas),
+        None => SpokenUnit::si(unit_of(kind)),
     }
 }
 

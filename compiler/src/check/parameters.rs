@@ -2,12 +2,12 @@
 
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
+use super::offered::unit_of;
 use super::scope::Place;
 use super::types::{ElementType, Type};
-use super::unit;
 use super::value::{Data, Form, Value};
 use crate::diagnostics::{FileId, Span, codes};
-use crate::numbers::told_apart;
+use crate::spoken::SpokenUnit;
 use crate::syntax::tree::{Expr, ExprKind, TaskParameter, TaskStatement, UnaryOperator};
 use crate::task::Parameter;
 
@@ -67,12 +67,13 @@ impl<'a> Checker<'a> {
             None => None,
             Some(range) => Some(self.parameter_range(range, dimension)?),
         };
-        self.must_lie_within(default, range, &parameter.name.text, parameter.value.span)?;
+        let unit = SpokenUnit::written(dimension, [&parameter.value]);
+        self.must_lie_within(default, range, &parameter.name.text, (parameter.value.span, &unit))?;
         let mut value = default;
         for (expr, origin) in &parameter.set {
             value = self.in_file(*origin, |checker| {
                 let value = checker.set_value(expr, parameter, dimension)?;
-                checker.must_lie_within(value, range, &parameter.name.text, expr.span)?;
+                checker.must_lie_within(value, range, &parameter.name.text, (expr.span, &unit))?;
                 if declared.kind == Type::One(ElementType::Int) && value.fract() != 0.0 {
                     let message = format!("`{}` is a whole number", parameter.name.text);
                     return Err(checker.error(codes::types::WRONG_TYPE, expr.span, message));
@@ -80,7 +81,7 @@ impl<'a> Checker<'a> {
                 Ok(value)
             })?;
         }
-        let unit = if dimension.is_none() { String::new() } else { dimension.to_string() };
+        let unit = dimension.to_string();
         let told = Parameter { name: parameter.name.text.clone(), value, default, range, unit };
         let _ = file;
         Ok((Value::Data(Data { node: self.graph.constant(value), kind: declared.kind, form: Form::Plain }), told))
@@ -121,7 +122,7 @@ impl<'a> Checker<'a> {
         let mut fits = top_dimension == dimension && bottom_dimension == dimension;
         if !fits && top_dimension == dimension && bottom_dimension.is_none() {
             // A plain lower bound takes the unit of the upper.
-            bottom *= unit_of(high);
+            bottom *= unit_of(high).unwrap_or(1.0);
             fits = true;
         }
         if !fits {
@@ -143,7 +144,7 @@ impl<'a> Checker<'a> {
             return Ok(value);
         }
         if found.is_none() {
-            return Ok(value * unit_of(&parameter.value));
+            return Ok(value * unit_of(&parameter.value).unwrap_or(1.0));
         }
         let diagnostic = self
             .diagnostic(codes::types::DIMENSIONS_DIFFER, expr.span, format!("`{}` has another unit", parameter.name.text))
@@ -152,14 +153,20 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
-    fn must_lie_within(&mut self, value: f64, range: Option<[f64; 2]>, name: &str, span: Span) -> Checked<()> {
+    fn must_lie_within(
+        &mut self,
+        value: f64,
+        range: Option<[f64; 2]>,
+        name: &str,
+        (span, unit): (Span, &SpokenUnit),
+    ) -> Checked<()> {
         match range {
             Some([low, high]) if !(low..=high).contains(&value) => {
-                let shown = told_apart(&[low, high, value]);
+                let (range, found) = unit.tell_beside([low, high], value);
                 let diagnostic = self
                     .diagnostic(codes::tasks::OUT_OF_RANGE, span, format!("the parameter `{name}` lies outside its range"))
-                    .expected(format!("{} .. {} in SI units", shown[0], shown[1]))
-                    .found(&*shown[2]);
+                    .expected(range)
+                    .found(found);
                 Err(self.report(diagnostic))
             }
             _ => Ok(()),
@@ -178,16 +185,5 @@ impl<'a> Checker<'a> {
                 self.report(diagnostic);
             }
         }
-    }
-}
-
-/// The SI value of the unit in which a number is written; 1 for anything that is no number with a unit.
-fn unit_of(expr: &Expr) -> f64 {
-    match &expr.kind {
-        ExprKind::Paren(inner) | ExprKind::Unary { operand: inner, .. } => unit_of(inner),
-        ExprKind::Number(number) => {
-            number.unit.as_ref().and_then(|unit| unit::evaluate(unit).ok()).map_or(1.0, |quantity| quantity.value)
-        }
-        _ => 1.0,
     }
 }

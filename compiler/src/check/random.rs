@@ -200,6 +200,7 @@ impl<'a> Checker<'a> {
         };
         let (bottom, top) = (self.data(low), self.data(high));
         let (bottom, top) = (bottom?, top?);
+        let bottom = self.lower_end(bottom, low, (&top, high));
         let (from, to, kind) = self.agree("draw between", (bottom, low), (top, high))?;
         if !kind.is_one_number() {
             let found = kind.described(self.vocabulary);

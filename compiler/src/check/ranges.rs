@@ -35,6 +35,11 @@ impl Ranges for Working<'_> {
     fn step(&self) -> Bounds {
         Bounds::new(0.0, f64::from(self.timing.horizon))
     }
+
+    fn streak(&self) -> Bounds {
+        // From the first snapshot to the last, also over the phases before.
+        Bounds::new(0.0, f64::from(self.timing.before) + f64::from(self.timing.horizon) + 1.0)
+    }
 }
 
 fn query_bounds(query: &Query) -> Bounds {

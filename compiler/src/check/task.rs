@@ -10,7 +10,7 @@ use super::random::KnownRandom;
 use super::reference::{KnownReference, Motions};
 use super::reward::PaidTerm;
 use super::scene::Surroundings;
-use super::scope::{Names, Place};
+use super::scope::{Declared, Definition, Names, Place};
 use super::tests::CheckedTests;
 use super::types::{ElementType, Type};
 use super::value::{Data, Value};
@@ -150,6 +150,7 @@ pub(crate) fn check<'a>(
     checker.queries = queries;
     checker.timing.before = sequence.before;
     checker.phases = sequence.phases.iter().take(sequence.index).cloned().collect();
+    checker.later_phases = sequence.phases.iter().skip(sequence.index + 1).cloned().collect();
     let mut checked = checker.task(task, texts, sequence);
     if let Some(finding) = checked.as_mut().ok().and_then(|checked| checked.graph.take_finding()) {
         checked = Err(checker.internal_error(finding, task.task.name.span));
@@ -162,6 +163,7 @@ pub(crate) fn check<'a>(
     if let Ok(checked) = &mut checked {
         lints::unused(&checker, &mut told.whole);
         checked.term_bounds = lints::task(&checker, checked, &mut told.whole);
+        lints::phase_end(&checker, checked, sequence, &mut told.formulas);
     }
     (checked, told)
 }
@@ -202,7 +204,15 @@ impl<'a> Checker<'a> {
         };
         let (updates, redraws) = (self.updates(), self.redraws());
         let channels = self.observations(texts);
+        let shown = task.statements.iter().rev().find_map(|placed| match &placed.statement {
+            TaskStatement::Observe(block) => Some((placed.file, block.keyword)),
+            _ => None,
+        });
+        if let (Ok([]), Some(place)) = (channels.as_deref(), shown) {
+            self.observes_nothing(place);
+        }
         self.parameters_in_use();
+        self.unread();
         let complete = self.must_be_complete(task, &parts);
         let (control_frequency, _) = (frequency?, (horizon?, redraws?));
         let (staged, init, success) = (staged?, init?, success?);
@@ -259,6 +269,35 @@ impl<'a> Checker<'a> {
             }
         }
         init
+    }
+
+    /// Reports a policy that would be shown nothing at all.
+    fn observes_nothing(&mut self, (file, span): (FileId, Span)) {
+        let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, span, "the policy is shown nothing");
+        self.report(
+            diagnostic.help("name what it sees: `observe { pelvis.height }`, or a block of channels such as `proprioception`"),
+        );
+    }
+
+    /// Checks the values that nothing reads, so that their mistakes are told; of what is computed for them nothing stays.
+    fn unread(&mut self) {
+        let names = self.names;
+        let value = |declared: &Declared<'a>| matches!(declared.definition, Definition::Let(_) | Definition::Clock(_));
+        let unread: Vec<_> = names.of_task().filter(|(name, declared)| value(declared) && !self.used.contains(*name)).collect();
+        if unread.is_empty() {
+            return;
+        }
+        let (graph, memo, used) = (self.graph.clone(), self.memo.clone(), self.used.clone());
+        let (compared, queries, repeated) = (self.comparisons.len(), self.queries.len(), self.repeated.len());
+        let notes = self.notes.take();
+        for (name, declared) in unread {
+            // An error is reported where it stands.
+            let _ = self.in_file(declared.file, |checker| checker.plain_name(name, declared.definition.span()));
+        }
+        (self.graph, self.memo, self.used, self.notes) = (graph, memo, used, notes);
+        self.comparisons.truncate(compared);
+        self.queries.truncate(queries);
+        self.repeated.truncate(repeated);
     }
 
     /// The tests of a task, or of the sequence whose phase it is.

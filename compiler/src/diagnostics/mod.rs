@@ -9,6 +9,7 @@
 mod allowance;
 pub mod codes;
 mod fix;
+mod foreign;
 mod json;
 mod lint;
 mod nearest;
@@ -20,6 +21,7 @@ mod synonyms;
 pub use allowance::{Allowance, Scope};
 pub use codes::Code;
 pub use fix::fixed;
+pub use foreign::{function_elsewhere, is_module, name_elsewhere};
 pub use lint::{Level, Lint, Stage, find_lint, lints};
 pub use nearest::nearest;
 pub use render::Style;

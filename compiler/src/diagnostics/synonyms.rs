@@ -21,6 +21,40 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("body", &["robot", "pelvis"]),
     ("human", &["robot"]),
     ("agent", &["robot"]),
+    ("calf", &["calves", "knee", "ankle"]),
+    ("gastrocnemius", &["gasmed", "gaslat", "calves"]),
+    ("gastroc", &["gasmed", "gaslat", "calves"]),
+    ("achilles", &["calves"]),
+    ("quad", &["quadriceps"]),
+    ("quads", &["quadriceps"]),
+    ("vastus", &["vasmed", "vaslat", "vasint"]),
+    ("rectus_femoris", &["recfem"]),
+    ("hamstring", &["hamstrings"]),
+    ("hams", &["hamstrings"]),
+    ("biceps_femoris", &["bflh", "bfsh"]),
+    ("glute", &["glutes"]),
+    ("gluteus", &["glutes"]),
+    ("gluteus_maximus", &["glmax1", "glmax2", "glmax3"]),
+    ("gluteus_medius", &["glmed1", "glmed2", "glmed3"]),
+    ("adductors", &["addlong", "addbrev", "other_leg"]),
+    ("iliopsoas", &["psoas", "iliacus", "hip_flexors"]),
+    ("tibialis", &["tibant", "tibpost"]),
+    ("tibialis_anterior", &["tibant"]),
+    ("core", &["abdominals", "paraspinals"]),
+    ("abdominal", &["abdominals"]),
+    ("erector_spinae", &["longissimus", "iliocostalis"]),
+    ("biceps", &["elbow_flexors"]),
+    ("triceps", &["elbow_extensors"]),
+    ("deltoid", &["deltoids"]),
+    ("pecs", &["pectorals"]),
+    ("pectoralis", &["pectorals"]),
+    ("leg", &["legs"]),
+    ("arm", &["arms"]),
+    ("knee_joint", &["knee_angle"]),
+    ("knee_flexion", &["knee_angle"]),
+    ("elbow_angle", &["elbow_flexion"]),
+    ("hip_angle", &["hip_flexion"]),
+    ("ankle_flexion", &["ankle_angle"]),
     ("cog", &["com"]),
     ("centre_of_mass", &["com"]),
     ("center_of_mass", &["com"]),
@@ -44,7 +78,10 @@ pub fn synonyms<'a>(word: &str, exists: impl Fn(&str) -> bool + 'a) -> Vec<Strin
         let plain = name.split(' ').next_back().unwrap_or(name);
         exists(plain) || exists(&plain.replace("{l,r}", "l")) || (side.is_empty() && exists(&format!("{plain}_l")))
     };
-    let named = meant.iter().map(|name| format!("{name}{side}")).filter(|name| there(name));
+    // What has no sides is meant as a whole.
+    let sided =
+        |name: &&str| if !there(&format!("{name}{side}")) && exists(name) { (*name).to_owned() } else { format!("{name}{side}") };
+    let named = meant.iter().map(sided).filter(|name| there(name));
     named
         .map(|name| if !side.is_empty() || exists(&name) || name.contains(['{', ' ']) { name } else { format!("{name}_{{l,r}}") })
         .collect()
@@ -55,7 +92,7 @@ mod tests {
     use super::*;
 
     fn of(word: &str) -> Vec<String> {
-        const THERE: &[&str] = &["sole_l", "sole_r", "ankle_l", "ankle_r", "torso", "terminated", "com"];
+        const THERE: &[&str] = &["sole_l", "sole_r", "ankle_l", "ankle_r", "torso", "terminated", "com", "calves", "gasmed_r"];
         synonyms(word, |name| THERE.contains(&name))
     }
 
@@ -65,6 +102,7 @@ mod tests {
         assert_eq!(of("foot"), ["sole_{l,r}", "ankle_{l,r}"]);
         assert_eq!(of("feet"), ["sole_{l,r}", "ankle_{l,r}"]);
         assert_eq!(of("trunk"), ["torso"]);
+        assert_eq!(of("gastrocnemius_r"), ["gasmed_r", "calves"]);
         assert_eq!(of("alive"), ["not terminated"]);
         assert!(of("hand_l").is_empty() && of("torso").is_empty() && of("").is_empty());
     }

@@ -85,6 +85,10 @@ pub trait Ranges {
     fn step(&self) -> Bounds {
         Bounds::POSITIVE
     }
+    /// Bounds of how many steps in a row something may have held.
+    fn streak(&self) -> Bounds {
+        Bounds::POSITIVE
+    }
     /// Whether memories may be taken at their value in the first snapshot, because nothing has happened yet.
     fn at_reset(&self) -> bool {
         false
@@ -152,6 +156,7 @@ fn bounds_of(operation: &Operation, inputs: &[&[Bounds]], width: usize, same: bo
         }
         Operation::Quaternion => vec![Bounds::TRUTH, Bounds::new(-1.0, 1.0), Bounds::new(-1.0, 1.0), Bounds::new(-1.0, 1.0)],
         Operation::Memory(Memory::Smooth) => each(&|index| smoothed(lane(0, index), lane(1, index))),
+        Operation::Memory(Memory::Streak) if !ranges.at_reset() => vec![ranges.streak(); width],
         Operation::Memory(memory) => each(&|index| remembered(*memory, lane(0, index), ranges.at_reset())),
         Operation::StateBefore(_) | Operation::StateAfter(_) => vec![Bounds::ANY; width],
         Operation::Noise(_, Chance::Uniform, _) => vec![Bounds::TRUTH; width],

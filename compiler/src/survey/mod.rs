@@ -15,6 +15,7 @@ use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
+use crate::spoken::SpokenUnit;
 use crate::task::{CompiledTask, Phase};
 use lack::Lack;
 use seen::Seen;
@@ -42,8 +43,8 @@ pub struct Subject {
     pub about: About,
     /// Where its formula stands.
     pub at: (FileId, Span),
-    /// Unit of both sides of a comparison; empty for plain numbers.
-    pub unit: String,
+    /// Unit of both sides of a comparison.
+    pub unit: SpokenUnit,
     /// Whether it reads what ends an episode.
     pub reads_ends: bool,
     /// Whether chance, a motion or the time has a part in it, beside the state of body and scene.
@@ -131,7 +132,7 @@ impl<'a> Survey<'a> {
                     .map(|(term, &node)| term.condition || gated(&term.formula, self.graph, node)),
             )
             .collect();
-        let mut add = |about, at, node: NodeId, sides: Option<[NodeId; 2]>, unit: String| {
+        let mut add = |about, at, node: NodeId, sides: Option<[NodeId; 2]>, unit: SpokenUnit| {
             let reached = self.graph.reachable([node]);
             let range = interval::of_scalar(&self.bounds, node);
             let varying = |id: NodeId| varies[id.index()];
@@ -158,22 +159,22 @@ impl<'a> Survey<'a> {
         let own = |range: &std::ops::Range<usize>, nodes: &[NodeId]| range.clone().zip(nodes.to_vec()).collect::<Vec<_>>();
         for (index, node) in own(&phase.terms, &outputs.terms) {
             if let Some(at) = places.terms.get(index) {
-                add(About::Term(index), *at, node, None, String::new());
+                add(About::Term(index), *at, node, None, SpokenUnit::si(""));
             }
         }
         for (index, node) in own(&phase.terminations, &outputs.terminations) {
             if let Some(at) = places.terminations.get(index) {
-                add(About::Termination(index), *at, node, None, String::new());
+                add(About::Termination(index), *at, node, None, SpokenUnit::si(""));
             }
         }
         for (index, node) in own(&phase.finishes, &outputs.finishes) {
             if let Some(at) = places.finishes.get(index) {
-                add(About::Finish(index), *at, node, None, String::new());
+                add(About::Finish(index), *at, node, None, SpokenUnit::si(""));
             }
         }
         let last = task.phases.last().is_some_and(|last| std::ptr::eq(last, phase));
         if let Some(node) = outputs.success.filter(|_| last) {
-            add(About::Success, places.success, node, None, String::new());
+            add(About::Success, places.success, node, None, SpokenUnit::si(""));
         }
         let live: BTreeSet<NodeId> = live.iter().copied().collect();
         for compared in phase.meaning.comparisons.iter().filter(|compared| live.contains(&compared.node)) {

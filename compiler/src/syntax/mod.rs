@@ -49,6 +49,13 @@ impl Parsed {
     }
 }
 
+/// Whether a text is a name that a declaration may have: no word that is reserved, and none that is spelled otherwise.
+pub fn is_name(text: &str) -> bool {
+    let lower = text.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_');
+    let whole = |pairs: pest::iterators::Pairs<'_, grammar::Rule>| pairs.as_str() == text;
+    lower && !text.ends_with('_') && grammar::Grammar::parse(grammar::Rule::identifier, text).is_ok_and(whole)
+}
+
 /// Reads a text. Spans in the result are bytes of `text`.
 pub fn parse(file: FileId, text: &str) -> Parsed {
     let tree = File { file, docs: None, items: Vec::new() };

@@ -95,6 +95,10 @@ impl Stop {
     }
 }
 
+/// What to write for a loop without its brackets.
+const COMPREHENSION: &str = "a list made by a loop stands in square brackets, `[f(i) for i in 0..5]`; what is read of a list of names is \
+    read of each: `mean((knee_angle_{l,r}.q - 40 deg)^2)`";
+
 /// A statement that fits no rule, with all that is known of it.
 struct Failure<'a> {
     file: FileId,
@@ -118,8 +122,10 @@ impl Failure<'_> {
         if known.is_empty() {
             return None;
         }
+        let assigned = self.statement[word.len()..].trim_start().starts_with('=');
         Some(match elsewhere(self.context, word) {
             Some(place) => wording::elsewhere(self.file, self.here, word, place),
+            None if assigned && known.contains(&"let") => wording::assignment(self.file, self.here, word),
             None => wording::unknown_statement(self.file, self.here, word, known),
         })
     }
@@ -135,6 +141,9 @@ impl Failure<'_> {
             "=" if stop.after_operand() => return Some(wording::single_equals(file, here)),
             "=" if stop.expects_value() => return Some(wording::needless_equals(file, here)),
             "when" if stop.after_operand() => return Some(wording::bare_when(file, here)),
+            "if" if stop.after_operand() => return Some(self.plain().help("a choice is written `if condition then a else b`")),
+            "for" if stop.after_operand() => return Some(self.plain().help(COMPREHENSION)),
+            "is" if stop.after_operand() => return Some(wording::is_compares(file, here)),
             "not" => return Some(wording::misplaced_not(file, here)),
             "." if stop.after_number() => return Some(wording::lonely_point(file, here, &format!("{before}.0"))),
             "." if stop.expects_value() => {
@@ -146,6 +155,9 @@ impl Failure<'_> {
             _ => {}
         }
         if found.starts_with(|first: char| first.is_ascii_digit()) {
+            if self.context == Rule::one_term && stop.before_at == 0 && stop.expects(Rule::equals) {
+                return Some(self.plain().help(format!("the weight stands before the name: `{found} {before} = ...`")));
+            }
             let glued = found.bytes().any(|byte| !byte.is_ascii_digit());
             return glued.then(|| wording::glued_number(file, here, found));
         }

@@ -53,7 +53,21 @@ pub(super) fn foreign_quotes(file: FileId, span: Span, ours: &str) -> Diagnostic
     Diagnostic::new(codes::FOREIGN_SIGN, file, span, "texts are quoted with `\"`").fix(format!("write `{ours}`"), span, ours)
 }
 
+/// `|x|`
+pub(super) fn absolute_bars(file: FileId, span: Span, inside: &str) -> Diagnostic {
+    let written = format!("abs({})", inside.trim());
+    Diagnostic::new(codes::FOREIGN_SIGN, file, span, "an absolute value is written `abs(x)`").suggest(
+        format!("write `{written}`"),
+        span,
+        written,
+    )
+}
+
 pub(super) fn meaningless_character(file: FileId, span: Span, character: char) -> Diagnostic {
+    if character == '?' {
+        return Diagnostic::new(codes::FOREIGN_SIGN, file, span, "`?` chooses nothing here")
+            .help("a choice is written `if condition then a else b`");
+    }
     let shown = if character.is_control() || character.is_whitespace() {
         format!("the character U+{:04X}", u32::from(character))
     } else {
@@ -287,8 +301,28 @@ pub(super) fn elsewhere(file: FileId, span: Span, word: &str, place: &str) -> Di
 }
 
 pub(super) fn reserved_word(file: FileId, span: Span, word: &str) -> Diagnostic {
-    let kind = if units::UNITS.contains(&word) { "is a unit and cannot be a name" } else { "is reserved and cannot be a name" };
-    Diagnostic::new(codes::RESERVED_WORD, file, span, format!("`{word}` {kind}"))
+    let unit = units::UNITS.contains(&word);
+    let (kind, help) = match unit {
+        true => ("is a unit and cannot be a name", "a longer name is free, or a letter that is no unit, such as `i`"),
+        false => ("is reserved and cannot be a name", "a longer name is free"),
+    };
+    Diagnostic::new(codes::RESERVED_WORD, file, span, format!("`{word}` {kind}")).help(help)
+}
+
+/// `reached = reached + 1` where a statement of a task is wanted.
+pub(super) fn assignment(file: FileId, span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(codes::UNKNOWN_STATEMENT, file, span, format!("a value cannot be assigned to `{word}`"))
+        .help(format!("a name for a formula is made by `let {word} = ...`"))
+        .help(format!(
+            "a value that changes over time says so where it is declared: `state {word} = 0 becomes {word} + 1 when ...`"
+        ))
+}
+
+/// `x is not y`
+pub(super) fn is_compares(file: FileId, span: Span) -> Diagnostic {
+    Diagnostic::new(codes::UNEXPECTED, file, span, "`is` compares nothing here").help(
+        "whole numbers and conditions are compared with `==` and `!=`, measured numbers with `<` and `>`: `abs(a - b) < 1 cm`",
+    )
 }
 
 pub(super) fn spaced_call(file: FileId, blank: Span, name: &str) -> Diagnostic {

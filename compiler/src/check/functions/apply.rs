@@ -4,6 +4,7 @@ use super::Call;
 use super::signature::{Computes, Gives, Parameter, Shapes, Signature, Takes};
 use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
+use crate::check::observe::spoken_unit;
 use crate::check::types::{ElementType, Frame, Shape, Type};
 use crate::check::value::{Data, Form, Value};
 use crate::diagnostics::{Span, codes};
@@ -57,6 +58,12 @@ pub(super) fn apply<'a>(checker: &mut Checker<'a>, call: &Call<'a>, signatures: 
         data.extend(failures.catch(checker.fitted(call, signature, signature.parameter(place), argument, expr)));
     }
     failures.or(())?;
+    if let Some((low, high)) = call.range()
+        && let [_, bottom, top, ..] = data.as_mut_slice()
+    {
+        *bottom = checker.lower_end(bottom.clone(), low, (top, high));
+    }
+    in_order(checker, call, signature, &exprs, &data)?;
     let (bound, shape) = bind(checker, call, signature, exprs, data)?;
     let reduces = matches!(signature.parameter(0).shapes, Shapes::List | Shapes::OneOrList);
     let Some(kind) = signature.gives.kind(&bound, (!reduces).then_some(shape)) else {
@@ -72,6 +79,29 @@ pub(super) fn apply<'a>(checker: &mut Checker<'a>, call: &Call<'a>, signatures: 
         Computes::Nodes(compute) => compute(checker, &bound)?,
     };
     Ok(Data::new(node, kind))
+}
+
+/// Of two bounds that are known while compiling the lower comes first.
+fn in_order<'a>(
+    checker: &mut Checker<'a>,
+    call: &Call<'a>,
+    signature: &Signature,
+    exprs: &[&'a Expr],
+    data: &[Data],
+) -> Checked<()> {
+    let [bottom, top] = ["low", "high"].map(|name| signature.parameters.iter().position(|parameter| parameter.name == name));
+    let (Some(bottom), Some(top)) = (bottom, top) else { return Ok(()) };
+    let [low, high] = [bottom, top].map(|place| checker.graph.constant_value(data[place].node));
+    let (Some(low), Some(high)) = (low, high) else { return Ok(()) };
+    if low <= high {
+        return Ok(());
+    }
+    let span = exprs[bottom].span.to(exprs[top].span);
+    let unit = spoken_unit(&data[top].kind, [exprs[top]]);
+    let (range, _) = unit.tell_beside([high, low], low);
+    let message = format!("the bounds of `{}` are exchanged: the lower comes first", call.name);
+    let diagnostic = checker.diagnostic(codes::tasks::OUT_OF_RANGE, span, message).expected(range);
+    Err(checker.report(diagnostic))
 }
 
 /// Lays the arguments out alike; the shape is that in which those meet over which the function maps.
@@ -216,7 +246,12 @@ impl<'a> Checker<'a> {
         if data.kind.length().is_none() {
             let message = format!("`{}` takes a list", call.name);
             let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, message).found(found);
-            return Err(self.report(diagnostic));
+            let single = call.name == "norm" && data.kind.all(ElementType::is_number);
+            return Err(self.report(if single {
+                diagnostic.help("this is one number already; its size is `abs(x)`")
+            } else {
+                diagnostic
+            }));
         }
         if data.kind.met().is_some() || parameter.takes == Takes::Anything {
             return Ok(());
@@ -264,7 +299,8 @@ impl<'a> Checker<'a> {
                 return self.error(codes::types::WRONG_TYPE, call.span, message);
             }
             (Takes::Vector | Takes::Vector3, _) => diagnostic(self, format!("`{name}` takes vectors")),
-            (Takes::Place, _) => diagnostic(self, format!("`{name}` takes places")),
+            (Takes::Place, _) => diagnostic(self, format!("`{name}` takes places"))
+                .help("a place is a part of the body, an object, a marker, or `[x, y, z]` in the world; two numbers differ by `abs(a - b)`"),
             (Takes::Summed | Takes::Averaged, _) => {
                 let place = matches!(data.kind.element(), Some(ElementType::Place(_)));
                 let code = if place { codes::types::PLACES } else { codes::types::WRONG_TYPE };
@@ -272,7 +308,14 @@ impl<'a> Checker<'a> {
                 self.diagnostic(code, expr.span, message).help("`mean` of places is a place")
             }
             (_, Shapes::List) => diagnostic(self, format!("`{name}` takes a list of numbers")),
-            _ => diagnostic(self, format!("`{name}` takes numbers")),
+            _ => {
+                let told = diagnostic(self, format!("`{name}` takes numbers"));
+                match data.kind.element() {
+                    Some(ElementType::Vector { .. }) => told.help("take its length, `norm(v)`, or one component, such as `.z`"),
+                    Some(ElementType::Bool) => told.help("a condition begins at `rising(c)` and ends at `falling(c)`"),
+                    _ => told,
+                }
+            }
         };
         self.report(told.found(found))
     }

@@ -106,7 +106,14 @@ fn part(checker: &mut Checker<'_>, thing: Thing, span: Span) -> Checked<Part> {
         Thing::Landmark(index) if checker.can_touch(index) => Ok(Part::Landmark(index)),
         other => {
             let message = format!("{} has nothing solid, so it cannot touch anything", checker.thing_name(other));
-            Err(checker.error(codes::names::UNKNOWN_PROPERTY, span, message))
+            let diagnostic = checker.diagnostic(codes::names::UNKNOWN_PROPERTY, span, message);
+            let own = matches!(other, Thing::Landmark(index) if !checker.vocabulary.landmarks[index].of_scene);
+            let help = if own {
+                format!("those that have one: {}", checker.segments_in_words())
+            } else {
+                "a landmark with a segment, an object, `robot` or `ground` can touch".to_owned()
+            };
+            Err(checker.report(diagnostic.help(help)))
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::graph::operation::{Binary, Operation, Unary};
 
 pub(super) fn abs<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
     checker.warn_folded(bound.nodes[0], bound.span);
+    checker.warn_cancelling(bound.nodes[0], bound.span);
     Ok(checker.graph.unary(Unary::Absolute, bound.nodes[0]))
 }
 

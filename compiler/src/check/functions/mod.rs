@@ -14,7 +14,9 @@ mod vectors;
 
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
+use super::offered::{offer_decimal_point, offer_unit};
 use super::types::ElementType;
+use super::unit;
 use super::value::Data;
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::operation::{Binary, Memory, Reduction, Unary};
@@ -258,7 +260,7 @@ impl<'a> Call<'a> {
     }
 
     /// Bounds in one as the second argument: `x, low..high`.
-    fn range(&self) -> Option<(&'a Expr, &'a Expr)> {
+    pub(super) fn range(&self) -> Option<(&'a Expr, &'a Expr)> {
         match self.arguments.get(1) {
             Some(Argument { name: None, value: Expr { kind: ExprKind::Range { low, high }, .. } }) => Some((&**low, &**high)),
             _ => None,
@@ -322,7 +324,7 @@ impl<'a> Call<'a> {
             .diagnostic(codes::types::ARGUMENTS, self.span, message)
             .expected(format!("`{}`", self.signature))
             .found(format!("{} argument(s)", self.arguments.len()));
-        checker.report(diagnostic)
+        checker.report(offer_decimal_point(diagnostic, self.arguments))
     }
 }
 
@@ -359,11 +361,48 @@ impl<'a> Checker<'a> {
             _ if inverse && !wanted.is_none() => {
                 diagnostic.help(format!("this is its inverse: write `1 / x`, or the number in `{}`", preferred(wanted)))
             }
-            Some(_) if found.is_some_and(Dimension::is_none) => diagnostic.help(format!("give it the unit `{wanted}`")),
-            Some(factor) => divide_by(diagnostic, expr, factor),
-            None => diagnostic,
+            Some(_) if found.is_some_and(Dimension::is_none) => offer_unit(diagnostic, wanted, expr),
+            Some(factor) if wanted.is_none() && is_number(expr) => {
+                divide_by(diagnostic, expr, factor).help("these brackets hold nothing that changes: are they closed too early?")
+            }
+            Some(factor) => match inverted_unit(expr, factor).filter(|_| wanted.is_none()) {
+                Some((span, unit)) => diagnostic.suggest(format!("did you mean `{unit}`?"), span, unit),
+                None => divide_by(diagnostic, expr, factor),
+            },
+            None => match data.kind.element() {
+                Some(ElementType::Vector { .. }) => diagnostic.help("take its length, `norm(v)`, or one component, such as `.z`"),
+                Some(ElementType::Place(_)) => {
+                    diagnostic.help("take a distance, `distance(a, b)`, or one component, such as `.z`")
+                }
+                _ => diagnostic,
+            },
         };
         self.report(diagnostic)
+    }
+}
+
+/// Whether an expression is written as one number, with or without a unit.
+fn is_number(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Number(_) => true,
+        ExprKind::Paren(inner) | ExprKind::Unary { operand: inner, .. } => is_number(inner),
+        _ => false,
+    }
+}
+
+/// Of a product in which a number has the unit of the rest, `10 m/s * com.speed`: that number and the inverse of its unit, which
+/// leaves a plain number.
+fn inverted_unit(expr: &Expr, excess: Dimension) -> Option<(Span, String)> {
+    match &expr.kind {
+        ExprKind::Paren(inner) | ExprKind::Unary { operand: inner, .. } => inverted_unit(inner, excess),
+        ExprKind::Binary { operator: BinaryOperator::Multiply | BinaryOperator::Divide, left, .. } => inverted_unit(left, excess),
+        ExprKind::Number(number) => {
+            let unit = number.unit.as_ref()?;
+            let one = unit::evaluate(unit).ok()?;
+            let inverse = one.dimension.inverse();
+            (one.value == 1.0 && one.dimension.times(one.dimension) == Some(excess)).then(|| (unit.span, inverse.to_string()))
+        }
+        _ => None,
     }
 }
 

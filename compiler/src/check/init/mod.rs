@@ -35,8 +35,28 @@ impl<'a> Checker<'a> {
     /// Checks what a task and those that it extends say in `init`, the oldest first; `None` where none says anything.
     pub(crate) fn init(&mut self, layers: &[Layer<'a>]) -> Checked<Option<Beginning>> {
         let Some((block, file)) = layers.last() else { return Ok(None) };
+        for (block, file) in layers {
+            self.in_file(*file, |checker| checker.placed_once(&block.entries));
+        }
         let rows = self.layered(layers);
         self.in_file(*file, |checker| checker.rows_of_init(&rows?, block.keyword)).map(Some)
+    }
+
+    /// Where the root or an object begins is said once in each task: a second block would silently take what the first says.
+    fn placed_once(&mut self, entries: &'a [InitStatement]) {
+        let mut placed: Vec<&str> = Vec::new();
+        for entry in entries {
+            let InitStatement::Object(element) = entry else { continue };
+            let name = element.object.text.as_str();
+            if placed.contains(&name) {
+                let message = format!("`{name}` is said twice");
+                let diagnostic = self.diagnostic(codes::tasks::REPEATED, element.object.span, message);
+                self.report(
+                    diagnostic.help(format!("write all of it in one block: `{name} {{ height on ground, heading 90 deg }}`")),
+                );
+            }
+            placed.push(name);
+        }
     }
 
     fn rows_of_init(&mut self, rows: &[Row<'a>], span: Span) -> Checked<Beginning> {

@@ -4,6 +4,7 @@ use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::codes;
+use crate::spoken::SpokenUnit;
 use crate::syntax::tree::{Expr, ExprKind, Noise};
 use crate::task::{Init, Spread};
 use crate::vocabulary::JointKind;
@@ -20,6 +21,7 @@ impl<'a> Checker<'a> {
         let members = self.noisy_joints(&noise.target)?;
         let (spread, dimension) = self.distribution(&noise.distribution)?;
         let target = self.noise_target(noise, members, dimension)?;
+        self.must_keep_within(noise, &target, spread, dimension)?;
         let list = if target.velocities { &mut init.velocity_noise } else { &mut init.coordinate_noise };
         list.resize(self.vocabulary.joints.len(), Spread::None);
         for &joint in &target.joints {
@@ -30,6 +32,27 @@ impl<'a> Checker<'a> {
             list[joint] = spread;
         }
         Ok(())
+    }
+
+    /// Noise on coordinates that is wider than the range of every joint that it shakes was meant in another unit.
+    fn must_keep_within(&mut self, noise: &'a Noise, target: &Target, spread: Spread, dimension: Dimension) -> Checked<()> {
+        let size = match spread {
+            Spread::None => return Ok(()),
+            Spread::Normal(deviation) => deviation,
+            Spread::Uniform(low, high) => (high - low) / 2.0,
+        };
+        let width = |&joint: &usize| self.vocabulary.joints[joint].range.map_or(f64::INFINITY, |[low, high]| high - low);
+        let widest = target.joints.iter().map(width).fold(0.0, crate::extremes::maximum);
+        if target.velocities || size <= widest {
+            return Ok(());
+        }
+        let unit = SpokenUnit::written(dimension, [&noise.distribution]);
+        let message = "this noise is wider than the range of every joint that it shakes";
+        let diagnostic = self
+            .diagnostic(codes::tasks::OUT_OF_RANGE, noise.distribution.span, message)
+            .expected(format!("at most {}", unit.tell(widest)))
+            .found(unit.tell(size));
+        Err(self.report(if unit.name == "rad" { diagnostic.help("was it meant in `deg`?") } else { diagnostic }))
     }
 
     fn noise_target(&mut self, noise: &'a Noise, members: Vec<usize>, dimension: Dimension) -> Checked<Target> {
@@ -135,8 +158,7 @@ impl<'a> Checker<'a> {
 
     fn uniform(&mut self, low: &'a Expr, high: &'a Expr, span: &'a Expr) -> Checked<(Spread, Dimension)> {
         let dimension = self.dimension_of(high)?;
-        let low_value = self.fixed_number(low, dimension, "the lower end")?;
-        let high_value = self.fixed_number(high, dimension, "the upper end")?;
+        let [low_value, high_value] = self.fixed_range(low, high, dimension, "the noise")?;
         if low_value >= high_value {
             return Err(self.error(codes::tasks::OUT_OF_RANGE, span.span, "the lower end is not below the upper"));
         }

@@ -9,7 +9,7 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::extremes::maximum;
 use crate::frame::Sensor;
 use crate::graph::interval::Bounds;
-use crate::graph::operation::Operation;
+use crate::graph::operation::{Memory, Operation};
 use crate::graph::{Graph, NodeId};
 use crate::numbers::for_people;
 
@@ -36,17 +36,21 @@ pub(super) fn of(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics: &mut V
             diagnostics.push(diagnostic);
         }
         let gains: f64 = others().map(|range| maximum(range.high, 0.0)).sum();
+        let lasting = ranges[index].high > 0.0 && lasts(&task.graph, term.node);
         if term.condition
-            && gains > 0.0
-            && ranges[index].high > gains
+            && (lasting || gains > 0.0 && ranges[index].high > gains)
             && !is_event(&task.graph, term.node)
             && !reads_ends(task, term)
         {
             let message = format!("the term `{}` pays its whole weight at every step at which it holds", term.name);
-            let diagnostic = at(codes::intent::PAID_EVERY_STEP, term, message)
-                .expected(format!("at most {} a step, as all others together", for_people(gains)))
-                .found(for_people(ranges[index].high))
-                .help("pay an event once, `once(...)`, or each time that it begins, `rising(...)`");
+            let diagnostic = at(codes::intent::PAID_EVERY_STEP, term, message);
+            let diagnostic = match lasting {
+                true => diagnostic.help("what has ever held goes on holding: the reward is paid at every step from then on"),
+                false => diagnostic
+                    .expected(format!("at most {} a step, as all others together", for_people(gains)))
+                    .found(for_people(ranges[index].high)),
+            };
+            let diagnostic = diagnostic.help("pay an event once, `once(...)`, or each time that it begins, `rising(...)`");
             diagnostics.push(diagnostic);
         }
         if ranges[index].high == f64::INFINITY && jumps(&task.graph, term.node) {
@@ -57,6 +61,11 @@ pub(super) fn of(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics: &mut V
         }
     }
     ending(task, &ranges, diagnostics);
+}
+
+/// Whether a condition goes on holding once it has held: `ever(c)`.
+fn lasts(graph: &Graph, node: NodeId) -> bool {
+    graph.node(node).operation == Operation::Memory(Memory::Highest)
 }
 
 /// Where each step can cost and no term knows of the end, ending early can be what pays most.

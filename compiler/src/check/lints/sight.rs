@@ -2,6 +2,7 @@
 
 use super::at;
 use crate::check::context::Checker;
+use crate::check::dimension::Dimension;
 use crate::check::scope::Definition;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
@@ -9,9 +10,10 @@ use crate::frame::{Sensor, Subject};
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Binary, Memory, Operation, Unary};
 use crate::graph::{Graph, NodeId};
-use crate::numbers::for_people;
 use crate::scene::{Motion, Object, Parent, Part};
+use crate::spoken::SpokenUnit;
 use crate::syntax::tree::TaskStatement;
+use crate::vocabulary::JointKind;
 use std::collections::BTreeSet;
 
 /// Channels whose numbers never change.
@@ -202,10 +204,11 @@ fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec
         let (Some(left), Some(right)) = (posed(index), posed(other)) else { continue };
         if joint.neutral == joints[other].neutral && (left - right).abs() > 1e-9 {
             let (name, unlike) = (&joint.name, &joints[other].name);
+            let unit = SpokenUnit::of(if joint.kind == JointKind::Hinge { Dimension::ANGLE } else { Dimension::LENGTH });
             let message = format!(
                 "the task is `symmetric`, but begins with `{name}` at {} and `{unlike}` at {}",
-                for_people(left),
-                for_people(right)
+                unit.tell(left),
+                unit.tell(right)
             );
             let place = task.success_at;
             let span = checker.statements.iter().rev().find_map(|placed| match &placed.statement {

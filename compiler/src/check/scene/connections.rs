@@ -1,14 +1,15 @@
 //! What is held to what, places that are shown, and forces that disturb: their formulas see the whole vocabulary.
 
-use crate::check::context::{Checked, Checker, Failures};
+use crate::check::context::{Checked, Checker, Failures, Step};
 use crate::check::dimension::Dimension;
 use crate::check::scene::expand::Unrolled;
 use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{Data, Thing, Value};
-use crate::diagnostics::codes;
+use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
+use crate::numbers::for_people;
 use crate::scene::{Connection, SceneDescription};
-use crate::syntax::tree::{self, Element, ElementName, Expr, TaskStatement};
+use crate::syntax::tree::{self, Element, ElementName, Expr, Marker, TaskStatement};
 use crate::task::Disturbance;
 
 /// Connections of a scene, and when those that let go do so.
@@ -121,6 +122,30 @@ impl<'a> Checker<'a> {
         failures.or(markers)
     }
 
+    /// Whether a name is that of a marker, which nothing else is called.
+    pub(in crate::check) fn is_marker(&self, name: &str) -> bool {
+        let declared = self.names.find(self.place, name).is_some() || self.body_element(name).is_some();
+        !declared && self.marker_called(name).is_some()
+    }
+
+    fn marker_called(&self, name: &str) -> Option<&'a Unrolled<'a, Marker>> {
+        self.surroundings?.statements.markers.iter().find(|marker| marker.name.as_deref() == Some(name))
+    }
+
+    /// The place of a marker, where a formula reads it.
+    pub(in crate::check) fn marker(&mut self, name: &str, span: Span) -> Option<Checked<Data>> {
+        let Unrolled { statement, locals, file, .. } = self.marker_called(name)?;
+        let step = Step { name: format!("marker {name}"), file: self.place.file, span, call: false };
+        if self.path.iter().any(|known| known.name == step.name) {
+            let message = format!("the marker `{name}` depends on itself");
+            return Some(Err(self.error(codes::names::CYCLE, span, message)));
+        }
+        self.path.push(step);
+        let node = self.in_file(*file, |checker| checker.with_locals(locals, |checker| checker.marked_place(&statement.at)));
+        self.path.pop();
+        Some(node.map(|node| Data::new(node, ElementType::Place(Frame::World))))
+    }
+
     fn marked_place(&mut self, expr: &'a Expr) -> Checked<NodeId> {
         let value = self.value(expr)?;
         let data = self.positions(&value, expr.span)?;
@@ -205,10 +230,18 @@ impl<'a> Checker<'a> {
                 .help("write `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`");
             return Err(self.report(diagnostic));
         }
-        if disturbance.start >= self.timing.horizon {
-            let message = "the episode is over before this begins";
-            return Err(self.error(codes::tasks::OUT_OF_RANGE, element.span, message));
-        }
-        Ok(disturbance)
+        let horizon = self.timing.horizon;
+        let message = match disturbance.start >= horizon {
+            true => "the episode is over before this begins",
+            false if disturbance.steps > horizon => "this lasts longer than the whole episode",
+            false => return Ok(disturbance),
+        };
+        let in_words = |steps: u32| format!("{steps} steps ({} s)", for_people(f64::from(steps) * self.timing.interval));
+        let found = if disturbance.start >= horizon { disturbance.start } else { disturbance.steps };
+        let diagnostic = self
+            .diagnostic(codes::tasks::OUT_OF_RANGE, element.span, message)
+            .expected(format!("within {}, the task's horizon", in_words(horizon)))
+            .found(in_words(found));
+        Err(self.report(diagnostic))
     }
 }

@@ -3,6 +3,7 @@
 use super::elements::{FIELDS, Kind};
 use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
+use crate::check::offered::{is_bare, offer_unit, unit_of};
 use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{Data, Value};
 use crate::diagnostics::{Span, codes, nearest};
@@ -107,8 +108,8 @@ impl<'a> Checker<'a> {
                 .diagnostic(codes::types::DIMENSIONS_DIFFER, expr.span, format!("{wanted_by} takes {}", dimension.described()))
                 .expected(dimension.described())
                 .found(data.kind.described(self.vocabulary));
-            let plain = found.is_some_and(Dimension::is_none);
-            return Err(self.report(if plain { diagnostic.help(format!("give it the unit `{dimension}`")) } else { diagnostic }));
+            let plain = found.is_some_and(Dimension::is_none) && !dimension.is_none();
+            return Err(self.report(if plain { offer_unit(diagnostic, dimension, expr) } else { diagnostic }));
         }
         match self.graph.constant_lanes(data.node).as_deref() {
             Some([value]) if value.is_finite() => Ok(*value),
@@ -118,6 +119,22 @@ impl<'a> Checker<'a> {
             }
             None => Err(self.must_be_known(expr.span, wanted_by)),
         }
+    }
+
+    /// The ends of a range of this dimension that are known while compiling; a bare lower end has the unit of the upper.
+    pub(crate) fn fixed_range(
+        &mut self,
+        low: &'a Expr,
+        high: &'a Expr,
+        dimension: Dimension,
+        wanted_by: &str,
+    ) -> Checked<[f64; 2]> {
+        let top = self.fixed_number(high, dimension, wanted_by)?;
+        let bottom = match unit_of(high).filter(|_| is_bare(low)) {
+            Some(one) => self.fixed_number(low, Dimension::NONE, wanted_by)? * one,
+            None => self.fixed_number(low, dimension, wanted_by)?,
+        };
+        Ok([bottom, top])
     }
 
     /// The number of a field, which must be above 0.

@@ -59,8 +59,7 @@ impl<'a> Checker<'a> {
                 .expected("`range 0 deg .. 90 deg`");
             return Err(self.report(diagnostic));
         };
-        let low_value = self.fixed_number(low, units.coordinate, "`range`")?;
-        let high_value = self.fixed_number(high, units.coordinate, "`range`")?;
+        let [low_value, high_value] = self.fixed_range(low, high, units.coordinate, "`range`")?;
         if low_value >= high_value {
             let message = "the lower end of the range is not below the upper";
             return Err(self.error(codes::scene::SIZE, field.span, message));

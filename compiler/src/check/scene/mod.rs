@@ -29,12 +29,16 @@ use super::context::{Checker, Reported};
 use super::inherit::WholeTask;
 use super::scope::{Names, Place};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
-use crate::scene::{Motion, Object, Parent, SceneDescription, Surface};
+use crate::numbers::for_people;
+use crate::scene::{Motion, Object, Parent, SceneDescription, Shape, Surface};
 use crate::syntax::tree::{Element, ElementName, Expr, TaskStatement};
 use crate::vocabulary::{Landmark, Vocabulary};
 use expand::{Expanded, Locals, Unrolled};
 use geometry::Known;
 use std::collections::{BTreeMap, BTreeSet};
+
+/// Half the height of what may lie in the ground like a plate, m.
+const HIGHEST_PLATE: f64 = 0.05;
 
 /// What surrounds the body of a task, as far as it is known before its formulas are checked.
 #[derive(Debug, Default)]
@@ -177,6 +181,7 @@ impl<'a> Checker<'a> {
         // A part that could not be read may be the one that weighs.
         if broken.is_empty() {
             self.must_have_masses(&stage);
+            self.warn_half_buried(&stage);
         }
         for group in &statements.groups {
             let _ = self.in_file(group.file, |checker| checker.scene_group(&mut stage, group.statement));
@@ -198,6 +203,33 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::tasks::REPEATED, element.span, "`ground` is said twice"));
         }
         Ok(())
+    }
+
+    /// Warns of shapes that stand still with their middle at the height of the ground: the lower face was probably meant.
+    fn warn_half_buried(&mut self, stage: &Stage<'a>) {
+        // Of what a loop repeats the first says it for all.
+        let mut told: BTreeSet<(FileId, Span)> = BTreeSet::new();
+        for (index, object) in stage.scene.objects.iter().enumerate() {
+            let half = match object.shape {
+                Some(Shape::Box([_, _, height])) => height / 2.0,
+                Some(Shape::Cylinder(_, length)) => length / 2.0,
+                Some(Shape::Capsule(radius, length)) => length / 2.0 + radius,
+                Some(Shape::Ellipsoid([_, _, half])) => half,
+                _ => continue,
+            };
+            let stands = stage.fixed[index] && object.parent == Parent::World && object.orientation == [1.0, 0.0, 0.0, 0.0];
+            let flat = stage.scene.ground.is_none() || half < HIGHEST_PLATE || object.position[2] != 0.0;
+            let (file, span) = stage.spans[index];
+            if !stands || flat || !told.insert((file, span)) {
+                continue;
+            }
+            let [x, y, _] =
+                object.position.map(|lane| if lane == 0.0 { "0".to_owned() } else { format!("{} m", for_people(lane)) });
+            let message = format!("the lower half of `{}` is in the ground: `at` says where its middle is", object.name);
+            let diagnostic = Diagnostic::new(codes::slips::HALF_BURIED, file, span, message)
+                .help(format!("on the ground it stands with `at [{x}, {y}, {} m]`", for_people(half)));
+            self.diagnostics.push(diagnostic);
+        }
     }
 
     /// What moves has a mass: its own, or that of what it carries without a joint.

@@ -2,8 +2,14 @@
 
 use crate::check::context::Checker;
 use crate::check::dimension::Dimension;
+use crate::check::scene::geometry::Known;
 use crate::check::types::{ElementType, Frame};
+use crate::check::unit;
 use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::frame::Sensor;
+use crate::graph::operation::Operation;
+use crate::graph::{Graph, NodeId};
+use crate::syntax::tree::{Expr, ExprKind};
 
 impl Checker<'_> {
     /// Looks at a length that a formula of the task writes down.
@@ -17,6 +23,31 @@ impl Checker<'_> {
             return;
         }
         if let Some(name) = self.says(value) {
+            self.repeated.push((place.0, place.1, name));
+        }
+    }
+
+    /// Looks at a height that is compared with, or subtracted from, a height that the formula writes down: a round number, too,
+    /// is hardly met by chance if it is that of a thing's top.
+    pub(crate) fn note_height(&mut self, height: NodeId, written: &Expr) {
+        let mut number = written;
+        while let ExprKind::Paren(inner) = &number.kind {
+            number = inner;
+        }
+        let ExprKind::Number(quantity) = &number.kind else { return };
+        let Some(Ok(one)) = quantity.unit.as_ref().map(unit::evaluate) else { return };
+        let value = quantity.value * one.value;
+        if value == 0.0 || telling(value) || one.dimension != Dimension::LENGTH || !is_height(&self.graph, height) {
+            return;
+        }
+        let tops = |name: &&String| name.ends_with(".top");
+        let same = |known: &Known| known.lanes.as_slice() == [value];
+        let top = self.known.iter().filter(|(name, _)| tops(name)).find(|(_, known)| same(known)).map(|(name, _)| name.clone());
+        let formula = self.surroundings.is_some() && self.place.in_task && !self.beginning;
+        let place = (self.place.file, written.span);
+        if let Some(name) = top.filter(|_| formula)
+            && !self.repeated.iter().any(|(file, known, _)| (*file, *known) == place)
+        {
             self.repeated.push((place.0, place.1, name));
         }
     }
@@ -56,6 +87,15 @@ impl Checker<'_> {
             }
         }
     }
+}
+
+/// Whether a node is the height of a part of the body or of its centre of mass.
+fn is_height(graph: &Graph, node: NodeId) -> bool {
+    let known = graph.node(node);
+    let (Operation::Select(lanes), [from]) = (&known.operation, known.inputs.as_slice()) else { return false };
+    let place = |sensor: &Sensor| matches!(sensor, Sensor::LandmarkPosition(_) | Sensor::ComPosition);
+    let measured = matches!(&graph.node(*from).operation, Operation::Sensors(sensors) if sensors.iter().all(place));
+    measured && lanes.iter().all(|lane| lane % 3 == 2)
 }
 
 /// Whether a number is no round one, met by chance: two digits at least.

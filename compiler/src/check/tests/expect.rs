@@ -2,7 +2,7 @@
 
 use super::{Draft, Found, Reader, Wanted};
 use crate::check::context::{Checked, Checker, Failures};
-use crate::check::observe::{ObservedChannel, Texts, unit_of, written};
+use crate::check::observe::{ObservedChannel, Texts, spoken_unit, unit_of, written};
 use crate::check::types::ElementType;
 use crate::check::value::Data;
 use crate::diagnostics::{codes, nearest};
@@ -33,6 +33,12 @@ impl<'a> Checker<'a> {
             }]));
         }
         for wanted in &reader.wanted {
+            if test.cheat && matches!(&wanted.condition.kind, ExprKind::Name(name) if name.text == "success") {
+                let message = "a cheat expects that the task does not succeed";
+                let diagnostic = self.diagnostic(codes::tests::TEST_PLACE, wanted.span, message);
+                failures.add(self.report(diagnostic.help("what is to succeed is a `test`")));
+                continue;
+            }
             let locals = std::mem::replace(&mut self.locals, wanted.locals.clone());
             let told = self.diagnostics.len();
             let mut parts = Vec::new();
@@ -107,10 +113,11 @@ impl<'a> Checker<'a> {
         }
         let mut told = Vec::new();
         for (data, reading, operand) in sides {
+            let unit = spoken_unit(&data.kind, operands);
             let constant = self.graph.constant_lanes(data.node).is_some();
             told.push(Side {
                 source: written(operand, self.place.file, texts),
-                unit: unit_of(&data.kind),
+                unit,
                 probe: self.probe(&data, operand.span, probes),
                 reading,
                 constant,

@@ -78,6 +78,7 @@ pub mod lints;
 pub mod names;
 pub mod probing;
 pub mod scene;
+pub mod slips;
 pub mod syntax;
 pub mod tasks;
 pub mod tests;
@@ -99,6 +100,7 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
         probing::ALL,
         intent::ALL,
         incentive::ALL,
+        slips::ALL,
     ]
     .into_iter()
     .flatten()

@@ -65,6 +65,7 @@ pub(super) fn lex(file: FileId, text: &str, errors: &mut Errors) -> Lexed {
         file,
         errors,
         block_comments: true,
+        closing_bar: None,
         text,
         at: 0,
         line_has_token: false,
@@ -90,6 +91,8 @@ struct Lexer<'a, 'e> {
     last_solid: Option<usize>,
     /// Whether the rest of the text may hold the end of a block comment.
     block_comments: bool,
+    /// Where the second bar of `|x|` stands, once the first is reported.
+    closing_bar: Option<usize>,
     lexed: Lexed,
 }
 
@@ -239,6 +242,14 @@ impl<'a> Lexer<'a, '_> {
         format!("{}{ours}{}", if before { " " } else { "" }, if after { " " } else { "" })
     }
 
+    /// Bytes of `|x|` that begins here: a bar where a value is wanted, and a second one on its line.
+    fn bars(&self) -> Option<usize> {
+        let rest = self.rest();
+        let wanted = self.open_line() && !rest[1..].starts_with([' ', '|']);
+        let line = &rest[1..rest.find('\n').unwrap_or(rest.len())];
+        line.find('|').filter(|_| wanted).map(|end| end + 2)
+    }
+
     fn mark(&mut self, character: char) {
         let rest = self.rest();
         if let Some(mark) = LONG_MARKS.iter().find(|mark| rest.starts_with(**mark)) {
@@ -247,6 +258,17 @@ impl<'a> Lexer<'a, '_> {
         if let Some((foreign, ours)) = wording::FOREIGN_SIGNS.iter().find(|(foreign, _)| rest.starts_with(foreign)) {
             let span = Span::new(self.at, self.at + foreign.len());
             let ours = self.spaced(ours, foreign.len());
+            if *foreign == "|"
+                && let Some(length) = self.bars()
+            {
+                let (whole, inside) = (Span::new(self.at, self.at + length), &rest[1..length - 1]);
+                self.errors.tell(|| wording::absolute_bars(self.file, whole, inside));
+                self.closing_bar = Some(self.at + length - 1);
+                return self.push(TokenKind::Mark, 1, Some(ours));
+            }
+            if self.closing_bar == Some(self.at) {
+                return self.push(TokenKind::Mark, 1, Some(ours));
+            }
             self.errors.tell(|| wording::foreign_sign(self.file, span, foreign, &ours));
             if ours.trim().is_empty() {
                 self.at += foreign.len();

@@ -1,0 +1,165 @@
+//! Formulas that compute something, but hardly what was meant: targets out of reach, errors that cancel, conditions that decide
+//! each other, counts of steps.
+
+use super::at;
+use crate::check::context::Checker;
+use crate::check::observe::spoken_unit;
+use crate::check::task::CheckedTask;
+use crate::check::types::Type;
+use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::frame::Sensor;
+use crate::graph::operation::{Binary, Operation, Reduction};
+use crate::graph::{Graph, NodeId};
+use crate::numbers::for_people;
+use crate::spoken::SpokenUnit;
+use crate::syntax::tree::Expr;
+use std::collections::BTreeMap;
+
+/// How many events a state counts at most: what is compared with more counts steps on purpose.
+const FEW: f64 = 20.0;
+
+impl Checker<'_> {
+    /// Warns of the difference between joints and a number that none of them ever has.
+    pub(crate) fn warn_beyond_range(&mut self, [a, b]: [NodeId; 2], subtract: bool, kind: &Type, written: [&Expr; 2]) {
+        let sides = [(a, b), (b, a)].into_iter().find_map(|(joints, number)| {
+            let Operation::Sensors(sensors) = &self.graph.node(joints).operation else { return None };
+            Some((sensors.clone(), self.graph.constant_value(number)?))
+        });
+        let Some((sensors, number)) = sides.filter(|(_, number)| *number != 0.0) else { return };
+        let target = if subtract { number } else { -number };
+        let mut ranges = sensors.iter().map(|sensor| match sensor {
+            Sensor::JointPosition(joint) => {
+                self.vocabulary.joints.get(*joint).and_then(|joint| Some((&joint.name, joint.range?)))
+            }
+            _ => None,
+        });
+        let Some(Some((name, [low, high]))) = ranges.next() else { return };
+        let beyond = |[low, high]: [f64; 2]| target < low - 1e-9 || target > high + 1e-9;
+        if !beyond([low, high]) || !ranges.all(|joint| joint.is_some_and(|(_, range)| beyond(range))) {
+            return;
+        }
+        let (range, found) = spoken_unit(kind, written).tell_beside([low, high], target);
+        let message = format!("`{name}` never comes to {found}");
+        let span = written[0].span.to(written[1].span);
+        let diagnostic = self.diagnostic(codes::slips::BEYOND_RANGE, span, message).expected(range).found(found);
+        let people = SpokenUnit::of(kind.dimension().unwrap_or(crate::check::dimension::Dimension::NONE));
+        let diagnostic = match people.tell_beside([low, high], target).0 {
+            told if diagnostic.expected.as_ref() == Some(&told) => diagnostic,
+            told => diagnostic.help(format!("its range is {told}")),
+        };
+        self.diagnostics.push(diagnostic.help("look for a wrong sign, or for degrees written as radians"));
+    }
+
+    /// Warns of a sum or mean of several errors of which only the size is taken.
+    pub(crate) fn warn_cancelling(&mut self, node: NodeId, span: Span) {
+        if !sums_errors(&self.graph, node) {
+            return;
+        }
+        let message = "errors of opposite sign cancel each other before their size is taken";
+        let diagnostic = self
+            .diagnostic(codes::slips::ERRORS_CANCEL, span, message)
+            .help("take the size of each first: `mean((x - target)^2)`, `mean(abs(x - target))`");
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Warns of two comparisons of one number that decide each other: `x > 1 or x < 2`, `x > 2 and x < 1`.
+    pub(crate) fn warn_decided(&mut self, function: Binary, sides: [NodeId; 2], span: Span) {
+        let [Some((x, first)), Some((y, second))] = sides.map(|side| bound(&self.graph, side)) else { return };
+        let (Some(low), Some(high)) = (first.above.or(second.above), first.below.or(second.below)) else { return };
+        if x != y {
+            return;
+        }
+        let verdict = match function {
+            Binary::Or if low < high => "always holds: every number lies above the one or below the other",
+            Binary::And if low > high => "can never hold: no number lies above the one and below the other",
+            _ => return,
+        };
+        let instead = if function == Binary::Or { "`and`" } else { "`or`" };
+        let diagnostic = self.diagnostic(codes::lints::DECIDED, span, format!("this {verdict}"));
+        self.diagnostics.push(diagnostic.help(format!("was {instead} meant, or is a comparison turned round?")));
+    }
+}
+
+/// Between what a comparison of a number keeps that number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Kept {
+    above: Option<f64>,
+    below: Option<f64>,
+}
+
+/// Which node a condition compares with a number, and how.
+fn bound(graph: &Graph, condition: NodeId) -> Option<(NodeId, Kept)> {
+    let node = graph.node(condition);
+    let (Operation::Binary(Binary::Less | Binary::LessEqual), [left, right]) = (&node.operation, node.inputs.as_slice()) else {
+        return None;
+    };
+    match (graph.constant_value(*left), graph.constant_value(*right)) {
+        (Some(above), None) => Some((*right, Kept { above: Some(above), below: None })),
+        (None, Some(below)) => Some((*left, Kept { above: None, below: Some(below) })),
+        _ => None,
+    }
+}
+
+/// Whether a node is the sum or the mean of several differences from a number.
+fn sums_errors(graph: &Graph, node: NodeId) -> bool {
+    let known = graph.node(node);
+    match (&known.operation, known.inputs.as_slice()) {
+        (Operation::Binary(Binary::Divide), [sum, count]) => graph.constant_value(*count).is_some() && sums_errors(graph, *sum),
+        (Operation::Reduce(Reduction::Sum, _), [list]) => {
+            let list = graph.node(*list);
+            let several = list.width > 1 && list.operation == Operation::Binary(Binary::Subtract);
+            several && list.inputs.get(1).is_some_and(|&number| graph.constant_value(number).is_some())
+        }
+        _ => false,
+    }
+}
+
+/// Two terms that compute the same number.
+pub(super) fn twice_paid(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let mut first: BTreeMap<NodeId, &str> = BTreeMap::new();
+    for term in task.terms.iter().filter(|term| task.graph.constant_lanes(term.node).is_none()) {
+        if let Some(known) = first.insert(term.node, &term.name) {
+            let message = format!("the terms `{known}` and `{}` compute the same number", term.name);
+            let help = "their weights add up: one of them was probably to be about something else";
+            let diagnostic = at(codes::slips::TWICE_PAID, term, message).help(help);
+            diagnostics.push(diagnostic);
+        }
+    }
+}
+
+/// States that grow at every step of a condition, and are compared with a few.
+pub(super) fn counts_steps(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let graph = &task.graph;
+    for compared in &task.comparisons {
+        let [a, b] = compared.sides;
+        let counted = [(a, b), (b, a)].into_iter().find_map(|(state, number)| {
+            let (Operation::StateBefore(index) | Operation::StateAfter(index)) = graph.node(state).operation else { return None };
+            let number = graph.constant_value(number).filter(|number| *number > 1.0 && *number <= FEW)?;
+            Some((index as usize, number))
+        });
+        let Some((index, number)) = counted else { continue };
+        let (Some(state), Some(update)) = (task.states.get(index), task.updates.get(index)) else { continue };
+        if !grows_at_every_step(graph, *update, index) {
+            continue;
+        }
+        let time = for_people(number * task.timing.interval);
+        let message = format!("`{}` counts control steps: it comes to {} after {time} s", state.name, for_people(number));
+        let diagnostic = Diagnostic::new(codes::slips::COUNTS_STEPS, compared.file, compared.span, message).help(
+            "it grows at every step at which its condition holds; `rising(...)` of that holds once each time that it begins",
+        );
+        diagnostics.push(diagnostic);
+    }
+}
+
+/// `n + 1 when c` where c may hold for many steps and does not look at n.
+fn grows_at_every_step(graph: &Graph, update: NodeId, index: usize) -> bool {
+    let own = |node: NodeId| matches!(graph.node(node).operation, Operation::StateBefore(state) if state as usize == index);
+    let node = graph.node(update);
+    let (Operation::Choose, [condition, grown, kept]) = (&node.operation, node.inputs.as_slice()) else { return false };
+    let sum = graph.node(*grown);
+    let counts = sum.operation == Operation::Binary(Binary::Add)
+        && sum.inputs.iter().any(|&input| own(input))
+        && sum.inputs.iter().any(|&input| graph.constant_value(input) == Some(1.0));
+    let looks = graph.reachable([*condition]).into_iter().any(own);
+    counts && own(*kept) && !looks && super::events::single_event(graph, *condition).is_none()
+}
