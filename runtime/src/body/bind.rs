@@ -4,6 +4,8 @@ use super::{Body, Joint, Landmark, Muscle, NEUTRAL, Root, anatomical_axes, coupl
 use crate::model::{GeomKind, JointKind, Model};
 use core::ops::Range;
 use msk_compiler::body::{BodyDescription, LandmarkDescription};
+use msk_compiler::check::dimension::Dimension;
+use msk_compiler::spoken::SpokenUnit;
 use msk_compiler::vocabulary::{Group, GroupKind, Pose};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -18,8 +20,30 @@ pub struct BindError {
     pub problems: Vec<Problem>,
 }
 
+/// Muscles that are named where many are in no family.
+const NAMED: usize = 6;
+
+/// A line for each problem; muscles without a family share one, or a file without a single family would bury the rest.
 fn list(problems: &[Problem]) -> String {
-    problems.iter().map(|problem| format!("\n  - {problem}")).collect()
+    let muscle = |problem: &Problem| if let Problem::NoFamily { muscle } = problem { Some(format!("`{muscle}`")) } else { None };
+    let outside: Vec<String> = problems.iter().filter_map(muscle).collect();
+    let several = outside.len() > NAMED;
+    let told = problems.iter().filter(|problem| !several || muscle(problem).is_none());
+    let mut text: String = told.map(|problem| format!("\n  - {problem}")).collect();
+    if several {
+        let (named, rest) = outside.split_at(NAMED);
+        text += &format!(
+            "\n  - {} muscles are in no recruitment family: {} and {} more",
+            outside.len(),
+            named.join(", "),
+            rest.len()
+        );
+    }
+    text
+}
+
+fn told(unit: &SpokenUnit, low: f64, high: f64, value: f64) -> (String, String) {
+    unit.tell_beside([low, high], value)
 }
 
 /// One thing that is wrong with a body file.
@@ -90,7 +114,7 @@ pub enum Problem {
         joint: String,
     },
     /// A pose outside of a joint's range.
-    #[error("pose `{pose}` sets `{joint}` to {value}, outside of its range {low}..{high}")]
+    #[error("pose `{pose}` sets `{joint}` to {}, outside of its range {}", told(.unit, *.low, *.high, *.value).1, told(.unit, *.low, *.high, *.value).0)]
     OutOfRange {
         /// The pose.
         pose: String,
@@ -102,6 +126,8 @@ pub enum Problem {
         low: f64,
         /// Upper bound.
         high: f64,
+        /// In which people are told of it.
+        unit: SpokenUnit,
     },
     /// No standing pose.
     #[error("there is no pose `neutral`")]
@@ -142,9 +168,9 @@ struct Binder<'a> {
 
 impl Binder<'_> {
     fn body(&mut self) -> Option<Body> {
-        let root = self.root()?;
-        self.members = subtree(self.model, root.body);
-        let root_body = root.body;
+        // Without the root the rest is read all the same: whatever else is wrong is told at once.
+        let root = self.root();
+        self.members = root.as_ref().map_or(0..self.model.bodies.name.len(), |root| subtree(self.model, root.body));
         let landmarks = self.landmarks();
         let joints = self.joints();
         let muscles = self.muscles();
@@ -158,6 +184,8 @@ impl Binder<'_> {
             .filter(|&geom| geoms.kind[geom] == GeomKind::Plane && self.model.bodies.weld[geoms.body[geom]] == 0)
             .filter(touches)
             .collect();
+        let root = root?;
+        let root_body = root.body;
         Some(Body {
             name: self.description.name.clone(),
             excitation: self.description.excitation,
@@ -371,7 +399,9 @@ impl Binder<'_> {
         if !joint.independent {
             self.problems.push(Problem::Slaved { pose, joint: name });
         } else if !(value.is_finite() && low <= value && value <= high) {
-            self.problems.push(Problem::OutOfRange { pose, joint: name, value, low, high });
+            let dimension = if joint.kind == JointKind::Hinge { Dimension::ANGLE } else { Dimension::LENGTH };
+            let unit = SpokenUnit::of(dimension);
+            self.problems.push(Problem::OutOfRange { pose, joint: name, value, low, high, unit });
         }
     }
 }

@@ -165,7 +165,7 @@ fn everything_that_does_not_fit_is_reported_at_once() {
   - family \"Calves\" names the muscle `soleus`, which does not exist
   - group `hips` names the joint `ankle`, which does not exist
   - there is no pose `neutral`
-  - pose `kick` sets `hip_l` to 7, outside of its range -0.5..2
+  - pose `kick` sets `hip_l` to 401.1 deg, outside of its range -28.65 .. 114.6 deg
   - pose `kick` sets `knee_l`, which follows another joint by a coupling"
     );
 }
@@ -173,6 +173,12 @@ fn everything_that_does_not_fit_is_reported_at_once() {
 #[test]
 fn a_root_that_is_missing_or_bent_is_an_error() {
     assert!(problems(|description| description.root = "trunks".into()).contains("did you mean `trunk`?"));
+    // What else is wrong is told with it.
+    let two = problems(|description| {
+        description.root = "trunks".into();
+        description.poses.clear();
+    });
+    assert!(two.contains("the root names the body `trunks`") && two.contains("there is no pose `neutral`"), "{two}");
     assert!(problems(|description| description.root_up = Axis::PlusY).contains("the root: forward and up"));
 }
 

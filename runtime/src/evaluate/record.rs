@@ -205,6 +205,11 @@ fn metric_labels(task: &CompiledTask) -> Vec<String> {
     labels.collect()
 }
 
+/// The units of the same numbers, in the same order; of a list of different dimensions each has all of them.
+pub(super) fn metric_units(task: &CompiledTask) -> Vec<String> {
+    task.metrics.iter().flat_map(|metric| std::iter::repeat_n(metric.unit.clone(), metric.size)).collect()
+}
+
 impl EpisodeRecord {
     /// Whether the other is the same episode with the same bits, the time that it took aside. Two values that are both no
     /// numbers are the same.

@@ -1,7 +1,9 @@
 //! All episodes of a run, summed up per task.
 
+use super::record::metric_units;
 use super::{EpisodeRecord, Plan, Protocol, RunSettings, Spread, wilson_interval};
 use crate::condition::MuscleCondition;
+use msk_compiler::task::CompiledTask;
 use serde::Serialize;
 
 /// A run in numbers. It depends on the journal's content alone, not on the order of its lines.
@@ -80,6 +82,8 @@ pub struct TaskSummary {
 pub struct MetricSummary {
     /// Label.
     pub name: String,
+    /// Unit of its values; empty for plain numbers.
+    pub unit: String,
     /// Its mean over the steps of an episode; of the episodes in which it was a number.
     pub mean: Option<Spread>,
     /// Its value at the last step.
@@ -106,7 +110,7 @@ impl Summary {
     /// Of the episodes of a plan.
     pub fn of(plan: &Plan, records: &[EpisodeRecord]) -> Self {
         let settings = RunSettings::of(plan);
-        let tasks = settings.tasks.iter().map(|task| {
+        let tasks = settings.tasks.iter().zip(&plan.trials).map(|(task, trial)| {
             let episodes: Vec<&EpisodeRecord> = records.iter().filter(|record| task.owns(record)).collect();
             let successes = episodes.iter().filter(|record| record.success).count() as u64;
             let trials = episodes.len() as u64;
@@ -128,7 +132,7 @@ impl Summary {
                 faults: faults(&episodes),
                 terms: terms(&task.weights, &episodes),
                 weights_versions: versions(&episodes),
-                metrics: metrics(&episodes),
+                metrics: metrics(&trial.task, &episodes),
             }
         });
         Self::new(settings.policy, settings.protocol, tasks.collect())
@@ -244,15 +248,17 @@ fn versions(episodes: &[&EpisodeRecord]) -> Vec<(String, u64)> {
     versions
 }
 
-fn metrics(episodes: &[&EpisodeRecord]) -> Vec<MetricSummary> {
+fn metrics(task: &CompiledTask, episodes: &[&EpisodeRecord]) -> Vec<MetricSummary> {
     let Some(first) = episodes.first() else { return Vec::new() };
     let spread = |index: usize, part: fn(&EpisodeRecord) -> &super::ByTerm| {
         let numbers = episodes.iter().filter_map(|record| part(record).0.get(index)).map(|(_, number)| *number);
         let numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
         Spread::of(&numbers)
     };
+    let units = metric_units(task);
     let summaries = first.metrics.0.iter().enumerate().map(|(index, (name, _))| MetricSummary {
         name: name.clone(),
+        unit: units.get(index).cloned().unwrap_or_default(),
         mean: spread(index, |record| &record.metrics),
         last: spread(index, |record| &record.last_metrics),
     });

@@ -193,7 +193,13 @@ fn tell(task: &CompiledTask, found: &Tally) -> Vec<Diagnostic> {
         let message = format!("the task `{}` begins with {}", task.name, overlap(deepest));
         let diagnostic = at(probing::STARTS_INSIDE, places.init, message);
         let diagnostic = others(diagnostic, found.penetrations.iter().map(overlap));
-        told.push(diagnostic.help("move one of them, or say `allow starts_inside \"...\"`"));
+        let raised = task.init.root.height.is_some();
+        let help = if raised {
+            "`root { height on ground }` puts the lowest point of the body on the ground; else move"
+        } else {
+            "move"
+        };
+        told.push(diagnostic.help(format!("{help} one of them, or say `allow starts_inside \"...\"`")));
     }
     if let Some(first) = found.residuals.first() {
         let message = format!("the task `{}` begins with {}", task.name, gap(first));

@@ -12,6 +12,7 @@ use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Code, Diagnostic, FileId, Span};
 use msk_compiler::frame::Sensor;
 use msk_compiler::numbers::for_people;
+use msk_compiler::spoken::SpokenUnit;
 use msk_compiler::survey::{About, Subject, Survey};
 use msk_compiler::task::CompiledTask;
 use std::collections::{BTreeMap, BTreeSet};
@@ -182,7 +183,7 @@ fn missed_on_feet(
     tally: &mut Tally,
     shown: &[Shown],
 ) -> Option<Told> {
-    if about.about != About::Comparison || about.unit != "m" {
+    if about.about != About::Comparison || about.unit.si != "m" {
         return None;
     }
     for wanted in [true, false] {
@@ -221,13 +222,9 @@ fn decided(about: &Subject, tally: &Tally, wanted: bool, count: usize, poses: &s
 }
 
 /// `0.2 to 1.2 m`
-fn between([low, high]: [f64; 2], unit: &str) -> String {
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    if high - low < 1e-4 {
-        format!("{}{unit}", for_people(low))
-    } else {
-        format!("{} to {}{unit}", for_people(low), for_people(high))
-    }
+fn between([low, high]: [f64; 2], unit: &SpokenUnit) -> String {
+    let amount = |value: f64| for_people(unit.amount(value));
+    unit.with_unit(&if high - low < 1e-4 { amount(low) } else { format!("{} to {}", amount(low), amount(high)) })
 }
 
 /// `0`, `3e-20`

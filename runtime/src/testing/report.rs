@@ -122,7 +122,7 @@ impl Judge<'_> {
                     None => in_words(sides, &values),
                 };
                 let told = sides.iter().zip(&values);
-                let told = told.map(|(side, &value)| Told { source: side.source.clone(), value, unit: side.unit.clone() });
+                let told = told.map(|(side, &value)| Told { source: side.source.clone(), value, unit: side.unit.si.clone() });
                 (found, told.collect())
             }
         };
@@ -201,11 +201,13 @@ fn holds(values: &[Option<f64>], comparisons: &[Comparison]) -> bool {
 /// `reward.pose = 9.87, pelvis.height = 0.93 m`
 fn in_words(sides: &[Side], values: &[Option<f64>]) -> String {
     // What a comparison tells apart, the eye shall.
-    let known: Vec<f64> = values.iter().copied().flatten().collect();
-    let told = sides.iter().zip(values).filter(|(side, _)| !side.constant);
-    let told = told.map(|(side, value)| {
-        let unit = if side.unit.is_empty() { String::new() } else { format!(" {}", side.unit) };
-        format!("{} = {}{unit}", side.source, value.map_or("?".into(), |value| beside(value, &known)))
+    let amounts: Vec<Option<f64>> =
+        sides.iter().zip(values).map(|(side, value)| value.map(|value| side.unit.amount(value))).collect();
+    let known: Vec<f64> = amounts.iter().copied().flatten().collect();
+    let told = sides.iter().zip(&amounts).filter(|(side, _)| !side.constant);
+    let told = told.map(|(side, amount)| {
+        let amount = amount.map_or("?".into(), |amount| beside(amount, &known));
+        format!("{} = {}", side.source, side.unit.with_unit(&amount))
     });
     told.collect::<Vec<_>>().join(", ")
 }

@@ -78,14 +78,15 @@ pub fn terms(terms: &[TermSummary]) -> String {
 
 /// What is logged and not paid, as a table: mean over the steps, and value at the last step.
 pub fn metrics(metrics: &[MetricSummary]) -> String {
-    let mut table = Table::new(&["metric", "mean", "at the end"]);
+    let mut table = Table::new(&["metric", "unit", "mean", "at the end"]);
     let number = |spread: Option<Spread>| match spread {
         None => "-".into(),
         Some(Spread { mean, deviation: None }) => for_people(mean),
         Some(Spread { mean, deviation: Some(deviation) }) => format!("{} ± {}", for_people(mean), for_people(deviation)),
     };
     for metric in metrics {
-        table.row(vec![metric.name.clone(), number(metric.mean), number(metric.last)]);
+        let unit = if metric.unit.is_empty() { "-".to_owned() } else { metric.unit.clone() };
+        table.row(vec![metric.name.clone(), unit, number(metric.mean), number(metric.last)]);
     }
     table.markdown()
 }
@@ -208,7 +209,12 @@ mod tests {
                 share: Some(0.25),
             }],
             weights_versions: vec![("0123456789abcdef".into(), 40), ("fedcba9876543210".into(), 10)],
-            metrics: vec![MetricSummary { name: "lean".into(), mean: Some(Spread { mean: 0.5, deviation: None }), last: None }],
+            metrics: vec![MetricSummary {
+                name: "lean".into(),
+                unit: "rad".into(),
+                mean: Some(Spread { mean: 0.5, deviation: None }),
+                last: None,
+            }],
             ..task("single_leg_stand", "stabilization", 47)
         };
         let text = markdown(&summary(vec![task]));
@@ -219,7 +225,7 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("\nFault in `single_leg_stand`, episode 31: at 0.2 s the velocity of joint `knee`"), "{text}");
-        assert!(text.contains("| lean   |  0.5 |          - |"), "{text}");
+        assert!(text.contains("| lean   |  rad |  0.5 |          - |"), "{text}");
         assert!(text.contains("| pose |     10 |           0.93 |          9.3 | 25.00 % |"), "{text}");
     }
 
