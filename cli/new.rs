@@ -1,12 +1,15 @@
-//! `msk new task NAME`: a file to begin with.
+//! `msk new task NAME`, `msk new body NAME --model FILE`: a file to begin with.
 
 use crate::error::{Context, Error};
 use crate::project::{self, style};
 use msk::compiler::compile;
-use msk::compiler::diagnostics::Report;
+use msk::compiler::diagnostics::{FileId, Report};
 use msk::compiler::files::{LoadError, Loader};
+use msk::compiler::format::format;
 use msk::compiler::syntax::{self, tree::Item};
 use msk::compiler::task::CompiledTask;
+use msk::runtime::bodies;
+use msk::runtime::body::scaffold;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use std::fs::OpenOptions;
 use std::io::{self, Write};
@@ -23,6 +26,7 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Command {
     Task(TaskArgs),
+    Body(BodyArgs),
 }
 
 /// A task with a comment at every section: it compiles, runs and waits to be changed
@@ -41,12 +45,42 @@ struct TaskArgs {
     out: Option<PathBuf>,
 }
 
+/// A body file for a model in MJCF: its root, a landmark on every part with shapes, a neutral pose
+#[derive(clap::Args)]
+struct BodyArgs {
+    /// Name of the body: small letters, digits and underscores
+    name: String,
+    /// The model
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// The file to write, which must not exist; otherwise bodies/NAME.msk, where tasks find it
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
 /// Writes the file.
 ///
 /// # Errors
-/// A name that no task can have, a task to start from that does not exist, or a file that exists already.
+/// A name that no task or body can have, a task or model to start from that cannot be read, or a file that exists already.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let Command::Task(args) = args.command;
+    match args.command {
+        Command::Task(args) => new_task(&args),
+        Command::Body(args) => new_body(&args),
+    }
+}
+
+fn new_body(args: &BodyArgs) -> Result<ExitCode, Error> {
+    must_be_a_name("body", &args.name)?;
+    let path = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("bodies/{}.msk", args.name)));
+    let cannot = || format!("the model `{}` cannot be read", args.model.display());
+    let model = bodies::model(&args.model).context(cannot)?;
+    let text = scaffold(&args.name, &model, &relative(&args.model, &path)).context(cannot)?;
+    // Laid out as `msk fmt` does; what cannot be is told by the compiler below.
+    let text = format(FileId::default(), &text).unwrap_or(text);
+    write(&path, &text, &[("check", "does it fit its model"), ("vocabulary --body", "what tasks may name")])
+}
+
+fn new_task(args: &TaskArgs) -> Result<ExitCode, Error> {
     must_be_a_name("task", &args.name)?;
     must_be_a_name("family", &args.family)?;
     let path = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.msk", args.name)));
@@ -54,9 +88,13 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Some(from) => extension(&args.name, from, &path)?,
         None => include_str!("new/task.msk").replace("NAME", &args.name).replace("FAMILY", &args.family),
     };
+    write(&path, &text, &[("check", "is it sound"), ("explain", "what does it mean"), ("run", "one episode")])
+}
+
+/// Writes a text that compiles to a new file, and says what to do with it.
+fn write(path: &Path, text: &str, next: &[(&str, &str)]) -> Result<ExitCode, Error> {
     // A word of the language is no name either: the compiler knows which.
-    let pending = Pending { path: &path, text: &text };
-    if let Err(report) = compile(&path, &pending, &BodyLibrary::default()) {
+    if let Err(report) = compile(path, &Pending { path, text }, &BodyLibrary::default()) {
         let told = report.render(style(&io::stderr()));
         return Err(Error::told(format!("{told}error: nothing is written, since it would not compile\n")));
     }
@@ -64,11 +102,11 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         std::fs::create_dir_all(folder).context(|| format!("cannot make the folder `{}`", folder.display()))?;
     }
     let cannot = || format!("`{}` cannot be written; what exists is never replaced", path.display());
-    let mut file = OpenOptions::new().write(true).create_new(true).open(&path).context(cannot)?;
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path).context(cannot)?;
     file.write_all(text.as_bytes()).context(cannot)?;
     let mut out = io::stdout().lock();
     writeln!(out, "{} is written. What to do with it:", path.display())?;
-    for (command, purpose) in [("check", "is it sound"), ("explain", "what does it mean"), ("run", "one episode")] {
+    for (command, purpose) in next {
         writeln!(out, "  msk {command:<8} {:<24} {purpose}", path.display())?;
     }
     Ok(ExitCode::SUCCESS)

@@ -34,6 +34,23 @@ fn a_new_task_may_change_another_one() {
 }
 
 #[test]
+fn a_new_body_fits_its_model_and_is_laid_out() {
+    let project = Project::empty();
+    let model = r#"<mujoco><worldbody><geom type="plane" size="0 0 1"/><body name="Trunk" pos="0 0 1"><freejoint/>
+        <geom name="trunk" size="0.1"/><body name="shank" pos="0 0 -0.3"><joint name="knee" axis="0 1 0"/>
+        <geom name="shank" size="0.1"/></body></body></worldbody></mujoco>"#;
+    std::fs::write(project.path("legs.xml"), model).unwrap();
+    project.msk(&["new", "body", "legs", "--model", "legs.xml"]).succeeded();
+    let text = project.read("bodies/legs.msk");
+    assert!(text.contains("model \"../legs.xml\"") && text.contains("landmark trunk "), "{text}");
+    project.msk(&["fmt", "--check", "bodies/legs.msk"]).succeeded();
+    let told = project.msk(&["vocabulary", "--body", "bodies/legs.msk"]).succeeded();
+    assert!(told.out.contains("trunk") && told.out.contains("knee"), "{}", told.out);
+    project.msk(&["new", "body", "legs", "--model", "legs.xml"]).failed(1, &["cannot be written"]);
+    project.msk(&["new", "body", "arms", "--model", "arms.xml"]).failed(1, &["the model `arms.xml` cannot be read"]);
+}
+
+#[test]
 fn what_is_no_name_is_refused() {
     let project = Project::empty();
     project.msk(&["new", "task", "Lean-Back"]).failed(2, &["`Lean-Back` is no name for a task"]);

@@ -15,6 +15,7 @@ mod motion;
 mod parts;
 mod placement;
 mod queries;
+mod scaffold;
 pub mod sensors;
 pub mod shape;
 mod support;
@@ -23,6 +24,7 @@ mod vocabulary;
 pub(crate) use bind::subtree;
 pub use bind::{BindError, Problem};
 pub use changes::ChangeError;
+pub use scaffold::{NoRoot, scaffold};
 
 use crate::model::{JointKind, Model};
 use crate::physics::kinematics::Kinematics;
