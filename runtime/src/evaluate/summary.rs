@@ -3,7 +3,6 @@
 use super::record::metric_units;
 use super::{EpisodeRecord, Plan, Protocol, RunSettings, Spread, wilson_interval};
 use crate::condition::MuscleCondition;
-use msk_compiler::task::CompiledTask;
 use serde::Serialize;
 
 /// A run in numbers. It depends on the journal's content alone, not on the order of its lines.
@@ -132,7 +131,7 @@ impl Summary {
                 faults: faults(&episodes),
                 terms: terms(&task.weights, &episodes),
                 weights_versions: versions(&episodes),
-                metrics: metrics(&trial.task, &episodes),
+                metrics: metrics(&metric_units(&trial.task), &episodes),
             }
         });
         Self::new(settings.policy, settings.protocol, tasks.collect())
@@ -248,14 +247,14 @@ fn versions(episodes: &[&EpisodeRecord]) -> Vec<(String, u64)> {
     versions
 }
 
-fn metrics(task: &CompiledTask, episodes: &[&EpisodeRecord]) -> Vec<MetricSummary> {
+/// The numbers that are logged, with their units in the same order.
+fn metrics(units: &[String], episodes: &[&EpisodeRecord]) -> Vec<MetricSummary> {
     let Some(first) = episodes.first() else { return Vec::new() };
     let spread = |index: usize, part: fn(&EpisodeRecord) -> &super::ByTerm| {
         let numbers = episodes.iter().filter_map(|record| part(record).0.get(index)).map(|(_, number)| *number);
         let numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
         Spread::of(&numbers)
     };
-    let units = metric_units(task);
     let summaries = first.metrics.0.iter().enumerate().map(|(index, (name, _))| MetricSummary {
         name: name.clone(),
         unit: units.get(index).cloned().unwrap_or_default(),
@@ -316,7 +315,7 @@ mod tests {
     #[test]
     fn metrics_are_averaged_over_the_episodes_in_which_they_are_numbers() {
         let episodes = [record(0, 10, 60.0, -10.0, "horizon"), record(1, 30, 20.0, -10.0, "fallen")];
-        let metrics = metrics(&episodes.iter().collect::<Vec<_>>());
+        let metrics = metrics(&["rad".to_owned()], &episodes.iter().collect::<Vec<_>>());
         assert_eq!(metrics[0].name, "lean");
         assert_eq!(metrics[0].mean.map(|spread| spread.mean), Some(40.0));
         assert_eq!(metrics[0].last, None);
