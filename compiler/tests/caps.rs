@@ -212,3 +212,15 @@ fn what_tasks_inherit_is_bounded() {
     let copies: String = (1..100).map(|n| format!("task c{n} extends t0 {{ }}\n")).collect();
     assert!(codes(&(large + &copies)).contains(&"E0410"));
 }
+
+#[test]
+fn formulas_that_are_read_twice_again_and_again_are_followed_once() {
+    let sums: String = (1..50).map(|index| format!("let a_{index} = a_{0} + a_{0}\n", index - 1)).collect();
+    let both = |index: usize| format!("let c_{index} = c_{0} and (c_{0} and com.height > {index} cm)\n", index - 1);
+    let conditions: String = (1..31).map(both).collect();
+    let task = complete(&format!(
+        "let a_0 = com.velocity.z / 1 m/s\nlet c_0 = pelvis.height > 0.5 m\n{sums}{conditions}\
+         reward {{ 1 a = exp(-a_49) / a_49 when c_30 }}\nterminate {{ low when c_30 }}\nfinish {{ there when c_29 }}\nsuccess c_28"
+    ));
+    assert!(codes(&task).iter().all(|code| code.starts_with('W')), "{:?}", codes(&task));
+}

@@ -3,23 +3,34 @@
 
 use crate::graph::operation::{Binary, Memory, Operation, Unary};
 use crate::graph::{Graph, NodeId};
+use std::collections::BTreeSet;
 
 /// Whether a condition holds at single steps only: `once(c)`, `rising(c)`, `falling(c)`, and such together with others.
 pub(crate) fn is_event(graph: &Graph, node: NodeId) -> bool {
-    let Operation::Binary(Binary::And) = graph.node(node).operation else { return false };
-    let inputs = &graph.node(node).inputs;
     let edge = |yes: NodeId, no: NodeId| {
         negated(graph, no).is_some_and(|no| before(graph, no) == Some(yes) || before(graph, yes) == Some(no))
     };
-    inputs.iter().any(|&input| is_first(graph, input) || is_event(graph, input))
-        || inputs.iter().any(|&yes| inputs.iter().any(|&no| edge(yes, no)))
-        || inputs.iter().any(|&no| negated(graph, no).is_some_and(|no| before(graph, no).is_some()))
+    let (mut pending, mut seen) = (vec![node], BTreeSet::new());
+    while let Some(next) = pending.pop() {
+        let Operation::Binary(Binary::And) = graph.node(next).operation else { continue };
+        if !seen.insert(next) {
+            continue;
+        }
+        let inputs = &graph.node(next).inputs;
+        let single =
+            |input: NodeId| is_first(graph, input) || negated(graph, input).is_some_and(|no| before(graph, no).is_some());
+        if inputs.iter().any(|&yes| single(yes) || inputs.iter().any(|&no| edge(yes, no))) {
+            return true;
+        }
+        pending.extend(inputs);
+    }
+    false
 }
 
 /// The first condition within a formula that holds at single steps only; what is remembered lasts, and is not looked into.
 pub(crate) fn single_event(graph: &Graph, node: NodeId) -> Option<NodeId> {
     let mut pending = vec![node];
-    let mut seen = std::collections::BTreeSet::new();
+    let mut seen = BTreeSet::new();
     while let Some(next) = pending.pop() {
         if is_event(graph, next) {
             return Some(next);

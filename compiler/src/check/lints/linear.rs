@@ -13,8 +13,9 @@ use crate::vocabulary::Vocabulary;
 /// Summands of a formula that are told apart.
 const MOST: usize = 16;
 
-/// How deep a formula is followed.
+/// How deep a formula is followed, and how many of its nodes are looked at: one that is read twice is looked at twice.
 const DEEPEST: usize = 64;
+const LONGEST: usize = 1024;
 
 /// A measured number.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +40,8 @@ pub(super) enum Measured {
 pub(super) struct Linear {
     pub parts: Vec<(Measured, f64)>,
     pub offset: f64,
+    /// Nodes looked at.
+    looked_at: usize,
 }
 
 /// Between which values a measured number is met in episodes of a body that stands, moves and falls.
@@ -59,7 +62,8 @@ impl Linear {
     }
 
     fn add(&mut self, graph: &Graph, node: NodeId, lane: usize, factor: f64, depth: usize) -> Option<()> {
-        if depth > DEEPEST {
+        self.looked_at += 1;
+        if depth > DEEPEST || self.looked_at > LONGEST {
             return None;
         }
         let known = graph.node(node);
@@ -134,7 +138,9 @@ impl Linear {
 
     /// A power of the size of measured numbers, of which the first stands for all.
     fn size(&mut self, graph: &Graph, node: NodeId, (of, lane): (NodeId, usize), power: f64, factor: f64) -> Option<()> {
-        let inner = Self::of(graph, of, lane)?;
+        let mut inner = Self { looked_at: self.looked_at, ..Self::default() };
+        inner.add(graph, of, lane, 1.0, 0)?;
+        self.looked_at = inner.looked_at;
         let alone = !matches!(graph.node(node).operation, Operation::Reduce(..));
         let found = match inner.parts.first()?.0 {
             Measured::Lane(sensor, lane) => Measured::Size { node, sensor, lane: Some(lane).filter(|_| alone), power },

@@ -136,7 +136,7 @@ fn time(task: &CheckedTask<'_>, terms: &[Root], seen: &[NodeId], diagnostics: &m
 /// What a node needs; ends, and what is paid in single steps, are not looked into.
 fn behind(task: &CheckedTask<'_>, root: NodeId, ends: &BTreeSet<NodeId>) -> Vec<NodeId> {
     let graph = &task.graph;
-    let (mut pending, mut found) = (vec![root], BTreeSet::new());
+    let (mut pending, mut found) = (vec![(root, false)], BTreeSet::new());
     // The horizon ends an episode as well.
     let horizon = |id: NodeId| {
         let node = graph.node(id);
@@ -148,9 +148,12 @@ fn behind(task: &CheckedTask<'_>, root: NodeId, ends: &BTreeSet<NodeId>) -> Vec<
         let drawn = |id: &NodeId| matches!(graph.node(*id).operation, Operation::Drawn(_) | Operation::DrawnAfter(_));
         matches!(graph.node(id).operation, Operation::Follow(_)) && graph.reachable([id]).iter().any(drawn)
     };
-    while let Some(id) = pending.pop() {
-        if !ends.contains(&id) && !horizon(id) && !is_event(graph, id) && !started(id) && found.insert(id) {
-            pending.extend(&graph.node(id).inputs);
+    while let Some((id, no_event)) = pending.pop() {
+        let left_out = ends.contains(&id) || horizon(id) || !no_event && is_event(graph, id) || started(id);
+        if !left_out && found.insert(id) {
+            // What stands together in no event is none.
+            let together = graph.node(id).operation == Operation::Binary(Binary::And);
+            pending.extend(graph.node(id).inputs.iter().map(|input| (*input, together)));
         }
     }
     found.into_iter().collect()
@@ -168,7 +171,7 @@ fn latches(task: &CheckedTask<'_>, terms: &[Root], seen: &[NodeId], diagnostics:
         _ => false,
     };
     for root in terms {
-        let hidden = behind(task, root.node, &ends).into_iter().any(|id| latch(&id) && !seen.contains(&id));
+        let hidden = behind(task, root.node, &ends).into_iter().any(|id| latch(&id) && seen.binary_search(&id).is_err());
         if hidden {
             let message = format!("{} depends on what has happened before, and no channel tells it", root.what);
             let help = "name it and observe it: `let opened = ever(...)`, and `opened` in `observe`";

@@ -17,6 +17,9 @@ use std::collections::BTreeSet;
 /// The part of what remains to the horizon that finishing with success must pay at least.
 const REST: f64 = 0.5;
 
+/// Ends that are looked at: a task names few, and each is looked at with every term.
+const ENDS: usize = 8;
+
 /// What is known of the terms of a task.
 struct Outlook<'t, 'a> {
     task: &'t CheckedTask<'a>,
@@ -82,7 +85,7 @@ impl Outlook<'_, '_> {
         let mut found = false;
         for (index, term) in self.task.terms.iter().enumerate() {
             let going = self.pay(index, &self.going_on());
-            let read = self.task.terminations.iter().filter(|end| self.read[index].contains(&end.node));
+            let read = self.task.terminations.iter().filter(|end| self.read[index].contains(&end.node)).take(ENDS);
             let failing = read.map(|end| (end, self.pay(index, &[(end.node, true)]))).find(|(_, pay)| pay.low > going.high);
             let Some((end, pay)) = failing else { continue };
             let message = format!(
@@ -122,7 +125,7 @@ impl Outlook<'_, '_> {
             let reading = (0..steps.len()).filter(|index| self.read[*index].contains(&end));
             -reading.map(|index| self.pay(index, &[(end, true)]).high).sum::<f64>()
         };
-        let cheap = self.task.terminations.iter().map(|end| (end, charged(end.node))).find(|(_, cost)| *cost < whole);
+        let cheap = self.task.terminations.iter().take(ENDS).map(|end| (end, charged(end.node))).find(|(_, cost)| *cost < whole);
         let Some((end, cost)) = cheap else { return };
         let message = format!("failing by `{}` costs {}, going on never earns and can cost more", end.name, for_people(cost));
         let diagnostic = Diagnostic::new(codes::intent::ENDING_PAYS, end.file, end.span, message);
@@ -143,7 +146,7 @@ impl Outlook<'_, '_> {
     fn forfeits(&self, diagnostics: &mut Vec<Diagnostic>) {
         let horizon = f64::from(self.task.timing.horizon);
         let terms = || self.task.terms.iter().enumerate();
-        for end in self.task.finishes.iter().filter(|end| brings_success(self.task, end)) {
+        for end in self.task.finishes.iter().take(ENDS).filter(|end| brings_success(self.task, end)) {
             let going = self.going_on();
             let lasting = terms().filter(|(_, term)| !is_event(&self.task.graph, term.node));
             let step: f64 = lasting.map(|(index, _)| self.pay(index, &going).high).sum();

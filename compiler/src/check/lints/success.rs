@@ -14,8 +14,9 @@ use std::collections::BTreeMap;
 /// Alternatives beyond which a condition is left alone.
 const MOST: usize = 32;
 
-/// How deep a condition is taken apart.
+/// How deep a condition is taken apart, and how many of its parts are looked at: one that is read twice is looked at twice.
 const DEEPEST: usize = 64;
+const LONGEST: usize = 1024;
 
 /// A condition, and whether it holds.
 type Literal = (NodeId, bool);
@@ -26,7 +27,7 @@ type Alternative = Vec<Literal>;
 /// Lints on the condition of success.
 pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let graph = &task.graph;
-    let Some(success) = alternatives(graph, task.success, true, 0) else { return };
+    let Some(success) = alternatives(graph, task.success) else { return };
     if success.iter().any(Vec::is_empty) || success.is_empty() {
         // Always or never: `decided` warns of every such condition.
         return;
@@ -90,8 +91,8 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
 /// Whether success holds wherever an end does.
 pub(super) fn brings_success(task: &CheckedTask<'_>, end: &End) -> bool {
     let graph = &task.graph;
-    let Some(success) = alternatives(graph, task.success, true, 0) else { return false };
-    let Some(ways) = alternatives(graph, end.node, true, 0) else { return false };
+    let Some(success) = alternatives(graph, task.success) else { return false };
+    let Some(ways) = alternatives(graph, end.node) else { return false };
     !ways.is_empty()
         && ways.iter().all(|way| {
             let limits = Limits::of(graph, way);
@@ -103,7 +104,7 @@ pub(super) fn brings_success(task: &CheckedTask<'_>, end: &End) -> bool {
 /// The termination whose condition an alternative asks for besides asking not to be terminated by it.
 fn survived<'t>(task: &'t CheckedTask<'_>, alternative: &Alternative) -> Option<&'t End> {
     let asked = |end: &&End| {
-        let Some(ways) = alternatives(&task.graph, end.node, true, 0) else { return false };
+        let Some(ways) = alternatives(&task.graph, end.node) else { return false };
         let denied = |literal: &&Literal| ways.iter().flatten().any(|way| way.0 == literal.0 && way.1 != literal.1);
         let rest: Alternative = alternative.iter().filter(|literal| !denied(literal)).copied().collect();
         rest.len() < alternative.len() && implied(&task.graph, &rest, std::slice::from_ref(*end)).is_some()
@@ -116,7 +117,7 @@ fn implied<'e>(graph: &Graph, alternative: &Alternative, ends: &'e [End]) -> Opt
     let limits = Limits::of(graph, alternative);
     let holds = |literal: &Literal| alternative.contains(literal) || limits.imply(graph, *literal);
     ends.iter().find(|end| {
-        let ways = alternatives(graph, end.node, true, 0).unwrap_or_default();
+        let ways = alternatives(graph, end.node).unwrap_or_default();
         ways.iter().any(|way| {
             let mut counted = way.iter().filter(|literal| !of_step(graph, literal.0)).peekable();
             counted.peek().is_some() && counted.all(holds)
@@ -124,18 +125,23 @@ fn implied<'e>(graph: &Graph, alternative: &Alternative, ends: &'e [End]) -> Opt
     })
 }
 
-/// The ways in which a condition holds or fails; `None` where there are too many.
-fn alternatives(graph: &Graph, node: NodeId, holds: bool, depth: usize) -> Option<Vec<Alternative>> {
+/// The ways in which a condition holds; `None` where there are too many.
+fn alternatives(graph: &Graph, node: NodeId) -> Option<Vec<Alternative>> {
+    ways(graph, node, true, 0, &mut { LONGEST })
+}
+
+fn ways(graph: &Graph, node: NodeId, holds: bool, depth: usize, left: &mut usize) -> Option<Vec<Alternative>> {
+    *left = left.checked_sub(1)?;
     let known = graph.node(node);
-    let parts = |parts: &[NodeId], together: bool| {
-        let ways = parts.iter().map(|&part| alternatives(graph, part, holds, depth + 1)).collect::<Option<Vec<_>>>()?;
+    let mut parts = |parts: &[NodeId], together: bool| {
+        let ways = parts.iter().map(|&part| ways(graph, part, holds, depth + 1, left)).collect::<Option<Vec<_>>>()?;
         if together == holds { product(ways) } else { Some(ways.concat()).filter(|ways| ways.len() <= MOST) }
     };
     match known.operation {
         _ if depth > DEEPEST => Some(vec![vec![(node, holds)]]),
         Operation::Constant(_) => Some(if (graph.constant_value(node)? != 0.0) == holds { vec![Vec::new()] } else { Vec::new() }),
         Operation::Binary(function @ (Binary::And | Binary::Or)) => parts(&known.inputs, function == Binary::And),
-        Operation::Unary(Unary::Not) => alternatives(graph, *known.inputs.first()?, !holds, depth + 1),
+        Operation::Unary(Unary::Not) => ways(graph, *known.inputs.first()?, !holds, depth + 1, left),
         Operation::Reduce(function @ (Reduction::Minimum | Reduction::Maximum), _) if known.width == 1 => {
             let joined = graph.node(*known.inputs.first()?);
             if joined.operation == Operation::Join && joined.inputs.len() == joined.width {
@@ -192,7 +198,7 @@ fn of_step(graph: &Graph, node: NodeId) -> bool {
 
 /// Whether the step alone decides a condition.
 fn by_time(graph: &Graph, node: NodeId) -> bool {
-    let ways = alternatives(graph, node, true, 0).unwrap_or_default();
+    let ways = alternatives(graph, node).unwrap_or_default();
     ways.iter().any(|way| way.iter().all(|literal| of_step(graph, literal.0)))
 }
 
