@@ -1,23 +1,28 @@
 //! `msk check FILE...`: everything that is wrong, in one go.
 
 use crate::error::{Error, FAILURE};
+use crate::levels::LevelArgs;
 use crate::project::{self, Settings};
 use crate::texts;
 use clap::ValueEnum;
-use msk::compiler::diagnostics::Report;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use msk::compiler::diagnostics::{Diagnostic, Report};
+use msk::compiler::task::CompiledTask;
 use msk::compiler::{compile, compile_with};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::probe;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Check files: syntax, names, dimensions, meaning
 ///
 /// Prints every error and warning with its place and what to do. A task without errors is also begun a few times on its body
 /// and put into many poses: what begins inside each other or apart, what ends or succeeds at the first step, and what no pose
-/// reaches or pays, is told. A file without a task is checked as a library; one that declares nothing is an error. Exit code 0
-/// if there is no error, 1 if there is.
+/// reaches or pays, is told. Last, an episode of each task is played with every muscle at rest: it must not succeed, nor earn more
+/// than holding the pose. A file without a task is checked as a library; one that declares nothing is an error. Every warning
+/// is of a lint, whose level --deny, --warn and --allow set. Exit code 0 if there is no error, 1 if there is.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files to check, with all that they use
@@ -29,9 +34,14 @@ pub struct Args {
     /// First apply the fixes that are surely meant; what remains is printed
     #[arg(long)]
     fix: bool,
-    /// Do not try the tasks on their bodies
+    /// Do not try the tasks on their bodies: neither in poses nor in an episode
     #[arg(long)]
     no_probe: bool,
+    /// Play no episode at rest, which takes most of the time
+    #[arg(long)]
+    no_play: bool,
+    #[command(flatten)]
+    lints: LevelArgs,
     #[command(flatten)]
     settings: Settings,
 }
@@ -56,7 +66,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         if args.fix {
             mend(file, &bodies)?;
         }
-        let (report, tasks) = match compile_with(file, &FileLoader, &bodies, &args.settings.settings) {
+        let (mut report, tasks) = match compile_with(file, &FileLoader, &bodies, &args.settings.settings) {
             Ok(compilation) => {
                 if compilation.declarations == 0 && compilation.tasks.is_empty() {
                     let nothing = Error::new(format!("`{}` declares nothing: there is nothing to check", file.display()));
@@ -67,11 +77,15 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                 let mut told = compilation.warnings;
                 if !args.no_probe {
                     told.extend(probe::new_of(&compilation.tasks, &bodies, &told));
+                    if !args.no_play {
+                        told.extend(play(&compilation.tasks, &bodies));
+                    }
                 }
                 (Report::new(compilation.sources, told), compilation.tasks.len())
             }
             Err(report) => (report, 0),
         };
+        args.lints.levels.apply(&mut report.diagnostics);
         sound &= !report.has_errors();
         match args.format {
             Format::Json => writeln!(out, "{}", report.to_json())?,
@@ -84,6 +98,18 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         }
     }
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
+}
+
+/// Plays an episode of each task at rest; on a terminal a line tells how far it is.
+fn play(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary) -> Vec<Diagnostic> {
+    let bar = ProgressBar::with_draw_target(Some(tasks.len() as u64), ProgressDrawTarget::stderr_with_hz(10));
+    // The template is a constant of this file; without it the bar has its default look.
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} tasks played at rest  {elapsed}") {
+        bar.set_style(style);
+    }
+    let told = probe::episodes(tasks, bodies, &|| bar.inc(1));
+    bar.finish_and_clear();
+    told
 }
 
 /// Most rounds of fixes: one may make room for another, but none may go round in circles.

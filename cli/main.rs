@@ -17,6 +17,7 @@ mod exploit;
 mod fmt;
 mod help;
 mod interrupt;
+mod levels;
 mod lsp;
 mod mcp;
 mod motion;

@@ -115,6 +115,7 @@ fn json_holds_places_and_edits() {
       "diagnostics": [
         {
           "code": "E0107",
+          "denied_by": null,
           "expected": null,
           "fixes": [
             {

@@ -2,12 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk_compiler::compile;
-use msk_compiler::diagnostics::{Diagnostic, codes};
+use msk_compiler::diagnostics::{Diagnostic, Stage, codes};
 use msk_compiler::files::{LoadError, Loader};
+use msk_compiler::task::CompiledTask;
 use msk_runtime::library::{BodyLibrary, FileLoader};
 use msk_runtime::probe;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 fn bodies() -> &'static BodyLibrary {
     static BODIES: OnceLock<BodyLibrary> = OnceLock::new();
@@ -24,6 +25,15 @@ impl Loader for One {
 
 /// What probing tells of a task of these statements, and the text of the main place of each.
 fn told(statements: &str) -> Vec<(Diagnostic, String)> {
+    told_by(statements, |tasks| probe::tasks(tasks, bodies()))
+}
+
+/// What playing at rest tells of a task of these statements.
+fn played(statements: &str) -> Vec<Diagnostic> {
+    told_by(statements, |tasks| probe::episodes(tasks, bodies(), &|| {})).into_iter().map(|(told, _)| told).collect()
+}
+
+fn told_by(statements: &str, look: impl Fn(&[Arc<CompiledTask>]) -> Vec<Diagnostic>) -> Vec<(Diagnostic, String)> {
     let mut text = format!("task example {{\nbody human\n{statements}\n");
     for (word, line) in [
         ("reward", "reward { 1 tall = pelvis.height / 1 m }"),
@@ -40,7 +50,7 @@ fn told(statements: &str) -> Vec<(Diagnostic, String)> {
     let text = format!("{text}}}\n");
     let compilation =
         compile(Path::new("example.msk"), &One(text), bodies()).unwrap_or_else(|report| panic!("{statements}:\n{report}"));
-    let found = probe::tasks(&compilation.tasks, bodies());
+    let found = look(&compilation.tasks);
     let place = |told: &Diagnostic| told.span().of(compilation.sources.text(told.file())).to_owned();
     found.into_iter().map(|told| (told.clone(), place(&told))).collect()
 }
@@ -51,7 +61,7 @@ fn codes_of(statements: &str) -> Vec<&'static str> {
 
 #[test]
 fn examples_of_codes_cause_them_and_fixes_do_not() {
-    for code in codes::probing::ALL {
+    for code in codes::probing::ALL.iter().filter(|code| code.lint.unwrap().stage == Stage::Probe) {
         assert!(codes_of(code.example).contains(&code.id), "{}: {:?}", code.id, told(code.example));
         assert_eq!(codes_of(code.fix), [""; 0], "{}: {:?}", code.id, told(code.fix));
     }
@@ -80,8 +90,31 @@ fn ends_that_hold_at_the_first_step_are_told_where_they_stand() {
 }
 
 #[test]
+fn examples_of_codes_that_take_an_episode_cause_them_and_fixes_and_reasons_do_not() {
+    let codes_of = |statements: &str| played(statements).iter().map(|told| told.code.id).collect::<Vec<_>>();
+    for code in codes::probing::ALL.iter().filter(|code| code.lint.unwrap().stage == Stage::Play) {
+        assert_eq!(codes_of(code.example), [code.id], "{}: {:?}", code.id, played(code.example));
+        assert_eq!(codes_of(code.fix), [""; 0], "{}: {:?}", code.id, played(code.fix));
+        let allow = format!("allow {} \"on purpose\"\n", code.lint.unwrap().name);
+        assert_eq!(codes_of(&(allow.clone() + code.example)), [""; 0]);
+        // An episode that shows nothing to allow makes the `allow` needless.
+        assert_eq!(codes_of(&(allow + code.fix)), ["W0513"]);
+    }
+}
+
+#[test]
+fn what_rest_is_paid_is_told_with_the_term_that_pays_it_most() {
+    let statements = "horizon 100 steps\nreward { 1 calm = exp(-50 * mean(muscles.activation))\n 2 low = clip(1 - pelvis.height / 1 m, 0, 1) }\n\
+        terminate { fallen when pelvis.height < 0.6 m }";
+    let told = played(statements);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].message.contains("most of all by the term `calm`"), "{}", told[0].message);
+    assert!(told[0].expected.as_ref().unwrap().contains("as `posture` earns"), "{told:?}");
+}
+
+#[test]
 fn what_is_told_can_be_allowed_with_a_reason() {
-    for code in codes::probing::ALL {
+    for code in codes::probing::ALL.iter().filter(|code| code.lint.unwrap().stage == Stage::Probe) {
         let lint = code.lint.unwrap().name;
         let found = codes_of(&format!("allow {lint} \"on purpose\"\n{}", code.example));
         assert!(!found.contains(&code.id), "{lint}: {found:?}");

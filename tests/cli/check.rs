@@ -49,6 +49,61 @@ fn an_allow_of_what_only_the_model_shows_is_judged_where_the_model_is_looked_at(
     assert!(unprobed.out.contains("nothing to remark"), "{}", unprobed.out);
 }
 
+/// A task with a warning that compiling finds (W0505), and one that takes the body (W0530).
+fn warned() -> Project {
+    let project = Project::lean();
+    let deep = LEAN.replace("height on ground", "height 0.85 m").replace("task lean", "task deep");
+    project.write("deep.msk", &deep.replace("reward {", "reward {\n        1 slow = -com.speed / 1 m/s"));
+    project
+}
+
+#[test]
+fn a_warning_that_is_denied_is_an_error_and_says_by_what() {
+    let project = warned();
+    project.msk(&["check", "deep.msk"]).succeeded();
+    let denied = project.msk(&["check", "--deny", "warnings", "deep.msk"]);
+    assert_eq!(denied.code, Some(1), "{}", denied.out);
+    for part in ["error[W0505 hidden_sign]", "error[W0530 starts_inside]", "a warning, denied by `--deny warnings`", "2 errors"] {
+        assert!(denied.out.contains(part), "no `{part}` in {}", denied.out);
+    }
+    let json = project.msk(&["check", "--format", "json", "--deny", "hidden-sign", "deep.msk"]);
+    let report: Value = serde_json::from_str(&json.out).unwrap();
+    let told = report["diagnostics"].as_array().unwrap();
+    let by_lint = |lint: &str| told.iter().find(|told| told["lint"] == lint).unwrap();
+    assert_eq!((json.code, &by_lint("hidden_sign")["severity"]), (Some(1), &Value::from("error")));
+    assert_eq!(by_lint("hidden_sign")["denied_by"], "--deny hidden-sign");
+    assert_eq!(by_lint("starts_inside")["severity"], "warning");
+}
+
+#[test]
+fn the_last_level_of_a_lint_holds_whatever_option_sets_it() {
+    let project = warned();
+    let codes = |options: &[&str]| {
+        let done = project.msk(&[&["check"], options, &["deep.msk"]].concat());
+        let told: Vec<String> =
+            done.out.lines().filter_map(|line| line.split_once(']')).map(|(head, _)| head.to_owned()).collect();
+        (done.code, told.into_iter().filter(|head| head.contains("[W")).collect::<Vec<_>>())
+    };
+    let (sign, inside) = ("[W0505 hidden_sign", "[W0530 starts_inside");
+    let told = |sign_as: &str, inside_as: &str| -> Vec<String> {
+        let both = [(inside_as, inside), (sign_as, sign)];
+        both.iter().filter(|(word, _)| !word.is_empty()).map(|(word, head)| format!("{word}{head}")).collect()
+    };
+    assert_eq!(codes(&["--deny", "warnings", "--allow", "starts_inside"]), (Some(1), told("error", "")));
+    assert_eq!(codes(&["--allow", "starts_inside", "--deny", "warnings"]), (Some(1), told("error", "error")));
+    assert_eq!(codes(&["--deny", "warnings", "--warn", "W0505", "--allow", "w0530"]), (Some(0), told("warning", "")));
+    assert_eq!(codes(&["--allow", "warnings"]), (Some(0), told("", "")));
+}
+
+#[test]
+fn a_level_of_no_lint_is_a_wrong_command_line() {
+    let project = warned();
+    project
+        .msk(&["check", "--deny", "hiden_sign", "deep.msk"])
+        .failed(2, &["there is no lint `hiden_sign`; did you mean `hidden_sign`?"]);
+    project.msk(&["check", "--allow", "everything", "deep.msk"]).failed(2, &["msk help lints"]);
+}
+
 #[test]
 fn an_explanation_tells_terms_weights_and_values_at_reset() {
     let project = Project::lean();

@@ -24,7 +24,7 @@ mod success;
 mod trend;
 
 use super::context::{Checker, End};
-use super::ranges::{Standing, Working};
+use super::ranges::{Shaken, Standing, Working};
 use super::reward::PaidTerm;
 use super::scope::Definition;
 use super::task::{CheckedTask, InSequence};
@@ -70,7 +70,7 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
     pay::of(task, &amounts, diagnostics);
     sight::constant_channels(checker, task, &bounds, diagnostics);
     sight::timed_failures(task, &bounds, diagnostics);
-    sight::fleeting(task, diagnostics);
+    sight::fleeting(checker, task, diagnostics);
     sight::unseen(checker, task, diagnostics);
     sight::one_side(checker, task, diagnostics);
     slips::twice_paid(task, diagnostics);
@@ -249,17 +249,19 @@ pub(crate) fn phase_end(
 /// A paid term is dead where it begins below this part of the highest that it can pay.
 pub const DEAD: f64 = 0.05;
 
-/// What holds in the very first snapshot, where the task begins in the standing pose: ends that hold there, and paid terms
-/// that pay less than a twentieth of what they can.
+/// What holds in the very first snapshot, where the task begins in the standing pose, however noise shakes it: ends that hold
+/// there, and paid terms that pay less than a twentieth of what they can.
 fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
     let standing = checker.vocabulary.joints.iter().filter(|joint| !joint.of_scene).map(|joint| joint.neutral);
     let own =
         task.init.coordinates.iter().copied().take(checker.vocabulary.joints.iter().filter(|joint| !joint.of_scene).count());
     let level = task.scene.ground.is_some() && !task.scene.objects.iter().any(|object| object.surface.walkable);
-    if !own.eq(standing) || task.init.root != RootPlacement::default() || task.init.settle.is_some() || !level {
+    let init = &task.init;
+    if !own.eq(standing) || init.root != RootPlacement::default() || init.settle.is_some() || !level {
         return;
     }
-    let reset = interval::analyse(&task.graph, &Standing { vocabulary: checker.vocabulary, reset: true });
+    let shaken = Shaken::by(init);
+    let reset = interval::analyse(&task.graph, &Standing { vocabulary: checker.vocabulary, reset: true, shaken });
     for (what, node, file, span) in conditions(task) {
         let decided = interval::of_scalar(bounds, node).single().is_some();
         if interval::of_scalar(&reset, node).single() == Some(1.0) && !decided {
@@ -274,13 +276,15 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
     }
     for term in &task.terms {
         let (range, start) = (interval::of_scalar(bounds, term.node), interval::of_scalar(&reset, term.node));
-        let Some(value) = start.single().filter(|_| term.weight > 0.0 && range.single().is_none()) else { continue };
-        if range.low >= 0.0 && range.high.is_finite() && value < DEAD * range.high && !gated(term.formula, &task.graph, term.node)
-        {
+        if term.weight <= 0.0 || range.single().is_some() || range.low < 0.0 || !range.high.is_finite() {
+            continue;
+        }
+        if start.high < DEAD * range.high && !gated(term.formula, &task.graph, term.node) {
+            let most = if start.single().is_some() { "" } else { "at most " };
             let message = format!("the term `{}` pays almost nothing in the pose in which the task begins", term.name);
             let diagnostic = at(codes::lints::DEAD_AT_RESET, term, message)
                 .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
-                .found(for_people(value))
+                .found(format!("{most}{}", for_people(start.high)))
                 .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
             diagnostics.push(diagnostic);
         }

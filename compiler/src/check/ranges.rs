@@ -1,6 +1,8 @@
 //! Between which bounds sensors stay: while an episode runs, and in the standing pose.
 
 use super::context::Timing;
+use crate::beginning::{Init, Setting, Spread};
+use crate::extremes::{maximum, minimum};
 use crate::frame::{Query, Sensor};
 use crate::graph::interval::{Bounds, Ranges};
 use crate::vocabulary::{Landmark, Vocabulary};
@@ -56,6 +58,74 @@ pub(crate) struct Standing<'a> {
     pub vocabulary: &'a Vocabulary,
     /// Whether it is the beginning of an episode, when no muscle is active yet.
     pub reset: bool,
+    /// What shakes it.
+    pub shaken: Shaken,
+}
+
+/// How far the noise of a beginning takes a body from its pose.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Shaken {
+    /// Between which deviations each joint is, rad or m.
+    joints: Vec<Bounds>,
+    /// How far all joints together turn a part of the body, rad, or move it, m: a deviation is taken to act a metre away.
+    whole: f64,
+    /// Whether the body moves.
+    moves: bool,
+}
+
+/// Normal noise is taken to stay within so many standard deviations.
+const DEVIATIONS: f64 = 3.0;
+
+impl Shaken {
+    /// By the noise and the speeds of a beginning, and by what is drawn for it.
+    pub(crate) fn by(init: &Init) -> Self {
+        let deviation = |spread: &Spread| match *spread {
+            Spread::None => Bounds::point(0.0),
+            Spread::Normal(deviation) => Bounds::new(-DEVIATIONS * deviation, DEVIATIONS * deviation),
+            Spread::Uniform(low, high) => Bounds::new(low, high),
+        };
+        let mut joints: Vec<Bounds> = init.coordinate_noise.iter().map(deviation).collect();
+        let (mut anywhere, mut moves) = (init.follows.is_some(), init.follows.is_some());
+        for (setting, _) in &init.drawn {
+            match *setting {
+                Setting::Coordinate(joint) => {
+                    anywhere = true;
+                    joints.get_mut(joint).into_iter().for_each(|joint| *joint = Bounds::ANY);
+                }
+                Setting::RootVelocity(_) => moves = true,
+                Setting::RootHeight
+                | Setting::RootPosition(_)
+                | Setting::RootHeading
+                | Setting::RootPitch
+                | Setting::RootRoll => anywhere = true,
+                // Objects are anywhere as it is.
+                Setting::ObjectPosition(..)
+                | Setting::ObjectOrientation(..)
+                | Setting::ObjectVelocity(..)
+                | Setting::ObjectSpin(..) => {}
+            }
+        }
+        // Joints are shaken independently of each other, so deviations add up as their squares do.
+        let squares = joints.iter().map(|joint| maximum(-joint.low, joint.high)).map(|most| most * most);
+        let whole = if anywhere { f64::INFINITY } else { squares.sum::<f64>().sqrt() };
+        moves |= init.velocity_noise.iter().any(|spread| *spread != Spread::None) || init.velocities.iter().any(|v| *v != 0.0);
+        Self { joints, whole, moves }
+    }
+
+    fn part(&self, value: f64) -> Bounds {
+        Bounds::new(value - self.whole, value + self.whole)
+    }
+
+    fn axis(&self, value: f64) -> Bounds {
+        Bounds::new(maximum(value - self.whole, -1.0), minimum(value + self.whole, 1.0))
+    }
+
+    fn joint(&self, joint: usize, value: f64, range: Option<[f64; 2]>) -> Bounds {
+        let deviation = self.joints.get(joint).copied().unwrap_or(Bounds::point(0.0));
+        let [low, high] = range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        // The pose itself may lie a rounding beyond the range.
+        Bounds::new(minimum(value, maximum(value + deviation.low, low)), maximum(value, minimum(value + deviation.high, high)))
+    }
 }
 
 impl Standing<'_> {
@@ -81,17 +151,22 @@ impl Ranges for Standing<'_> {
         let vocabulary = self.vocabulary;
         let landmark = |index: usize, read: fn(&Landmark) -> &[f64]| {
             let lanes = vocabulary.landmarks.get(index).map_or(&[][..], read);
-            lanes.get(lane).map_or(Bounds::ANY, |value| Bounds::point(*value))
+            lanes.get(lane).copied()
         };
         if self.moves(sensor) {
             return Bounds::ANY;
         }
         match sensor {
-            Sensor::LandmarkPosition(index) => landmark(index, |landmark| &landmark.neutral_position),
-            Sensor::LandmarkAxes(index) => landmark(index, |landmark| &landmark.neutral_axes),
-            Sensor::ComPosition => Bounds::point(vocabulary.neutral_com.get(lane).copied().unwrap_or(f64::NAN)),
+            Sensor::LandmarkPosition(index) => {
+                landmark(index, |landmark| &landmark.neutral_position).map_or(Bounds::ANY, |value| self.shaken.part(value))
+            }
+            Sensor::LandmarkAxes(index) => {
+                landmark(index, |landmark| &landmark.neutral_axes).map_or(Bounds::ANY, |value| self.shaken.axis(value))
+            }
+            Sensor::ComPosition => self.shaken.part(vocabulary.neutral_com.get(lane).copied().unwrap_or(f64::NAN)),
             Sensor::JointPosition(index) => {
-                vocabulary.joints.get(index).map_or(Bounds::ANY, |joint| Bounds::point(joint.neutral))
+                let joint = vocabulary.joints.get(index);
+                joint.map_or(Bounds::ANY, |joint| self.shaken.joint(index, joint.neutral, joint.range))
             }
             Sensor::LandmarkVelocity(_)
             | Sensor::LandmarkAcceleration(_)
@@ -103,8 +178,14 @@ impl Ranges for Standing<'_> {
             | Sensor::ComAcceleration
             | Sensor::AngularMomentum
             | Sensor::RootVelocity
-            | Sensor::RootAngularVelocity
-            | Sensor::Time => Bounds::point(0.0),
+            | Sensor::RootAngularVelocity => {
+                if self.shaken.moves {
+                    Bounds::ANY
+                } else {
+                    Bounds::point(0.0)
+                }
+            }
+            Sensor::Time => Bounds::point(0.0),
             Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) if self.reset => Bounds::point(0.0),
             Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::GroundContact(_) | Sensor::Touching(..) => {
                 Bounds::TRUTH

@@ -40,6 +40,7 @@ impl Diagnostic {
             "expected": self.expected,
             "found": self.found,
             "help": self.help,
+            "denied_by": self.denied_by,
             "fixes": fixes,
         })
     }

@@ -11,6 +11,7 @@ pub mod codes;
 mod fix;
 mod foreign;
 mod json;
+mod levels;
 mod lint;
 mod nearest;
 mod render;
@@ -22,6 +23,7 @@ pub use allowance::{Allowance, Scope};
 pub use codes::Code;
 pub use fix::fixed;
 pub use foreign::{function_elsewhere, is_module, name_elsewhere};
+pub use levels::{Levels, Lints};
 pub use lint::{Level, Lint, Stage, find_lint, lints};
 pub use nearest::nearest;
 pub use render::Style;
@@ -95,6 +97,8 @@ pub struct Diagnostic {
     pub help: Vec<String>,
     /// Changes that resolve it, the likeliest first.
     pub fixes: Vec<Fix>,
+    /// The option that made an error of a warning: `--deny warnings`.
+    pub denied_by: Option<String>,
 }
 
 impl Diagnostic {
@@ -111,6 +115,7 @@ impl Diagnostic {
             found: None,
             help: Vec::new(),
             fixes: Vec::new(),
+            denied_by: None,
         }
     }
 

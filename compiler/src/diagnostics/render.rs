@@ -141,6 +141,9 @@ impl Diagnostic {
         for help in self.help.iter().chain(fixes) {
             let _ = writeln!(text, "{:margin$} {bar} help: {}", "", printable(help));
         }
+        if let Some(option) = &self.denied_by {
+            let _ = writeln!(text, "{:margin$} {bar} note: a warning, denied by `{}`", "", printable(option));
+        }
     }
 }
 

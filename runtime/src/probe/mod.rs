@@ -4,15 +4,20 @@
 //! 2. its body is put into many poses in its scene, always the same ones (`poses`): what holds, fails, pays nothing or always pays in all of them
 //!    is searched for (`search`), and told if nothing is found (`reach`);
 //! 3. a task that says that it is symmetric is shown states and their mirror images (`mirror`): both must pay the same (`symmetry`).
+//! 4. apart from these, since it takes seconds and not moments: an episode of each task is played at rest (`play`), which must not succeed
+//!    and not earn more than holding the pose.
 //!
 //! What is found is a warning with numbers; the task may allow it by the name of its lint.
 
 mod beginning;
 mod mirror;
+mod play;
 mod poses;
 mod reach;
 mod search;
 mod symmetry;
+
+pub use play::episodes;
 
 use crate::library::BodyLibrary;
 use msk_compiler::diagnostics::codes::lints::HOLDS_AT_RESET;

@@ -1,6 +1,7 @@
 //! Lints on what is looked at: by the policy, by ends, by success, and on both sides of the body.
 
 use super::at;
+use crate::beginning::{Init, ObjectStart, Setting};
 use crate::check::context::Checker;
 use crate::check::dimension::Dimension;
 use crate::check::scope::Definition;
@@ -56,12 +57,13 @@ pub(super) fn timed_failures(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], dia
 }
 
 /// A success that one step of a speed or of a contact settles for good.
-pub(super) fn fleeting(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+pub(super) fn fleeting(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let graph = &task.graph;
+    let things = Things::of(checker, task);
     let settled = graph.reachable([task.success]).into_iter().find(|&id| {
         let node = graph.node(id);
         node.operation == Operation::Memory(Memory::Highest)
-            && node.inputs.iter().any(|&input| is_condition(graph, input) && momentary(graph, input))
+            && node.inputs.iter().any(|&input| is_condition(graph, input) && momentary(graph, input, &things))
     });
     if settled.is_some() {
         let (file, span) = task.success_at;
@@ -86,19 +88,32 @@ pub(super) fn is_condition(graph: &Graph, node: NodeId) -> bool {
 }
 
 /// Whether a node reads a speed or a contact, and nothing in it lasts.
-fn momentary(graph: &Graph, node: NodeId) -> bool {
+///
+/// What a blow leaves behind is no matter of one step: the speed of a thing that rests until something hits it. Neither is the blow
+/// itself, a single contact with a thing that flies off; several at once hold it.
+fn momentary(graph: &Graph, node: NodeId, things: &Things<'_>) -> bool {
     let read = graph.reachable([node]);
     let lasts = |id: &NodeId| matches!(graph.node(*id).operation, Operation::Memory(Memory::Streak | Memory::Accumulate));
-    let fast = |id: &NodeId| match &graph.node(*id).operation {
-        Operation::Sensors(sensors) => sensors.iter().any(|sensor| {
-            use Sensor as S;
-            let speeds =
-                matches!(sensor, S::LandmarkVelocity(_) | S::ComVelocity | S::JointVelocity(_) | S::RootVelocity | S::Slip(..));
-            speeds || matches!(sensor, S::Touching(..) | S::GroundContact(_) | S::ContactForce(..) | S::ContactCount(..))
-        }),
+    let sensors = read.iter().filter_map(|id| match &graph.node(*id).operation {
+        Operation::Sensors(sensors) => Some(sensors),
+        _ => None,
+    });
+    let (mut speeds, mut contacts) = (BTreeSet::new(), BTreeSet::new());
+    for &sensor in sensors.flatten() {
+        use Sensor as S;
+        match sensor {
+            S::LandmarkVelocity(index) if !things.rests_freely(index) => _ = speeds.insert(sensor),
+            S::ComVelocity | S::JointVelocity(_) | S::RootVelocity | S::Slip(..) => _ = speeds.insert(sensor),
+            S::Touching(..) | S::GroundContact(_) | S::ContactForce(..) | S::ContactCount(..) => _ = contacts.insert(sensor),
+            _ => {}
+        }
+    }
+    let blow = |sensor: &Sensor| match sensor.subject() {
+        Subject::Parts(a, b) => [a, b].iter().any(|part| matches!(part, Part::Landmark(index) if things.rests_freely(*index))),
         _ => false,
     };
-    read.iter().any(fast) && !read.iter().any(lasts)
+    let only_blow = contacts.len() == 1 && contacts.iter().all(blow);
+    !read.iter().any(lasts) && (!speeds.is_empty() || !contacts.is_empty() && !only_blow)
 }
 
 /// The sensors that nodes read, as far as they are of a kind.
@@ -119,17 +134,25 @@ fn landmark_of(sensor: Sensor) -> Option<usize> {
 
 /// Objects that move and decide the pay, of which no channel tells anything.
 pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
-    let landmarks = &checker.vocabulary.landmarks;
-    let first = landmarks.iter().position(|landmark| landmark.of_scene).unwrap_or(landmarks.len());
-    let mut channels = task.channels.iter().map(|channel| channel.node);
-    let read = |roots: &mut dyn Iterator<Item = NodeId>| sensors(&task.graph, roots, |sensor| landmark_of(sensor).is_some());
-    let seen: BTreeSet<usize> = read(&mut channels).into_iter().filter_map(landmark_of).collect();
+    let things = Things::of(checker, task);
+    let channels = || task.channels.iter().map(|channel| channel.node);
+    let seen: BTreeSet<usize> = sensors(&task.graph, channels(), |sensor| landmark_of(sensor).is_some())
+        .into_iter()
+        .filter_map(|sensor| things.mover(landmark_of(sensor)?))
+        .collect();
+    let measured = sensors(&task.graph, channels(), |sensor| matches!(sensor, Sensor::JointPosition(_)));
+    let measured: BTreeSet<&str> = measured
+        .into_iter()
+        .filter_map(|sensor| checker.vocabulary.joints.get(joint_of(sensor)?))
+        .map(|j| j.name.as_str())
+        .collect();
     let mut told = BTreeSet::new();
     for term in &task.terms {
-        for index in read(&mut std::iter::once(term.node)).into_iter().filter_map(landmark_of) {
-            let moves = index.checked_sub(first).is_some_and(|object| moves(&task.scene.objects, object));
-            if moves && !seen.contains(&index) && told.insert(index) {
-                let name = &landmarks[index].name;
+        let read = sensors(&task.graph, std::iter::once(term.node), |sensor| landmark_of(sensor).is_some());
+        for index in read.into_iter().filter_map(landmark_of) {
+            let Some(mover) = things.mover(index) else { continue };
+            if !seen.contains(&mover) && !things.follows_from(mover, &seen, &measured) && told.insert(index) {
+                let name = &checker.vocabulary.landmarks[index].name;
                 let message = format!("the pay depends on where `{name}` is, which the policy cannot observe");
                 let diagnostic = at(codes::intent::UNSEEN, term, message)
                     .help(format!("add it to `observe`: `{name}.position - pelvis.position`"));
@@ -149,6 +172,73 @@ pub(super) fn moves(objects: &[Object], index: usize) -> bool {
             Parent::Object(parent) => *parent < index && moves(objects, *parent),
             Parent::Landmark(_) => true,
         }
+}
+
+fn joint_of(sensor: Sensor) -> Option<usize> {
+    if let Subject::Joint(index) = sensor.subject() { Some(index) } else { None }
+}
+
+/// The objects of a scene, by the landmarks that they are in formulas.
+struct Things<'t> {
+    objects: &'t [Object],
+    init: &'t Init,
+    /// The landmark of the first object.
+    first: usize,
+}
+
+impl<'t> Things<'t> {
+    fn of(checker: &Checker<'_>, task: &'t CheckedTask<'_>) -> Self {
+        let landmarks = &checker.vocabulary.landmarks;
+        let first = landmarks.iter().position(|landmark| landmark.of_scene).unwrap_or(landmarks.len());
+        Self { objects: &task.scene.objects, init: &task.init, first }
+    }
+
+    /// The object that a landmark is, if it is one.
+    fn object(&self, landmark: usize) -> Option<usize> {
+        landmark.checked_sub(self.first).filter(|object| *object < self.objects.len())
+    }
+
+    /// The object that moves by itself and takes a landmark along: what it is rigidly part of. None of what stands still, and of
+    /// what the body wears, which goes where the body does.
+    fn mover(&self, landmark: usize) -> Option<usize> {
+        carrier(self.objects, self.object(landmark)?)
+    }
+
+    /// Whether the place of a moving object follows from those that are `seen` and from joints that are measured: all between it
+    /// and what is known.
+    fn follows_from(&self, mover: usize, seen: &BTreeSet<usize>, measured: &BTreeSet<&str>) -> bool {
+        let mut index = mover;
+        loop {
+            let object = &self.objects[index];
+            let Motion::Joints(joints) = &object.motion else { return false };
+            if !joints.iter().all(|joint| measured.contains(joint.name.as_str())) {
+                return false;
+            }
+            let above = match &object.parent {
+                Parent::Object(parent) if *parent < index => carrier(self.objects, *parent),
+                _ => None,
+            };
+            match above {
+                // Carried by the world, by what stands still, or by the body.
+                None => return true,
+                Some(above) if seen.contains(&above) => return true,
+                Some(above) => index = above,
+            }
+        }
+    }
+
+    /// Whether a landmark is part of a free object that begins at rest.
+    fn rests_freely(&self, landmark: usize) -> bool {
+        let Some(mover) = self.mover(landmark) else { return false };
+        let at_rest = |start: &ObjectStart| start.velocity == [0.0; 3] && start.spin == [0.0; 3];
+        let place = self.init.objects.iter().position(|start| start.object == mover);
+        let drawn = |(setting, _): &(Setting, usize)| match setting {
+            Setting::ObjectVelocity(object, _) | Setting::ObjectSpin(object, _) => Some(*object) == place,
+            _ => false,
+        };
+        let rests = place.is_none_or(|place| at_rest(&self.init.objects[place]) && !self.init.drawn.iter().any(drawn));
+        self.objects[mover].motion == Motion::Free && rests
+    }
 }
 
 /// The object that moves and carries an object rigidly, or the object itself; nothing where it stands still or the body carries it.

@@ -1,4 +1,4 @@
-//! Codes of probing: what shows once the model is at hand (W053). The runtime tells them.
+//! Codes of probing: what shows once the model is at hand, in poses or in an episode (W053). The runtime tells them.
 
 codes! {
     STARTS_INSIDE = "W0530" lint starts_inside Probe {
@@ -68,5 +68,22 @@ codes! {
             `unmirrored`.",
         example: "symmetric\nreward { 1 still = clip(1 - torso.up.y, 0, 1) }",
         fix: "symmetric\nreward { 1 still = clip(1 - abs(torso.up.y), 0, 1) }",
+    }
+    REST_SUCCEEDS = "W0538" lint rest_succeeds Play {
+        title: "a task in which doing nothing succeeds",
+        explanation: "An episode was played in which every muscle stays at rest (policy `zero`, seed 0, at most 3000 control steps), and it \
+            succeeded: the success asks for nothing that a policy has to learn. Often the failure is missing that a fall should be.",
+        example: "horizon 200 steps\nsuccess survived",
+        fix: "horizon 200 steps\nterminate { fallen when pelvis.height < 0.6 m }\nsuccess survived",
+    }
+    REST_PAYS = "W0539" lint rest_pays Play {
+        title: "a task that pays doing nothing more than holding the pose",
+        explanation: "In an episode in which every muscle stays at rest (policy `zero`) the task paid over 5 % more per step than to `posture`, \
+            which holds the pose of the beginning or follows the reference, over the same number of steps: giving up is what is learnt first. The \
+            warning stands at the term that pays rest most.",
+        example: "horizon 200 steps\nreward { 1 calm = exp(-50 * mean(muscles.activation)) }\n\
+            terminate { fallen when pelvis.height < 0.6 m }",
+        fix: "horizon 200 steps\nreward { 1 calm = exp(-50 * mean(muscles.activation))\n 5 alive = not terminated\n -200 failed = terminated }\n\
+            terminate { fallen when pelvis.height < 0.6 m }",
     }
 }
