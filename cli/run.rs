@@ -166,6 +166,9 @@ fn headline(record: &EpisodeRecord, time: f64) -> String {
     let EpisodeRecord { task, policy, seed, episode, steps, .. } = record;
     let end = match &record.fault {
         Some(fault) => format!("stopped by a fault: {fault}"),
+        None if record.truncated && !record.awaited.is_empty() => {
+            format!("reached the horizon in {}, which never held,", record.awaited)
+        }
         None if record.truncated => "reached the horizon".into(),
         None if record.terminated_by.is_empty() => format!("finished by {}", record.finished_by.join(" and ")),
         None => format!("ended by {}", record.ended_by()),

@@ -160,6 +160,16 @@ pub struct Parameter {
     pub unit: String,
 }
 
+impl CompiledTask {
+    /// The phase of a sequence and the condition for which it waits, in words: "`walk` until `arrived`"; `None` for the last phase,
+    /// and for a task by itself.
+    pub fn awaited(&self, phase: u32) -> Option<String> {
+        let phase = self.phases.get(phase as usize)?;
+        let until = phase.meaning.until.as_ref()?;
+        Some(format!("`{}` until `{}`", phase.name, until.source))
+    }
+}
+
 /// What explanations and snapshots need beyond what runs.
 pub(crate) struct Meaning {
     pub graph: Graph,

@@ -89,27 +89,24 @@ fn every_kind_of_change_is_told_in_words() {
     insta::assert_snapshot!(between(&before, &after), @r"
     example
       ~ object seat
-          position [-3.0, 0.0, 0.5] m -> [-2.0, 0.0, 0.5] m
+          position [-3, 0, 0.5] m -> [-2, 0, 0.5] m (-33.33 %)
       ~ term tall
-          weight 10 -> 12
-          range 5..20 -> 5..30
+          weight 10 -> 12 (+20 %)
+          range 5..20 -> 5..30 (+50 %)
       ~ term still
           from exp(−10 s/m · com.speed)
-            to exp(−12 s/m · com.speed)
-          numbers -10.0 -> -12.0
+            to exp(−12 s/m · com.speed) (+20 %)
       + term new: weight 3, once(ended)
       ~ term sunk
           computes something else, though it is written as before (pelvis.height < low): a name in it means another thing
-          numbers 0.8 -> 0.7
+          in SI units 0.8 -> 0.7 (-12.5 %)
       ~ ends by fallen
           from com.height < 0.8 m
-            to com.height < 0.75 m
-          numbers 0.8 -> 0.75
+            to com.height < 0.75 m (-6.25 %)
       + ends by flew: com.height > 2 m
       ~ success
           from survived
             to survived and pelvis.height > 1 m
-          numbers 0.8 -> 0.75, 2.0, 1.0
       - term high: weight 2, clip(steps_high / 10, 0, 1)
       ~ order of channels
           pelvis.height, steps_high -> steps_high, pelvis.height

@@ -96,6 +96,19 @@ fn the_last_level_of_a_lint_holds_whatever_option_sets_it() {
 }
 
 #[test]
+fn a_task_is_played_at_rest_unless_it_shall_not_be() {
+    let project = Project::lean();
+    // Twenty steps are over before anybody falls.
+    project.write("idle.msk", &LEAN.replace("task lean", "task idle").replace("- 2 cm", "- 50 cm"));
+    let played = project.msk(&["check", "idle.msk"]).succeeded();
+    assert!(played.out.contains("warning[W0538 rest_succeeds]: doing nothing succeeds"), "{}", played.out);
+    for option in ["--no-play", "--no-probe"] {
+        let unplayed = project.msk(&["check", option, "idle.msk"]).succeeded();
+        assert!(!unplayed.out.contains("W0538"), "{option}: {}", unplayed.out);
+    }
+}
+
+#[test]
 fn a_level_of_no_lint_is_a_wrong_command_line() {
     let project = warned();
     project

@@ -32,6 +32,28 @@ fn an_episode_is_the_same_whether_it_is_run_or_evaluated() {
 }
 
 #[test]
+fn a_sequence_that_runs_out_of_time_says_which_until_never_held() {
+    let project = Project::lean();
+    let sequence = "use \"lean.msk\"\n\ntask low extends lean { horizon 30 steps }\n\n\
+        sequence both {\n    phase lean until pelvis.height > 1.5 m\n    phase low\n    success survived\n\
+        test \"waits\" { pose neutral; at 1 s pose neutral; expect ended by sunk }\n}\n";
+    project.write("both.msk", sequence);
+    let never = "in `lean` until `pelvis.height > 1.5 m`";
+    let run = project.msk(&["run", "both.msk@both", "--policy", "zero"]).succeeded();
+    assert!(run.out.contains(&format!("reached the horizon {never}, which never held, after 20 steps")), "{}", run.out);
+    let eval =
+        project.msk(&["eval", "both.msk", "--task", "both", "--policy", "zero", "--episodes", "2", "--out", "out"]).succeeded();
+    assert!(eval.out.contains(&format!("horizon {never} 2")), "{}", eval.out);
+    let test = project.msk(&["test", "both.msk"]);
+    assert!(test.out.contains(&format!("the episode reached the horizon at 0.20 s {never}, which never held")), "{}", test.out);
+    assert_eq!(test.code, Some(1));
+    // A last phase waits for nothing.
+    project.write("both.msk", &sequence.replace("> 1.5 m", "> 0.5 m"));
+    let run = project.msk(&["run", "both.msk@both", "--policy", "zero"]).succeeded();
+    assert!(!run.out.contains("never held"), "{}", run.out);
+}
+
+#[test]
 fn an_end_is_told_by_its_name() {
     let project = Project::empty();
     project.write("fall.msk", &LEAN.replace("horizon  20", "horizon  200"));

@@ -4,6 +4,7 @@
 //! the same and means something else, because a name that it uses has changed, does.
 
 mod constants;
+mod people;
 mod text;
 
 use crate::snapshot::{Section, Snapshot};

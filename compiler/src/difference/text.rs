@@ -1,6 +1,6 @@
 //! A difference in words.
 
-use super::{Change, ChangeKind, Difference, FieldChange, FormulaChange};
+use super::{Change, ChangeKind, Difference, FieldChange, FormulaChange, people};
 use std::fmt::{self, Display};
 
 impl Display for Difference {
@@ -40,9 +40,10 @@ impl Display for Change {
         writeln!(f)?;
         for FieldChange { field, before, after } in &self.fields {
             let told = |value: &Option<String>| value.clone().unwrap_or_else(|| "not said".to_owned());
+            let (before, after, ratio) = people::told(&told(before), &told(after));
             match field.as_str() {
-                "order" => writeln!(f, "      {} -> {}", told(before), told(after))?,
-                _ => writeln!(f, "      {field} {} -> {}", told(before), told(after))?,
+                "order" => writeln!(f, "      {before} -> {after}")?,
+                _ => writeln!(f, "      {field} {before} -> {after}{ratio}")?,
             }
         }
         self.formula.iter().try_for_each(|formula| write!(f, "{formula}"))
@@ -53,7 +54,8 @@ impl Change {
     /// What is added or removed, on one line.
     fn one_sided(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let value = |field: &FieldChange| field.after.clone().or_else(|| field.before.clone()).unwrap_or_default();
-        let fields: Vec<String> = self.fields.iter().map(|field| format!("{} {}", field.field, value(field))).collect();
+        let fields: Vec<String> =
+            self.fields.iter().map(|field| format!("{} {}", field.field, people::one(&value(field)))).collect();
         let formula = self.formula.as_ref().map(|formula| format!("{}{}", formula.before, formula.after));
         match (fields.is_empty(), formula) {
             (true, None) => writeln!(f),
@@ -67,19 +69,18 @@ impl Change {
 impl Display for FormulaChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.before != self.after {
+            // Formulas hold the numbers in the units in which they were typed; what they are computed with adds nothing to that.
+            let (_, _, ratio) = people::told(&self.before, &self.after);
             writeln!(f, "      from {}", self.before)?;
-            writeln!(f, "        to {}", self.after)?;
-        } else {
-            let formula = if self.after.is_empty() { String::new() } else { format!(" ({})", self.after) };
-            writeln!(
-                f,
-                "      computes something else, though it is written as before{formula}: a name in it means another thing"
-            )?;
+            return writeln!(f, "        to {}{ratio}", self.after);
         }
+        let formula = if self.after.is_empty() { String::new() } else { format!(" ({})", self.after) };
+        writeln!(f, "      computes something else, though it is written as before{formula}: a name in it means another thing")?;
         if self.constants_before.is_empty() && self.constants_after.is_empty() {
             return Ok(());
         }
         let list = |constants: &[String]| if constants.is_empty() { "none".to_owned() } else { constants.join(", ") };
-        writeln!(f, "      numbers {} -> {}", list(&self.constants_before), list(&self.constants_after))
+        let (before, after, ratio) = people::told(&list(&self.constants_before), &list(&self.constants_after));
+        writeln!(f, "      in SI units {before} -> {after}{ratio}")
     }
 }

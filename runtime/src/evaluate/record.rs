@@ -39,6 +39,9 @@ pub struct EpisodeRecord {
     pub finished_by: Vec<String>,
     /// Whether the horizon was reached and nothing else ended the episode.
     pub truncated: bool,
+    /// Of a sequence that reached its horizon before its last phase: the phase, and until what it lasts, which never held.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub awaited: String,
     /// What broke the computation, if anything did.
     pub fault: Option<String>,
     /// Control steps survived.
@@ -161,6 +164,7 @@ impl Tally {
         };
         let terminated_by = holding(&task.terminations, &episode.report().terminations);
         let finished_by = holding(&task.finishes, &episode.report().finishes);
+        let truncated = episode.ending() == Some(&Ending::Truncated);
         let labels = metric_labels(task);
         let means = self.metrics.iter().map(|(sum, count)| if *count > 0 { sum / f64::from(*count) } else { f64::NAN });
         let metrics = ByTerm(labels.iter().cloned().zip(means).collect());
@@ -173,7 +177,8 @@ impl Tally {
             success: episode.success(),
             terminated_by,
             finished_by,
-            truncated: episode.ending() == Some(&Ending::Truncated),
+            truncated,
+            awaited: task.awaited(episode.report().phase).filter(|_| truncated).unwrap_or_default(),
             fault,
             steps: episode.steps(),
             total: self.total,
@@ -218,10 +223,12 @@ impl EpisodeRecord {
         timeless(self) == timeless(other)
     }
 
-    /// How the episode ended, in words: the reasons, `horizon`, or `fault`.
+    /// How the episode ended, in words: the reasons, `horizon` (of a sequence before its last phase with what never held), or `fault`.
     pub fn ended_by(&self) -> String {
         if self.fault.is_some() {
             "fault".into()
+        } else if self.truncated && !self.awaited.is_empty() {
+            format!("horizon in {}", self.awaited)
         } else if self.truncated {
             "horizon".into()
         } else {
@@ -276,6 +283,7 @@ mod tests {
             terminated_by: vec!["fallen".into(), "tilted".into()],
             finished_by: vec![],
             truncated: false,
+            awaited: String::new(),
             fault: None,
             steps: 57,
             total: 0.1 + 0.2,
@@ -315,6 +323,11 @@ mod tests {
         assert_eq!(ended_by(record()), "fallen and tilted");
         assert_eq!(ended_by(EpisodeRecord { terminated_by: vec![], finished_by: vec!["done".into()], ..record() }), "done");
         assert_eq!(ended_by(EpisodeRecord { truncated: true, terminated_by: vec![], ..record() }), "horizon");
+        let awaited = "`walk` until `arrived`".to_owned();
+        let waits = EpisodeRecord { truncated: true, awaited, terminated_by: vec![], ..record() };
+        assert_eq!(ended_by(waits.clone()), "horizon in `walk` until `arrived`");
+        let line = serde_json::to_string(&waits).unwrap();
+        assert_eq!(serde_json::from_str::<EpisodeRecord>(&line).unwrap(), waits);
         assert_eq!(ended_by(EpisodeRecord { fault: Some("diverged".into()), terminated_by: vec![], ..record() }), "fault");
     }
 }

@@ -184,7 +184,11 @@ impl Judge<'_> {
         match &played.ending {
             Some(ending @ Ending::Terminated(_)) => format!("the episode ended by {} at {time}", ending.conditions(task)),
             Some(ending @ Ending::Finished(_)) => format!("the episode finished by {} at {time}", ending.conditions(task)),
-            Some(Ending::Truncated) => format!("the episode reached the horizon at {time}"),
+            Some(Ending::Truncated) => {
+                let waits = u32::try_from(played.last.phase).ok().and_then(|phase| task.awaited(phase));
+                let waits = waits.map_or(String::new(), |waits| format!(" in {waits}, which never held"));
+                format!("the episode reached the horizon at {time}{waits}")
+            }
             Some(Ending::Fault(fault)) => format!("the episode was stopped by a fault: {fault}"),
             None => format!("the test was over at {time}"),
         }

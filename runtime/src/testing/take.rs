@@ -15,7 +15,7 @@ pub(super) struct Played {
     /// What was seen at the steps that were asked for, as far as they were reached.
     kept: Vec<(u32, Seen)>,
     /// What was seen at the last step.
-    last: Seen,
+    pub(super) last: Seen,
     /// Its number.
     pub steps: u32,
     /// How it ended; `None` where the take was over before the task.
