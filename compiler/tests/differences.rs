@@ -181,6 +181,8 @@ fn the_hash_stays_until_its_encoding_changes() {
              2         b = clip(smooth(com.height / 1 m, 0.1 s)^1.5, 0, 1) when door.swing.q < 10 deg
             -1         c = max(hypot(1, best), delay(muscles.activation[0], 3 steps)) - min([1, 2, com.speed / 1 m/s])
         }
-        terminate { low when held(pelvis.height < 0.5 m, 0.1 s) }";
+        terminate { low when held(pelvis.height < 0.5 m, 0.1 s) }
+        observe { pelvis.height }
+        success survived";
     assert_eq!(hash(everything), "9dda45ef8d58b999ab28355e6e04ba92c84ac8c7b8b4b3851387da04d32cf87c");
 }

@@ -123,7 +123,8 @@ fn what_stands_still_is_read_without_a_sensor() {
             box ramp { size [2 m, 1 m, 2 m], turned [0, 45 deg, 0] }
         }
         observe { seat.position; seat.top; seat.velocity; ramp.top; seat.up; distance(seat, ramp) }
-        reward { 1 a = step / 10 }",
+        reward { 1 a = step / 10 }
+        success survived",
     );
     assert_eq!(task.frame.size(), 0, "{:?}", task.frame);
     let mut state = msk_compiler::task::TaskState::default();
