@@ -27,8 +27,8 @@ fn a_difference_is_told_in_words_and_makes_the_exit_code() {
     let project = Project::lean();
     project.write("other.msk", &LEAN.replace("10    pose", "12 (5..20) pose").replace("- 2 cm", "- 3 cm"));
     let done = differs(project.msk(&["diff", "lean", "other.msk@lean"]));
-    assert!(done.out.contains("~ term pose\n      weight 10 -> 12\n      range not said -> 5..20\n"), "{}", done.out);
-    assert!(done.out.contains("~ ends by sunk") && done.out.contains("numbers"), "{}", done.out);
+    assert!(done.out.contains("~ term pose\n      weight 10 -> 12 (+20 %)\n      range not said -> 5..20\n"), "{}", done.out);
+    assert!(done.out.contains("~ ends by sunk") && done.out.contains("3 cm (+50 %)\n"), "{}", done.out);
     let done = differs(project.msk(&["diff", "lean.msk", "other.msk", "--format", "json"]));
     let told: Value = serde_json::from_str(&done.out).unwrap();
     assert_eq!(told[0]["changes"][0]["fields"][0]["after"], "12");
@@ -54,7 +54,7 @@ fn a_snapshot_holds_through_comments_and_layout_and_breaks_with_the_meaning() {
     project.write("lean.msk", &LEAN.replace("-1    effort", "-2    effort"));
     let done = differs(project.msk(&["snapshot", "--check"]));
     assert!(done.err.contains("run `msk snapshot`"), "{}", done.err);
-    assert_eq!(done.out, "lean\n  ~ term effort\n      weight -1 -> -2\n");
+    assert_eq!(done.out, "lean\n  ~ term effort\n      weight -1 -> -2 (+100 %)\n");
     let done = project.msk(&["snapshot"]).succeeded();
     assert!(done.out.contains("weight -1 -> -2"), "{}", done.out);
     project.msk(&["snapshot", "--check"]).succeeded();

@@ -36,7 +36,7 @@ fn a_sequence_that_runs_out_of_time_says_which_until_never_held() {
     let project = Project::lean();
     let sequence = "use \"lean.msk\"\n\ntask low extends lean { horizon 30 steps }\n\n\
         sequence both {\n    phase lean until pelvis.height > 1.5 m\n    phase low\n    success survived\n\
-        test \"waits\" { pose neutral; at 1 s pose neutral; expect ended by sunk }\n}\n";
+        test \"waits\" { pose neutral; at 0.4 s pose neutral; expect ended by sunk }\n}\n";
     project.write("both.msk", sequence);
     let never = "in `lean` until `pelvis.height > 1.5 m`";
     let run = project.msk(&["run", "both.msk@both", "--policy", "zero"]).succeeded();
