@@ -281,6 +281,7 @@ mod tests {
             terminated_by: if horizon { vec![] } else { vec![ended.into()] },
             finished_by: vec![],
             truncated: horizon,
+            awaited: String::new(),
             fault: None,
             steps,
             total: pose + effort,
