@@ -10,7 +10,16 @@ use std::path::Path;
 /// A lock, held until it is dropped. The operating system takes it back when the program ends in whatever way.
 #[derive(Debug)]
 pub struct Lock {
-    _file: File,
+    file: File,
+}
+
+impl Drop for Lock {
+    /// Unlocks explicitly: closing would not do it as long as a program that is just being started has a copy of the descriptor,
+    /// from `fork` until its `exec`.
+    fn drop(&mut self) {
+        // Where unlocking fails, closing the file is all that is left.
+        let _ = self.file.unlock();
+    }
 }
 
 impl Folder {
@@ -21,7 +30,7 @@ impl Folder {
     pub fn lock(&self, name: &Path) -> Result<Lock, StorageError> {
         let file = self.open_private(name)?;
         file.lock().map_err(|source| self.cannot("lock", name, source))?;
-        Ok(Lock { _file: file })
+        Ok(Lock { file })
     }
 
     /// Takes the lock of that name, or gives `None` if somebody else holds it.
@@ -31,7 +40,7 @@ impl Folder {
     pub fn try_lock(&self, name: &Path) -> Result<Option<Lock>, StorageError> {
         let file = self.open_private(name)?;
         match file.try_lock() {
-            Ok(()) => Ok(Some(Lock { _file: file })),
+            Ok(()) => Ok(Some(Lock { file })),
             Err(TryLockError::WouldBlock) => Ok(None),
             Err(TryLockError::Error(source)) => Err(self.cannot("lock", name, source)),
         }
@@ -52,5 +61,22 @@ impl Folder {
         let metadata = file.metadata().map_err(|source| self.cannot("open", name, source))?;
         regular::regular(&metadata, &self.path().join(name))?;
         Ok(file.into_std())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copy_of_the_descriptor_does_not_keep_the_lock() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = Folder::open(place.path()).unwrap();
+        let lock = folder.lock(Path::new("lock")).unwrap();
+        let copy = lock.file.try_clone().unwrap();
+        assert!(folder.try_lock(Path::new("lock")).unwrap().is_none());
+        drop(lock);
+        assert!(folder.try_lock(Path::new("lock")).unwrap().is_some());
+        drop(copy);
     }
 }
