@@ -6,7 +6,7 @@ use crate::overlays::Overlays;
 use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
 use msk::runtime::episode::{Episode, EpisodeKey};
-use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, play_past_ends, replay, report};
+use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, play_to_horizon, replay, report};
 use msk::runtime::inspect::StateFile;
 use msk::runtime::policy::{self, Policy};
 use std::fs;
@@ -39,14 +39,14 @@ pub struct Args {
     /// Write the state at the end to this file, as `msk draw --state` reads it
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Go on up to the horizon whatever ends the task has for the episode, and say when it would have ended, whether
-    /// the physics met a fault, and how deep shapes overlapped
-    #[arg(long, conflicts_with_all = ["json", "again", "weights", "weight"])]
-    past_ends: bool,
+    /// Go on up to the horizon whatever terminations the task has, and print when the episode would have ended, whether
+    /// the physics met a fault, and how deep shapes penetrated each other
+    #[arg(long, conflicts_with_all = ["json", "replay", "weights", "weight"])]
+    ignore_terminations: bool,
     /// Play an episode of an evaluation again, by the weights that paid it, and say whether it is the same to the last bit: the
     /// folder of its results; with --episode
     #[arg(long, value_name = "DIR", conflicts_with_all = ["policy", "seed", "weights", "weight", "state"])]
-    again: Option<PathBuf>,
+    replay: Option<PathBuf>,
     #[command(flatten)]
     overlays: Overlays,
     #[command(flatten)]
@@ -60,15 +60,15 @@ pub struct Args {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (project, mut trial) = Project::find(&args.task, &args.settings.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
-    if let Some(folder) = &args.again {
-        return again(&args, &trial, folder);
+    if let Some(folder) = &args.replay {
+        return replay_recorded(&args, &trial, folder);
     }
     args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
     let mut policy = policy::create(&args.policy)?;
     let mut episode = trial.episode()?;
     let key = EpisodeKey { seed: args.seed, episode: args.episode };
-    if args.past_ends {
-        return past_ends(&args, &trial, &mut episode, key, policy.as_mut());
+    if args.ignore_terminations {
+        return to_horizon(&args, &trial, &mut episode, key, policy.as_mut());
     }
     let stop = AtomicBool::new(false);
     let record = play(&trial, &mut episode, key, policy.as_mut(), &stop, || {})?;
@@ -102,15 +102,15 @@ fn write_state(args: &Args, episode: &Episode) -> Result<(), Error> {
     fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))
 }
 
-/// Plays an episode up to its horizon, past its ends.
-fn past_ends(
+/// Plays an episode up to its horizon, whatever terminations hold on the way.
+fn to_horizon(
     args: &Args,
     trial: &Trial,
     episode: &mut Episode,
     key: EpisodeKey,
     policy: &mut dyn Policy,
 ) -> Result<ExitCode, Error> {
-    let found = play_past_ends(episode, key, policy)?;
+    let found = play_to_horizon(episode, key, policy)?;
     write_state(args, episode)?;
     let task = &trial.task;
     let first = match &found.first {
@@ -130,7 +130,7 @@ fn past_ends(
 }
 
 /// Plays an episode of an evaluation again.
-fn again(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode, Error> {
+fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode, Error> {
     let records = Journal::records(folder).map_err(crate::eval::explain)?;
     let record = records.iter().find(|record| record.task == trial.task.name && record.episode == args.episode);
     let Some(record) = record else {

@@ -153,7 +153,7 @@ fn finish(session: &Session, ended: Ended, interrupt: &Interrupt) -> Result<Exit
     }
     if let Some(best) = session.best() {
         writeln!(out, "\nBest: round {} with score {}: `{folder}/best.toml`", best.round, for_people(best.score))?;
-        writeln!(out, "Use it with `--weights {folder}/best.toml`, or write it into the source with `msk weights bake`.")?;
+        writeln!(out, "Use it with `--weights {folder}/best.toml`, or write it into the source with `msk weights apply`.")?;
     }
     match ended {
         Ended::Budget => Ok(ExitCode::SUCCESS),

@@ -308,7 +308,7 @@ const CHANCE: [(&str, &str); 3] = [
     ("observe { com", "observe { goal; other; com"),
     (
         "terminate {",
-        "metrics { goal; tall = highest(com.height) }\n    finish { done when step >= 9; also when step >= 9 }\n    terminate {",
+        "metrics { goal; tall = running_max(com.height) }\n    finish { done when step >= 9; also when step >= 9 }\n    terminate {",
     ),
 ];
 

@@ -186,7 +186,7 @@ fn a_root_goes_where_its_hands_shall_be() {
             capsule shaft { along [0, 1, 0], length 1.2 m, radius 2 cm }
             point grip_l { at [0, 0.3 m, 0] }
             point grip_r { at [0, -0.3 m, 0] } }";
-    let init = "root { so palm_l at bar.grip_l, so palm_r at bar.grip_r }";
+    let init = "root { align palm_l to bar.grip_l, align palm_r to bar.grip_r }";
     let episode = episode(scene, init, "palm_l.position; palm_r.position", "");
     let middle = (vector(&episode, "palm_l.position") + vector(&episode, "palm_r.position")) / 2.0;
     assert!((middle - Vector3::new(0.4, 0.0, 2.3)).norm() < 1e-9, "{middle}");

@@ -107,7 +107,7 @@ fn velocities_are_those_of_the_motion() {
             pose neutral { root.height = 1 m }
             at 2 s { root.at = [2 m, 0 m] }
             until 2 s
-            expect 1.49 m/s < highest(pelvis.velocity.x) < 1.51 m/s
+            expect 1.49 m/s < running_max(pelvis.velocity.x) < 1.51 m/s
         }",
     );
     holds(
@@ -127,10 +127,10 @@ fn places_are_met_all_the_way() {
     holds(
         "let off = norm(sole_l.position - [0.2 m, 0.1 m, 0])
          test \"a foot stays\" {
-            root { so sole_l at [0.2 m, 0.1 m, 0] }
+            root { align sole_l to [0.2 m, 0.1 m, 0] }
             at 1 s pose squatting
             until 1 s
-            expect highest(off) < 0.1 mm
+            expect running_max(off) < 0.1 mm
             expect pelvis.height < 0.8 m
         }",
     );

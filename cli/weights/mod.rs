@@ -3,7 +3,7 @@
 //! Every change goes the same way: the file is read, all wishes are checked together, what would change is printed, the file is
 //! replaced in one step, and the change is added to the history from which `reset` can go back.
 
-mod bake;
+mod apply;
 mod extract;
 mod list;
 mod normalize;
@@ -37,7 +37,7 @@ enum Command {
     Scale(scale::Args),
     Normalize(normalize::Args),
     Reset(reset::Args),
-    Bake(bake::Args),
+    Apply(apply::Args),
     Extract(extract::Args),
 }
 
@@ -52,7 +52,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Command::Scale(args) => scale::run(&args),
         Command::Normalize(args) => normalize::run(&args),
         Command::Reset(args) => reset::run(&args),
-        Command::Bake(args) => bake::run(&args),
+        Command::Apply(args) => apply::run(&args),
         Command::Extract(args) => extract::run(&args),
     }
 }

@@ -32,13 +32,13 @@ const KINDS: &[&str] = &[
 const FIELDS: &[&str] = &[
     "size [0.4 m, 0.4 m, 0.4 m]", "size [4 m, 1 m]", "size 0.4 m", "radius 3 cm", "radius 0 m", "radius -1 m", "length 1 m",
     "from [0, 0, 0] to [0, 0, 1 m]", "from [0, 0, 0] to [0, 0, 0]", "along [0, 1, 0]", "along [0, 0, 0]", "at [1 m, 0, 0]",
-    "at a.position", "at [r, 0, r]", "radius r", "at a.position + [0, 0, 1 m]", "at pelvis.position", "at [i * 1 m, 0, 0]", "at", "turned 30 deg",
-    "turned [0, 0, 1 rad]", "turned 3", "free", "free false", "mass 2 kg", "mass 0 kg", "mass 1e300 kg", "density 1000 kg/m^3",
+    "at a.position", "at [r, 0, r]", "radius r", "at a.position + [0, 0, 1 m]", "at pelvis.position", "at [i * 1 m, 0, 0]", "at", "orientation 30 deg",
+    "orientation [0, 0, 1 rad]", "turned 3", "free", "free false", "mass 2 kg", "mass 0 kg", "mass 1e300 kg", "density 1000 kg/m^3",
     "friction 1", "friction [1, 1 mm, 1 mm]", "friction -1", "solid false", "walkable", "walkable 3", "count 3", "count 1e9",
     "rise 15 cm", "run 50 cm", "width 1 m", "angle 5 deg", "angle 89 deg", "samples [3, 2]", "samples [1e6, 1e6]", "samples [2.5, 2]",
     "height 0.1 m * sin(x * 90 deg/m)", "height x * y", "height y", "height com.height", "height t / 1 s * 1 m", "axis [0, 0, 1]",
     "axis [0, 0, 0]", "range 0 deg .. 90 deg", "range 1 deg .. 0 deg", "range 10 deg .. 90 deg", "range 3 m", "damping 1 N*m*s/rad",
-    "stiffness 2 N/m", "height on ground", "so a at b", "1 / 0", "box c { size [1 m, 1 m, 1 m], mass 1 kg }", "hinge q { axis [0, 0, 1] }",
+    "stiffness 2 N/m", "height on ground", "align a to b", "1 / 0", "box c { size [1 m, 1 m, 1 m], mass 1 kg }", "hinge q { axis [0, 0, 1] }",
     "point p { at [0, 0, 1 m] }",
 ];
 #[rustfmt::skip]
@@ -53,8 +53,8 @@ const REST: &[&str] = &[
 #[rustfmt::skip]
 const BEGINNING: &[&str] = &[
     "pose neutral", "pose sitting { knee_angle_l = 10 deg }", "root { height on ground }", "root { height 1 m, at [1 m, 0 m] }",
-    "root { so palm_l at a }", "root { so palm_l at a.p, so palm_r at b }", "root { heading a }", "root { height r, at [r, r] }", "a { velocity [1 m/s, 0, 0] }",
-    "a { q 10 deg }", "a { at [0, 0, 1 m], spin [0, 0, 1 rad/s], turned 3 deg }", "a.c { q 10 deg }", "b { q 10 m }", "pelvis { at [0, 0, 0] }",
+    "root { align palm_l to a }", "root { align palm_l to a.p, align palm_r to b }", "root { heading a }", "root { height r, at [r, r] }", "a { velocity [1 m/s, 0, 0] }",
+    "a { q 10 deg }", "a { at [0, 0, 1 m], spin [0, 0, 1 rad/s], orientation 3 deg }", "a.c { q 10 deg }", "b { q 10 m }", "pelvis { at [0, 0, 0] }",
     "noise joints normal(0, 1 rad)", "noise a normal(0, 1 rad)", "noise a.q uniform(-1 rad .. 1 rad)", "noise slides normal(0, 1 m)",
     "settle 10 ms with activation 0.2 at rest", "settle -1 s", "settle 1e300 s",
 ];

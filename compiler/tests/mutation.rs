@@ -139,7 +139,7 @@ fn scenes_beginnings_and_channels_are_parts_of_their_own() {
     }
     init {
         pose neutral { knee_r = -8 deg }
-        root { height 3 m, so palm_r at bar }
+        root { height 3 m, align palm_r to bar }
         noise joints normal(0, 6 rad)
         settle 50 ms with activation 0.2
     }

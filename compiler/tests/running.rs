@@ -88,8 +88,8 @@ fn operators_remember_as_the_reference_says() {
         ("prev(com.height)".to_owned(), [1.0, 1.0, 3.0, 2.0, 5.0, 5.0]),
         ("delay(com.height, 2 steps)".to_owned(), [1.0, 1.0, 1.0, 3.0, 2.0, 5.0]),
         ("initial(com.height)".to_owned(), [1.0; 6]),
-        ("highest(com.height)".to_owned(), [1.0, 3.0, 3.0, 5.0, 5.0, 5.0]),
-        ("lowest(com.height)".to_owned(), [1.0, 1.0, 1.0, 1.0, 1.0, 0.0]),
+        ("running_max(com.height)".to_owned(), [1.0, 3.0, 3.0, 5.0, 5.0, 5.0]),
+        ("running_min(com.height)".to_owned(), [1.0, 1.0, 1.0, 1.0, 1.0, 0.0]),
         (format!("count({above})"), [0.0, 1.0, 1.0, 2.0, 3.0, 3.0]),
         (format!("rising({above})"), [0.0, 1.0, 0.0, 1.0, 0.0, 0.0]),
         (format!("falling({above})"), [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]),
@@ -100,7 +100,7 @@ fn operators_remember_as_the_reference_says() {
         (format!("timer({above}) / 1 ms"), [0.0, 10.0, 0.0, 10.0, 20.0, 0.0]),
         (format!("since({above}) / 1 ms"), [f64::INFINITY, 0.0, 10.0, 0.0, 0.0, 10.0]),
         ("hysteresis(com.height, 1.5 m, 2.5 m)".to_owned(), [0.0, 1.0, 1.0, 1.0, 1.0, 0.0]),
-        (format!("sampled(com.height, {above})"), [1.0, 3.0, 3.0, 5.0, 5.0, 5.0]),
+        (format!("sample_hold(com.height, {above})"), [1.0, 3.0, 3.0, 5.0, 5.0, 5.0]),
         ("step".to_owned(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]),
     ] {
         assert_eq!(over_heights(&formula, &HEIGHTS), expected, "{formula}");
@@ -331,8 +331,8 @@ fn a_list_is_read_at_a_place_known_only_at_run_time() {
 
 #[test]
 fn turns_go_the_short_way_and_between_orientations() {
-    assert_eq!(over_heights("turn(170 deg, -170 deg) / 1 deg", &[0.0])[0].round(), 20.0);
-    let task = task("observe {\nx = turn(pelvis.orientation, torso.orientation) / 1 rad\n}");
+    assert_eq!(over_heights("angle_difference(170 deg, -170 deg) / 1 deg", &[0.0])[0].round(), 20.0);
+    let task = task("observe {\nx = angle_difference(pelvis.orientation, torso.orientation) / 1 rad\n}");
     let angles = [0.0_f64, 0.3, 1.5, 3.0, std::f64::consts::PI];
     for angle in angles {
         let measure = |_: u32, sensor: Sensor, lane: usize| {

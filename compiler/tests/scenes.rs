@@ -29,7 +29,7 @@ const DOOR: &str = "scene {
     ground { friction 1.5 }
     body door {
         at [0.8 m, -0.55 m, 5 cm]
-        turned 90 deg
+        orientation 90 deg
         hinge swing { axis [0, 0, -2], at [1 cm, 0, 0], range 0 deg .. 90 deg, damping 0.05 N*m*s/rad, friction 0.2 N*m }
         box leaf { size [0.08 m, 1.10 m, 2.2 m], at [0, 0.55 m, 1.1 m], density 100 kg/m^3, friction [0.5, 5 mm, 0.1 mm] }
         cylinder handle { from [-5 cm, 0.95 m, 0.85 m] to [-5 cm, 0.95 m, 1.15 m], radius 3 cm }
@@ -120,7 +120,7 @@ fn what_stands_still_is_read_without_a_sensor() {
         "scene {
             ground
             box seat { size [0.4 m, 0.4 m, 4 cm], at [-1 m, 0, 0.45 m] }
-            box ramp { size [2 m, 1 m, 2 m], turned [0, 45 deg, 0] }
+            box ramp { size [2 m, 1 m, 2 m], orientation [0, 45 deg, 0] }
         }
         observe { seat.position; seat.top; seat.velocity; ramp.top; seat.up; distance(seat, ramp) }
         reward { 1 a = step / 10 }
@@ -184,7 +184,7 @@ fn beginnings_know_objects_noise_and_disturbances() {
         }
         init {
             pose neutral
-            root { so palm_l at bar.grip }
+            root { align palm_l to bar.grip }
             cube { velocity [-1.5 m/s, 0, 2.5 m/s], spin [0, 1 rad/s, 0], at [2 m, 0, 1 m] }
             noise hip_flexion_{l,r} uniform(-5 deg .. 5 deg)
             noise velocities normal(0, 0.1 rad/s)

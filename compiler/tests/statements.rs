@@ -127,7 +127,7 @@ fn a_task_goes_on_from_a_copy_with_the_same_draws() {
 fn failures_finishes_and_the_horizon_are_told_apart() {
     let task = task(
         "horizon 4 steps\nterminate after 1 steps {\nlow when com.height < 1 m\n}\nfinish {\nhigh when com.height > 2 m\n}\n\
-         metrics {\nbest = highest(com.height)\nfinished\nended by high\ncom.position\n}\n\
+         metrics {\nbest = running_max(com.height)\nfinished\nended by high\ncom.position\n}\n\
          reward per second {\n100 rate = com.height / 1 m\n}\nobserve {\ntruncated\nended\nsurvived\n}",
     );
     assert_eq!((task.terminations.as_slice(), task.finishes.as_slice()), (&["low".to_owned()][..], &["high".to_owned()][..]));

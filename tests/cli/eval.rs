@@ -248,7 +248,7 @@ fn results_that_somebody_changed_are_refused_and_stay_as_they_are() {
     };
     project.write("out/episodes.jsonl", &lines.replacen("\"success\":", "\"success\": ", 1));
     refused(&[], &["out/episodes.jsonl`, line 1, is not what was written there", "checksum"]);
-    project.msk(&["run", "lean", "--again", "out"]).failed(1, &["line 1", "checksum"]);
+    project.msk(&["run", "lean", "--replay", "out"]).failed(1, &["line 1", "checksum"]);
     project.write("out/episodes.jsonl", &lines);
 
     // Two journals in one.

@@ -148,9 +148,9 @@ fn a_weights_file_is_written_baked_and_extracted_and_loses_nothing() {
     project.msk(&["weights", "set", "lean.msk", "alive=-6", "--into", "weights.toml"]).failed(1, &["must stay above 0"]);
     assert_eq!(project.read("lean.msk"), LEAN);
 
-    let told = project.msk(&["weights", "bake", "tasks.msk", "--weights", "weights.toml"]);
+    let told = project.msk(&["weights", "apply", "tasks.msk", "--weights", "weights.toml"]);
     told.failed(1, &["is not written in `tasks.msk`", "the file that writes it: lean.msk"]);
-    project.msk(&["weights", "bake", "lean.msk", "--weights", "weights.toml"]).succeeded();
+    project.msk(&["weights", "apply", "lean.msk", "--weights", "weights.toml"]).succeeded();
     assert_eq!(project.read("lean.msk"), LEAN.replace("10    pose", "11.5    pose").replace(" 5    alive", " 6    alive"));
     project.msk(&["weights", "reset", "lean.msk"]).succeeded();
     assert_eq!(project.read("lean.msk"), LEAN);
@@ -203,9 +203,9 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
     // Any of them is played again from the journal alone.
     let index = paid.iter().position(|weight| *weight == 12.0).unwrap();
     let episode = records[index]["episode"].to_string();
-    let again = project.msk(&["run", "lean", "--again", "out", "--episode", &episode]).succeeded();
+    let again = project.msk(&["run", "lean", "--replay", "out", "--episode", &episode]).succeeded();
     assert!(again.err.contains("the same as in `out`, bit for bit"), "{}", again.err);
-    project.msk(&["run", "lean", "--again", "out", "--episode", "99999"]).failed(1, &["holds no episode 99999"]);
+    project.msk(&["run", "lean", "--replay", "out", "--episode", "99999"]).failed(1, &["holds no episode 99999"]);
 }
 
 /// What a folder from somebody else may hold: none of it lets a change out of the folder.

@@ -127,7 +127,7 @@ fn ours(snapshot: &Snapshot, vocabulary: &Vocabulary) -> BTreeMap<String, Value>
         number("settle.activation", settle.get("activation").unwrap().parse().unwrap());
     }
     let root = section("root", "").unwrap();
-    let height = root.fields.iter().find(|(name, _)| name.starts_with("so ")).map(|(name, _)| name.clone());
+    let height = root.fields.iter().find(|(name, _)| name.starts_with("align ")).map(|(name, _)| name.clone());
     let height = height.unwrap_or_else(|| root.get("height").unwrap().to_owned());
     if section("follows", "").is_none() {
         for (field, names) in [("position", ["x", "y", ""]), ("velocity", ["velocity.x", "velocity.y", "velocity.z"])] {
@@ -135,7 +135,7 @@ fn ours(snapshot: &Snapshot, vocabulary: &Vocabulary) -> BTreeMap<String, Value>
                 number(name, value);
             }
         }
-        for (name, value) in ["heading", "pitch", "roll"].iter().zip(numbers(root, "turned")) {
+        for (name, value) in ["heading", "pitch", "roll"].iter().zip(numbers(root, "orientation")) {
             number(name, value);
         }
         let independent = |name: &str| vocabulary.joints.iter().any(|joint| joint.name == name && joint.independent);

@@ -108,6 +108,10 @@ impl<'a> Checker<'a> {
         let near = nearest(text, names);
         let message = format!("there is no function `{text}`");
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
+        if let Some(present) = functions::renamed(text) {
+            diagnostic = diagnostic.suggest(format!("it is called `{present}`"), span, present);
+            return self.report(diagnostic);
+        }
         if let Some(advice) = function_elsewhere(text) {
             return self.report(diagnostic.help(advice));
         }

@@ -69,11 +69,11 @@ impl CompiledTask {
         let mut section = Section::new("root", "")
             .field("height", root.height.map_or_else(|| "on ground".to_owned(), |height| format!("{height:?} m")))
             .field("position", format!("{:?} m", root.position))
-            .field("turned", format!("heading {:?} rad, pitch {:?} rad, roll {:?} rad", root.heading, root.pitch, root.roll))
+            .field("orientation", format!("heading {:?} rad, pitch {:?} rad, roll {:?} rad", root.heading, root.pitch, root.roll))
             .field("velocity", format!("{:?} m/s", root.velocity));
         for (landmark, place) in &root.meets {
             let meets = names::origin(&self.vocabulary, place);
-            section = section.field(&format!("so {}", names::landmark(&self.vocabulary, *landmark)), format!("at {meets}"));
+            section = section.field(&format!("align {}", names::landmark(&self.vocabulary, *landmark)), format!("to {meets}"));
         }
         if root.lift != 0.0 {
             section = section.field("lift", format!("{:?} m", root.lift));

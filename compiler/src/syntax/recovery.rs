@@ -199,8 +199,8 @@ impl Failure<'_> {
         if before == "at" && self.context == Rule::one_test_statement {
             return Some(self.plain().help("write the value on both sides: `reward.pose at a < reward.pose at b`"));
         }
-        if self.context == Rule::one_field && self.statement.split_whitespace().nth(1) == Some("at") {
-            return Some(wording::repeat_so(file, here, self.statement));
+        if self.context == Rule::one_field && self.statement.split_whitespace().nth(1) == Some("to") {
+            return Some(wording::repeat_align(file, here, self.statement));
         }
         if self.in_fields() && (stop.after_operand() || stop.expects(Rule::comma) || stop.expects(Rule::EOI)) {
             return Some(wording::missing_comma(file, here, found));

@@ -360,10 +360,20 @@ pub(super) fn lonely_point(file: FileId, span: Span, number: &str) -> Diagnostic
         .help(format!("write `{number}`"))
 }
 
-/// `so a at x, b at y`
-pub(super) fn repeat_so(file: FileId, span: Span, statement: &str) -> Diagnostic {
-    Diagnostic::new(codes::UNEXPECTED, file, span, "`so` is missing before this meeting of places")
-        .help(format!("write `so {statement}`"))
+/// `align a to x, b to y`
+pub(super) fn repeat_align(file: FileId, span: Span, statement: &str) -> Diagnostic {
+    Diagnostic::new(codes::UNEXPECTED, file, span, "`align` is missing before this pair of places")
+        .help(format!("write `align {statement}`"))
+}
+
+/// `so a at x`, as it was once written
+pub(super) fn former_align(file: FileId, span: Span, place: &str, target: &str) -> Diagnostic {
+    let present = format!("align {place} to {target}");
+    Diagnostic::new(codes::UNEXPECTED, file, span, "`so ... at ...` is now written `align ... to ...`").fix(
+        format!("write `{present}`"),
+        span,
+        present,
+    )
 }
 
 pub(super) fn bare_when(file: FileId, span: Span) -> Diagnostic {

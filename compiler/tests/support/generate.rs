@@ -89,7 +89,7 @@ pub fn program(bytes: &[u8]) -> String {
     }
     text += "    }\n";
     if choices.rarely(3) {
-        text += &format!("    metrics {{ best = highest({}) }}\n", formula(choices, Kind::Length, 3));
+        text += &format!("    metrics {{ best = running_max({}) }}\n", formula(choices, Kind::Length, 3));
     }
     choices.ends = false;
     let grace = choices.pick(&["", "after 3 steps ", "after 0.02 s "]);
@@ -163,7 +163,7 @@ fn formula(choices: &mut Choices<'_>, kind: Kind, depth: usize) -> String {
                 4 => format!("norm({})", formula(choices, Kind::Vector, depth - 1)),
                 5 => format!("({}).z", formula(choices, Kind::Vector, depth - 1)),
                 6 => format!("delay({a}, {} steps)", choices.pick(&["1", "7", "0"])),
-                7 => format!("sampled({a}, {})", formula(choices, Kind::Condition, depth - 1)),
+                7 => format!("sample_hold({a}, {})", formula(choices, Kind::Condition, depth - 1)),
                 8 => format!("integral({})", formula(choices, Kind::Speed, depth - 1)),
                 _ => format!("abs({a} - {b})"),
             }
@@ -175,7 +175,7 @@ fn formula(choices: &mut Choices<'_>, kind: Kind, depth: usize) -> String {
                 1 => format!("({a} - {})", leaf(choices, kind)),
                 2 => format!("acos({})", formula(choices, Kind::Plain, depth - 1)),
                 3 => format!("atan2({}, {})", formula(choices, Kind::Length, depth - 1), leaf(choices, Kind::Length)),
-                4 => format!("turn({a}, {})", leaf(choices, kind)),
+                4 => format!("angle_difference({a}, {})", leaf(choices, kind)),
                 _ => format!("-({a})"),
             }
         }

@@ -69,12 +69,12 @@ pub const ROOT: Table = &[
     ("pitch", "nose down"),
     ("roll", "right side down"),
     ("velocity", "velocity [x, y, z], world axes"),
-    ("so", "so PLACE at PLACE: moved until they meet"),
+    ("align", "align PLACE to PLACE: moved until they meet"),
 ];
 
 /// Where an object starts.
 pub const START: Table =
-    &[("at", "where"), ("turned", "how it is turned"), ("velocity", "how fast"), ("spin", "how fast it turns")];
+    &[("at", "where"), ("orientation", "how it is turned"), ("velocity", "how fast"), ("spin", "how fast it turns")];
 
 /// In a suite.
 pub const SUITE: Table =

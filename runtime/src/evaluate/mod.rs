@@ -11,7 +11,7 @@
 mod feed;
 mod journal;
 mod line;
-mod past_ends;
+mod to_horizon;
 mod record;
 pub mod report;
 mod settings;
@@ -20,7 +20,7 @@ mod summary;
 
 pub use feed::{Fed, Feed, ReplayError, replay};
 pub use journal::{Journal, JournalError};
-pub use past_ends::{PastEnds, play_past_ends};
+pub use to_horizon::{ToHorizon, play_to_horizon};
 pub use record::{ByTerm, EpisodeRecord};
 pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
 pub use statistics::{Spread, wilson_interval};

@@ -135,7 +135,7 @@ fn bind<'a>(
 /// What an error says that arguments cannot do.
 fn verb(function: &str) -> &'static str {
     match function {
-        "turn" => "turn between",
+        "angle_difference" => "turn between",
         "distance" => "measure between",
         "lerp" => "blend",
         "atan2" | "hypot" | "mod" => "combine",

@@ -153,13 +153,13 @@ pub const FUNCTIONS: &[Function] = &[
         form!(each("a", Takes::Vector), each("b", Takes::Vector) => Gives::Dot, vectors::dot)),
     row("cross", "cross(a, b)", "vector product of two vectors in the same axes",
         form!(each("a", Takes::Vector3), each("b", Takes::Vector3) => Gives::Cross, vectors::cross)),
-    row("unit", "unit(v)", "the vector divided by its length; zero stays zero",
+    row("normalize", "normalize(v)", "the vector divided by its length; zero stays zero",
         form!(each("v", Takes::Vector) => Gives::Direction, vectors::unit)),
     row("distance", "distance(a, b)", "between two places",
         form!(alike("a", Takes::Place), alike("b", Takes::Place) => Gives::Quantity(Dimension::LENGTH), vectors::distance)),
     row("angle_between", "angle_between(a, b)", "angle between two vectors, 0 to half a turn",
         form!(each("a", Takes::Vector3), each("b", Takes::Vector3) => TO_ANGLE, vectors::angle_between)),
-    row("turn", "turn(a, b)", "of two angles the short way from a to b, wrapped; of two orientations the angle of the turn between them, 0 to half a turn",
+    row("angle_difference", "angle_difference(a, b)", "of two angles the short way from a to b, wrapped; of two orientations the angle of the turn between them, 0 to half a turn",
         &[of(&[alike("a", Takes::Rotation), alike("b", Takes::Rotation)], TO_ANGLE, Computes::Nodes(vectors::turn_of_axes)),
           of(&[alike("a", Takes::Angle), alike("b", Takes::Angle)], Gives::WrappingAngle, Computes::Nodes(vectors::turn))]),
     own("moment_arm", "moment_arm(muscle, joint)", "moment arm of a muscle, or of each of a list, about a joint", muscles::moment_arm),
@@ -185,9 +185,9 @@ pub const OPERATORS: &[Function] = &[
     row("rate", "rate(x)", "(x - prev(x)) / dt; 0 at step 0; angles that wrap take the short way",
         form!(each("x", Takes::Gradual) => Gives::Rate, temporal::rate)),
     row("initial", "initial(x)", "x at step 0", &[of(&[each("x", Takes::Anything)], Gives::Same, Computes::Memory(Memory::Initial))]),
-    row("highest", "highest(x)", "highest x so far, step 0 included",
+    row("running_max", "running_max(x)", "highest x so far, step 0 included",
         &[of(&[each("x", Takes::Number)], Gives::Same, Computes::Memory(Memory::Highest))]),
-    row("lowest", "lowest(x)", "lowest x so far, step 0 included",
+    row("running_min", "running_min(x)", "lowest x so far, step 0 included",
         &[of(&[each("x", Takes::Number)], Gives::Same, Computes::Memory(Memory::Lowest))]),
     row("count", "count(c)", "at how many steps after step 0 the condition held",
         &[of(&[each("c", Takes::Condition)], Gives::Whole, Computes::Memory(Memory::Accumulate))]),
@@ -213,24 +213,34 @@ pub const OPERATORS: &[Function] = &[
         form!(each("x", Takes::Gradual), one("tau", Takes::TimeConstant) => Gives::Blend, temporal::smooth)),
     row("integral", "integral(x)", "sum of x dt over the steps after step 0",
         form!(each("x", Takes::Number) => Gives::Integral, temporal::integral)),
-    row("sampled", "sampled(x, c)", "x at the last step at which c held; at first x at step 0",
+    row("sample_hold", "sample_hold(x, c)", "x at the last step at which c held; at first x at step 0",
         &[of(&[each("x", Takes::Anything), each("c", Takes::Condition)], Gives::Same, Computes::Memory(Memory::Sampled))]),
     row("delay", "delay(x, 10 steps)", "x so long ago; before that x at step 0",
         form!(each("x", Takes::Anything), one("duration", Takes::Duration) => Gives::Same, temporal::delay)),
 ];
 
-/// Names of functions of the language that this version does not have yet.
-const LATER: &[&str] = &[];
+/// Former names of functions, with the present ones.
+const RENAMED: &[(&str, &str)] = &[
+    ("highest", "running_max"),
+    ("lowest", "running_min"),
+    ("sampled", "sample_hold"),
+    ("turn", "angle_difference"),
+    ("unit", "normalize"),
+];
 
 /// The function called `name`.
 pub fn find(name: &str) -> Option<&'static Function> {
     FUNCTIONS.iter().chain(OPERATORS).find(|function| function.name == name)
 }
 
+/// The present name of a function that was renamed.
+pub(crate) fn renamed(name: &str) -> Option<&'static str> {
+    RENAMED.iter().find(|(former, _)| *former == name).map(|(_, present)| *present)
+}
+
 /// Whether the language has such a function, but this version does not.
 pub(crate) fn is_later(name: &str) -> bool {
-    LATER.contains(&name)
-        || super::signals::SIGNALS.iter().any(|s| !s.supported && s.name.split_once('(').is_some_and(|(n, _)| n == name))
+    super::signals::SIGNALS.iter().any(|s| !s.supported && s.name.split_once('(').is_some_and(|(n, _)| n == name))
 }
 
 impl Function {

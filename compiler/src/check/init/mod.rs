@@ -94,7 +94,7 @@ impl<'a> Checker<'a> {
         if root.height.is_none() && root.meets.is_empty() && !placed && !failures.any() && !self.has_ground() {
             let diagnostic = self
                 .diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground on which the body could begin")
-                .help("say `ground` in the scene, or where the root is: `root { height 1 m }`, `root { so palm_l at bar.grip }`");
+                .help("say `ground` in the scene, or where the root is: `root { height 1 m }`, `root { align palm_l to bar.grip }`");
             return Err(self.report(diagnostic));
         }
         if !failures.any() {

@@ -10,7 +10,7 @@ use crate::syntax::tree::{Field, Placement};
 use crate::task::Setting;
 
 /// What a free object may be told.
-const FREE: [&str; 4] = ["at", "turned", "velocity", "spin"];
+const FREE: [&str; 4] = ["at", "orientation", "velocity", "spin"];
 
 impl<'a> Checker<'a> {
     /// Free objects whose place in the scene is drawn.
@@ -97,7 +97,7 @@ impl<'a> Checker<'a> {
             }
             "velocity" => self.begin_bracket(expr, Dimension::SPEED, "`velocity`", three(Setting::ObjectVelocity), beginning),
             "spin" => self.begin_bracket(expr, Dimension::ANGULAR_VELOCITY, "`spin`", three(Setting::ObjectSpin), beginning),
-            "turned" => {
+            "orientation" => {
                 beginning.init.objects[place].orientation = self.turned(expr)?;
                 Ok(())
             }

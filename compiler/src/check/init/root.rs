@@ -12,7 +12,7 @@ use crate::task::Setting;
 
 /// How the fields of the root are written.
 const HELP: &str = "it takes `height on ground` or `height 1 m`, `lift 5 cm` above the ground, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and \
-    `so palm_l at bar.grip_l`";
+    `align palm_l to bar.grip_l`";
 
 impl Beginning {
     /// What `root` says itself is not taken from the motion of a pose.
@@ -35,15 +35,15 @@ impl<'a> Checker<'a> {
         let mut said: Vec<&str> = Vec::new();
         for field in &element.fields {
             let word = field.name.text.as_str();
-            if said.contains(&word) && word != "so" {
+            if said.contains(&word) && word != "align" {
                 failures.add(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is said twice")));
                 continue;
             }
             said.push(word);
             failures.catch(self.root_field(field, beginning));
         }
-        if !failures.any() && said.contains(&"so") && (said.contains(&"height") || said.contains(&"at")) {
-            let message = "`so ... at` already says where the root is; `height` and `at` would say it again";
+        if !failures.any() && said.contains(&"align") && (said.contains(&"height") || said.contains(&"at")) {
+            let message = "`align` already says where the root is; `height` and `at` would say it again";
             return Err(self.error(codes::tasks::REPEATED, element.span, message));
         }
         failures.or(())
@@ -86,7 +86,7 @@ impl<'a> Checker<'a> {
                 beginning.init.root.lift = self.fixed_number(value, Dimension::LENGTH, "`lift`")?;
                 Ok(())
             }
-            ("so", FieldValue::Meets { place, target }) => self.meeting(place, target, &mut beginning.init.root.meets),
+            ("align", FieldValue::Meets { place, target }) => self.meeting(place, target, &mut beginning.init.root.meets),
             (name, _) => {
                 let message = format!("the root cannot be given `{name}` like this");
                 let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message).help(HELP);
@@ -95,7 +95,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// `so palm_l at bar.grip_l`
+    /// `align palm_l to bar.grip_l`
     pub(in crate::check) fn meeting(
         &mut self,
         place: &'a Expr,
@@ -108,7 +108,7 @@ impl<'a> Checker<'a> {
             _ => {
                 let message = "the root is moved so that a landmark of the body is somewhere";
                 let diagnostic =
-                    self.diagnostic(codes::types::WRONG_TYPE, place.span, message).help("write `so palm_l at bar.grip_l`");
+                    self.diagnostic(codes::types::WRONG_TYPE, place.span, message).help("write `align palm_l to bar.grip_l`");
                 return Err(self.report(diagnostic));
             }
         };
@@ -123,7 +123,7 @@ impl<'a> Checker<'a> {
                 let message = "the body is put to a place of the scene, not to a part of itself";
                 return Err(self.error(codes::types::WRONG_TYPE, target.span, message));
             }
-            Value::Data(_) => Origin::World(self.fixed_bracket(target, Dimension::LENGTH, "`so ... at`")?),
+            Value::Data(_) => Origin::World(self.fixed_bracket(target, Dimension::LENGTH, "`align`")?),
         };
         meets.push((landmark, origin));
         Ok(())

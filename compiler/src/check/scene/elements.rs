@@ -36,11 +36,11 @@ const fn kind(
 }
 
 /// What every solid shape may say.
-const SOLID: &[&str] = &["at", "turned", "free", "mass", "density", "friction", "solid", "walkable"];
+const SOLID: &[&str] = &["at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
 /// The same for shapes with an axis.
-const LONG: &[&str] = &["length", "from", "along", "at", "turned", "free", "mass", "density", "friction", "solid", "walkable"];
+const LONG: &[&str] = &["length", "from", "along", "at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
 /// What terrain may say.
-const TERRAIN: &[&str] = &["at", "turned", "friction", "solid", "walkable"];
+const TERRAIN: &[&str] = &["at", "orientation", "friction", "solid", "walkable"];
 /// What joints may say.
 const JOINT: &[&str] = &["at", "range", "damping", "stiffness", "friction"];
 
@@ -54,8 +54,8 @@ pub const KINDS: &[Kind] = &[
     kind("capsule", "a cylinder with round ends; its length is that of the cylindrical part", &["radius"], LONG),
     kind("cylinder", "a cylinder, its axis along z before it is turned", &["radius"], LONG),
     kind("ellipsoid", "an ellipsoid: full extents, its centre at its place", &["size"], SOLID),
-    kind("body", "a frame without a shape that carries its parts", &[], &["at", "turned", "free"]),
-    kind("point", "a place on what carries it: where hands weld, where eyes look", &[], &["at", "turned"]),
+    kind("body", "a frame without a shape that carries its parts", &[], &["at", "orientation", "free"]),
+    kind("point", "a place on what carries it: where hands weld, where eyes look", &[], &["at", "orientation"]),
     kind("stairs", "a flight of steps that goes up along x from its place; a negative rise goes down", &["count", "rise", "run", "width"], TERRAIN),
     kind("slope", "an inclined rectangle that rises along x from its place", &["length", "width", "angle"], TERRAIN),
     kind("heights", "a rectangle along x from its place, centred in y, with a height by formula", &["size", "samples", "height"], TERRAIN),
@@ -77,7 +77,7 @@ const fn field(name: &'static str, form: &'static str, description: &'static str
 #[rustfmt::skip]
 pub const FIELDS: &[FieldRow] = &[
     field("at", "at [x, y, z]", "place in the frame of what carries it: the world, the element around it, or the landmark after `on` (forward, left, up); of a joint, its anchor"),
-    field("turned", "turned 30 deg, or turned [roll, pitch, yaw]", "orientation: about the vertical, or yaw, then pitch (nose down positive), then roll"),
+    field("orientation", "orientation 30 deg, or orientation [roll, pitch, yaw]", "orientation: about the vertical, or yaw, then pitch (nose down positive), then roll"),
     field("size", "size [x, y, z]", "full extents; of `heights`, length and width"),
     field("radius", "radius 3 cm", "of spheres, capsules and cylinders"),
     field("length", "length 1.2 m", "along the axis; of a slope, its horizontal length"),

@@ -60,6 +60,10 @@ impl<'a> Checker<'a> {
         let known: Vec<&str> = kind.fields().collect();
         let message = format!("`{}` has no field `{name}`", kind.name);
         let mut diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
+        if name == "turned" && known.contains(&"orientation") {
+            diagnostic = diagnostic.suggest("it is called `orientation`", field.name.span, "orientation");
+            return self.report(diagnostic);
+        }
         let near = nearest(name, known.iter().copied());
         if near.is_empty() {
             diagnostic = diagnostic.help(format!("it has {}", known.join(", ")));

@@ -261,12 +261,12 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
-    /// `turned 30 deg` or `turned [roll, pitch, yaw]`
+    /// `orientation 30 deg` or `orientation [roll, pitch, yaw]`
     pub(crate) fn turned(&mut self, expr: &'a Expr) -> Checked<[f64; 4]> {
         if let ExprKind::List(_) = expr.kind {
-            return Ok(rotation::turned(self.fixed_bracket(expr, Dimension::ANGLE, "`turned`")?));
+            return Ok(rotation::turned(self.fixed_bracket(expr, Dimension::ANGLE, "`orientation`")?));
         }
-        let yaw = self.fixed_number(expr, Dimension::ANGLE, "`turned`")?;
+        let yaw = self.fixed_number(expr, Dimension::ANGLE, "`orientation`")?;
         Ok(rotation::turned([0.0, 0.0, yaw]))
     }
 }

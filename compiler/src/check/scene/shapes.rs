@@ -64,7 +64,7 @@ impl<'a> Checker<'a> {
     }
 
     fn orientation_of(&mut self, fields: &Fields<'a>) -> Checked<[f64; 4]> {
-        match fields.get("turned") {
+        match fields.get("orientation") {
             Some(field) => {
                 let expr = self.field_value(field)?;
                 self.turned(expr)
@@ -78,7 +78,7 @@ impl<'a> Checker<'a> {
         let radius = self.positive(fields, "radius", Dimension::LENGTH)?;
         let (length, (position, drawn), orientation) = match fields.get("from") {
             Some(field) => {
-                for other in ["at", "along", "turned", "length"] {
+                for other in ["at", "along", "orientation", "length"] {
                     if let Some(other) = fields.get(other) {
                         let message = format!("`from ... to` already says what `{}` says", other.name.text);
                         return Err(self.error(codes::tasks::REPEATED, other.span, message));
@@ -96,7 +96,7 @@ impl<'a> Checker<'a> {
             }
             None => {
                 let length = self.positive(fields, "length", Dimension::LENGTH)?;
-                let orientation = match (fields.get("along"), fields.get("turned")) {
+                let orientation = match (fields.get("along"), fields.get("orientation")) {
                     (Some(along), None) => rotation::z_to(self.direction(along)?),
                     (Some(_), Some(turned)) => {
                         let message = "`along` already says how it lies";

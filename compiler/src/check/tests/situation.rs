@@ -53,7 +53,7 @@ impl<'a> Checker<'a> {
                 }
                 Ok(())
             }
-            ExprKind::Field { base, name } if ["at", "turned"].contains(&name.text.as_str()) => {
+            ExprKind::Field { base, name } if ["at", "orientation"].contains(&name.text.as_str()) => {
                 self.assign_object(base, name, &assignment.value, &mut scene.init)
             }
             _ => {
@@ -102,12 +102,12 @@ impl<'a> Checker<'a> {
             other => {
                 let message = format!("a test cannot set `root.{other}`");
                 let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, span, message);
-                Err(self.report(diagnostic.help(format!("it sets {ROOT}, and `so palm_l at bar.grip_l`"))))
+                Err(self.report(diagnostic.help(format!("it sets {ROOT}, and `align palm_l to bar.grip_l`"))))
             }
         }
     }
 
-    /// `cube.at = [1 m, 0, 1 m]`, `cube.turned = 30 deg`
+    /// `cube.at = [1 m, 0, 1 m]`, `cube.orientation = 30 deg`
     fn assign_object(&mut self, base: &'a Expr, name: &'a Name, value: &'a Expr, init: &mut Init) -> Checked<()> {
         let place = match self.value(base)? {
             Value::Thing(Thing::Landmark(index)) => {

@@ -12,7 +12,7 @@ codes! {
     STARTS_APART = "W0531" lint starts_apart Probe {
         title: "what is held together begins apart",
         explanation: "A coupling, connection or weld does not hold where the task begins: the first steps would pull its ends \
-            together with a jerk. `here` holds both ends as they begin, and `root { so palm_l at bar.grip }` begins where they meet. \
+            together with a jerk. `here` holds both ends as they begin, and `root { align palm_l to bar.grip }` begins where they meet. \
             The lint is allowed as `starts_apart`.",
         example: "scene { ground\n capsule bar { along [0, 1, 0], length 1.2 m, radius 14 mm, mass 20 kg, free, at [0.5 m, 0, 0.3 m] }\n\
             weld palm_l to bar }",

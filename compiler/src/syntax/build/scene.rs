@@ -2,6 +2,7 @@
 
 use super::{Builder, is_mark, part, parts};
 use crate::syntax::grammar::{Pair, Rule};
+use crate::syntax::wording;
 use crate::syntax::tree::{
     Assignment, Connection, Element, ElementName, Expr, Field, FieldValue, Group, Ident, InitStatement, Marker, Noise, Placement,
     PoseUse, Repeat, SceneStatement, Settle,
@@ -68,12 +69,23 @@ impl Builder<'_> {
         (fields, elements)
     }
 
+    /// `align PLACE to TARGET`
+    pub(super) fn meeting(&mut self, pair: &Pair<'_>) -> (Expr, Expr) {
+        let former = part(pair, Rule::former_meets);
+        let meets = former.as_ref().unwrap_or(pair);
+        let (place, target) = (part(meets, Rule::postfixed), part(meets, Rule::expression));
+        if former.is_some() {
+            let words = |pair: &Option<Pair<'_>>| pair.as_ref().map_or("", |pair| pair.as_str().trim_end()).to_owned();
+            self.report(wording::former_align(self.file, self.span(meets), &words(&place), &words(&target)));
+        }
+        (self.expression(place), self.expression(target))
+    }
+
     fn field(&mut self, pair: &Pair<'_>) -> Field {
         let span = self.span(pair);
         if let Some(meets) = part(pair, Rule::meets) {
-            let place = self.expression(part(&meets, Rule::postfixed));
-            let target = self.expression_in(&meets);
-            let name = self.field_word(&meets, Rule::kw_so);
+            let (place, target) = self.meeting(&meets);
+            let name = self.field_word(&meets, Rule::kw_align);
             return Field { name, value: FieldValue::Meets { place, target }, span };
         }
         if let Some(ends) = part(pair, Rule::from_to) {

@@ -93,8 +93,8 @@ impl Builder<'_> {
                     span: self.span(&pair),
                 })),
                 Rule::meets => {
-                    let place = self.expression(part(&pair, Rule::postfixed));
-                    changes.push(Change::Meet { place, target: self.expression_in(&pair), span: self.span(&pair) });
+                    let (place, target) = self.meeting(&pair);
+                    changes.push(Change::Meet { place, target, span: self.span(&pair) });
                 }
                 Rule::field_junk => self.junk(&pair, Rule::one_change),
                 rule => debug_assert!(is_mark(rule)),

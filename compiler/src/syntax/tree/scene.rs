@@ -80,7 +80,7 @@ pub enum FieldValue {
     Value(Expr),
     /// `height on ground`
     On(Expr),
-    /// `so palm_l at rack.grip_l`: the root is moved until they meet.
+    /// `align palm_l to rack.grip_l`: the root is moved until they meet.
     Meets {
         /// A place of the body.
         place: Expr,

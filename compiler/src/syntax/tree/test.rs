@@ -136,7 +136,7 @@ pub struct Situation {
 pub enum Change {
     /// `knee_angle_r = 80 deg`, `root.height = 0.6 m`, `cube.at = [1 m, 0, 1 m]`, `activation = 0.2`
     Assign(Assignment),
-    /// `so palm_l at rack.grip_l`
+    /// `align palm_l to rack.grip_l`
     Meet {
         /// The landmark.
         place: Expr,

@@ -7,7 +7,7 @@ use crate::scalar::Real;
 
 /// What came of an episode that was played on to its horizon.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PastEnds {
+pub struct ToHorizon {
     /// When the task would have ended it for the first time, control steps, and how; `None` if it never would.
     pub first: Option<(u32, Ending)>,
     /// Control steps in all.
@@ -24,9 +24,9 @@ pub struct PastEnds {
 ///
 /// # Errors
 /// The policy cannot act.
-pub fn play_past_ends(episode: &mut Episode, key: EpisodeKey, policy: &mut dyn Policy) -> Result<PastEnds, EvaluationError> {
+pub fn play_to_horizon(episode: &mut Episode, key: EpisodeKey, policy: &mut dyn Policy) -> Result<ToHorizon, EvaluationError> {
     episode.reset(key);
-    let mut found = PastEnds { first: None, steps: 0, fault: None, deepest: 0.0, fastest: 0.0 };
+    let mut found = ToHorizon { first: None, steps: 0, fault: None, deepest: 0.0, fastest: 0.0 };
     if episode.ending().is_none() {
         policy.reset(&episode.context())?;
     }
@@ -43,7 +43,7 @@ pub fn play_past_ends(episode: &mut Episode, key: EpisodeKey, policy: &mut dyn P
     Ok(found)
 }
 
-impl PastEnds {
+impl ToHorizon {
     fn look(&mut self, episode: &Episode) {
         if let (None, Some(ending)) = (&self.first, episode.ending().filter(|ending| ending.is_of_task())) {
             self.first = Some((episode.steps(), ending.clone()));

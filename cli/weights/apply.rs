@@ -1,4 +1,4 @@
-//! `msk weights bake FILE --weights weights.toml`.
+//! `msk weights apply FILE --weights weights.toml`.
 
 use super::{Opened, Target, change};
 use crate::error::Error;
@@ -49,8 +49,8 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         if opened.weights.find(&edit.term).is_err() {
             let message = format!("the weight of `{}` is not written in `{}`", edit.term, args.target.file.display());
             let hint = match writer(&project, &edit.term) {
-                Some(file) => format!("bake into the file that writes it: {file}"),
-                None => "bake the tasks that the file writes itself, and set this one where it is written".into(),
+                Some(file) => format!("apply them to the file that writes it: {file}"),
+                None => "apply them to the tasks that the file writes itself, and set this one where it is written".into(),
             };
             return Err(Error::new(message).hint(hint));
         }
@@ -58,5 +58,5 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     if edits.is_empty() {
         return Err(Error::new(format!("nothing was changed: `{name}` holds no weights")));
     }
-    change(&args.target, "bake", |_| Ok(edits.clone()))
+    change(&args.target, "apply", |_| Ok(edits.clone()))
 }
