@@ -1,7 +1,7 @@
 //! Actuators, passive elements and integrators give MuJoCo 4.0.0's numbers: `tests/oracle/actuation.py` made the golden ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::{
     model::{Bias, Dynamics, Integrator, Model},

@@ -1,7 +1,7 @@
 //! The constrained half of a step gives MuJoCo 4.0.0's numbers: `tests/oracle/constraint.py` made the golden ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::{
     model::{JointKind, Model},

@@ -1,7 +1,7 @@
 //! A trajectory is a function of its beginning and its inputs, to the last bit: whatever ran beside it, wherever it was cut.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::{
     bodies,

@@ -1,7 +1,7 @@
 //! Elastic tendons of the whole body: they hold still at reset, stay sound under any excitation, and become rigid when stiff.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::{
     model::{ElasticTendons, FibreCurves, Model},

@@ -1,7 +1,7 @@
 //! What goes wrong in a step is an event with a name: the state stays as it was, and nobody else suffers.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::{
     model::{Integrator, Model},

@@ -3,7 +3,7 @@
 
 #[path = "../benches/hand/mod.rs"]
 mod hand;
-mod support;
+use crate::support;
 
 use hand::{Outcome, Sums, TASKS};
 use msk::compiler::{Middle, compile, task::StepReport};

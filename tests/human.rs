@@ -191,7 +191,7 @@ fn every_muscle_is_in_one_of_twenty_families() {
     }
 }
 
-/// The checker's tests resolve names in a copy of this vocabulary; `MSK_UPDATE=1 cargo test --test human` renews it.
+/// The checker's tests resolve names in a copy of this vocabulary; `MSK_UPDATE=1 cargo test --test suite human` renews it.
 #[test]
 fn the_compilers_fixture_is_this_bodys_vocabulary() {
     let human = human();

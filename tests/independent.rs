@@ -3,7 +3,7 @@
 //! to a dense Cholesky factorisation by faer.
 #![allow(clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use faer::{Mat, Side, linalg::solvers::Solve};
 use msk_runtime::{

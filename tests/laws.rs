@@ -1,7 +1,7 @@
 //! Laws of mechanics that every model obeys whatever MuJoCo says: energy, momentum, inertia, virtual work, numbering.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::{
     model::{Integrator, Model},

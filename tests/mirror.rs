@@ -1,9 +1,9 @@
 //! The human body in a mirror: mirrored states have mirrored accelerations, as far as the model's figures are symmetric.
 //!
-//! `MSK_UPDATE=1 cargo test --test mirror` writes what is found to `docs/mirror.md`; without it the page must be as found.
+//! `MSK_UPDATE=1 cargo test --test parity mirror` writes what is found to `docs/mirror.md`; without it the page must be as found.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use core::fmt::Write;
 use msk_runtime::{
@@ -131,7 +131,7 @@ fn a_mirrored_state_has_a_mirrored_acceleration() {
         }
     }
     let mut text = String::from(
-        "# The human body in a mirror\n\nWritten by `MSK_UPDATE=1 cargo test --test mirror`, from 20 random states of the whole body and their mirror images\n\
+        "# The human body in a mirror\n\nWritten by `MSK_UPDATE=1 cargo test --test parity mirror`, from 20 random states of the whole body and their mirror images\n\
          (joints up to a tenth of their range beyond it, random velocities and activations).\n\n",
     );
     let _ = writeln!(text, "| quantity | largest difference between a state and its mirror image |\n|---|---|");

@@ -1,7 +1,7 @@
 //! Reading a file gives MuJoCo 4.0.0's arrays: `tests/oracle/mjcf.py` made the golden ones and says how they are stored.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use core::ops::Range;
 use msk_runtime::model::{GeomKind, Model, Muscle, PathPoint, Quaternion, Softness, rotation};

@@ -2,7 +2,7 @@
 //! those of finite differences; `msk physics muscle` prints and draws them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::inspect::sweep_muscle;
 use msk_runtime::model::Model;

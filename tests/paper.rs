@@ -476,7 +476,7 @@ fn compared() -> (Vec<String>, String) {
 
 const HEAD: &str = "# Where our tasks differ from the paper's tables
 
-Written by `MSK_UPDATE=1 cargo test --test paper`, which compares every row of the tables (typed into `tests/paper/*.toml`) with the
+Written by `MSK_UPDATE=1 cargo test --test suite paper`, which compares every row of the tables (typed into `tests/paper/*.toml`) with the
 compiled tasks: weights, constants, what observations, ends and success read, beginnings. What is not listed here is as the paper says;
 where the suite differs because the paper's formula pays for an exploit, [`tasks/paper.msk`](../tasks/paper.msk) has the paper's. Where
 the paper abbreviates a beginning, the figures of its published code stand for it (rad, m, m/s; `noise` as standard deviations).

@@ -1,7 +1,7 @@
 //! `msk physics forward`, `rollout` and `import` from outside: what they print and write, and what they refuse.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::model::Model;
 use msk_runtime::physics::{State, Workspace, forward, step};

@@ -1,7 +1,7 @@
 //! What must hold for constraints of every kind whatever MuJoCo says.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::{
     model::{JointKind, Model, rotation},

@@ -2,7 +2,7 @@
 //! `tests/oracle/rows.py` made the golden numbers.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::model::Model;
 use serde_json::Value;

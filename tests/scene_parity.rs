@@ -2,7 +2,7 @@
 //! scenes are built from their descriptions.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_compiler::body::{Axis, BodyDescription, LandmarkDescription};
 use msk_compiler::scene::{Connection, Motion, Object, ObjectJoint, ObjectJointKind, Parent, SceneDescription, Shape, Surface};

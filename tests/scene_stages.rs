@@ -1,11 +1,11 @@
 //! A sitting body on a chair, before stairs, among cubes and poles, on a slope and on waves: built from descriptions, written
 //! as MJCF, and stage by stage the same in MuJoCo 4.0.0, which read what was written.
 //!
-//! `MSK_UPDATE=1 cargo test --test scene_stages written` writes `tests/oracle/scene_models/*.xml`, from which
+//! `MSK_UPDATE=1 cargo test --test parity scene_stages written` writes `tests/oracle/scene_models/*.xml`, from which
 //! `tests/oracle/rows.py` makes the golden numbers.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_compiler::body::{Axis, BodyDescription};
 use msk_compiler::scene::{Motion, Object, Parent, SceneDescription, Shape, Surface, Terrain};

@@ -1,7 +1,7 @@
 //! What a task can measure equals what MuJoCo 4.0.0 measures: `tests/oracle/sensors.py` made the golden numbers.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_compiler::body::{Axis, BodyDescription, LandmarkDescription};
 use msk_compiler::frame::{FrameLayout, Sensor};

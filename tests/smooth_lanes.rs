@@ -1,7 +1,7 @@
 //! Episodes in lanes: the physics over a pair of numbers gives each lane the bits that it gives the episode alone.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign};
 use msk_runtime::{

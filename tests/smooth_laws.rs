@@ -1,7 +1,7 @@
 //! Laws that the smooth physics must obey at any state, whatever MuJoCo says.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::{
     model::Model,

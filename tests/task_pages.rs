@@ -1,4 +1,4 @@
-//! `docs/tasks.md` and its pictures are those of the tasks: `MSK_UPDATE=1 cargo test --test task_pages` writes them anew.
+//! `docs/tasks.md` and its pictures are those of the tasks: `MSK_UPDATE=1 cargo test --test suite task_pages` writes them anew.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
@@ -32,7 +32,7 @@ fn hold(path: &str, expected: &str) {
         std::fs::write(at(path), expected).unwrap();
     }
     let found = std::fs::read_to_string(at(path)).unwrap_or_default();
-    assert!(found == expected, "{path} is not that of the tasks; `MSK_UPDATE=1 cargo test --test task_pages` writes it");
+    assert!(found == expected, "{path} is not that of the tasks; `MSK_UPDATE=1 cargo test --test suite task_pages` writes it");
 }
 
 /// The tasks that the suites of a file name, in their order, and all that the file knows.
@@ -138,7 +138,7 @@ fn study(tasks: &[Arc<CompiledTask>]) -> String {
 fn the_page_of_the_tasks_is_that_of_the_tasks() {
     let bodies = BodyLibrary::default();
     let (tasks, _) = tasks_of(FILE, &bodies);
-    let mut page = "# The tasks\n\nWritten by `MSK_UPDATE=1 cargo test --test task_pages` from the texts in `tasks/`. The pictures show how \
+    let mut page = "# The tasks\n\nWritten by `MSK_UPDATE=1 cargo test --test suite task_pages` from the texts in `tasks/`. The pictures show how \
         an episode begins\n(`msk draw --task NAME --plain`): from the right, and from behind or in front; the quartered disc is the centre \
         of mass, arrows are\nforces on the body.\n\n".to_owned();
     for family in FAMILIES {

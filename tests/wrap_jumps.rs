@@ -1,10 +1,10 @@
 //! Wrapped lengths are continuous where the model lets them be: every muscle is followed over every joint that leads, and each
 //! jump of its length is found to the last digit.
 //!
-//! `MSK_UPDATE=1 cargo test --test wrap_jumps` writes what is found to `docs/wrap.md`; without it the page must be as found.
+//! `MSK_UPDATE=1 cargo test --test parity wrap_jumps` writes what is found to `docs/wrap.md`; without it the page must be as found.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use core::fmt::Write;
 use msk_runtime::{
@@ -136,7 +136,7 @@ fn report(model: &Model, body: &Body, followed: usize, jumps: &mut [(usize, usiz
         })
         .count();
     let mut text = format!(
-        "# Jumps of wrapped lengths\n\nWritten by `MSK_UPDATE=1 cargo test --test wrap_jumps`. Every joint that leads was moved over its range in {STEPS} steps, followers\n\
+        "# Jumps of wrapped lengths\n\nWritten by `MSK_UPDATE=1 cargo test --test parity wrap_jumps`. Every joint that leads was moved over its range in {STEPS} steps, followers\n\
          with it, the others at their reference; {followed} pairs of a tendon and a joint that moves it were followed, {wrapping} tendons wrap.\n\
          A path is taken on the side of its side site; where it could slip off the other way, or a site comes to lie within its\n\
          obstacle, its length jumps. These jumps are the model's (MuJoCo 4.0.0 has the same lengths): {} in {} tendons.\n\n\

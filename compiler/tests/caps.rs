@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[allow(dead_code, reason = "the pages have their own tests")]
-mod support;
+use crate::support;
 
 use msk_compiler::compile;
 use msk_compiler::diagnostics::{Report, Severity};

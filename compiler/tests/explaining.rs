@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
 
 #[allow(dead_code)] // The pages have their own tests.
-mod support;
+use crate::support;
 
 use msk_compiler::explain::{Account, Options, account, html, latex, text};
 use msk_compiler::task::CompiledTask;

@@ -5,7 +5,7 @@
 #[path = "support/generate.rs"]
 mod generate;
 #[allow(dead_code, reason = "the pages have their own tests")]
-mod support;
+use crate::support;
 
 use msk_compiler::check::functions::signature::Shapes;
 use msk_compiler::check::functions::{Checks, FUNCTIONS, OPERATORS};

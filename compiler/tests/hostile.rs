@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // A test that panics has failed, which is its work.
 
 #[allow(dead_code)] // The pages have their own tests.
-mod support;
+use crate::support;
 
 use msk_compiler::Middle;
 use msk_compiler::task::{CompiledTask, StepReport, TaskState};

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 #[allow(dead_code)] // `compiling` serves the other pages.
-mod support;
+use crate::support;
 
 use msk_compiler::diagnostics::{FileId, Report, SourceMap};
 use msk_compiler::syntax::tree::{Item, Task, TaskStatement};

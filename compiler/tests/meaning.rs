@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
 
 #[allow(dead_code)] // `reading` serves the pages about syntax.
-mod support;
+use crate::support;
 
 use msk_compiler::diagnostics::codes;
 use msk_compiler::task::Spread;

@@ -4,7 +4,7 @@
 #![allow(clippy::disallowed_methods, reason = "what is expected need not agree between machines to the bit")]
 
 #[allow(dead_code)] // The pages have their own tests.
-mod support;
+use crate::support;
 
 use msk_compiler::diagnostics::{FileId, Report, SourceMap, Style, codes};
 use msk_compiler::motion::{Motion, RootPart};

@@ -4,7 +4,7 @@
 #![allow(clippy::disallowed_methods, reason = "what is expected need not agree between machines to the bit")]
 
 #[allow(dead_code)] // The pages have their own tests.
-mod support;
+use crate::support;
 
 use msk_compiler::Middle;
 use msk_compiler::frame::Sensor;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[allow(dead_code)] // Pages serve the other tests.
-mod support;
+use crate::support;
 
 use msk_compiler::Draws;
 use msk_compiler::frame::{Origin, Query, Sensor};

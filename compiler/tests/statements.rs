@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[allow(dead_code)] // The pages have their own tests.
-mod support;
+use crate::support;
 
 use msk_compiler::compile::Setting;
 use msk_compiler::frame::Sensor;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[allow(dead_code, reason = "the other tests use the rest")]
-mod support;
+use crate::support;
 
 use serde_json::{Value, json};
 use support::{Client, marked, task, uri, within};

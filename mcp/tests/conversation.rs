@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_tuning::store::Store;
 use rmcp::model::{ReadResourceRequestParams, ResourceContents};

@@ -1,6 +1,6 @@
 //! Whatever comes in: one clear message, a non-zero exit, no panic, and nothing lost.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 
 /// The commands that read a task file.
 const READERS: [&[&str]; 3] =

@@ -1,6 +1,6 @@
 //! `msk check` and `msk explain`.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 use serde_json::Value;
 
 #[test]

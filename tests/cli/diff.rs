@@ -1,6 +1,6 @@
 //! `msk diff` and `msk snapshot`.
 
-use crate::project::{Done, LEAN, Project};
+use super::project::{Done, LEAN, Project};
 use serde_json::Value;
 
 /// The task, written differently and meaning the same.

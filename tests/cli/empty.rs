@@ -1,6 +1,6 @@
 //! A run of nothing is no success: files, filters and suites that come to no task or test fail and say why.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 
 #[test]
 fn a_file_that_declares_nothing() {

@@ -1,9 +1,9 @@
 //! `msk eval`: results, their sameness, and how they are kept.
 
-use crate::project::{Project, journal};
+use super::project::{Project, journal};
 use serde_json::Value;
 
-fn eval(project: &Project, out: &str, more: &[&str]) -> crate::project::Done {
+fn eval(project: &Project, out: &str, more: &[&str]) -> super::project::Done {
     project.msk(&[&["eval", "tasks.msk", "--policy", "random", "--out", out], more].concat())
 }
 
@@ -50,7 +50,7 @@ fn a_suite_may_have_several_protocols() {
 /// A suite of `lean`, which has no test, and of `shown`, which has one whose script ends in success.
 fn half_shown() -> Project {
     let project = Project::lean();
-    let shown = crate::project::LEAN.replace("task lean", "task shown");
+    let shown = super::project::LEAN.replace("task lean", "task shown");
     let script =
         "    test \"shows\" {\n        at 0.1 s pose neutral\n        at 0.2 s pose neutral\n        expect success\n    }\n}\n";
     project.write("shown.msk", &format!("{}{script}", &shown[..shown.rfind('}').unwrap()]));
@@ -183,7 +183,7 @@ fn results_of_another_run_are_never_overwritten() {
     eval(&project, "out", &[]).succeeded();
     let lines = project.read("out/episodes.jsonl");
     eval(&project, "out", &["--seed", "6"]).failed(1, &["holds another run", "seed is 5, not 6", "hint:"]);
-    project.write("lean.msk", &crate::project::LEAN.replace("10    pose", "11    pose"));
+    project.write("lean.msk", &super::project::LEAN.replace("10    pose", "11    pose"));
     eval(&project, "out", &[]).failed(1, &["holds another run", "task `lean` has changed", "hint:"]);
     assert_eq!(project.read("out/episodes.jsonl"), lines);
 }
@@ -218,7 +218,7 @@ fn an_episode_that_cannot_go_on_is_a_result_and_the_others_go_on() {
     let project = Project::lean();
     // Faster than anything that the simulator takes for a number that means something.
     let root = "root { height on ground, velocity [1e12 m/s, 0, 0] }";
-    let fault = crate::project::LEAN.replace("root { height on ground }", root).replace("task lean", "task flung");
+    let fault = super::project::LEAN.replace("root { height on ground }", root).replace("task lean", "task flung");
     project.write("flung.msk", &fault);
     let suite = "use \"lean.msk\"\nuse \"flung.msk\"\nsuite both { family one { flung, lean } }\n";
     project.write("tasks.msk", suite);
@@ -277,7 +277,7 @@ fn a_full_disk_leaves_whole_lines_and_the_run_goes_on_later() {
     let script = "ulimit -f 8 && trap '' XFSZ && exec \"$0\" \"$@\"";
     let mut command = std::process::Command::new("sh");
     command.args(["-c", script, env!("CARGO_BIN_EXE_msk")]).args(arguments).args(["--out", "out"]);
-    let done = crate::project::Done::from(command.current_dir(project.path("")).output().unwrap());
+    let done = super::project::Done::from(command.current_dir(project.path("")).output().unwrap());
     done.failed(1, &["cannot keep results in `out`", "because: cannot write `out/episodes.jsonl`", "hint: make room"]);
     let kept = project.read("out/episodes.jsonl");
     assert!(kept.ends_with('\n') && (1..12).contains(&kept.lines().count()), "{kept}");

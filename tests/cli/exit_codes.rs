@@ -1,6 +1,6 @@
 //! What scripts rely on: the exit codes of `docs/exit-codes.md`, by one case for each that a command can end with.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 
 fn project() -> Project {
     let project = Project::lean();

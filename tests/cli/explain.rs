@@ -1,6 +1,6 @@
 //! `msk explain`.
 
-use crate::project::Project;
+use super::project::Project;
 use serde_json::Value;
 
 #[test]

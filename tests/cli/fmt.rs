@@ -1,6 +1,6 @@
 //! `msk fmt`.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 
 #[test]
 fn files_are_laid_out_in_place_and_then_left_alone() {

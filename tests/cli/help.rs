@@ -1,6 +1,6 @@
 //! `msk help`, code pages, and the quiet end of a pipe.
 
-use crate::project::Project;
+use super::project::Project;
 use std::io::Read;
 
 #[test]

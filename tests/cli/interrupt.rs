@@ -1,7 +1,7 @@
 //! Signals: the present episodes are given up, the ended ones are kept.
 #![cfg(unix)]
 
-use crate::project::{Done, LEAN, Project, journal};
+use super::project::{Done, LEAN, Project, journal};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 

@@ -1,6 +1,6 @@
 //! `msk mcp`: the program speaks the protocol on its standard input and output, and ends with them.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;

@@ -1,6 +1,6 @@
 //! `msk motion`: tables of motions, measured and drawn.
 
-use crate::project::Project;
+use super::project::Project;
 
 const NOD: &str = "# name: nod\n# source: made up\n# cycle: yes\n# duration: 2 s\n\
     phase, lumbar_extension [deg], knee_angle_l [deg], knee_angle_r [deg]\n\

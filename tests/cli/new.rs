@@ -1,6 +1,6 @@
 //! `msk new`.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 
 #[test]
 fn a_new_task_compiles_without_a_remark_is_laid_out_and_runs() {

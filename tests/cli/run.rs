@@ -1,6 +1,6 @@
 //! `msk run`: one episode.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 use serde_json::Value;
 
 #[test]

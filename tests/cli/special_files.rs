@@ -2,7 +2,7 @@
 
 #![cfg(unix)]
 
-use crate::project::{Done, LEAN, Project};
+use super::project::{Done, LEAN, Project};
 use std::time::{Duration, Instant};
 
 /// Runs the program; one that waits for a pipe fails the test instead of hanging it.

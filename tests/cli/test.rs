@@ -1,6 +1,6 @@
 //! `msk test`.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 use serde_json::Value;
 
 /// The lean task with tests.

@@ -1,9 +1,9 @@
 //! `msk tune`.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 use serde_json::Value;
 
-fn tune(project: &Project, more: &[&str]) -> crate::project::Done {
+fn tune(project: &Project, more: &[&str]) -> super::project::Done {
     let arguments = ["tune", "lean", "--policy", "random", "--interval", "25", "--rounds", "2", "--out", "out"];
     project.msk(&[&arguments[..], more].concat())
 }
@@ -94,7 +94,7 @@ fn a_key_that_an_endpoint_repeats_is_shown_nowhere() {
     });
     let arguments = ["tune", "lean", "--policy", "zero", "--interval", "5", "--rounds", "3", "--out", "out"];
     let mut command = project.command(&[&arguments[..], &["--reasoner", "http.toml"]].concat());
-    let done = crate::project::Done::from(command.env("MSK_TEST_KEY", KEY).output().unwrap()).succeeded();
+    let done = super::project::Done::from(command.env("MSK_TEST_KEY", KEY).output().unwrap()).succeeded();
     server.join().unwrap();
     let log = project.read("out/rounds.jsonl");
     assert!(log.contains("there is no term `(key)`") && log.contains("xx(key)"), "{log}");

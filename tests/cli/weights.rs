@@ -1,6 +1,6 @@
 //! `msk weights`.
 
-use crate::project::{LEAN, Project};
+use super::project::{LEAN, Project};
 use serde_json::Value;
 
 #[test]
@@ -188,7 +188,7 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
     save("[lean]\npose = 13\n");
     wait(ended() + 10);
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let done = crate::project::Done::from(child.wait_with_output().unwrap());
+    let done = super::project::Done::from(child.wait_with_output().unwrap());
     assert!(done.err.contains("E0464") && done.err.contains("the weights stay at version"), "{}", done.err);
     let records: Vec<Value> =
         project.read("out/episodes.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_tuning::reasoner::{
     Http, Process, Proposal, Reasoner, ReasonerError, ReplyError, Request, RuleBook, Secret, Secrets, from_file, prompt, read,

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-mod support;
+use crate::support;
 
 use msk_runtime::evaluate::{EpisodeRecord, Trial};
 use msk_tuning::reasoner::{Proposal, Reasoner, ReasonerError, Request, RuleBook};

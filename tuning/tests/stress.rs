@@ -68,7 +68,9 @@ fn role() {
 
 fn start(role: &str, folder: &Path) -> Child {
     let mut command = Command::new(std::env::current_exe().unwrap());
-    command.args(["--exact", "role", "--nocapture"]).env(ROLE, role).env(FOLDER, folder);
+    // The test programs name a test by the modules that hold it.
+    let role_test = module_path!().split_once("::").map_or("role".to_owned(), |(_, module)| format!("{module}::role"));
+    command.args(["--exact", &role_test, "--nocapture"]).env(ROLE, role).env(FOLDER, folder);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
@@ -154,7 +156,7 @@ fn no_read_is_torn_and_no_version_is_lost() {
     stress(16, Duration::from_secs(4));
 }
 
-/// `cargo test -p msk-tuning --test stress -- --ignored --nocapture`
+/// `cargo test -p msk-tuning --test suite stress -- --ignored --nocapture`
 #[test]
 #[ignore = "a minute"]
 fn no_read_is_torn_and_no_version_is_lost_in_a_minute() {

@@ -1,7 +1,7 @@
 //! Good model files broken at random, by a generator whose every file can be made again from its number: each is read or
 //! refused in bounded time and memory, and what is read can be stepped.
 //!
-//! The usual run takes the first two thousand; `cargo test --release -p msk-runtime --test mjcf_mutants -- --ignored` all
+//! The usual run takes the first two thousand; `cargo test --release -p msk-runtime --test suite mjcf_mutants -- --ignored` all
 //! ten thousand. A failure says the file's number and prints the file.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 

@@ -1,0 +1,59 @@
+//! Every test file belongs to a test program: Cargo looks for none by itself (`autotests = false`), so that a crate's tests are
+//! linked once.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// A crate's manifest, as far as it names tests.
+#[derive(serde::Deserialize)]
+struct Manifest {
+    #[serde(default)]
+    test: Vec<Target>,
+}
+
+#[derive(serde::Deserialize)]
+struct Target {
+    path: String,
+}
+
+#[derive(serde::Deserialize)]
+struct Root {
+    workspace: Workspace,
+}
+
+#[derive(serde::Deserialize)]
+struct Workspace {
+    members: Vec<String>,
+}
+
+/// Files and folders of tests, without extension, that no test program of the crate names.
+fn unregistered(folder: &Path) -> Vec<String> {
+    let manifest: Manifest = toml::from_str(&fs::read_to_string(folder.join("Cargo.toml")).unwrap()).unwrap();
+    let mut known: BTreeSet<String> = BTreeSet::new();
+    for target in manifest.test {
+        let text = fs::read_to_string(folder.join(&target.path)).unwrap();
+        known.insert(Path::new(&target.path).file_stem().unwrap().to_string_lossy().into_owned());
+        let modules = text.lines().filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'));
+        known.extend(modules.map(str::to_owned));
+    }
+    let Ok(entries) = fs::read_dir(folder.join("tests")) else { return Vec::new() };
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let code = paths.filter(|path| path.extension().is_some_and(|extension| extension == "rs") || path.join("mod.rs").exists());
+    let mut names: Vec<String> = code.map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect();
+    names.retain(|name| !known.contains(name));
+    names.sort();
+    names
+}
+
+#[test]
+fn every_test_file_is_part_of_a_test_program() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let manifest: Root = toml::from_str(&fs::read_to_string(root.join("Cargo.toml")).unwrap()).unwrap();
+    assert!(manifest.workspace.members.len() > 4);
+    for member in manifest.workspace.members.iter().map(String::as_str).chain(["."]) {
+        let forgotten = unregistered(&root.join(member));
+        assert!(forgotten.is_empty(), "{member}: no `mod` in a test program names {forgotten:?}");
+    }
+}

@@ -1,0 +1,27 @@
+//! All tests of the program but the physics' (`parity.rs`) as one program, which is linked once; each file is a module.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+mod advisories;
+mod cli;
+mod conditions;
+mod draw;
+mod episodes;
+mod examples;
+mod hand_written;
+mod human;
+mod language_server;
+mod motion_files;
+mod motions;
+mod muscle_sweep;
+mod mutation;
+mod paper;
+mod physics_doors;
+mod posture;
+mod registered;
+mod scenes;
+mod support;
+mod task_pages;
+mod task_snapshots;
+mod task_tests;
+mod tasks;
+mod vocabulary_fixture;
