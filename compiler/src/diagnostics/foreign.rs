@@ -50,7 +50,6 @@ const FUNCTIONS: &[(&str, &str)] = &[
     ("in_contact", "it is `touching(a, b)`"),
     ("dist", "it is `distance(a, b)`"),
     ("log1p", "it is `log(1 + x)`"),
-    ("normalize", "it is `unit(v)`"),
 ];
 
 /// A word that simulators and training code read, and how the same is read here.

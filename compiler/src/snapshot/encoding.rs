@@ -9,7 +9,7 @@ use crate::body::{Axis, BodyDescription, Change, ExcitationMap, LandmarkDescript
 use crate::scene::{Motion, ObjectJoint, ObjectJointKind, Shape, Surface, Terrain};
 
 /// First line of what a hash is taken of: the encoding's name and number.
-pub(super) const VERSION: &str = "msk content 2";
+pub(super) const VERSION: &str = "msk content 3";
 
 /// How a surface meets others.
 pub(super) fn surface(surface: &Surface) -> String {

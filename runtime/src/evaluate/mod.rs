@@ -11,20 +11,20 @@
 mod feed;
 mod journal;
 mod line;
-mod to_horizon;
 mod record;
 pub mod report;
 mod settings;
 mod statistics;
 mod summary;
+mod to_horizon;
 
 pub use feed::{Fed, Feed, ReplayError, replay};
 pub use journal::{Journal, JournalError};
-pub use to_horizon::{ToHorizon, play_to_horizon};
 pub use record::{ByTerm, EpisodeRecord};
 pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
 pub use statistics::{Spread, wilson_interval};
 pub use summary::{GroupSummary, MetricSummary, Summary, TaskSummary, TermSummary};
+pub use to_horizon::{ToHorizon, play_to_horizon};
 
 use crate::episode::{Episode, EpisodeError, EpisodeKey, REST};
 use crate::library::BoundBody;

@@ -92,9 +92,10 @@ impl<'a> Checker<'a> {
         let root = &beginning.init.root;
         let placed = beginning.init.drawn.iter().any(|(setting, _)| *setting == Setting::RootHeight);
         if root.height.is_none() && root.meets.is_empty() && !placed && !failures.any() && !self.has_ground() {
-            let diagnostic = self
-                .diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground on which the body could begin")
-                .help("say `ground` in the scene, or where the root is: `root { height 1 m }`, `root { align palm_l to bar.grip }`");
+            let diagnostic =
+                self.diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground on which the body could begin").help(
+                    "say `ground` in the scene, or where the root is: `root { height 1 m }`, `root { align palm_l to bar.grip }`",
+                );
             return Err(self.report(diagnostic));
         }
         if !failures.any() {

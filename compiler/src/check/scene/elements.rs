@@ -38,7 +38,8 @@ const fn kind(
 /// What every solid shape may say.
 const SOLID: &[&str] = &["at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
 /// The same for shapes with an axis.
-const LONG: &[&str] = &["length", "from", "along", "at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
+const LONG: &[&str] =
+    &["length", "from", "along", "at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
 /// What terrain may say.
 const TERRAIN: &[&str] = &["at", "orientation", "friction", "solid", "walkable"];
 /// What joints may say.

@@ -2,11 +2,11 @@
 
 use super::{Builder, is_mark, part, parts};
 use crate::syntax::grammar::{Pair, Rule};
-use crate::syntax::wording;
 use crate::syntax::tree::{
     Assignment, Connection, Element, ElementName, Expr, Field, FieldValue, Group, Ident, InitStatement, Marker, Noise, Placement,
     PoseUse, Repeat, SceneStatement, Settle,
 };
+use crate::syntax::wording;
 
 impl Builder<'_> {
     pub(super) fn scene_statements(&mut self, block: Option<Pair<'_>>) -> Vec<SceneStatement> {
