@@ -1,13 +1,14 @@
 //! `msk eval FILE`: every task of a file under a policy, some episodes of each, one table.
 
 use crate::condition::Condition;
-use crate::error::{Context, Error};
+use crate::error::Error;
 use crate::interrupt::Interrupt;
+use crate::levels::LevelArgs;
 use crate::overlays::Overlays;
 use crate::progress::Progress;
 use crate::project::{Project, Settings};
 use msk::runtime::evaluate::{self, Journal, JournalError, Plan, Protocol, RunSettings, Summary, report};
-use std::fs;
+use msk_storage::{Folder, StorageError};
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -59,6 +60,8 @@ pub struct Args {
     #[arg(long, requires = "weights")]
     live: bool,
     #[command(flatten)]
+    lints: LevelArgs,
+    #[command(flatten)]
     settings: Settings,
 }
 
@@ -67,7 +70,7 @@ pub struct Args {
 /// # Errors
 /// Errors in the file, a folder that cannot be used, or a policy that cannot act.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let project = Project::open(&args.file, &args.settings.settings)?;
+    let project = Project::open_at(&args.file, &args.settings.settings, &args.lints.levels)?;
     let chosen = Chosen::of(&args, &project)?;
     let mut trials = project.trials(args.task.as_deref())?;
     args.condition.apply(&mut trials)?;
@@ -184,20 +187,20 @@ fn name(plan: &Plan, file: &Path) -> String {
     format!("{name}-{}", plan.policy)
 }
 
-/// Makes `results/NAME-1`, or the first that does not exist yet: nothing is ever overwritten.
+/// Makes `results/NAME-1`, or the first that does not exist yet: nothing is ever overwritten. It is on the disk when this returns.
 ///
 /// # Errors
 /// A folder that cannot be made.
 pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
     let results = Path::new("results");
-    let cannot = |path: &Path| format!("cannot keep results in `{}`", path.display());
     let hint = "choose a folder that can be written with `--out DIR`";
-    fs::create_dir_all(results).context(|| cannot(results)).map_err(|error| error.hint(hint))?;
+    let cannot = |error: StorageError| Error::from(error).hint(hint);
+    Folder::create(results).map_err(cannot)?;
     for number in 1_u64.. {
         let folder = results.join(format!("{name}-{number}"));
-        match fs::create_dir(&folder) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            made => return made.map(|()| folder.clone()).context(|| cannot(&folder)).map_err(|error| error.hint(hint)),
+        match Folder::create_new(&folder) {
+            Err(StorageError::System { source, .. }) if source.kind() == io::ErrorKind::AlreadyExists => {}
+            made => return made.map(|_| folder).map_err(cannot),
         }
     }
     Err(Error::new("`results` is full"))

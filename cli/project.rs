@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Error};
 use msk::compiler::compile::Setting;
-use msk::compiler::diagnostics::{Report, Style};
+use msk::compiler::diagnostics::{Levels, Report, Style};
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile_with};
 use msk::runtime::evaluate::Trial;
@@ -29,10 +29,22 @@ impl Project {
     /// # Errors
     /// What the compiler says, all of it.
     pub fn open(path: &Path, settings: &[Setting]) -> Result<Self, Error> {
+        Self::open_at(path, settings, &Levels::default())
+    }
+
+    /// The same with lints at other levels: a warning that is denied is an error.
+    ///
+    /// # Errors
+    /// What the compiler says, all of it, and warnings that are denied.
+    pub fn open_at(path: &Path, settings: &[Setting], levels: &Levels) -> Result<Self, Error> {
         let bodies = BodyLibrary::default();
         let compilation = compile_with(path, &FileLoader, &bodies, settings)
             .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
-        let warnings = Report::new(compilation.sources.clone(), compilation.warnings.clone());
+        let mut warnings = Report::new(compilation.sources.clone(), compilation.warnings.clone());
+        levels.apply(&mut warnings.diagnostics);
+        if warnings.has_errors() {
+            return Err(Error::told(warnings.render(style(&io::stderr()))));
+        }
         write!(io::stderr().lock(), "{}", warnings.render(style(&io::stderr())))?;
         Ok(Self { compilation, bodies })
     }

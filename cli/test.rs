@@ -1,6 +1,7 @@
 //! `msk test [FILES]`: the tests inside files.
 
 use crate::error::{Context, Error, FAILURE};
+use crate::levels::LevelArgs;
 use crate::project::{Project, Settings};
 use crate::ranking;
 use clap::ValueEnum;
@@ -32,6 +33,8 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     #[command(flatten)]
+    lints: LevelArgs,
+    #[command(flatten)]
     settings: Settings,
 }
 
@@ -52,7 +55,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut seen = BTreeSet::new();
     let (mut passed, mut failed, mut without) = (0, 0, Vec::new());
     for file in &args.files {
-        let project = Project::open(file, &args.settings.settings)?;
+        let project = Project::open_at(file, &args.settings.settings, &args.lints.levels)?;
         let fresh = project.compilation.tasks.iter().filter(|task| seen.insert(task.name.clone()));
         let tasks: Vec<&Arc<CompiledTask>> = fresh.collect();
         without.extend(tasks.iter().filter(|task| task.tests.is_none()).map(|task| task.name.clone()));

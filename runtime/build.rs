@@ -21,8 +21,17 @@ use std::path::{Path, PathBuf};
 const EMBEDDED: [(&str, &str); 2] = [("", "msk"), ("models", "xml")];
 
 /// What decides results, relative to this crate.
-const DECISIVE: [&str; 7] =
-    ["Cargo.toml", "src", "../compiler/Cargo.toml", "../compiler/src", "../grammar/msk.pest", "../bodies", "../Cargo.lock"];
+const DECISIVE: [&str; 9] = [
+    "Cargo.toml",
+    "src",
+    "storage/Cargo.toml",
+    "storage/src",
+    "../compiler/Cargo.toml",
+    "../compiler/src",
+    "../grammar/msk.pest",
+    "../bodies",
+    "../Cargo.lock",
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let bodies = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("../bodies");
@@ -43,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A hash of the sources of compiler and runtime, of the grammar, the bodies and the versions of all libraries: 16 hexadecimal
+/// A hash of the sources of compiler, runtime and storage, of the grammar, the bodies and the versions of all libraries: 16 hexadecimal
 /// digits. It depends on the names and bytes of these files alone, so the same sources have the same hash on every machine.
 fn build() -> Result<String, Box<dyn Error>> {
     let runtime = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);

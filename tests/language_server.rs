@@ -127,6 +127,37 @@ fn a_conversation_with_an_editor() {
     assert!(editor.server.wait().unwrap().success());
 }
 
+/// A pipe that nobody writes to, that a text uses: a plain read of it never returns.
+#[cfg(unix)]
+#[test]
+fn a_named_pipe_that_a_text_uses_is_an_error_and_no_wait() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().canonicalize().unwrap();
+    assert!(Command::new("mkfifo").arg(root.join("lean.msk")).status().unwrap().success());
+    fs::write(root.join("example.msk"), TASK).unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", root.display());
+    let mut editor = Editor::start(&root);
+    // A server that waits is ended from outside, and then the next answer is missing.
+    let process = editor.server.id().to_string();
+    let (done, waits) = std::sync::mpsc::channel::<()>();
+    let watch = std::thread::spawn(move || {
+        if waits.recv_timeout(std::time::Duration::from_secs(60)) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+            let _ = Command::new("kill").arg(process).status();
+        }
+    });
+    let folders = json!([{ "uri": format!("file://{}", root.display()), "name": "example" }]);
+    editor.ask("initialize", json!({ "processId": null, "capabilities": {}, "workspaceFolders": folders }));
+    editor.tell("initialized", json!({}));
+    let document = json!({ "uri": uri("example.msk"), "languageId": "msk", "version": 1, "text": TASK });
+    editor.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    assert!(!editor.codes(&uri("example.msk")).is_empty(), "the pipe is no text");
+    assert_eq!(editor.ask("shutdown", Value::Null), Value::Null);
+    editor.tell("exit", Value::Null);
+    assert!(editor.server.wait().unwrap().success());
+    done.send(()).unwrap();
+    watch.join().unwrap();
+}
+
 #[test]
 fn a_client_that_goes_without_a_word_leaves_no_server_behind() {
     let folder = tempfile::tempdir().unwrap();

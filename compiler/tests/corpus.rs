@@ -26,7 +26,7 @@ const WRONG_PROGRAMS: usize = 300;
 
 /// Codes that need a text larger than a page should hold, which `robustness.rs` and `statements.rs` hold, and the one of which the
 /// compiler itself is the cause.
-const LARGE: [&str; 6] = ["E0412", "E0121", "E0122", "E0123", "E0127", "E0131"];
+const LARGE: [&str; 7] = ["E0412", "E0121", "E0122", "E0123", "E0127", "E0131", "W0514"];
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/language").join(name)

@@ -124,6 +124,15 @@ fn times_that_are_no_numbers_give_no_panic() {
 }
 
 #[test]
+fn a_cell_beyond_all_angles_is_an_error() {
+    for cell in ["1e308", "-1e308", "1.1e6"] {
+        let told = said(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, {cell}\n"));
+        assert!(told.contains(&format!("`{cell}` is too large: the largest number of a motion is 1e6")), "{told}");
+    }
+    assert_eq!(said(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, 120\n")), "");
+}
+
+#[test]
 fn errors_say_what_is_wrong_and_where() {
     insta::assert_snapshot!(said(
         "# name: walk\n# sorce: nobody\n# cycle: perhaps\n# advances: knee_angle_r\n\

@@ -81,7 +81,9 @@ fn generated_parts_are_those_of_the_compiler() {
         codes::lints::ALL,
         codes::probing::ALL,
         codes::intent::ALL,
+        codes::incentive::ALL,
         codes::slips::ALL,
+        codes::exploits::ALL,
     ]
     .concat();
     let parts = [

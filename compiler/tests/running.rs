@@ -250,7 +250,7 @@ fn vectors_are_counted_in_the_axes_that_are_named() {
 #[test]
 fn values_of_the_standing_pose_fold_while_compiling() {
     let task = task("observe {\nneutral(pelvis.height)\nneutral(norm(com.velocity)) + neutral(torso.up.z) * 1 m/s\n}");
-    assert_eq!(task.frame.size(), 3, "only the reward's pelvis is measured");
+    assert_eq!(task.frame.size(), 12, "only the reward's pelvis and the success's torso are measured");
     let observed = Episode::start(&task, &|_, _, _| 0.0).observe();
     let pelvis = support::compiling::vocabulary().landmarks.into_iter().find(|landmark| landmark.name == "pelvis").unwrap();
     assert_eq!(observed[0], pelvis.neutral_position[2]);

@@ -27,7 +27,17 @@ fn of_item(item: &Item, lines: &Lines<'_>) -> Option<DocumentSymbol> {
         Item::Suite(suite) => {
             let families = suite.families.iter();
             let families = families.map(|f| symbol(&f.name.text, SymbolKind::NAMESPACE, f.span, f.name.span, vec![], lines));
-            symbol(&suite.name.text, SymbolKind::MODULE, suite.span, suite.name.span, families.collect(), lines)
+            let protocols = suite.protocols.iter().map(|protocol| {
+                // The only protocol of a suite needs no name.
+                let settings = &protocol.settings;
+                let (name, at) = match &protocol.name {
+                    Some(name) => (name.text.as_str(), name.span),
+                    None => ("protocol", settings.kind.span),
+                };
+                symbol(name, SymbolKind::PROPERTY, settings.span, at, vec![], lines)
+            });
+            let inside = families.chain(protocols).collect();
+            symbol(&suite.name.text, SymbolKind::MODULE, suite.span, suite.name.span, inside, lines)
         }
         Item::Body(body) => {
             let inside = body.statements.iter().filter_map(|statement| of_body(statement, lines)).collect();

@@ -241,6 +241,19 @@ fn the_outline_nests_terms_in_their_reward() {
 }
 
 #[test]
+fn the_outline_of_a_suite_lists_families_and_protocols() {
+    let suite =
+        "suite bench {\n    family standing { a, b }\n    protocol quick { episodes 5 }\n    protocol { episodes 50 }\n}\n";
+    let mut client = open(suite);
+    let outline = client.ask("textDocument/documentSymbol", json!({ "textDocument": { "uri": uri(A) } })).unwrap();
+    let children = outline[0]["children"].as_array().unwrap();
+    let names: Vec<&str> = children.iter().map(|child| child["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["standing", "quick", "protocol"]);
+    assert_eq!(children[1]["selectionRange"]["start"], json!({ "line": 2, "character": 13 }));
+    client.end();
+}
+
+#[test]
 fn the_layout_is_that_of_the_formatter() {
     let mut client = open("const  a=1\nconst bc=2\n");
     let params = json!({ "textDocument": { "uri": uri(A) }, "options": { "tabSize": 4, "insertSpaces": true } });

@@ -76,6 +76,20 @@ fn a_warning_that_is_denied_is_an_error_and_says_by_what() {
 }
 
 #[test]
+fn test_and_eval_deny_and_allow_what_compiling_finds() {
+    let project = warned();
+    for command in [["test", "deep.msk"], ["eval", "deep.msk"]] {
+        let denied = project.msk(&[command[0], "--deny", "hidden_sign", command[1]]);
+        assert_eq!(denied.code, Some(1), "{}", denied.err);
+        assert!(denied.err.contains("error[W0505 hidden_sign]"), "{}", denied.err);
+        assert!(denied.out.is_empty() && !project.path("results").exists(), "nothing is played: {}", denied.out);
+    }
+    let allowed = project.msk(&["test", "--allow", "hidden_sign", "deep.msk"]);
+    assert!(!allowed.err.contains("W0505"), "{}", allowed.err);
+    assert!(project.msk(&["test", "deep.msk"]).err.contains("warning[W0505 hidden_sign]"));
+}
+
+#[test]
 fn the_last_level_of_a_lint_holds_whatever_option_sets_it() {
     let project = warned();
     let codes = |options: &[&str]| {

@@ -5,13 +5,15 @@
 
 use super::inherit::Placed;
 use crate::diagnostics::{Allowance, Diagnostic, FileId, Scope, Span, codes, find_lint, lints};
+use crate::syntax::tree::walk::items;
 use crate::syntax::tree::{Allow, Entry, InitStatement, SceneStatement, TaskStatement};
 
 /// Every `allow` of a task and of what it inherits; one that names no lint is an error, or the next slip would go unseen.
 pub(crate) fn of_task(statements: &[Placed], diagnostics: &mut Vec<Diagnostic>) -> Vec<Allowance> {
     let mut collector = Collector { found: Vec::new(), diagnostics };
-    for Placed { statement, file, .. } in statements {
-        collector.statement(statement, *file);
+    for placed in statements {
+        collector.statement(&placed.statement, placed.file);
+        collector.overriding(placed);
     }
     collector.found
 }
@@ -44,6 +46,22 @@ impl Collector<'_> {
             S::Reward(reward) => self.lines(&reward.terms, file, |term| term.span),
             S::Terminate(ends) | S::Finish(ends) => self.lines(&ends.reasons, file, |reason| reason.span),
             _ => {}
+        }
+    }
+
+    /// What is allowed above an override holds for the row that it overrides.
+    fn overriding(&mut self, placed: &Placed) {
+        let line = match &placed.statement {
+            TaskStatement::Reward(reward) => items(&reward.terms).last().map(|term| term.span),
+            TaskStatement::Params(block) => items(&block.entries).last().map(|parameter| parameter.span),
+            _ => None,
+        };
+        for above in &placed.allowed {
+            // The weight stands in the line of the override, the formula where it was written first.
+            for line in line.into_iter().chain([above.line]) {
+                let scope = Scope::Line(Some((placed.file, line)));
+                self.found.extend(allowance(&above.allow, above.file, scope, self.diagnostics));
+            }
         }
     }
 

@@ -289,7 +289,10 @@ impl<'a> Checker<'a> {
         let (a, b, kind) = self.agree("compare", left, right)?;
         self.warn_identical(a, b, span);
         let unit = spoken_unit(&kind, written);
-        self.note_height(a, written[1]);
+        // What is below a height need not be about the thing whose top is as high: a body that falls, for example.
+        if !matches!(operator, CompareOperator::Less | CompareOperator::LessEqual) {
+            self.note_height(a, written[1]);
+        }
         let node = match operator {
             CompareOperator::Less => self.graph.binary(Binary::Less, a, b),
             CompareOperator::LessEqual => self.graph.binary(Binary::LessEqual, a, b),

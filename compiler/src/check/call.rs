@@ -3,6 +3,7 @@
 use super::context::{Checked, Checker, Failures, Reported, Step};
 use super::dimension::Dimension;
 use super::functions;
+use super::lookup::renamed;
 use super::offered::offer_decimal_point;
 use super::scope::Definition;
 use super::types::{ElementType, Frame, Type};
@@ -108,7 +109,7 @@ impl<'a> Checker<'a> {
         let near = nearest(text, names);
         let message = format!("there is no function `{text}`");
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
-        if let Some(present) = functions::renamed(text) {
+        if let Some(present) = renamed(text).filter(|present| functions::find(present).is_some()) {
             diagnostic = diagnostic.suggest(format!("it is called `{present}`"), span, present);
             return self.report(diagnostic);
         }

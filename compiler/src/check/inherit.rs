@@ -12,7 +12,7 @@ use super::observe::{Texts, label_of};
 use crate::diagnostics::{Checked, Diagnostic, Failures, FileId, Span, codes, nearest};
 use crate::numbers::told_apart;
 use crate::syntax::tree::{
-    Block, Bounds, Channel, Ends, Entry, Ident, Remove, Reward, Task, TaskParameter, TaskStatement, Term, Weight,
+    Allow, Block, Bounds, Channel, Ends, Entry, Ident, Remove, Reward, Task, TaskParameter, TaskStatement, Term, Weight,
 };
 use crate::work::visit;
 use std::cell::Cell;
@@ -25,6 +25,17 @@ pub(crate) struct Placed {
     pub file: FileId,
     /// How often its task was extended from: 0 in the oldest of a line of tasks.
     pub layer: usize,
+    /// What is allowed above overrides of its row that keep the rest of the row.
+    pub allowed: Vec<AllowedAbove>,
+}
+
+/// An `allow` above an override of a weight or a value alone.
+#[derive(Debug, Clone)]
+pub(crate) struct AllowedAbove {
+    pub allow: Allow,
+    pub file: FileId,
+    /// The line of the override.
+    pub line: Span,
 }
 
 /// A task with what it inherits.
@@ -163,7 +174,7 @@ pub(crate) fn whole<'a>(
     budget.spend(inherited, &task.task.name, task.file, diagnostics)?;
     let plain = |of: InFile<'_>, layer: usize| {
         let statements = of.task.statements.iter().cloned();
-        statements.map(|statement| Placed { statement, file: of.file, layer }).collect::<Vec<_>>()
+        statements.map(|statement| Placed { statement, file: of.file, layer, allowed: Vec::new() }).collect::<Vec<_>>()
     };
     if chain.len() == 1 {
         return Ok(WholeTask { task: task.task.clone(), file: task.file, statements: plain(task, 0) });
@@ -224,7 +235,11 @@ pub(crate) fn unknown_task(name: &Ident, file: FileId, known: &[String]) -> Diag
 fn changes(placed: Placed, texts: &dyn Texts) -> Vec<Change> {
     let (file, layer) = (placed.file, placed.layer);
     let row = |section, name: &str, statement| {
-        Change::Row(Box::new(Row { section, name: name.to_owned(), placed: Placed { statement, file, layer } }))
+        Change::Row(Box::new(Row {
+            section,
+            name: name.to_owned(),
+            placed: Placed { statement, file, layer, allowed: Vec::new() },
+        }))
     };
     let single = |word: &'static str, statement| vec![row(Section::Single(word), "", statement)];
     use TaskStatement as S;
@@ -297,7 +312,7 @@ fn rows<T>(
                 changes.push(Change::Row(Box::new(Row {
                     section,
                     name,
-                    placed: Placed { statement: statement(whole), file, layer },
+                    placed: Placed { statement: statement(whole), file, layer, allowed: Vec::new() },
                 })));
             }
         }
@@ -359,6 +374,7 @@ fn override_row(known: &mut Row, row: Row, diagnostics: &mut Vec<Diagnostic>) ->
             (Some(weight), None) => {
                 let weight = narrowed(weight, old, file, diagnostics)?;
                 set_weight(&mut known.placed.statement, weight);
+                known.placed.allowed.extend(allowed(&row.placed));
                 return Ok(());
             }
             (None, Some(_)) => {
@@ -380,10 +396,30 @@ fn override_row(known: &mut Row, row: Row, diagnostics: &mut Vec<Diagnostic>) ->
         let mut parameter = old.clone();
         parameter.set.push((new.value.clone(), file));
         set_parameter(&mut known.placed.statement, parameter);
+        known.placed.allowed.extend(allowed(&row.placed));
         return Ok(());
     }
     *known = row;
     Ok(())
+}
+
+/// What stands as allowed above the only line of a row.
+fn allowed(row: &Placed) -> Vec<AllowedAbove> {
+    fn of<T>(entries: &[Entry<T>], file: FileId, line: Option<Span>) -> Vec<AllowedAbove> {
+        let line = line.unwrap_or_default();
+        let above = |entry: &Entry<T>| match entry {
+            Entry::Allow(allow) => Some(AllowedAbove { allow: allow.clone(), file, line }),
+            _ => None,
+        };
+        entries.iter().filter_map(above).collect()
+    }
+    match &row.statement {
+        TaskStatement::Reward(reward) => of(&reward.terms, row.file, term_of(&row.statement).map(|term| term.span)),
+        TaskStatement::Params(block) => {
+            of(&block.entries, row.file, parameter_of(&row.statement).map(|parameter| parameter.span))
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// The new weight of a term whose range stays unless another is written with it.

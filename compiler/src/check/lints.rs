@@ -4,24 +4,35 @@
 //! (`allows`).
 
 mod amount;
+mod cheap_return;
 mod degrees;
 mod duration;
 pub(crate) mod events;
 mod folded;
 mod growth;
 mod heights;
+mod last_step;
 mod linear;
 mod muscles;
 mod observed;
+mod open_side;
 mod outlook;
 mod pay;
 mod poles;
+mod rates;
 mod repeated;
 mod sight;
 mod signs;
 mod slips;
 mod success;
+mod summands;
+mod surrogate;
+mod totals;
 mod trend;
+mod world_place;
+mod wrong_bound;
+
+pub(crate) use last_step::last_step;
 
 use super::context::{Checker, End};
 use super::ranges::{Shaken, Standing, Working};
@@ -78,10 +89,15 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
     signs::weightless(task, &amounts, diagnostics);
     muscles::of(checker, task, &bounds, &amounts, diagnostics);
     growth::of(checker, task, &bounds, diagnostics);
+    wrong_bound::of(checker, task, diagnostics);
+    totals::of(task, &bounds, diagnostics);
+    cheap_return::of(checker, task, &bounds, diagnostics);
     poles::of(checker, task, &bounds, diagnostics);
     outlook::of(task, &bounds, &ranges, &amounts, diagnostics);
     success::of(checker, task, diagnostics);
     observed::of(checker, task, diagnostics);
+    world_place::of(checker, task, diagnostics);
+    open_side::of(checker, task, diagnostics);
     heights::of(checker, task, diagnostics);
     duration::long_horizon(checker, task, diagnostics);
     amounts.iter().map(|amount| amount.value).collect()

@@ -13,6 +13,21 @@ use std::collections::BTreeSet;
 /// Sets of joints and muscles that every body has.
 const SETS: &[&str] = &["joints", "hinges", "slides", "independent", "muscles"];
 
+/// Former words of the language, functions and fields of the scene, with the present ones.
+const RENAMED: &[(&str, &str)] = &[
+    ("highest", "running_max"),
+    ("lowest", "running_min"),
+    ("sampled", "sample_hold"),
+    ("turn", "angle_difference"),
+    ("turned", "orientation"),
+    ("unit", "normalize"),
+];
+
+/// The present word for one that was renamed.
+pub(crate) fn renamed(word: &str) -> Option<&'static str> {
+    RENAMED.iter().find(|(former, _)| *former == word).map(|(_, present)| *present)
+}
+
 impl<'a> Checker<'a> {
     /// What a name stands for; a brace pattern stands for a list.
     pub(crate) fn name(&mut self, name: &'a Name) -> Checked<Value> {
@@ -157,12 +172,15 @@ impl<'a> Checker<'a> {
 
     /// Whether a name is taken by the body or by the language.
     pub(crate) fn means_something(&self, name: &str) -> bool {
-        let signal = [Owner::Time, Owner::WholeBody].into_iter().any(|owner| signals::find(owner, name).is_some());
-        signal || self.body_element(name).is_some() || super::functions::find(name).is_some()
+        self.taken().any(|taken| taken == name)
     }
 
     /// All names for which [`means_something`](Self::means_something) holds.
     pub(crate) fn taken_names(&self) -> BTreeSet<&'a str> {
+        self.taken().collect()
+    }
+
+    fn taken(&self) -> impl Iterator<Item = &'a str> {
         let body = self.vocabulary;
         let signals = [Owner::Time, Owner::WholeBody].into_iter().flat_map(signals::of);
         let functions = super::functions::FUNCTIONS.iter().chain(super::functions::OPERATORS);
@@ -172,7 +190,7 @@ impl<'a> Checker<'a> {
         let groups = body.groups.iter().map(|group| group.name.as_str());
         let parts = landmarks.chain(joints).chain(muscles).chain(groups);
         let words = signals.filter_map(|signal| signal.name.split('(').next()).chain(functions.map(|function| function.name));
-        parts.chain(words).chain(SETS.iter().copied()).chain(["com", "ground", "robot"]).collect()
+        parts.chain(words).chain(SETS.iter().copied()).chain(["com", "ground", "robot"])
     }
 
     fn body_names(&self) -> Vec<String> {

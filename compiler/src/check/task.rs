@@ -88,6 +88,8 @@ pub(crate) struct InSequence<'a> {
     pub until: Option<(&'a Expr, FileId)>,
     /// What the sequence calls success, if it says so.
     pub success: Option<(&'a Expr, FileId)>,
+    /// Whether a task by itself is a phase of a sequence somewhere.
+    pub is_phase: bool,
     /// Whether its tests are checked as well.
     pub tests: bool,
     /// Control steps of all its phases, as far as tests are concerned.
@@ -163,6 +165,7 @@ pub(crate) fn check<'a>(
     if let Ok(checked) = &mut checked {
         lints::unused(&checker, &mut told.whole);
         checked.term_bounds = lints::task(&checker, checked, &mut told.whole);
+        lints::last_step(checked, sequence, &mut told.whole);
         lints::phase_end(&checker, checked, sequence, &mut told.formulas);
     }
     (checked, told)
@@ -400,7 +403,7 @@ impl<'a> Checker<'a> {
         use TaskStatement as S;
         let statements = self.statements;
         let mut parts = Parts::default();
-        for Placed { statement, file, layer } in statements {
+        for Placed { statement, file, layer, .. } in statements {
             match statement {
                 S::Family(name) => self.only_one(&mut parts.family, (&name.text, *file), name.span, "family"),
                 S::Control(expr) => self.only_one(&mut parts.control, (expr, *file), expr.span, "control"),

@@ -33,6 +33,8 @@ pub(super) struct Unit<'a> {
     pub phases: Vec<PhaseTask<'a>>,
     /// What the sequence itself says.
     sequence: Option<Vec<Placed>>,
+    /// Whether it is a task that a sequence has as a phase.
+    is_phase: bool,
 }
 
 /// A task of a unit.
@@ -60,22 +62,35 @@ pub(super) fn collect<'a>(files: &'a [SourceFile], texts: &dyn Texts, diagnostic
                         file,
                         phases: vec![PhaseTask { task: whole, phase: None }],
                         sequence: None,
+                        is_phase: false,
                     }));
                 }
                 Item::Sequence(sequence) => {
                     let phases = phases(sequence, file, &find, &budget, texts, diagnostics);
-                    let own = sequence.statements.iter().cloned().map(|statement| Placed { statement, file, layer: 0 }).collect();
+                    let own = sequence
+                        .statements
+                        .iter()
+                        .cloned()
+                        .map(|statement| Placed { statement, file, layer: 0, allowed: Vec::new() })
+                        .collect();
                     units.extend(phases.map(|phases| Unit {
                         name: &sequence.name,
                         docs: sequence.docs.as_ref(),
                         file,
                         phases,
                         sequence: Some(own),
+                        is_phase: false,
                     }));
                 }
                 _ => {}
             }
         }
+    }
+    let place = |task: &WholeTask| (task.file, task.task.name.span);
+    let sequences = units.iter().filter(|unit| unit.sequence.is_some());
+    let phases: BTreeSet<_> = sequences.flat_map(|unit| &unit.phases).map(|phase| place(&phase.task)).collect();
+    for unit in units.iter_mut().filter(|unit| unit.sequence.is_none()) {
+        unit.is_phase = unit.phases.iter().any(|own| phases.contains(&place(&own.task)));
     }
     units
 }
@@ -150,7 +165,8 @@ fn phases<'a>(
         };
         said(format!("`{word}` belongs into the tasks of a sequence: it starts anew with each phase"), span);
     }
-    let own: Vec<Placed> = sequence.statements.iter().cloned().map(|statement| Placed { statement, file, layer: 0 }).collect();
+    let own: Vec<Placed> =
+        sequence.statements.iter().cloned().map(|statement| Placed { statement, file, layer: 0, allowed: Vec::new() }).collect();
     let mut tasks = Vec::new();
     for phase in declared {
         match find(file, &phase.task.text) {
@@ -316,7 +332,8 @@ impl Compiler<'_> {
             texts: self.texts,
             motions: Motions { tables: self.motions, trace: &trace },
         };
-        let whole = InSequence { phases: &phase_names, success, tests: phase_names.is_empty(), ..InSequence::default() };
+        let (tests, is_phase) = (phase_names.is_empty(), unit.is_phase);
+        let whole = InSequence { phases: &phase_names, success, tests, is_phase, ..InSequence::default() };
         let unread = &mut *self.unread.borrow_mut();
         let (checked, mut told) = phases_of(unit, &all_names, around, whole, Vec::new(), unread);
         if broken.is_some() {

@@ -187,12 +187,12 @@ pub struct Report {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Most errors that are reported of one file.
+/// Most errors that are reported of one file, and most warnings.
 pub const MAXIMUM_ERRORS: usize = 500;
 
 impl Report {
-    /// Sorts the diagnostics, drops repetitions, and leaves at most [`MAXIMUM_ERRORS`] errors of each file with a last one that
-    /// counts the others.
+    /// Sorts the diagnostics, drops repetitions, and leaves at most [`MAXIMUM_ERRORS`] errors and as many warnings of each file,
+    /// with a last one that counts the others.
     pub fn new(sources: SourceMap, mut diagnostics: Vec<Diagnostic>) -> Self {
         diagnostics.sort_by(|a, b| {
             let key = |d: &Diagnostic| (d.file(), d.span().start, d.span().end, d.code.id);
@@ -208,31 +208,35 @@ impl Report {
     }
 }
 
-/// The first errors of each file, with their number of others in place of those; all warnings.
+/// The first errors and the first warnings of each file, with the number of the others in place of those.
 fn capped(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    let mut counts: BTreeMap<FileId, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<(FileId, Severity), usize> = BTreeMap::new();
     let mut kept: Vec<Diagnostic> = Vec::with_capacity(diagnostics.len());
-    let mut closing: BTreeMap<FileId, usize> = BTreeMap::new();
+    let mut closing: BTreeMap<(FileId, Severity), usize> = BTreeMap::new();
     for diagnostic in diagnostics {
-        let file = diagnostic.file();
         // What was left out before is counted already.
-        if diagnostic.code == codes::syntax::MORE_ERRORS {
+        if [codes::syntax::MORE_ERRORS, codes::lints::MORE_WARNINGS].contains(&diagnostic.code) {
             kept.push(diagnostic);
             continue;
         }
-        let count = counts.entry(file).or_default();
-        *count += usize::from(diagnostic.severity == Severity::Error);
-        if *count <= MAXIMUM_ERRORS || diagnostic.severity == Severity::Warning {
+        let of = (diagnostic.file(), diagnostic.severity);
+        let count = counts.entry(of).or_default();
+        *count += 1;
+        if *count <= MAXIMUM_ERRORS {
             kept.push(diagnostic);
         } else if *count == MAXIMUM_ERRORS + 1 {
-            closing.insert(file, kept.len());
-            kept.push(Diagnostic::new(codes::syntax::MORE_ERRORS, file, diagnostic.span(), ""));
+            closing.insert(of, kept.len());
+            let code = match diagnostic.severity {
+                Severity::Error => codes::syntax::MORE_ERRORS,
+                Severity::Warning => codes::lints::MORE_WARNINGS,
+            };
+            kept.push(Diagnostic::new(code, diagnostic.file(), diagnostic.span(), ""));
         }
     }
-    for (file, place) in closing {
-        let more = counts.get(&file).map_or(0, |count| count - MAXIMUM_ERRORS);
-        let plural = if more == 1 { "" } else { "s" };
-        kept[place].message = format!("and {more} more error{plural} in this file: at most {MAXIMUM_ERRORS} are shown");
+    for (of, place) in closing {
+        let more = counts.get(&of).map_or(0, |count| count - MAXIMUM_ERRORS);
+        let (plural, word) = (if more == 1 { "" } else { "s" }, if of.1 == Severity::Error { "error" } else { "warning" });
+        kept[place].message = format!("and {more} more {word}{plural} in this file: at most {MAXIMUM_ERRORS} are shown");
     }
     kept
 }

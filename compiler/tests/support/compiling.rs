@@ -76,7 +76,7 @@ const REQUIRED: [(&str, &str); 7] = [
     ("init", "init { pose neutral }"),
     ("observe", "observe { pelvis.height; pelvis.position; pelvis.yaw; t }"),
     ("reward", "reward { 1 tall = pelvis.height / 1 m }"),
-    ("success", "success survived and pelvis.height > 0.5 m"),
+    ("success", "success survived and torso.up.z > 0.5"),
 ];
 
 /// Lines of a task around statements that leave out those with the given keywords.

@@ -69,6 +69,17 @@ impl Folder {
         Self::open(path)
     }
 
+    /// Opens a folder that the user named, after creating it; the folder around it must exist. It is on the disk when this returns.
+    ///
+    /// # Errors
+    /// Something of the name exists (the kind of the error is [`ErrorKind::AlreadyExists`]), or it cannot be created or opened.
+    pub fn create_new(path: &Path) -> Result<Self, StorageError> {
+        let cannot = |source| StorageError::new("create the folder", path, source);
+        std::fs::create_dir(path).map_err(cannot)?;
+        Self::open(path.parent().unwrap_or(Path::new("")))?.sync().map_err(cannot)?;
+        Self::open(path)
+    }
+
     /// The folder of a file that the user named, and the file's name in it. A link at the end of the path is followed, so that
     /// the file it leads to is meant.
     ///

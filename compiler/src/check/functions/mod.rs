@@ -219,23 +219,9 @@ pub const OPERATORS: &[Function] = &[
         form!(each("x", Takes::Anything), one("duration", Takes::Duration) => Gives::Same, temporal::delay)),
 ];
 
-/// Former names of functions, with the present ones.
-const RENAMED: &[(&str, &str)] = &[
-    ("highest", "running_max"),
-    ("lowest", "running_min"),
-    ("sampled", "sample_hold"),
-    ("turn", "angle_difference"),
-    ("unit", "normalize"),
-];
-
 /// The function called `name`.
 pub fn find(name: &str) -> Option<&'static Function> {
     FUNCTIONS.iter().chain(OPERATORS).find(|function| function.name == name)
-}
-
-/// The present name of a function that was renamed.
-pub(crate) fn renamed(name: &str) -> Option<&'static str> {
-    RENAMED.iter().find(|(former, _)| *former == name).map(|(_, present)| *present)
 }
 
 /// Whether the language has such a function, but this version does not.

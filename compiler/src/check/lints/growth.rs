@@ -16,7 +16,7 @@ use crate::syntax::tree::{BinaryOperator, Expr, ExprKind};
 use std::collections::BTreeSet;
 
 /// The exponent from which on an exponential counts as more than the 1 that it has at its target.
-const GROWN: f64 = 0.3;
+pub(super) const GROWN: f64 = 0.3;
 
 /// Lints on exponentials in terms.
 pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
@@ -33,7 +33,7 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bo
 }
 
 /// The exponents that a value follows wherever they go: those of what is bounded, compared or put into a logarithm are left out.
-fn exponents(graph: &Graph, root: NodeId) -> Vec<NodeId> {
+pub(super) fn exponents(graph: &Graph, root: NodeId) -> Vec<NodeId> {
     let (mut pending, mut seen, mut found) = (vec![root], BTreeSet::new(), Vec::new());
     while let Some(id) = pending.pop() {
         if !seen.insert(id) {

@@ -31,9 +31,10 @@ enum Pole {
 }
 
 fn pole(checker: &Checker<'_>, graph: &Graph, bounds: &[Vec<Bounds>], term: &PaidTerm<'_>) -> Option<Diagnostic> {
-    let (mut pending, mut seen) = (vec![term.node], BTreeSet::new());
-    while let Some(id) = pending.pop() {
-        if !seen.insert(id) {
+    // Each with whether a bound keeps it finite.
+    let (mut pending, mut seen) = (vec![(term.node, false)], BTreeSet::new());
+    while let Some((id, bounded)) = pending.pop() {
+        if !seen.insert((id, bounded)) {
             continue;
         }
         let node = graph.node(id);
@@ -53,7 +54,10 @@ fn pole(checker: &Checker<'_>, graph: &Graph, bounds: &[Vec<Bounds>], term: &Pai
         {
             let zero = reach.low <= 0.0 && reach.high >= 0.0;
             let meets = match pole {
-                Pole::Divisor | Pole::Power => zero,
+                // Bounded, it jumps from one bound to the other where the divisor changes its sign.
+                Pole::Divisor if bounded => reach.low < 0.0 && reach.high > 0.0,
+                Pole::Divisor | Pole::Power if !bounded => zero,
+                Pole::Divisor | Pole::Power => false,
                 Pole::Logarithm | Pole::Root => reach.low <= -margin,
             };
             if meets {
@@ -61,14 +65,17 @@ fn pole(checker: &Checker<'_>, graph: &Graph, bounds: &[Vec<Bounds>], term: &Pai
             }
         }
         match node.operation {
-            // What stands behind a condition or within a bound may well be guarded by it.
+            // What stands behind a condition may well be guarded by it.
             Operation::Unary(Unary::Negate | Unary::Absolute | Unary::SquareRoot | Unary::Logarithm)
             | Operation::Binary(Binary::Add | Binary::Subtract | Binary::Multiply | Binary::Divide | Binary::Power)
             | Operation::Select(_)
             | Operation::Join
             | Operation::Reduce(Reduction::Sum | Reduction::Norm | Reduction::Product, _)
             | Operation::Memory(Memory::Smooth | Memory::Highest | Memory::Lowest | Memory::Delay(_)) => {
-                pending.extend(&node.inputs);
+                pending.extend(node.inputs.iter().map(|input| (*input, bounded)));
+            }
+            Operation::Unary(Unary::HyperbolicTangent) | Operation::Binary(Binary::Minimum | Binary::Maximum) => {
+                pending.extend(node.inputs.iter().map(|input| (*input, true)));
             }
             _ => {}
         }

@@ -1,6 +1,5 @@
 //! Lints on what is looked at: by the policy, by ends, by success, and on both sides of the body.
 
-use super::at;
 use crate::beginning::{Init, ObjectStart, Setting};
 use crate::check::context::Checker;
 use crate::check::dimension::Dimension;
@@ -132,7 +131,7 @@ fn landmark_of(sensor: Sensor) -> Option<usize> {
     if let Subject::Landmark(index) = sensor.subject() { Some(index) } else { None }
 }
 
-/// Objects that move and decide the pay, of which no channel tells anything.
+/// Objects that move and decide pay or ends, of which no channel tells anything.
 pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let things = Things::of(checker, task);
     let channels = || task.channels.iter().map(|channel| channel.node);
@@ -147,14 +146,17 @@ pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics:
         .map(|j| j.name.as_str())
         .collect();
     let mut told = BTreeSet::new();
-    for term in &task.terms {
-        let read = sensors(&task.graph, std::iter::once(term.node), |sensor| landmark_of(sensor).is_some());
+    let terms = task.terms.iter().map(|term| ("the pay".to_owned(), term.node, term.file, term.formula.span));
+    let ends = task.terminations.iter().chain(&task.finishes);
+    let ends = ends.map(|end| (format!("the end `{}`", end.name), end.node, end.file, end.span));
+    for (what, node, file, span) in terms.chain(ends) {
+        let read = sensors(&task.graph, std::iter::once(node), |sensor| landmark_of(sensor).is_some());
         for index in read.into_iter().filter_map(landmark_of) {
             let Some(mover) = things.mover(index) else { continue };
             if !seen.contains(&mover) && !things.follows_from(mover, &seen, &measured) && told.insert(index) {
                 let name = &checker.vocabulary.landmarks[index].name;
-                let message = format!("the pay depends on where `{name}` is, which the policy cannot observe");
-                let diagnostic = at(codes::intent::UNSEEN, term, message)
+                let message = format!("{what} depends on where `{name}` is, which the policy cannot observe");
+                let diagnostic = Diagnostic::new(codes::intent::UNSEEN, file, span, message)
                     .help(format!("add it to `observe`: `{name}.position - pelvis.position`"));
                 diagnostics.push(diagnostic);
             }

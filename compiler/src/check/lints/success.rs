@@ -101,6 +101,13 @@ pub(super) fn brings_success(task: &CheckedTask<'_>, end: &End) -> bool {
         })
 }
 
+/// Whether two conditions may hold in the same step, as far as their comparisons tell.
+pub(super) fn may_hold_together(graph: &Graph, one: NodeId, other: NodeId) -> bool {
+    let (Some(ones), Some(others)) = (alternatives(graph, one), alternatives(graph, other)) else { return true };
+    let together = |a: &Alternative, b: &Alternative| !is_impossible(graph, &[a.as_slice(), b.as_slice()].concat());
+    ones.iter().any(|a| others.iter().any(|b| together(a, b)))
+}
+
 /// The termination whose condition an alternative asks for besides asking not to be terminated by it.
 fn survived<'t>(task: &'t CheckedTask<'_>, alternative: &Alternative) -> Option<&'t End> {
     let asked = |end: &&End| {

@@ -3,6 +3,7 @@
 use super::elements::{FIELDS, Kind};
 use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
+use crate::check::lookup::renamed;
 use crate::check::offered::{is_bare, offer_unit, unit_of};
 use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{Data, Value};
@@ -60,8 +61,8 @@ impl<'a> Checker<'a> {
         let known: Vec<&str> = kind.fields().collect();
         let message = format!("`{}` has no field `{name}`", kind.name);
         let mut diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
-        if name == "turned" && known.contains(&"orientation") {
-            diagnostic = diagnostic.suggest("it is called `orientation`", field.name.span, "orientation");
+        if let Some(present) = renamed(name).filter(|present| known.contains(present)) {
+            diagnostic = diagnostic.suggest(format!("it is called `{present}`"), field.name.span, present);
             return self.report(diagnostic);
         }
         let near = nearest(name, known.iter().copied());

@@ -46,15 +46,15 @@ codes! {
     REPEATED = "W0556" lint repeated Compile {
         title: "an element that stands in a list twice",
         explanation: "A mean or a sum counts it twice and misses what was meant instead, usually the other side of the body.",
-        example: "reward { 1 bent = mean([knee_angle_l.q, knee_angle_l.q]) / 1 rad }",
-        fix: "reward { 1 bent = mean([knee_angle_l.q, knee_angle_r.q]) / 1 rad }",
+        example: "reward { -1 bent = mean([knee_angle_l.q, knee_angle_l.q]) / 1 rad }",
+        fix: "reward { -1 bent = mean([knee_angle_l.q, knee_angle_r.q]) / 1 rad }",
     }
     PAYS_EFFORT = "W0557" lint pays_effort Compile {
         title: "a term that pays for effort",
         explanation: "It reads the activations, excitations or actions of most muscles, and pays the more the higher they are: \
             tensing everything earns most. Effort is a cost, with a negative weight.",
-        example: "reward { 1 upright = torso.up.z\n 0.5 effort = mean(muscles.activation^2) }",
-        fix: "reward { 1 upright = torso.up.z\n -0.5 effort = mean(muscles.activation^2) }",
+        example: "reward { 1 easy = torso.up.z + mean(muscles.activation^2) }",
+        fix: "reward { 1 easy = torso.up.z - mean(muscles.activation^2) }",
     }
     ACTION_AT_REST = "W0558" lint action_at_rest Compile {
         title: "the size of an action, which is not 0 at rest",
@@ -67,8 +67,8 @@ codes! {
         title: "a sum over many muscles against all other terms",
         explanation: "A sum grows with the number of what is summed: over all muscles it can outweigh everything else, where its mean \
             would not. A mean keeps its size, and its weight, on any body.",
-        example: "reward { 1 upright = torso.up.z\n 5 alive = not terminated\n -1 effort = sum(muscles.activation^2) }",
-        fix: "reward { 1 upright = torso.up.z\n 5 alive = not terminated\n -1 effort = mean(muscles.activation^2) }",
+        example: "reward { 1 upright = torso.up.z\n 5 straight = exp(-abs(knee_angle_r.q) / 1 rad)\n -1 effort = sum(muscles.activation^2) }",
+        fix: "reward { 1 upright = torso.up.z\n 5 straight = exp(-abs(knee_angle_r.q) / 1 rad)\n -1 effort = mean(muscles.activation^2) }",
     }
     RUNAWAY = "W0560" lint runaway Compile {
         title: "an exponential that grows without bound",
@@ -129,12 +129,27 @@ codes! {
     }
     ABSOLUTE_HEIGHT = "W0567" lint absolute_height Compile {
         title: "a height above the world's zero on ground that is not level",
-        explanation: "On stairs, a slope or a field of heights, a part of the body is as high above the world's zero as the ground lifts it: who \
-            falls at the top of the stairs is higher than who stands at their foot. `ground_height` is the height of the ground under \
-            a part.",
+        explanation: "On stairs, a slope, a field of heights or a thing that is walked on, a part of the body is as high above the world's \
+            zero as the ground lifts it: a body that falls at the top of the stairs is higher than one that stands at their foot. \
+            `ground_height` is the height of the ground under a part.",
         example: "scene { ground; stairs flight { count 4, rise 15 cm, run 50 cm, width 2 m, at [1 m, 0, 0] } }\n\
             terminate { fallen when pelvis.height < 0.6 m }",
         fix: "scene { ground; stairs flight { count 4, rise 15 cm, run 50 cm, width 2 m, at [1 m, 0, 0] } }\n\
             terminate { fallen when pelvis.height - ground_height(pelvis) < 0.6 m }",
+    }
+    LAST_STEP = "W0568" lint last_step Compile {
+        title: "success that is judged at the last step alone",
+        explanation: "The condition neither remembers nor asks how the episode ended: it holds or fails at whatever step is the last, also \
+            where a failure ends the episode, and what held before is forgotten. `ever(c)` remembers, `survived and c` asks for the end \
+            of the time, `ended by` for a reason.",
+        example: "success distance(palm_r, palm_l) < 10 cm",
+        fix: "success ever(distance(palm_r, palm_l) < 10 cm)",
+    }
+    WORLD_PLACE = "W0569" lint world_place Compile {
+        title: "a channel that tells where in the world a limb is",
+        explanation: "Neither reward nor ends nor success depend on where in the world the body stands: what a policy learns from such \
+            a channel at one place does not hold at another. Places on the body are differences from a place of the body.",
+        example: "observe { pelvis.height; palm_r.position }",
+        fix: "observe { pelvis.height; (palm_r.position - pelvis.position) in heading(pelvis) }",
     }
 }

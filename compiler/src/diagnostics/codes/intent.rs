@@ -67,9 +67,9 @@ codes! {
         fix: "success ever(held(com.speed > 1 m/s, 0.5 s))",
     }
     UNSEEN = "W0549" lint unseen Compile {
-        title: "pay for a thing that the policy cannot see",
-        explanation: "The reward depends on where a thing of the scene is, the thing moves, and no channel tells where: the same \
-            observation is paid differently.",
+        title: "pay or an end by a thing that the policy cannot see",
+        explanation: "The reward or an end depends on where a thing of the scene is, the thing moves, and no channel tells where: the \
+            same observation is paid or ended differently.",
         example: "scene { ground\n sphere ball { radius 0.1 m, mass 1 kg, free, at [1 m, 0, 1 m] } }\n\
             reward { 1 near = exp(-distance(palm_r, ball) / 1 m) }",
         fix: "scene { ground\n sphere ball { radius 0.1 m, mass 1 kg, free, at [1 m, 0, 1 m] } }\n\

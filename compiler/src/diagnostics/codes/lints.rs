@@ -90,6 +90,12 @@ codes! {
         example: "allow paid_every_step \"once a stone\"\nreward { 1 upright = torso.up.z }",
         fix: "reward { 1 upright = torso.up.z }",
     }
+    MORE_WARNINGS = "W0514" lint more_warnings Text {
+        title: "there are more warnings",
+        explanation: "At most 500 warnings are shown of one file; the last one counts the others.",
+        example: "a text that a program wrote, with a slip in each of a thousand terms",
+        fix: "correct what is shown and look again",
+    }
     IDLE_MASS = "W0520" lint idle_mass Compile {
         title: "the mass of a thing that stands still",
         explanation: "Nothing moves it, so its mass has no effect: it was probably to move, or to weigh something elsewhere.",

@@ -72,6 +72,7 @@ macro_rules! declared {
 use declared;
 
 pub mod composition;
+pub mod exploits;
 pub mod incentive;
 pub mod intent;
 pub mod lints;
@@ -101,6 +102,7 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
         intent::ALL,
         incentive::ALL,
         slips::ALL,
+        exploits::ALL,
     ]
     .into_iter()
     .flatten()
