@@ -6,9 +6,11 @@ use crate::texts;
 use clap::ValueEnum;
 use msk::compiler::difference::Difference;
 use msk::compiler::snapshot::Snapshot;
+use msk::compiler::task::CompiledTask;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Compare tasks by meaning: terms, weights, ranges, thresholds, observations, ends, scene, beginning
 ///
@@ -44,10 +46,10 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 }
 
 fn compare(args: &Args) -> Result<ExitCode, Error> {
-    let (before, after) = (snapshots(&args.before, &args.settings)?, snapshots(&args.after, &args.settings)?);
+    let (before, after) = (sides(&args.before, &args.settings)?, sides(&args.after, &args.settings)?);
     let differences = match (before.as_slice(), after.as_slice()) {
         // Two single tasks are compared whatever they are called.
-        ([before], [after]) => vec![Difference::between(before, after, false)],
+        ([before], [after]) => vec![before.difference(after)],
         _ => by_name(&before, &after),
     };
     if differences.is_empty() {
@@ -63,24 +65,42 @@ fn compare(args: &Args) -> Result<ExitCode, Error> {
     Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
 }
 
+/// One side of a comparison: a snapshot, and its task where it is not read from a file of its own.
+#[derive(Clone, Default)]
+struct Side {
+    snapshot: Snapshot,
+    task: Option<Arc<CompiledTask>>,
+}
+
+impl Side {
+    fn difference(&self, after: &Self) -> Difference {
+        let told = Difference::between(&self.snapshot, &after.snapshot, false);
+        match (&self.task, &after.task) {
+            (Some(before), Some(after)) => told.with_names(before, after),
+            _ => told,
+        }
+    }
+}
+
 /// Tasks of both by their names; one that the other side lacks differs in everything.
-fn by_name(before: &[Snapshot], after: &[Snapshot]) -> Vec<Difference> {
-    let find = |list: &[Snapshot], name: &str| list.iter().find(|known| known.task() == name).cloned();
-    if !after.iter().any(|task| find(before, task.task()).is_some()) {
+fn by_name(before: &[Side], after: &[Side]) -> Vec<Difference> {
+    let find = |list: &[Side], name: &str| list.iter().find(|known| known.snapshot.task() == name).cloned();
+    if !after.iter().any(|task| find(before, task.snapshot.task()).is_some()) {
         return Vec::new();
     }
     let mut differences: Vec<Difference> =
-        after.iter().map(|task| Difference::between(&find(before, task.task()).unwrap_or_default(), task, false)).collect();
-    let gone = before.iter().filter(|task| find(after, task.task()).is_none());
-    differences.extend(gone.map(|task| Difference::between(task, &Snapshot::default(), false)));
+        after.iter().map(|task| find(before, task.snapshot.task()).unwrap_or_default().difference(task)).collect();
+    let gone = before.iter().filter(|task| find(after, task.snapshot.task()).is_none());
+    differences.extend(gone.map(|task| task.difference(&Side::default())));
     differences
 }
 
 /// What is named: a task, the tasks of a file, or a snapshot.
-fn snapshots(named: &str, settings: &Settings) -> Result<Vec<Snapshot>, Error> {
+fn sides(named: &str, settings: &Settings) -> Result<Vec<Side>, Error> {
     if named.ends_with(".snapshot") {
         let text = texts::read(Path::new(named))?;
-        return Ok(vec![text.parse().context(|| format!("cannot read `{named}`"))?]);
+        return Ok(vec![Side { snapshot: text.parse().context(|| format!("cannot read `{named}`"))?, task: None }]);
     }
-    Ok(compiled(named, &settings.settings)?.iter().map(|task| task.snapshot()).collect())
+    let tasks = compiled(named, &settings.settings)?;
+    Ok(tasks.into_iter().map(|task| Side { snapshot: task.snapshot(), task: Some(task) }).collect())
 }

@@ -7,11 +7,17 @@ use crate::support;
 
 use msk_compiler::difference::{ChangeKind, Difference};
 use msk_compiler::snapshot::Snapshot;
+use msk_compiler::task::CompiledTask;
+use std::sync::Arc;
 use support::compiling::{compile_text, complete};
 
 fn snapshot(statements: &str) -> Snapshot {
     let compilation = compile_text(&complete(statements), &[]).unwrap_or_else(|report| panic!("{report}"));
     compilation.tasks[0].snapshot()
+}
+
+fn task(statements: &str) -> Arc<CompiledTask> {
+    compile_text(&complete(statements), &[]).unwrap_or_else(|report| panic!("{report}")).tasks[0].clone()
 }
 
 fn hash(statements: &str) -> String {
@@ -110,6 +116,30 @@ fn every_kind_of_change_is_told_in_words() {
       - term high: weight 2, clip(steps_high / 10, 0, 1)
       ~ order of channels
           pelvis.height, steps_high -> steps_high, pelvis.height
+    ");
+}
+
+#[test]
+fn a_name_that_means_something_else_is_told_as_it_is_typed() {
+    let ends = "fallen when com.height < 0.8 m";
+    let before = format!(
+        "{}\nlet bent = knee_angle_r.q > limit\nlet limit = 40 deg",
+        BEFORE.replace(ends, &format!("{ends}\n folded when bent"))
+    );
+    let after = before.replace("40 deg", "45 deg").replace("let low = 0.8 m", "let low = 70 cm");
+    let (before, after) = (task(&before), task(&after));
+    let told = Difference::between(&before.snapshot(), &after.snapshot(), true).with_names(&before, &after);
+    insta::assert_snapshot!(told, @r"
+    example
+      ~ term sunk
+          computes something else, though it is written as before (pelvis.height < low): a name in it means another thing
+          low = 0.8 m -> 70 cm
+      ~ ends by folded
+          computes something else, though it is written as before (bent): a name in it means another thing
+          limit = 40 deg -> 45 deg (+12.5 %)
+      ~ success
+          computes something else, though it is written as before (survived and torso.up.z > 0.5): a name in it means another thing
+          in SI units 0.6981 -> 0.7854 (+12.5 %)
     ");
 }
 

@@ -4,10 +4,12 @@
 //! the same and means something else, because a name that it uses has changed, does.
 
 mod constants;
+mod names;
 mod people;
 mod text;
 
 use crate::snapshot::{Section, Snapshot};
+use crate::task::CompiledTask;
 use serde::{Deserialize, Serialize};
 
 /// What differs between two tasks.
@@ -72,6 +74,20 @@ pub struct FormulaChange {
     pub constants_before: Vec<String>,
     /// Constants that only the second computes with.
     pub constants_after: Vec<String>,
+    /// Names in it that mean something else, where it is written as before and both tasks are there as texts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub names: Vec<NameChange>,
+}
+
+/// A declared name that means something else.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NameChange {
+    /// The name.
+    pub name: String,
+    /// Its formula in the first task, as it is written.
+    pub before: String,
+    /// In the second.
+    pub after: String,
 }
 
 /// Sections whose order counts: it is that of the reports, weights and observations.
@@ -111,6 +127,16 @@ impl Difference {
         Self { before, after, changes }
     }
 
+    /// The same with the names whose formulas differ, wherever a formula that names them is written as before.
+    #[must_use]
+    pub fn with_names(mut self, before: &CompiledTask, after: &CompiledTask) -> Self {
+        let formulas = self.changes.iter_mut().filter_map(|change| change.formula.as_mut());
+        for formula in formulas.filter(|formula| formula.before == formula.after) {
+            formula.names = names::unlike(&formula.after, before, after);
+        }
+        self
+    }
+
     /// Whether both mean the same.
     pub fn is_empty(&self) -> bool {
         self.changes.is_empty()
@@ -134,6 +160,7 @@ fn one_sided(kind: ChangeKind, section: &Section) -> Change {
         after: if added { section.formula.clone() } else { String::new() },
         constants_before: Vec::new(),
         constants_after: Vec::new(),
+        names: Vec::new(),
     });
     Change { kind, section: section.kind.clone(), name: section.name.clone(), fields: fields.collect(), formula }
 }
@@ -151,7 +178,8 @@ fn changed(before: &Section, after: &Section) -> Option<Change> {
     }
     let formula = (before.graph != after.graph).then(|| {
         let (constants_before, constants_after) = constants::unlike(&before.graph, &after.graph);
-        FormulaChange { before: before.formula.clone(), after: after.formula.clone(), constants_before, constants_after }
+        let (before, after) = (before.formula.clone(), after.formula.clone());
+        FormulaChange { before, after, constants_before, constants_after, names: Vec::new() }
     });
     if fields.is_empty() && formula.is_none() {
         return None;

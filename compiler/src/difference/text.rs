@@ -76,7 +76,11 @@ impl Display for FormulaChange {
         }
         let formula = if self.after.is_empty() { String::new() } else { format!(" ({})", self.after) };
         writeln!(f, "      computes something else, though it is written as before{formula}: a name in it means another thing")?;
-        if self.constants_before.is_empty() && self.constants_after.is_empty() {
+        for name in &self.names {
+            let (before, after, ratio) = people::told(&name.before, &name.after);
+            writeln!(f, "      {} = {before} -> {after}{ratio}", name.name)?;
+        }
+        if !self.names.is_empty() || self.constants_before.is_empty() && self.constants_after.is_empty() {
             return Ok(());
         }
         let list = |constants: &[String]| if constants.is_empty() { "none".to_owned() } else { constants.join(", ") };
