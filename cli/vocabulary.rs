@@ -3,8 +3,8 @@
 use crate::error::{Context, Error};
 use crate::project;
 use msk::compiler::check::scene::elements;
-use msk::compiler::check::signals;
 use msk::compiler::compile;
+use msk::compiler::signals;
 use msk::compiler::vocabulary::{GroupKind, Vocabulary};
 use msk::runtime::bodies;
 use msk::runtime::library::{BodyLibrary, FileLoader};

@@ -1,8 +1,8 @@
 //! Units in which quantities are told to people: as somebody wrote them, else as people say them.
 
-use crate::check::dimension::Dimension;
-use crate::check::unit;
 use crate::numbers::{for_people, told_apart};
+use crate::quantity::dimension::Dimension;
+use crate::quantity::unit;
 use crate::syntax::tree::walk::{Visitor, walk_expression};
 use crate::syntax::tree::{Expr, ExprKind};
 use std::f64::consts::PI;

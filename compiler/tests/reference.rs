@@ -4,8 +4,8 @@
 
 use msk_compiler::check::functions::{self, Function};
 use msk_compiler::check::scene::elements;
-use msk_compiler::check::signals;
 use msk_compiler::diagnostics::{Code, FileId, Lint, codes, lints};
+use msk_compiler::signals;
 use msk_compiler::syntax::{self, UNITS};
 use std::fmt::Write;
 use std::path::Path;

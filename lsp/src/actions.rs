@@ -1,8 +1,8 @@
 //! What mends a text: the fixes of the compiler, as changes that an editor can make.
 
+use crate::edits::Edits;
 use crate::positions::Lines;
 use crate::report::Translator;
-use crate::server::Edits;
 use crate::workspace::Workspace;
 use lsp_types::{CodeAction, CodeActionKind, CodeActionOrCommand, Range};
 use msk_compiler::diagnostics::{Diagnostic, Edit, FileId, SourceMap, Span, fixed};

@@ -4,22 +4,22 @@ use crate::hints::share;
 use crate::positions::{Encoding, Lines};
 use crate::workspace::Workspace;
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
-use msk_compiler::check::notes::Note;
 use msk_compiler::check::scene::elements;
-use msk_compiler::check::unit;
 use msk_compiler::compile::Inspection;
 use msk_compiler::diagnostics::{FileId, Span};
 use msk_compiler::graph::interval::Bounds;
+use msk_compiler::hir::Description;
 use msk_compiler::numbers::for_people;
+use msk_compiler::quantity::unit;
 use std::path::Path;
 
 /// What there is to say at a byte of a file.
 pub fn hover(workspace: &Workspace<'_>, path: &Path, byte: usize, encoding: Encoding) -> Option<Hover> {
     let text = workspace.text(path)?;
     let inspections = workspace.inspections_of(path);
-    let noted = inspections.iter().find_map(|(file, whole)| noted(whole, *file, byte));
+    let typed = inspections.iter().find_map(|(file, whole)| typed(whole, *file, byte));
     let (span, said) = unit(&text, byte)
-        .or(noted)
+        .or(typed)
         .or_else(|| inspections.iter().find_map(|(file, whole)| term(whole, *file, path, byte)))
         .or_else(|| named(workspace, path, byte))
         .or_else(|| word(&text, byte))?;
@@ -31,30 +31,27 @@ fn holds(span: Span, byte: usize) -> bool {
     span.start as usize <= byte && byte <= span.end as usize
 }
 
-/// From the checker's notes: the smallest expression around, and what is known of it as a part of a larger one.
-fn noted(whole: &Inspection, file: FileId, byte: usize) -> Option<(Span, String)> {
-    let notes: Vec<&Note> =
-        whole.scopes.iter().flat_map(|scope| &scope.notes).filter(|note| note.file == file && holds(note.span, byte)).collect();
-    let size = |note: &&&Note| note.span.end - note.span.start;
-    let smallest = notes.iter().min_by_key(size).filter(|note| !note.kind.is_empty() || !note.docs.is_empty())?;
-    // `height` in `pelvis.height`: the word is the signal, the value is that of the whole.
-    let around = notes.iter().filter(|note| note.span.end == smallest.span.end && note.span.start < smallest.span.start);
-    let value = around.min_by_key(size).filter(|_| smallest.range.is_none() && smallest.kind.starts_with('`'));
+/// From the typed HIR: the smallest name or formula around, and what is known of it as the last word of a larger one.
+fn typed(whole: &Inspection, file: FileId, byte: usize) -> Option<(Span, String)> {
+    let known = whole.scopes.iter().flat_map(|scope| scope.typed.iter().map(|typed| typed.at(&scope.vocabulary, file, byte)));
+    let size = |found: &(Description, _)| found.0.span.end - found.0.span.start;
+    let (smallest, around) = known.flatten().min_by_key(size)?;
+    if smallest.kind.is_empty() && smallest.docs.is_empty() {
+        return None;
+    }
+    let around = around.filter(|_| smallest.range.is_none() && smallest.kind.starts_with('`'));
     let source = whole.report.sources.text(file);
     let mut said = String::new();
-    for note in [Some(smallest), value].into_iter().flatten() {
-        let written = note.span.of(source).lines().next().unwrap_or_default();
-        let head = if note.kind.starts_with('`') { note.kind.clone() } else { format!("`{written}`: {}", note.kind) };
-        if note.kind.is_empty() {
-            continue;
-        }
+    for found in [Some(&smallest), around.as_ref()].into_iter().flatten().filter(|found| !found.kind.is_empty()) {
+        let written = found.span.of(source).lines().next().unwrap_or_default();
+        let head = if found.kind.starts_with('`') { found.kind.clone() } else { format!("`{written}`: {}", found.kind) };
         said += &format!("{head}\n\n");
-        if let Some(range) = note.range {
+        if let Some(range) = found.range {
             said += &format!("Stays within {}.\n\n", within(range));
         }
     }
-    for note in [Some(smallest), value].into_iter().flatten().filter(|note| !note.docs.is_empty()) {
-        said += &format!("{}\n\n", note.docs);
+    for found in [Some(&smallest), around.as_ref()].into_iter().flatten().filter(|found| !found.docs.is_empty()) {
+        said += &format!("{}\n\n", found.docs);
     }
     Some((smallest.span, said.trim_end().to_owned())).filter(|(_, said)| !said.is_empty())
 }

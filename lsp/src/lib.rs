@@ -17,6 +17,7 @@
 
 mod actions;
 mod completion;
+mod edits;
 mod hints;
 mod hover;
 mod index;

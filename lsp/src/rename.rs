@@ -1,8 +1,8 @@
 //! Renaming what a text declares, in all files, so that it means what it meant.
 
+use crate::edits::Edits;
 use crate::index::{Index, Occurrence, Space};
 use crate::positions::{Encoding, Lines};
-use crate::server::Edits;
 use crate::workspace::Workspace;
 use lsp_types::{Range, WorkspaceEdit};
 use msk_compiler::diagnostics::{Diagnostic, Severity, Span};

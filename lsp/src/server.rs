@@ -1,5 +1,6 @@
 //! The conversation: messages come in, answers go out, one after the other.
 
+use crate::edits::Edits;
 use crate::positions::{Encoding, Lines};
 use crate::report::Reporter;
 use crate::transport::logged;
@@ -9,19 +10,19 @@ use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestI
 use lsp_types::notification::{self as told, Notification as _};
 use lsp_types::request::{self as asked, Request as _};
 use lsp_types::{
-    CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions, CompletionResponse, DocumentChanges,
+    CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions, CompletionResponse,
     DocumentSymbolResponse, GotoDefinitionResponse, HoverProviderCapability, InitializeParams, MessageType, OneOf,
-    OptionalVersionedTextDocumentIdentifier, PrepareRenameResponse, RenameOptions, SaveOptions, ServerCapabilities,
-    TextDocumentContentChangeEvent, TextDocumentEdit, TextDocumentPositionParams, TextDocumentSyncCapability,
-    TextDocumentSyncKind, TextDocumentSyncOptions, TextDocumentSyncSaveOptions, TextEdit, Uri, WorkspaceEdit,
+    PrepareRenameResponse, RenameOptions, SaveOptions, ServerCapabilities, TextDocumentContentChangeEvent,
+    TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions,
+    TextDocumentSyncSaveOptions,
 };
-use msk_compiler::diagnostics::{FileId, Span};
+use msk_compiler::diagnostics::FileId;
 use msk_compiler::files::{BodySource, Loader};
 use msk_compiler::syntax::parse;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 
@@ -32,43 +33,6 @@ pub enum Ended {
     Properly,
     /// With `exit` or the end of the input, without `shutdown`.
     Abruptly,
-}
-
-/// How the client wants changes of texts.
-pub struct Edits {
-    /// How positions are counted.
-    pub encoding: Encoding,
-    /// Whether they may name the version of the text that they change.
-    versioned: bool,
-}
-
-impl Edits {
-    /// Changes of several files as the client wants them; nothing if one of them cannot be addressed.
-    #[allow(clippy::mutable_key_type, reason = "what may change in an address is not what it is compared by")]
-    pub fn workspace_edit(&self, workspace: &Workspace<'_>, changes: Vec<(PathBuf, Span, String)>) -> Option<WorkspaceEdit> {
-        let mut by_file: BTreeMap<PathBuf, Vec<TextEdit>> = BTreeMap::new();
-        for (path, span, new_text) in changes {
-            let text = workspace.text(&path)?;
-            let range = Lines::new(&text, self.encoding).range(span);
-            by_file.entry(path).or_default().push(TextEdit { range, new_text });
-        }
-        let mut edits = Vec::new();
-        for (path, changes) in by_file {
-            let document = workspace.document(&path);
-            let uri = document.map(|document| document.uri.clone()).or_else(|| paths::uri(&path))?;
-            edits.push((uri, document.map(|document| document.version), changes));
-        }
-        if !self.versioned {
-            let changes = edits.into_iter().map(|(uri, _, changes)| (uri, changes)).collect();
-            return Some(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() });
-        }
-        let edit = |(uri, version, changes): (Uri, Option<i32>, Vec<TextEdit>)| TextDocumentEdit {
-            text_document: OptionalVersionedTextDocumentIdentifier { uri, version },
-            edits: changes.into_iter().map(OneOf::Left).collect(),
-        };
-        let edits = edits.into_iter().map(edit).collect();
-        Some(WorkspaceEdit { document_changes: Some(DocumentChanges::Edits(edits)), ..WorkspaceEdit::default() })
-    }
 }
 
 /// Begins, answers and ends.

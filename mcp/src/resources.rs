@@ -2,8 +2,8 @@
 
 use crate::project::{Failure, Project};
 use msk_compiler::check::scene::elements;
-use msk_compiler::check::signals;
 use msk_compiler::compile;
+use msk_compiler::signals;
 use msk_runtime::bodies;
 use rmcp::model::Resource;
 use serde_json::json;

@@ -6,7 +6,7 @@ use super::meeting::is_ordered;
 use super::observe::spoken_unit;
 use super::types::{ElementType, Shape, Type};
 use super::unit;
-use super::value::Data;
+use super::value::{Data, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Unary};
@@ -22,12 +22,14 @@ impl<'a> Checker<'a> {
         let mut spine = Vec::new();
         let mut first = expr;
         while let ExprKind::Binary { operator, operator_span, left, right } = &first.kind {
-            spine.push((first, *operator, *operator_span, &**right));
+            // The whole chain is open already: each operator within it is an expression of its own.
+            let id = (!std::ptr::eq(first, expr)).then(|| self.hir.open(self.place.file, first.span, (&first.kind).into()));
+            spine.push((first, id, *operator, *operator_span, &**right));
             first = left;
         }
         let mut result = self.data(first);
         let mut left_expr = first;
-        for (whole, operator, operator_span, right_expr) in spine.into_iter().rev() {
+        for (whole, id, operator, operator_span, right_expr) in spine.into_iter().rev() {
             let right = match self.time_of_day(operator, left_expr, right_expr) {
                 Some(diagnostic) => Err(self.report(diagnostic)),
                 None => self.data(right_expr),
@@ -37,6 +39,9 @@ impl<'a> Checker<'a> {
                 (Err(reported), _) | (_, Err(reported)) => Err(reported),
             };
             left_expr = whole;
+            if let Some(id) = id {
+                self.hir.close(id, result.clone().ok().map(Value::Data).as_ref());
+            }
         }
         result
     }

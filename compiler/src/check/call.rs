@@ -1,6 +1,6 @@
 //! Calls: built-in functions, and functions of the files, inlined and checked at each call.
 
-use super::context::{Checked, Checker, Failures, Reported, Step};
+use super::context::{Checked, Checker, Failures, Local, Reported, Step};
 use super::dimension::Dimension;
 use super::functions;
 use super::lookup::renamed;
@@ -13,6 +13,7 @@ use crate::diagnostics::{function_elsewhere, is_module, nearest};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Reduction};
+use crate::hir::{DefinitionId, Resolution};
 use crate::syntax::tree::{self, Argument, Expr, ExprKind, Function, Ident, Parameter};
 
 /// Types that are no dimension.
@@ -38,7 +39,7 @@ impl<'a> Checker<'a> {
                 );
                 return Err(self.report(diagnostic));
             };
-            self.note_docs(self.place.file, name.span, callee.docs.as_ref());
+            self.resolved_to(name.span, declared);
             self.names.called.borrow_mut().insert((declared.file, name.text.clone()));
             let values = self.bind_arguments(callee, declared.file, arguments, span)?;
             self.enter(Step { name: name.text.clone(), file: self.place.file, span, call: true }, declared)?;
@@ -55,7 +56,7 @@ impl<'a> Checker<'a> {
         }
         match functions::find(&name.text) {
             Some(function) => {
-                self.note_function(name.span, function);
+                self.resolved(name.span, Resolution::Function(function.name));
                 function.call(self, arguments, span).map(Value::Data)
             }
             None if functions::is_later(&name.text) => {
@@ -132,7 +133,7 @@ impl<'a> Checker<'a> {
         declared_in: FileId,
         arguments: &'a [Argument],
         span: Span,
-    ) -> Checked<Vec<(String, Value)>> {
+    ) -> Checked<Vec<Local>> {
         let mut slots: Vec<Option<&'a Expr>> = vec![None; callee.parameters.len()];
         let mut next = 0;
         for argument in arguments {
@@ -155,7 +156,8 @@ impl<'a> Checker<'a> {
             match self.value(expr) {
                 Ok(value) => {
                     failures.catch(self.check_parameter(parameter, declared_in, &value, expr.span));
-                    values.push((parameter.name.text.clone(), value));
+                    let definition = Some(DefinitionId { file: declared_in, span: parameter.name.span });
+                    values.push(Local { name: parameter.name.text.clone(), value, definition });
                 }
                 Err(reported) => failures.add(reported),
             }

@@ -1,20 +1,23 @@
 //! What the checker knows while it walks through one task.
 
+use super::functions;
 use super::inherit::Placed;
-use super::notes::Taken;
 use super::random::KnownRandom;
+use super::ranges::Working;
 use super::reference::{KnownReference, Motions};
 use super::scene::Surroundings;
 use super::scene::geometry::Known;
-use super::scope::{Names, Place};
+use super::scope::{Declared, Names, Place};
 use super::value::Value;
 use crate::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
-use crate::graph::interval::Bounds;
+use crate::graph::interval::{self, Bounds};
 use crate::graph::{Graph, NodeId};
+use crate::hir::{DefinitionId, ExprId, Hir, Resolution, TypedFormulas};
 use crate::spoken::SpokenUnit;
 use crate::vocabulary::Vocabulary;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 pub(crate) use crate::diagnostics::{Checked, Failures, Reported};
 
@@ -26,6 +29,15 @@ const LANES: usize = 1_000_000;
 
 /// Brackets, calls and names nested in each other; each level costs native stack.
 const DEEPEST: usize = 160;
+
+/// An argument of the function being inlined, or a loop variable.
+#[derive(Debug, Clone)]
+pub(crate) struct Local {
+    pub name: String,
+    pub value: Value,
+    /// Where it is declared; nothing for what a scene repeats.
+    pub definition: Option<DefinitionId>,
+}
 
 /// A function call or a name on the way to where the checker stands.
 #[derive(Debug, Clone)]
@@ -112,13 +124,15 @@ pub(crate) struct Checker<'a> {
     /// Where names are looked up now.
     pub place: Place,
     /// Arguments of the function being inlined and loop variables, innermost last.
-    pub locals: Vec<(String, Value)>,
+    pub locals: Vec<Local>,
     /// How the checker came here.
     pub path: Vec<Step>,
     /// Whether declared states are read after their update, as observations do.
     pub after: bool,
     /// Values of names already checked.
     pub memo: BTreeMap<(Place, bool, String), Checked<Value>>,
+    /// Formulas of names already checked, beside their values.
+    pub formulas: BTreeMap<(Place, bool, String), ExprId>,
     /// Names of the task that something reads.
     pub used: BTreeSet<String>,
     pub cells: Vec<Cell>,
@@ -158,8 +172,8 @@ pub(crate) struct Checker<'a> {
     pub comparisons: Vec<Compared>,
     /// Queries of the terrain, to which sensors refer.
     pub queries: Vec<Query>,
-    /// What is understood of each place, where an editor asks for it.
-    pub notes: Option<Taken>,
+    /// Every formula checked so far.
+    pub hir: Hir,
     depth: usize,
     budget: usize,
     /// That nothing is left of the budget, once that is reported.
@@ -181,6 +195,7 @@ impl<'a> Checker<'a> {
             path: Vec::new(),
             after: false,
             memo: BTreeMap::new(),
+            formulas: BTreeMap::new(),
             used: BTreeSet::new(),
             cells: Vec::new(),
             broken_states: BTreeMap::new(),
@@ -201,7 +216,7 @@ impl<'a> Checker<'a> {
             in_tests: None,
             comparisons: Vec::new(),
             queries: Vec::new(),
-            notes: names.notes.as_ref().map(|_| Taken::default()),
+            hir: Hir::default(),
             depth: 0,
             budget: BUDGET,
             spent: None,
@@ -279,14 +294,39 @@ impl<'a> Checker<'a> {
     /// whoever comes to these names again is told.
     pub(crate) fn attempt<T>(&mut self, check: impl FnOnce(&mut Self) -> Checked<T>) -> Option<T> {
         let (told, memo, spent) = (self.diagnostics.len(), self.memo.clone(), self.spent);
+        let (mark, formulas) = (self.hir.mark(), self.formulas.clone());
         let ends = (self.ends.clone(), self.finishes.clone());
         let result = check(self);
         if result.is_err() {
             self.diagnostics.truncate(told);
             (self.memo, self.spent) = (memo, spent);
+            self.formulas = formulas;
+            self.hir.rewind(mark);
             (self.ends, self.finishes) = ends;
         }
         result.ok()
+    }
+
+    /// Records what a name at `span` of the present file stands for.
+    pub(crate) fn resolved(&mut self, span: Span, resolution: Resolution) {
+        self.hir.resolved(self.place.file, span, resolution);
+    }
+
+    /// Records that a name at `span` of the present file stands for a declaration.
+    pub(crate) fn resolved_to(&mut self, span: Span, declared: Declared<'a>) {
+        let definition = declared.id();
+        self.resolved(span, Resolution::Definition(definition));
+        self.hir.documented(definition, declared.definition.docs());
+    }
+
+    /// Keeps the typed HIR for the language server, where it asks for it.
+    pub(crate) fn keep_for_editors(&self, hir: Arc<Hir>, graph: &Graph) {
+        let Some(kept) = &self.names.typed else { return };
+        let ranges = Working { vocabulary: self.vocabulary, queries: &self.queries, timing: self.timing };
+        let bounds = interval::analyse(graph, &ranges);
+        let constants = self.known.keys().cloned().collect();
+        let function = |name: &str| functions::find(name).map(|function| (function.signature, function.description));
+        kept.borrow_mut().push(TypedFormulas { hir, bounds, constants, function });
     }
 
     /// Runs `check` where a statement of the task stands, which may be another file than the task's.

@@ -14,12 +14,18 @@ impl<'a> Checker<'a> {
     /// # Errors
     /// Whatever is wrong in it; both sides of an operator are looked at before giving up.
     pub(crate) fn value(&mut self, expr: &'a Expr) -> Checked<Value> {
-        let value = self.deeper(expr.span, |checker| checker.value_here(expr))?;
+        let id = self.hir.open(self.place.file, expr.span, (&expr.kind).into());
+        let value = self.deeper(expr.span, |checker| checker.value_here(expr)).and_then(|value| self.verified(value, expr.span));
+        self.hir.close(id, value.as_ref().ok());
+        value
+    }
+
+    /// A value whose node is as wide as its type says.
+    fn verified(&mut self, value: Value, span: Span) -> Checked<Value> {
         if let Value::Data(data) = &value {
             self.graph.verify_width(data.node, data.kind.lanes());
         }
-        self.must_be_consistent(expr.span)?;
-        self.note_value(expr.span, &value);
+        self.must_be_consistent(span)?;
         Ok(value)
     }
 
@@ -442,7 +448,7 @@ impl<'a> Checker<'a> {
         let values = self.loop_values(source)?;
         let mut elements = Vec::with_capacity(values.len());
         for value in values {
-            self.locals.push((variable.text.clone(), value));
+            self.locals.push(self.local(variable, value));
             let one = self.value(element);
             self.locals.pop();
             let broken = one.is_err();

@@ -44,6 +44,7 @@ use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::{Binary, Memory, Operation};
 use crate::graph::{Graph, NodeId};
+use crate::hir::{Hir, Resolution};
 use crate::numbers::for_people;
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind};
 use crate::task::RootPlacement;
@@ -106,6 +107,19 @@ pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &
 /// A warning about a term, at its formula.
 fn at(code: &'static Code, term: &PaidTerm<'_>, message: String) -> Diagnostic {
     Diagnostic::new(code, term.file, term.formula.span, message)
+}
+
+/// Where a term names what is looked for: in its formula, or behind names and functions, each place once.
+fn named_in(hir: &Hir, term: &PaidTerm<'_>, wanted: impl Fn(Resolution) -> bool) -> Vec<(FileId, Span)> {
+    let exprs = hir.read_by(term.expr).into_iter().map(|id| hir.expr(id));
+    let mut found: Vec<(FileId, Span)> = Vec::new();
+    for (file, span) in exprs.filter_map(|expr| expr.name.filter(|(_, to)| wanted(*to)).map(|(span, _)| (expr.file, span))) {
+        // A function is inlined at each call.
+        if !found.contains(&(file, span)) {
+            found.push((file, span));
+        }
+    }
+    found
 }
 
 /// A term that is the same at every step pays nothing for anything.

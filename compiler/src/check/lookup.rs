@@ -1,11 +1,12 @@
 //! Names and selectors: what a word stands for.
 
-use super::context::{Checked, Checker, Reported, Step};
+use super::context::{Checked, Checker, Local, Reported, Step};
 use super::scope::{Declared, Definition, Place};
 use super::signals::{self, Owner};
 use super::value::{Thing, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::diagnostics::{name_elsewhere, nearest, synonyms};
+use crate::hir::{DefinitionId, Resolution};
 use crate::syntax::tree::{Ident, Name, NamePart, Text};
 use crate::vocabulary::{GroupKind, JointKind};
 use std::collections::BTreeSet;
@@ -70,7 +71,7 @@ impl<'a> Checker<'a> {
     }
 
     fn loop_number(&mut self, variable: &str, span: Span) -> Checked<String> {
-        let local = self.locals.iter().rev().find(|(name, _)| name == variable).map(|(_, value)| value.clone());
+        let local = self.locals.iter().rev().find(|local| local.name == variable).map(|local| local.value.clone());
         if let Some(Value::Data(data)) = &local
             && let Some(number) = self.graph.constant_value(data.node)
         {
@@ -99,21 +100,30 @@ impl<'a> Checker<'a> {
         Ok(fitting)
     }
 
+    /// A loop variable or a random on trial, declared in the present file.
+    pub(crate) fn local(&self, name: &Ident, value: Value) -> Local {
+        let definition = Some(DefinitionId { file: self.place.file, span: name.span });
+        Local { name: name.text.clone(), value, definition }
+    }
+
     pub(crate) fn plain_name(&mut self, text: &str, span: Span) -> Checked<Value> {
-        if let Some((_, value)) = self.locals.iter().rev().find(|(name, _)| name == text) {
-            return Ok(value.clone());
+        if let Some(local) = self.locals.iter().rev().find(|local| local.name == text) {
+            let value = local.value.clone();
+            if let Some(definition) = local.definition {
+                self.resolved(span, Resolution::Definition(definition));
+            }
+            return Ok(value);
         }
         if let Some(data) = self.test_name(text) {
             return Ok(Value::Data(data));
         }
         if let Some((declared, place)) = self.names.find(self.place, text) {
-            let value = self.declared(text, declared, place, span)?;
-            self.note_docs(self.place.file, span, declared.definition.docs());
-            self.note_declared(declared.file, declared.definition.span(), &value, declared.definition.docs());
-            return Ok(value);
+            self.resolved_to(span, declared);
+            return self.declared(text, declared, place, span);
         }
         if let Some(thing) = self.body_element(text) {
             self.used.insert(text.to_owned());
+            self.resolved(span, Resolution::Entity);
             return Ok(thing);
         }
         if let Some(place) = self.marker(text, span) {
@@ -121,7 +131,7 @@ impl<'a> Checker<'a> {
         }
         for owner in [Owner::Time, Owner::WholeBody] {
             if let Some(signal) = signals::find(owner, text) {
-                self.note_signal(span, signal);
+                self.resolved(span, Resolution::Signal(signal));
                 return self.single_signal(signal, span).map(Value::Data);
             }
         }
@@ -161,7 +171,7 @@ impl<'a> Checker<'a> {
         let plain = |name: &String| name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
         let mut names: Vec<String> = self.body_names().into_iter().filter(plain).collect();
         names.extend(self.names.in_sight(self.place).map(str::to_owned));
-        names.extend(self.locals.iter().map(|(name, _)| name.clone()));
+        names.extend(self.locals.iter().map(|local| local.name.clone()));
         names.extend(
             self.surroundings.iter().flat_map(|known| known.statements.markers.iter().filter_map(|marker| marker.name.clone())),
         );
@@ -271,8 +281,10 @@ impl<'a> Checker<'a> {
         };
         let key = (place, self.after, text.to_owned());
         if let Some(known) = self.memo.get(&key) {
+            self.hir.stands_for(self.formulas.get(&key).copied());
             return known.clone();
         }
+        let formula = self.hir.next();
         self.enter(Step { name: text.to_owned(), file: self.place.file, span, call: false }, declared)?;
         let value = self.elsewhere(place, |checker| {
             let value = checker.value(&binding.value)?;
@@ -280,6 +292,10 @@ impl<'a> Checker<'a> {
             Ok(value)
         });
         self.path.pop();
+        if value.is_ok() {
+            self.hir.stands_for(Some(formula));
+            self.formulas.insert(key.clone(), formula);
+        }
         self.memo.insert(key, value.clone());
         value
     }

@@ -11,6 +11,7 @@ use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
+use crate::hir::{Resolution, entity_name};
 use crate::syntax::tree::{Expr, ExprKind, Name};
 use crate::vocabulary::JointKind;
 
@@ -79,7 +80,7 @@ impl<'a> Checker<'a> {
             return Err(self.unknown_property(things[0], owner, name));
         };
         self.must_be_supported(signal, name.span)?;
-        self.note_signal(name.span, signal);
+        self.resolved(name.span, Resolution::Signal(signal));
         self.spend(things.len(), span)?;
         match owner {
             Owner::Joint => self.joint_property(things, list, signal.read, span),
@@ -144,16 +145,7 @@ impl<'a> Checker<'a> {
 
     /// How an error calls a part of the body.
     pub(crate) fn thing_name(&self, thing: Thing) -> String {
-        let body = self.vocabulary;
-        match thing {
-            Thing::Landmark(index) if body.landmarks[index].of_scene => format!("the object `{}`", body.landmarks[index].name),
-            Thing::Landmark(index) => format!("the landmark `{}`", body.landmarks[index].name),
-            Thing::Joint(index) => format!("the joint `{}`", body.joints[index].name),
-            Thing::Muscle(index) => format!("the muscle `{}`", body.muscles[index].name),
-            Thing::CentreOfMass => "the centre of mass `com`".to_owned(),
-            Thing::Ground => "the `ground`".to_owned(),
-            Thing::Robot => "the body as a whole, `robot`".to_owned(),
-        }
+        entity_name(self.vocabulary, thing)
     }
 
     /// Properties of landmarks and of the centre of mass.

@@ -100,7 +100,7 @@ impl<'a> Checker<'a> {
         }
         let mut inputs = vec![candidate.node];
         if let Some(accept) = &random.accept {
-            self.locals.push((random.name.text.clone(), Value::Data(candidate.clone())));
+            self.locals.push(self.local(&random.name, Value::Data(candidate.clone())));
             let condition = self.single_condition(accept);
             self.locals.pop();
             let condition = condition?;

@@ -130,7 +130,7 @@ impl<'a> Checker<'a> {
     fn reference_named(&mut self, base: &Expr) -> Option<Checked<usize>> {
         let ExprKind::Name(name) = &base.kind else { return None };
         let (declared, _) = self.names.find(self.place, &name.text)?;
-        if !matches!(declared.definition, Definition::Reference(_)) || self.locals.iter().any(|(local, _)| *local == name.text) {
+        if !matches!(declared.definition, Definition::Reference(_)) || self.locals.iter().any(|local| local.name == name.text) {
             return None;
         }
         self.used.insert(name.text.clone());

@@ -9,8 +9,9 @@ use super::value::Data;
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Binary;
+use crate::hir::{ExprId, Resolution};
 use crate::numbers::{exact, for_people, told_apart};
-use crate::syntax::tree::{Bounds, Docs, Expr, ExprKind, Reward, Term};
+use crate::syntax::tree::{Bounds, Docs, Expr, Reward, Term};
 use crate::weights::{LARGEST, may_be};
 
 /// A term that the graph computes.
@@ -23,6 +24,8 @@ pub(crate) struct PaidTerm<'a> {
     pub range: Option<[f64; 2]>,
     pub fixed: bool,
     pub formula: &'a Expr,
+    /// The same in the typed HIR.
+    pub expr: ExprId,
     /// Documentation.
     pub docs: Option<&'a Docs>,
     /// In which file.
@@ -61,6 +64,7 @@ impl<'a> Checker<'a> {
                 .help("only a task that extends another may leave it out");
             return Err(self.report(diagnostic));
         };
+        let expr = self.hir.next();
         let data = self.data(formula).and_then(|data| self.must_be_payable(data, formula, &term.name.text));
         let ((weight, range, fixed), mut data) = (weight?, data?);
         if let Some(value) = self.graph.constant_value(data.node).filter(|value| !value.is_finite()) {
@@ -69,7 +73,7 @@ impl<'a> Checker<'a> {
             return Err(self.report(diagnostic.help("every episode would end in a fault at its first step")));
         }
         if per_second {
-            self.must_be_a_rate(formula, data.node, &term.name.text)?;
+            self.must_be_a_rate(formula, expr, data.node, &term.name.text)?;
             let interval = self.graph.constant(self.timing.interval);
             data = Data::new(self.graph.binary(Binary::Multiply, data.node, interval), ElementType::PLAIN);
         }
@@ -80,6 +84,7 @@ impl<'a> Checker<'a> {
             range,
             fixed,
             formula,
+            expr,
             docs: term.docs.as_ref(),
             file: self.place.file,
             per_second,
@@ -89,20 +94,36 @@ impl<'a> Checker<'a> {
     }
 
     /// What is paid once would be paid a fraction as a rate: `once` does not go with `reward per second`.
-    fn must_be_a_rate(&mut self, formula: &Expr, node: NodeId, name: &str) -> Checked<()> {
+    fn must_be_a_rate(&mut self, formula: &Expr, expr: ExprId, node: NodeId, name: &str) -> Checked<()> {
         if events::single_event(&self.graph, node).is_none() {
             return Ok(());
         }
-        let (here, span) = match single_event(formula) {
-            Some((word, span)) => (format!("`{word}` holds at one step"), span),
+        let event = self.single_event(expr);
+        let own = formula.span;
+        let within = |(file, span): (FileId, Span)| file == self.place.file && own.start <= span.start && span.end <= own.end;
+        let (here, span) = match event {
+            Some((word, place)) if within(place) => (format!("`{word}` holds at one step"), place.1),
+            Some((word, _)) => (format!("behind a name in this, `{word}` holds at one step"), formula.span),
             None => ("behind a name in this, `once`, `rising` or `falling` holds at one step".to_owned(), formula.span),
         };
         let message = format!("the term `{name}` pays a single step, but `reward per second` pays over time");
-        let diagnostic = self
-            .diagnostic(codes::composition::ONCE_PER_SECOND, span, message)
-            .here(here)
-            .help("move the term into `reward { }`, which pays per control step");
-        Err(self.report(diagnostic))
+        let diagnostic = self.diagnostic(codes::composition::ONCE_PER_SECOND, span, message).here(here);
+        let diagnostic = match event.filter(|(_, place)| !within(*place)) {
+            Some((word, (file, span))) => diagnostic.label(file, span, format!("`{word}` stands here")),
+            None => diagnostic,
+        };
+        Err(self.report(diagnostic.help("move the term into `reward { }`, which pays per control step")))
+    }
+
+    /// The first call of what holds at one step only, in a formula or behind its names and functions.
+    fn single_event(&self, formula: ExprId) -> Option<(&'static str, (FileId, Span))> {
+        const EVENTS: [&str; 3] = ["once", "rising", "falling"];
+        let read = self.hir.read_by(formula);
+        let mut calls = read.into_iter().map(|id| self.hir.expr(id)).filter_map(|expr| match expr.name {
+            Some((_, Resolution::Function(name))) => Some((name, (expr.file, expr.span))),
+            _ => None,
+        });
+        calls.find(|(name, _)| EVENTS.contains(name))
     }
 
     fn weight(&mut self, term: &Term) -> Checked<(f64, Option<[f64; 2]>, bool)> {
@@ -167,29 +188,4 @@ impl<'a> Checker<'a> {
         };
         Err(self.report(diagnostic))
     }
-}
-
-/// The first call in a formula of what holds at one step only.
-fn single_event(expr: &Expr) -> Option<(&str, Span)> {
-    const EVENTS: [&str; 3] = ["once", "rising", "falling"];
-    let mut parts: Vec<&Expr> = Vec::new();
-    match &expr.kind {
-        ExprKind::Call { function, arguments } => {
-            if let ExprKind::Name(name) = &function.kind
-                && EVENTS.contains(&name.text.as_str())
-            {
-                return Some((&name.text, expr.span));
-            }
-            parts.extend(arguments.iter().map(|argument| &argument.value));
-        }
-        ExprKind::Paren(inner) | ExprKind::Unary { operand: inner, .. } => parts.push(inner),
-        ExprKind::Binary { left, right, .. } => parts.extend([&**left, &**right]),
-        ExprKind::When { value, condition } => parts.extend([&**value, &**condition]),
-        ExprKind::If { branches, otherwise } => {
-            parts.extend(branches.iter().flat_map(|(condition, value)| [condition, value]));
-            parts.push(otherwise);
-        }
-        _ => {}
-    }
-    parts.into_iter().find_map(single_event)
 }

@@ -7,8 +7,8 @@
 //! Local names come first, then declarations, then the body and the signals.
 
 use super::inherit::WholeTask;
-use super::notes::Notebook;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use crate::hir::{DefinitionId, TypedFormulas};
 use crate::syntax::tree::{
     Binding, Clock, Docs, Entry, File, Function, Item, Observation, Random, Reference, StateDeclaration, TaskParameter,
     TaskStatement,
@@ -74,6 +74,13 @@ impl<'a> Definition<'a> {
 pub(crate) struct Declared<'a> {
     pub definition: Definition<'a>,
     pub file: FileId,
+}
+
+impl Declared<'_> {
+    /// Its identity.
+    pub(crate) fn id(&self) -> DefinitionId {
+        DefinitionId { file: self.file, span: self.definition.span() }
+    }
 }
 
 /// A file with the files that it uses directly.
@@ -161,12 +168,11 @@ impl<'a> Globals<'a> {
 }
 
 /// Declarations in sight of one task.
-#[derive(Debug)]
 pub(crate) struct Names<'a> {
     task: BTreeMap<&'a str, Declared<'a>>,
     globals: &'a Globals<'a>,
-    /// What is understood of each place, where an editor asks for it.
-    pub notes: Option<Notebook>,
+    /// The typed HIR of all that is checked in its sight, where the language server asks for it.
+    pub typed: Option<RefCell<Vec<TypedFormulas>>>,
     /// Functions that were called, and so checked.
     pub called: RefCell<BTreeSet<(FileId, String)>>,
 }
@@ -174,7 +180,7 @@ pub(crate) struct Names<'a> {
 impl<'a> Names<'a> {
     /// The declarations of files alone.
     pub(crate) fn global(globals: &'a Globals<'a>) -> Self {
-        Self { task: BTreeMap::new(), globals, notes: None, called: RefCell::default() }
+        Self { task: BTreeMap::new(), globals, typed: None, called: RefCell::default() }
     }
 
     /// The declarations of files and those of `task`; clashes with the latter are errors.

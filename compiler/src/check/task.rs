@@ -18,16 +18,20 @@ use crate::diagnostics::{Allowance, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
+use crate::hir::Hir;
 use crate::numbers::for_people;
 use crate::scene::SceneDescription;
 use crate::syntax::tree::{BodyUse, Docs, Expr, StateDeclaration, TaskStatement, Test};
 use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
+use std::sync::Arc;
 
 /// A task whose every formula is checked and in the graph.
 #[derive(Clone)]
 pub(crate) struct CheckedTask<'a> {
     pub graph: Graph,
+    /// Its formulas with their types.
+    pub hir: Arc<Hir>,
     pub family: String,
     pub control_frequency: f64,
     pub timing: Timing,
@@ -160,7 +164,8 @@ pub(crate) fn check<'a>(
     let broken = Reported::among(&checker.diagnostics);
     let mut told = Told { formulas: std::mem::take(&mut checker.diagnostics), whole: Vec::new() };
     let graph = std::mem::take(&mut checker.graph);
-    checker.hand_over_notes(checked.as_ref().map_or(&graph, |checked| &checked.graph));
+    let hir = checked.as_ref().map_or_else(|_| Arc::new(std::mem::take(&mut checker.hir)), |checked| checked.hir.clone());
+    checker.keep_for_editors(hir, checked.as_ref().map_or(&graph, |checked| &checked.graph));
     let mut checked = checked.and_then(|checked| broken.map_or(Ok(checked), Err));
     if let Ok(checked) = &mut checked {
         lints::unused(&checker, &mut told.whole);
@@ -230,7 +235,6 @@ impl<'a> Checker<'a> {
         let begun_at = parts.init.last().map(|(block, file)| (*file, block.keyword));
         let success_at = sequence.success.or(parts.success).map(|(expr, file)| (file, expr.span));
         Ok(CheckedTask {
-            graph: std::mem::take(&mut self.graph),
             family: parts.family.map(|(family, _)| family).unwrap_or_default().to_owned(),
             control_frequency,
             timing: self.timing,
@@ -260,6 +264,9 @@ impl<'a> Checker<'a> {
             updates: updates?,
             states: std::mem::take(&mut self.cells),
             tests,
+            // Last: what is taken here is lost where a part above is wrong.
+            graph: std::mem::take(&mut self.graph),
+            hir: Arc::new(std::mem::take(&mut self.hir)),
         })
     }
 
@@ -292,12 +299,13 @@ impl<'a> Checker<'a> {
         }
         let (graph, memo, used) = (self.graph.clone(), self.memo.clone(), self.used.clone());
         let (compared, queries, repeated) = (self.comparisons.len(), self.queries.len(), self.repeated.len());
-        let notes = self.notes.take();
+        let (mark, formulas) = (self.hir.mark(), self.formulas.clone());
         for (name, declared) in unread {
             // An error is reported where it stands.
             let _ = self.in_file(declared.file, |checker| checker.plain_name(name, declared.definition.span()));
         }
-        (self.graph, self.memo, self.used, self.notes) = (graph, memo, used, notes);
+        (self.graph, self.memo, self.used, self.formulas) = (graph, memo, used, formulas);
+        self.hir.rewind(mark);
         self.comparisons.truncate(compared);
         self.queries.truncate(queries);
         self.repeated.truncate(repeated);

@@ -2,8 +2,8 @@
 
 use super::Suite;
 use crate::body::BodyDescription;
-use crate::check::notes::Note;
 use crate::diagnostics::{FileId, Report, Span};
+use crate::hir::TypedFormulas;
 use crate::syntax::tree;
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
@@ -47,6 +47,6 @@ pub struct TaskScope {
     pub span: Span,
     /// What exists on its body and in its scene.
     pub vocabulary: Vocabulary,
-    /// What was understood of each place, by file and place.
-    pub notes: Vec<Note>,
+    /// The typed HIR of its scene and of each of its phases.
+    pub typed: Vec<TypedFormulas>,
 }

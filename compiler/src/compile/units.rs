@@ -4,7 +4,6 @@ use super::unread::Unread;
 use super::{Described, SourceFile, TaskScope};
 use crate::body::BodyDescription;
 use crate::check::inherit::{self, Budget, Find, InFile, Placed, WholeTask};
-use crate::check::notes::{Note, Notebook};
 use crate::check::reference::{Motions, Tables};
 use crate::check::scope::{Globals, Names};
 use crate::check::task::{Around, InSequence, Told, body_of};
@@ -13,6 +12,7 @@ use crate::diagnostics::{Allowance, Checked, Diagnostic, Failures, FileId, Repor
 use crate::explain::definitions;
 use crate::files::BodySource;
 use crate::frame::Query;
+use crate::hir::TypedFormulas;
 use crate::lower::{CheckedPhase, Heading, Tested, finish};
 use crate::motion::Motion;
 use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, Task, TaskStatement};
@@ -224,13 +224,9 @@ fn same_body(
     failures.or(())
 }
 
-/// The notes of all phases, one for each place.
-fn gathered(all_names: &[Names<'_>]) -> Vec<Note> {
-    let books = all_names.iter().filter_map(|names| names.notes.as_ref());
-    let mut notes: Vec<Note> = books.flat_map(|book| book.take()).collect();
-    notes.sort_by_key(|note| (note.file, note.span));
-    notes.dedup_by_key(|note| (note.file, note.span));
-    notes
+/// The typed HIR of the scene and of all phases.
+fn gathered(all_names: &[Names<'_>]) -> Vec<TypedFormulas> {
+    all_names.iter().filter_map(|names| names.typed.as_ref()).flat_map(RefCell::take).collect()
 }
 
 /// Checks all phases of a unit, or the one that a task is. Each knows which `queries` of the ground those before it make.
@@ -310,7 +306,7 @@ impl Compiler<'_> {
         let mut all_names: Vec<Names<'_>> =
             unit.phases.iter().map(|phase| Names::of(self.globals, &phase.task, diagnostics)).collect();
         if self.noting {
-            all_names.iter_mut().for_each(|names| names.notes = Some(Notebook::default()));
+            all_names.iter_mut().for_each(|names| names.typed = Some(RefCell::default()));
         }
         let (description, vocabulary) = self.body(first, &all_names[0], diagnostics)?;
         let phase_names: Vec<String> = match &unit.sequence {
@@ -377,7 +373,7 @@ impl Compiler<'_> {
         }
         if self.noting {
             let (name, span) = (unit.name.text.clone(), unit.name.span);
-            scopes.push(TaskScope { name, file: unit.file, span, notes: gathered(&all_names), vocabulary: vocabulary.clone() });
+            scopes.push(TaskScope { name, file: unit.file, span, typed: gathered(&all_names), vocabulary: vocabulary.clone() });
         }
         let checked = checked?;
         let shared = unit.sequence.iter().flatten().filter_map(|placed| match &placed.statement {

@@ -1,10 +1,10 @@
 //! Whether a motion fits a body: its joints exist and are measured in the right unit.
 
 use super::{Motion, Target};
-use crate::check::dimension::Dimension;
-use crate::check::unit;
 use crate::diagnostics::{Diagnostic, FileId, codes, nearest};
 use crate::numbers::told_apart;
+use crate::quantity::dimension::Dimension;
+use crate::quantity::unit;
 use crate::vocabulary::{Joint, JointKind, Vocabulary};
 
 /// How far a spline may leave the range of a joint between rows that keep it, rad or m.

@@ -14,10 +14,10 @@ mod sites;
 
 pub use begin::{Following, Parts, Path, Start};
 
-use crate::check::dimension::Dimension;
 use crate::diagnostics::Span;
 use crate::digest::hexadecimal;
 use crate::extremes::{between, maximum, minimum};
+use crate::quantity::dimension::Dimension;
 use curve::Curve;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;

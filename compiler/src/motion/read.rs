@@ -2,10 +2,10 @@
 
 use super::curve::Curve;
 use super::{Column, Motion, RootPart, Target};
-use crate::check::dimension::Dimension;
-use crate::check::unit;
 use crate::diagnostics::{Checked, Code, Diagnostic, Failures, FileId, Reported, Span, codes, nearest};
 use crate::numbers::{for_people, told_apart};
+use crate::quantity::dimension::Dimension;
+use crate::quantity::unit;
 
 /// What the head of a motion may say.
 const WORDS: [&str; 5] = ["name", "source", "cycle", "duration", "advances"];

@@ -2,8 +2,8 @@
 
 use super::curve::Curve;
 use super::{Column, Motion, RootPart, Target};
-use crate::check::dimension::Dimension;
 use crate::diagnostics::Span;
+use crate::quantity::dimension::Dimension;
 
 impl Motion {
     /// The same motion with columns for the places of landmarks: `rows` has, for each row of the table, a place (world axes, m)

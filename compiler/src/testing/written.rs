@@ -4,8 +4,8 @@
 //! describes, [`WrittenScript::cheat`] the block of a task that says so. It begins as the task does.
 
 use super::{Keyframe, Take};
-use crate::check::unit;
 use crate::numbers::exact;
+use crate::quantity::unit;
 use crate::task::{CompiledTask, Setting, Spread};
 use crate::vocabulary::{JointKind, Vocabulary};
 

@@ -5,9 +5,9 @@
 //! and then one of another kind slips in, so that errors are met as well. Calls are grown from the table of functions: of every
 //! function, with one value or a list for every parameter.
 
-use msk_compiler::check::dimension::Dimension;
 use msk_compiler::check::functions::signature::{Parameter, Shapes, Takes};
 use msk_compiler::check::functions::{Checks, FUNCTIONS, Function, OPERATORS};
+use msk_compiler::quantity::dimension::Dimension;
 
 /// Bytes as choices; when they are used up, the first choice is always taken, so that every program ends.
 pub struct Choices<'a> {

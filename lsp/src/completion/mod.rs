@@ -11,12 +11,13 @@ use crate::index::Space;
 use crate::positions::{Encoding, Lines};
 use crate::workspace::{Workspace, file_of};
 use lsp_types::{CompletionItem, CompletionItemKind, CompletionTextEdit, Documentation, TextEdit};
-use msk_compiler::check::notes::Members;
+use msk_compiler::check::functions;
 use msk_compiler::check::scene::elements;
-use msk_compiler::check::signals::{self, Owner};
-use msk_compiler::check::{functions, unit};
 use msk_compiler::compile::Inspection;
 use msk_compiler::diagnostics::{FileId, Span};
+use msk_compiler::hir::Members;
+use msk_compiler::quantity::unit;
+use msk_compiler::signals::{self, Owner};
 use msk_compiler::syntax::parse;
 use msk_compiler::vocabulary::{GroupKind, JointKind, Vocabulary};
 use place::{Place, Wanted};
@@ -96,12 +97,11 @@ fn members(workspace: &Workspace<'_>, path: &Path, text: &str, place: &Place) ->
     }
 }
 
-/// What the compiler understood of the formula that ends at `dot`.
+/// What may follow the formula that ends at `dot`, from the typed HIR.
 fn member_at(whole: &Inspection, path: &Path, dot: usize) -> Option<Members> {
     let file = file_of(whole, path)?;
-    let notes = whole.scopes.iter().flat_map(|scope| &scope.notes);
-    let ending = notes.filter(|note| note.file == file && note.span.end as usize == dot && note.members != Members::None);
-    ending.max_by_key(|note| note.span.end - note.span.start).map(|note| note.members.clone())
+    let typed = whole.scopes.iter().flat_map(|scope| scope.typed.iter().map(|typed| typed.members(&scope.vocabulary, file, dot)));
+    typed.flatten().max_by_key(|(span, _)| span.end - span.start).map(|(_, members)| members)
 }
 
 /// The name that ends at `dot`.

@@ -4,7 +4,7 @@ use super::{Body, Joint, Landmark, Muscle, NEUTRAL, Root, anatomical_axes, coupl
 use crate::model::{GeomKind, JointKind, Model};
 use core::ops::Range;
 use msk_compiler::body::{BodyDescription, LandmarkDescription};
-use msk_compiler::check::dimension::Dimension;
+use msk_compiler::quantity::dimension::Dimension;
 use msk_compiler::spoken::SpokenUnit;
 use msk_compiler::vocabulary::{Group, GroupKind, Pose};
 use nalgebra::Vector3;

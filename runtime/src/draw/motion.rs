@@ -10,8 +10,8 @@ use crate::body::sensors::Snapshot;
 use crate::model::Model;
 use crate::physics::{State, Workspace};
 use core::fmt::Write;
-use msk_compiler::check::dimension::Dimension;
 use msk_compiler::motion::{Motion, RootPart, Target};
+use msk_compiler::quantity::dimension::Dimension;
 
 /// Width of the whole picture and height of the strip of bodies, as in charts.
 const WIDTH: f64 = 1000.0;

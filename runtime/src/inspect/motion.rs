@@ -156,7 +156,7 @@ fn columns(model: &Model, body: &Body, motion: &Motion) -> Vec<MotionColumn> {
         MotionColumn {
             name: column.target.name().into_owned(),
             unit: column.unit.clone(),
-            factor: msk_compiler::check::unit::find(&column.unit).map_or(1.0, |unit| unit.factor),
+            factor: msk_compiler::quantity::unit::find(&column.unit).map_or(1.0, |unit| unit.factor),
             values: motion.range(index),
             rate: fast.at_least(-slow),
             range: joint.and_then(|joint| joint.range),

@@ -1,8 +1,12 @@
-//! Conversions between degrees and radians by hand, where angles carry their unit.
+//! Conversions between degrees and radians by hand, where angles carry their unit, whatever names their constants have.
 
 use crate::check::context::Checker;
 use crate::diagnostics::codes;
+use crate::graph::Graph;
+use crate::hir::value::Value;
+use crate::hir::{ExprId, ExprKind as Kind, Hir, Resolution};
 use crate::numbers::exact;
+use crate::signals::Read;
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, Quantity};
 use std::f64::consts::PI;
 
@@ -15,7 +19,12 @@ const FACTORS: usize = 8;
 impl Checker<'_> {
     /// Warns of a factor pi / 180 or its reciprocal.
     pub(crate) fn warn_degrees(&mut self, divide: bool, left: &Expr, right: &Expr) {
-        let Some(into_radians) = conversion(divide, left, right).filter(|_| self.in_tests.is_none()) else { return };
+        let file = self.place.file;
+        let (Some(left_id), Some(right_id)) = (self.hir.latest(file, left.span), self.hir.latest(file, right.span)) else {
+            return;
+        };
+        let sides = Sides { hir: &self.hir, graph: &self.graph };
+        let Some(into_radians) = sides.conversion(divide, left_id, right_id).filter(|_| self.in_tests.is_none()) else { return };
         let span = left.span.to(right.span);
         let written = factors(left).into_iter().chain([right]).filter_map(angle).next();
         if !into_radians {
@@ -46,30 +55,59 @@ impl Checker<'_> {
     }
 }
 
-/// Whether a product or quotient turns degrees into radians (`true`), radians into degrees (`false`), or neither.
-fn conversion(divide: bool, left: &Expr, right: &Expr) -> Option<bool> {
-    let is = |expr: &Expr, wanted: f64| plain(expr).is_some_and(|value| (value / wanted - 1.0).abs() < ROUNDED);
-    let holds = |expr: &Expr, wanted: f64| factors(expr).into_iter().any(|factor| is(factor, wanted));
-    if divide && is(right, 180.0) && holds(left, PI) || !divide && (is(right, PI / 180.0) || is(left, PI / 180.0)) {
-        return Some(true);
-    }
-    if divide && is(right, PI) && holds(left, 180.0) || !divide && (is(right, 180.0 / PI) || is(left, 180.0 / PI)) {
-        return Some(false);
-    }
-    match divide {
-        true if is(right, 180.0 / PI) => Some(true),
-        true if is(right, PI / 180.0) => Some(false),
-        _ => None,
-    }
+/// Both sides of a product or quotient, as they are in the typed HIR.
+struct Sides<'c> {
+    hir: &'c Hir,
+    graph: &'c Graph,
 }
 
-/// The value of a number that is written without unit, or of `pi`.
-fn plain(expr: &Expr) -> Option<f64> {
-    match &expr.kind {
-        ExprKind::Paren(inner) => plain(inner),
-        ExprKind::Number(number) if number.unit.is_none() => Some(number.value),
-        ExprKind::Name(name) if name.text == "pi" => Some(PI),
-        _ => None,
+impl Sides<'_> {
+    /// Whether a product or quotient turns degrees into radians (`true`), radians into degrees (`false`), or neither.
+    fn conversion(&self, divide: bool, left: ExprId, right: ExprId) -> Option<bool> {
+        let is = |id: ExprId, wanted: f64| self.plain(id).is_some_and(|value| (value / wanted - 1.0).abs() < ROUNDED);
+        let holds = |id: ExprId, wanted: f64| self.factors(id).into_iter().any(|factor| is(factor, wanted));
+        if divide && is(right, 180.0) && holds(left, PI) || !divide && (is(right, PI / 180.0) || is(left, PI / 180.0)) {
+            return Some(true);
+        }
+        if divide && is(right, PI) && holds(left, 180.0) || !divide && (is(right, 180.0 / PI) || is(left, 180.0 / PI)) {
+            return Some(false);
+        }
+        match divide {
+            true if is(right, 180.0 / PI) => Some(true),
+            true if is(right, PI / 180.0) => Some(false),
+            _ => None,
+        }
+    }
+
+    /// The value of a number that is written without unit, or of `pi`, by whatever name.
+    fn plain(&self, id: ExprId) -> Option<f64> {
+        let expr = self.hir.expr(self.hir.behind_names(id));
+        let pi = matches!(expr.name, Some((_, Resolution::Signal(signal))) if signal.read == Read::Pi);
+        match &expr.value {
+            Some(Value::Data(data)) if expr.kind == Kind::Literal || pi => {
+                let value = self.graph.constant_value(data.node)?;
+                data.kind.dimension().filter(|dimension| dimension.is_none()).map(|_| value)
+            }
+            _ => None,
+        }
+    }
+
+    /// The factors of a product, as far as they are few.
+    fn factors(&self, mut id: ExprId) -> Vec<ExprId> {
+        let mut found = Vec::new();
+        while found.len() < FACTORS {
+            id = self.hir.behind_names(id);
+            let mut sides = self.hir.children(id);
+            match (self.hir.expr(id).kind, sides.next(), sides.next()) {
+                (Kind::Binary(BinaryOperator::Multiply), Some(left), Some(right)) => {
+                    found.push(right);
+                    id = left;
+                }
+                _ => break,
+            }
+        }
+        found.push(id);
+        found
     }
 }
 

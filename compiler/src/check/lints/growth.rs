@@ -2,7 +2,6 @@
 
 use super::at;
 use super::linear::{Linear, Measured};
-use super::muscles::Calls;
 use crate::check::context::Checker;
 use crate::check::reward::PaidTerm;
 use crate::check::task::CheckedTask;
@@ -11,7 +10,7 @@ use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::{Binary, Memory, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
 use crate::numbers::for_people;
-use crate::syntax::tree::walk::Visitor;
+use crate::syntax::tree::walk::{Visitor, walk_expression};
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind};
 use std::collections::BTreeSet;
 
@@ -111,9 +110,9 @@ fn grown(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>, exponent: No
 
 /// The number that begins the only exponent of a formula, where a sign may be missing.
 fn sign(term: &PaidTerm<'_>) -> Option<(Span, String)> {
-    let mut calls = Calls { name: "exp", found: Vec::new(), arguments: Vec::new() };
-    calls.expression(term.formula);
-    let [argument] = calls.arguments.as_slice() else { return None };
+    let mut exponents = Exponents(Vec::new());
+    exponents.expression(term.formula);
+    let [argument] = exponents.0.as_slice() else { return None };
     let mut expr: &Expr = argument;
     loop {
         match &expr.kind {
@@ -124,6 +123,21 @@ fn sign(term: &PaidTerm<'_>) -> Option<(Span, String)> {
             }
             _ => return None,
         }
+    }
+}
+
+/// What stands in `exp(...)` in a formula.
+struct Exponents<'a>(Vec<&'a Expr>);
+
+impl<'a> Visitor<'a> for Exponents<'a> {
+    fn expression(&mut self, expression: &'a Expr) {
+        if let ExprKind::Call { function, arguments } = &expression.kind
+            && let ExprKind::Name(name) = &function.kind
+            && name.text == "exp"
+        {
+            self.0.extend(arguments.first().map(|argument| &argument.value));
+        }
+        walk_expression(self, expression);
     }
 }
 

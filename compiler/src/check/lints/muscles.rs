@@ -1,19 +1,19 @@
 //! Terms on the muscles themselves: what effort costs, and how many of them are summed.
 
 use super::amount::Amount;
-use super::at;
 use super::trend::{self, Trend};
+use super::{at, named_in};
 use crate::check::context::Checker;
 use crate::check::reward::PaidTerm;
 use crate::check::task::CheckedTask;
-use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::diagnostics::{Diagnostic, codes};
 use crate::frame::Sensor;
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
+use crate::hir::Resolution;
 use crate::numbers::{exact, for_people};
-use crate::syntax::tree::walk::{Visitor, walk_expression};
-use crate::syntax::tree::{Expr, ExprKind};
+use crate::signals::Read;
 
 /// Elements from which on a sum is looked at.
 const MANY: u32 = 32;
@@ -93,10 +93,11 @@ fn rest_of_actions(task: &CheckedTask<'_>, term: &PaidTerm<'_>, read: &[NodeId],
     let message = format!("the term `{}` takes the size of actions, which are -1 at rest and 0 at half excitation", term.name);
     let diagnostic = at(codes::incentive::ACTION_AT_REST, term, message)
         .help("`excitation` is 0 at rest: `mean(muscles.excitation^2)`; it costs nothing to do nothing then");
-    let mut fields = Fields { name: "action", found: Vec::new() };
-    fields.expression(term.formula);
-    let diagnostic = match fields.found.as_slice() {
-        [only] => diagnostic.suggest("write `excitation`", *only, "excitation"),
+    let actions =
+        named_in(&task.hir, term, |resolution| matches!(resolution, Resolution::Signal(signal) if signal.read == Read::Action));
+    let diagnostic = match actions.as_slice() {
+        // A name of another file is left as it is: other terms may read it.
+        [(file, only)] if *file == term.file => diagnostic.suggest("write `excitation`", *only, "excitation"),
         _ => diagnostic,
     };
     diagnostics.push(diagnostic);
@@ -120,13 +121,12 @@ fn heavy_sum(
     (index, amounts): (usize, &[Amount]),
     diagnostics: &mut Vec<Diagnostic>,
 ) {
-    let mut calls = Calls { name: "sum", found: Vec::new(), arguments: Vec::new() };
-    calls.expression(term.formula);
+    let sums = named_in(&task.hir, term, |resolution| matches!(resolution, Resolution::Function("sum")));
     let longest = read.iter().filter_map(|id| match task.graph.node(*id).operation {
         Operation::Reduce(Reduction::Sum, count) if count >= MANY => Some(count),
         _ => None,
     });
-    let (Some(count), Some(span)) = (longest.max(), calls.found.first()) else { return };
+    let (Some(count), Some((file, span))) = (longest.max(), sums.first()) else { return };
     let rest: f64 = amounts.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other.size()).sum();
     let size = amounts[index].size();
     if rest > 0.0 && size.is_finite() && size > rest && size <= rest * f64::from(count) {
@@ -135,45 +135,8 @@ fn heavy_sum(
             .expected(format!("at most {} a step, as all others together", for_people(rest)))
             .found(for_people(size))
             .help("a mean keeps its size whatever the body's number of muscles: `mean(...)`");
-        diagnostics.push(diagnostic.suggest("write `mean`", *span, "mean"));
-    }
-}
-
-/// The names of fields in a formula.
-struct Fields {
-    name: &'static str,
-    found: Vec<Span>,
-}
-
-impl<'a> Visitor<'a> for Fields {
-    fn expression(&mut self, expression: &'a Expr) {
-        if let ExprKind::Field { name, .. } = &expression.kind
-            && name.text == self.name
-        {
-            self.found.push(name.span);
-        }
-        walk_expression(self, expression);
-    }
-}
-
-/// The calls of a function in a formula.
-pub(super) struct Calls<'a> {
-    pub name: &'static str,
-    /// The names.
-    pub found: Vec<Span>,
-    /// The first arguments.
-    pub arguments: Vec<&'a Expr>,
-}
-
-impl<'a> Visitor<'a> for Calls<'a> {
-    fn expression(&mut self, expression: &'a Expr) {
-        if let ExprKind::Call { function, arguments } = &expression.kind
-            && let ExprKind::Name(name) = &function.kind
-            && name.text == self.name
-        {
-            self.found.push(name.span);
-            self.arguments.extend(arguments.first().map(|argument| &argument.value));
-        }
-        walk_expression(self, expression);
+        // A sum of a library may be right elsewhere.
+        let own = *file == term.file;
+        diagnostics.push(if own { diagnostic.suggest("write `mean`", *span, "mean") } else { diagnostic });
     }
 }

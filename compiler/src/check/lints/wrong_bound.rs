@@ -2,8 +2,7 @@
 
 use super::growth::{GROWN, exponents};
 use super::linear::Linear;
-use super::muscles::Calls;
-use super::{at, summands};
+use super::{at, named_in, summands};
 use crate::check::context::Checker;
 use crate::check::reward::PaidTerm;
 use crate::check::task::CheckedTask;
@@ -11,13 +10,13 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::extremes::{maximum, minimum};
 use crate::graph::operation::{Binary, Operation, Unary};
 use crate::graph::{Graph, NodeId};
+use crate::hir::{Hir, Resolution};
 use crate::numbers::for_people;
-use crate::syntax::tree::walk::Visitor;
 
 /// Terms that are bounded where they need no bound, and not where they do.
 pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     for term in &task.terms {
-        diagnostics.extend(constant_below(checker, task, term).or_else(|| grows(checker, &task.graph, term)));
+        diagnostics.extend(constant_below(checker, task, term).or_else(|| grows(checker, task, term)));
     }
 }
 
@@ -46,11 +45,12 @@ fn constant_below(checker: &Checker<'_>, task: &CheckedTask<'_>, term: &PaidTerm
         term.name,
         for_people(bound)
     );
-    Some(exchanged(term, "max", "min", at(codes::exploits::WRONG_BOUND, term, message)))
+    Some(exchanged(&task.hir, term, "max", "min", at(codes::exploits::WRONG_BOUND, term, message)))
 }
 
 /// `exp(-k * min(0, x))`: with the other bound it would not grow.
-fn grows(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>) -> Option<Diagnostic> {
+fn grows(checker: &Checker<'_>, task: &CheckedTask<'_>, term: &PaidTerm<'_>) -> Option<Diagnostic> {
+    let graph = &task.graph;
     exponents(graph, term.node).into_iter().find_map(|exponent| {
         let (factor, node) = unscaled(graph, exponent);
         let (bound, inner) = bounded(graph, node)?;
@@ -66,7 +66,7 @@ fn grows(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>) -> Option<Di
         let peak = for_people(libm::exp(most(lowest)));
         let message = format!("the bound of the term `{}` is on the wrong side: `exp` grows to {peak}", term.name);
         let (written, meant) = if lowest { ("max", "min") } else { ("min", "max") };
-        Some(exchanged(term, written, meant, at(codes::exploits::WRONG_BOUND, term, message)))
+        Some(exchanged(&task.hir, term, written, meant, at(codes::exploits::WRONG_BOUND, term, message)))
     })
 }
 
@@ -106,12 +106,11 @@ fn unscaled(graph: &Graph, mut node: NodeId) -> (f64, NodeId) {
 }
 
 /// Offers the other bound, where a formula has only one of the kind.
-fn exchanged(term: &PaidTerm<'_>, written: &'static str, meant: &'static str, diagnostic: Diagnostic) -> Diagnostic {
+fn exchanged(hir: &Hir, term: &PaidTerm<'_>, written: &'static str, meant: &'static str, diagnostic: Diagnostic) -> Diagnostic {
     let diagnostic = diagnostic.help("`min(x, 1)` is at most 1, `max(x, 1)` at least 1");
-    let mut calls = Calls { name: written, found: Vec::new(), arguments: Vec::new() };
-    calls.expression(term.formula);
-    match calls.found.as_slice() {
-        [only] => diagnostic.suggest(format!("write `{meant}`"), *only, meant),
+    let calls = named_in(hir, term, |to| matches!(to, Resolution::Function(name) if name == written));
+    match calls.as_slice() {
+        [(file, only)] if *file == term.file => diagnostic.suggest(format!("write `{meant}`"), *only, meant),
         _ => diagnostic,
     }
 }

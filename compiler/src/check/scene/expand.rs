@@ -2,7 +2,7 @@
 //!
 //! What a task says of a scene that it extends replaces what has the same name there, in its place; the rest is added.
 
-use crate::check::context::{Checked, Checker, Reported};
+use crate::check::context::{Checked, Checker, Local, Reported};
 use crate::check::inherit::overrides_nothing;
 use crate::check::lookup::fits;
 use crate::check::scene::object::dotted;
@@ -191,7 +191,8 @@ impl<'a> Checker<'a> {
         let before = self.locals.len();
         for (name, number) in locals {
             let node = self.graph.constant(*number);
-            self.locals.push((name.clone(), Value::Data(Data::new(node, ElementType::Int))));
+            let value = Value::Data(Data::new(node, ElementType::Int));
+            self.locals.push(Local { name: name.clone(), value, definition: None });
         }
         let result = check(self);
         self.locals.truncate(before);

@@ -1,7 +1,7 @@
 //! Height fields by formula: the formula is evaluated at every sample while compiling.
 
 use super::fields::Fields;
-use crate::check::context::{Checked, Checker};
+use crate::check::context::{Checked, Checker, Local};
 use crate::check::dimension::Dimension;
 use crate::check::types::ElementType;
 use crate::check::value::{Data, Value};
@@ -54,7 +54,8 @@ impl<'a> Checker<'a> {
         let before = self.locals.len();
         for (name, value) in [("x", x), ("y", y)] {
             let node = self.graph.constant(value);
-            self.locals.push((name.to_owned(), Value::Data(Data::new(node, ElementType::Number(Dimension::LENGTH)))));
+            let value = Value::Data(Data::new(node, ElementType::Number(Dimension::LENGTH)));
+            self.locals.push(Local { name: name.to_owned(), value, definition: None });
         }
         let result = check(self);
         self.locals.truncate(before);

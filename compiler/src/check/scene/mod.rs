@@ -36,6 +36,7 @@ use crate::vocabulary::{Landmark, Vocabulary};
 use expand::{Expanded, Locals, Unrolled};
 use geometry::Known;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Half the height of what may lie in the ground like a plate, m.
 const HIGHEST_PLATE: f64 = 0.05;
@@ -149,7 +150,8 @@ pub(crate) fn surroundings<'a>(
     let (stage, known) = checker.stage(&statements);
     let (scene, fixed, starts, used) = (stage.scene, stage.fixed, stage.starts, std::mem::take(&mut checker.used));
     let graph = std::mem::take(&mut checker.graph);
-    checker.hand_over_notes(&graph);
+    let hir = Arc::new(std::mem::take(&mut checker.hir));
+    checker.keep_for_editors(hir, &graph);
     let surroundings = Surroundings { scene, fixed, known, starts, used, statements };
     (surroundings, checker.diagnostics)
 }

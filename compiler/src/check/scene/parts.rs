@@ -2,6 +2,7 @@
 
 use crate::check::context::Checker;
 use crate::check::value::{Thing, Value};
+use crate::hir::parts_of;
 
 impl Checker<'_> {
     /// A part or joint of an object, or of each of several: `door.leaf`, `door.swing`.
@@ -25,18 +26,6 @@ impl Checker<'_> {
 
     /// What an object has beside the signals of every landmark: sizes, parts, joints.
     pub(crate) fn parts_of(&self, thing: Thing) -> Vec<String> {
-        let Thing::Landmark(index) = thing else { return Vec::new() };
-        let Some(object) = self.vocabulary.landmarks.get(index).filter(|landmark| landmark.of_scene) else { return Vec::new() };
-        let prefix = format!("{}.", object.name);
-        let landmarks = self.vocabulary.landmarks.iter().map(|landmark| landmark.name.as_str());
-        let joints = self.vocabulary.joints.iter().map(|joint| joint.name.as_str());
-        let names = landmarks.chain(joints).chain(self.known.keys().map(String::as_str));
-        let mut parts: Vec<String> = Vec::new();
-        for part in names.filter_map(|name| name.strip_prefix(&prefix)).filter(|part| !part.contains('.')) {
-            if part != "position" && !parts.iter().any(|known| known == part) {
-                parts.push(part.to_owned());
-            }
-        }
-        parts
+        parts_of(self.vocabulary, self.known.keys().map(String::as_str), thing)
     }
 }

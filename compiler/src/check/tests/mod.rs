@@ -12,13 +12,13 @@ mod phases;
 mod play;
 mod situation;
 
-use super::context::{Checked, Checker, Failures, Reported};
+use super::context::{Checked, Checker, Failures, Local, Reported};
 use super::init::Beginning;
 use super::observe::{ObservedChannel, Texts};
 use super::reward::PaidTerm;
 use super::task::InSequence;
 use super::types::ElementType;
-use super::value::{Data, Value};
+use super::value::Data;
 use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
 use crate::frame::Query;
 use crate::graph::operation::{Binary, Memory};
@@ -109,7 +109,7 @@ struct Wanted<'a> {
     condition: &'a Expr,
     moment: Option<&'a Ident>,
     span: Span,
-    locals: Vec<(String, Value)>,
+    locals: Vec<Local>,
 }
 
 /// What all statements of a test fill.
@@ -135,6 +135,7 @@ impl<'a> Checker<'a> {
         }
         let errors = self.diagnostics.len();
         let before = (self.graph.clone(), self.queries.clone(), self.used.clone(), self.memo.clone());
+        let formulas = self.formulas.clone();
         let beginning = std::mem::replace(&mut self.beginning, true);
         let pays = terms.iter().map(|term| {
             let weight = self.graph.constant(term.weight);
@@ -163,7 +164,7 @@ impl<'a> Checker<'a> {
         self.in_tests = None;
         let graph = std::mem::replace(&mut self.graph, before.0);
         let queries = std::mem::replace(&mut self.queries, before.1);
-        (self.used, self.memo) = (before.2, before.3);
+        (self.used, self.memo, self.formulas) = (before.2, before.3, formulas);
         // What is wrong in a script is so in every phase; told once, when the tests are gathered.
         let mut told = if sequence.phases.is_empty() { Vec::new() } else { self.diagnostics.split_off(errors) };
         told.retain(|told| told.severity == Severity::Error);
@@ -295,7 +296,7 @@ impl<'a> Checker<'a> {
             }
             TestStatement::Repeat { variable, range, statements, .. } => {
                 for value in self.loop_values(range)? {
-                    self.locals.push((variable.text.clone(), value));
+                    self.locals.push(self.local(variable, value));
                     let read = self.test_statements(statements, take, reader, drawn);
                     self.locals.pop();
                     read?;

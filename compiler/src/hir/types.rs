@@ -2,7 +2,7 @@
 //!
 //! Dimension, frame, shape and wrapping all belong to the type: whatever hands a value on hands them on with it.
 
-use super::dimension::Dimension;
+use crate::quantity::dimension::Dimension;
 use crate::vocabulary::Vocabulary;
 
 /// The frame in which a vector's components are counted.
