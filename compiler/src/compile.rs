@@ -15,6 +15,7 @@ mod settings;
 mod units;
 mod unread;
 
+pub use crate::check::suite::{Protocol, Suite};
 pub use inspection::{InspectedFile, Inspection, TaskScope};
 pub use reading::{MAXIMUM_BYTES, MAXIMUM_FILES};
 
@@ -49,34 +50,6 @@ pub struct Compilation {
     pub warnings: Vec<Diagnostic>,
     /// The files that warnings point into.
     pub sources: SourceMap,
-}
-
-/// Families of tasks and the protocols by which policies are compared.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Suite {
-    /// Its name.
-    pub name: String,
-    /// Families with the names of their tasks.
-    pub families: Vec<(String, Vec<String>)>,
-    /// The ways to evaluate it; the first is the default.
-    pub protocols: Vec<Protocol>,
-}
-
-/// A protocol of a suite: how many episodes, from which seed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Protocol {
-    /// Its name; empty if it has none.
-    pub name: String,
-    /// Episodes per task.
-    pub episodes: u32,
-    /// Seed of the first episode.
-    pub seed: u64,
-}
-
-impl Default for Protocol {
-    fn default() -> Self {
-        Self { name: String::new(), episodes: 50, seed: 0 }
-    }
 }
 
 /// A parameter that is set from outside.

@@ -23,6 +23,7 @@ pub mod hir;
 mod lower;
 pub mod motion;
 pub mod mutation;
+mod notation;
 pub mod numbers;
 pub mod quantity;
 pub mod scene;

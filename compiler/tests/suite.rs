@@ -14,6 +14,7 @@ mod hostile;
 mod hostile_scenes;
 mod language;
 mod meaning;
+mod modules;
 mod motions;
 mod mutation;
 mod reference;

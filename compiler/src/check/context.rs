@@ -110,6 +110,15 @@ pub(crate) struct Cell {
     pub initial: NodeId,
 }
 
+/// How names are read where the checker stands.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct ReadMode {
+    /// Whether declared states and randoms are read after their update, as observations do.
+    pub after: bool,
+    /// Whether an initial state is checked, which may write down again what the scene says.
+    pub initial: bool,
+}
+
 /// The checker of one task.
 pub(crate) struct Checker<'a> {
     pub vocabulary: &'a Vocabulary,
@@ -127,8 +136,8 @@ pub(crate) struct Checker<'a> {
     pub locals: Vec<Local>,
     /// How the checker came here.
     pub path: Vec<Step>,
-    /// Whether declared states are read after their update, as observations do.
-    pub after: bool,
+    /// How names are read now.
+    pub mode: ReadMode,
     /// Values of names already checked.
     pub memo: BTreeMap<(Place, bool, String), Checked<Value>>,
     /// Formulas of names already checked, beside their values.
@@ -162,8 +171,6 @@ pub(crate) struct Checker<'a> {
     pub surroundings: Option<&'a Surroundings<'a>>,
     /// Constants of objects by `NAME.SIGNAL`.
     pub known: BTreeMap<String, Known>,
-    /// Whether a beginning is checked, which may write down again what the scene says.
-    pub beginning: bool,
     /// Lengths in formulas that the scene says already, and where it does.
     pub repeated: Vec<(FileId, Span, String)>,
     /// What names mean in tests, while those are checked.
@@ -193,7 +200,7 @@ impl<'a> Checker<'a> {
             place,
             locals: Vec::new(),
             path: Vec::new(),
-            after: false,
+            mode: ReadMode::default(),
             memo: BTreeMap::new(),
             formulas: BTreeMap::new(),
             used: BTreeSet::new(),
@@ -211,7 +218,6 @@ impl<'a> Checker<'a> {
             allowances: Vec::new(),
             surroundings: None,
             known: BTreeMap::new(),
-            beginning: false,
             repeated: Vec::new(),
             in_tests: None,
             comparisons: Vec::new(),
@@ -327,6 +333,14 @@ impl<'a> Checker<'a> {
         let constants = self.known.keys().cloned().collect();
         let function = |name: &str| functions::find(name).map(|function| (function.signature, function.description));
         kept.borrow_mut().push(TypedFormulas { hir, bounds, constants, function });
+    }
+
+    /// Runs `check` with names read so, and comes back.
+    pub(crate) fn in_mode<T>(&mut self, mode: ReadMode, check: impl FnOnce(&mut Self) -> T) -> T {
+        let outside = std::mem::replace(&mut self.mode, mode);
+        let result = check(self);
+        self.mode = outside;
+        result
     }
 
     /// Runs `check` where a statement of the task stands, which may be another file than the task's.

@@ -1,6 +1,6 @@
 //! What ends an episode, and what of it formulas may read; declared states and clocks.
 
-use super::context::{Checked, Checker, End, Ends as Known, Failures};
+use super::context::{Checked, Checker, End, Ends as Known, Failures, ReadMode};
 use super::dimension::Dimension;
 use super::inherit::Placed;
 use super::scope::Place;
@@ -66,10 +66,10 @@ impl<'a> Checker<'a> {
         }
         // Ends are the task's own, whoever asks for them from within a library or an observation.
         let place = self.task_place;
-        let after = std::mem::replace(&mut self.after, false);
         let path = std::mem::take(&mut self.path);
-        let reasons = self.elsewhere(place, |checker| checker.reasons(statements, kind));
-        (self.after, self.path) = (after, path);
+        let mode = ReadMode { after: false, ..self.mode };
+        let reasons = self.in_mode(mode, |checker| checker.elsewhere(place, |checker| checker.reasons(statements, kind)));
+        self.path = path;
         *self.known_ends(kind) = match &reasons {
             Ok(known) => Known::Known(known.clone()),
             Err(reported) => Known::Broken(*reported),
@@ -263,7 +263,7 @@ impl<'a> Checker<'a> {
         };
         let cell = self.cells[index].clone();
         let place = u32::try_from(index).unwrap_or(u32::MAX);
-        let operation = if self.after { Operation::StateAfter(place) } else { Operation::StateBefore(place) };
+        let operation = if self.mode.after { Operation::StateAfter(place) } else { Operation::StateBefore(place) };
         let node = self.graph.add(operation, &[cell.initial]);
         Ok(Value::Data(Data::new(node, cell.kind)))
     }

@@ -8,6 +8,7 @@
 //!
 //! A row keeps the file that it was written in: its names are looked up there, and errors point there.
 
+use super::layers::Layers;
 use super::observe::{Texts, label_of};
 use crate::diagnostics::{Checked, Diagnostic, Failures, FileId, Span, codes, nearest};
 use crate::numbers::told_apart;
@@ -16,7 +17,6 @@ use crate::syntax::tree::{
 };
 use crate::work::visit;
 use std::cell::Cell;
-use std::collections::BTreeMap;
 
 /// A statement with the file in which it stands.
 #[derive(Debug, Clone)]
@@ -196,7 +196,7 @@ pub(crate) fn whole<'a>(
             }
         }
     }
-    let statements = rows.rows.into_iter().flatten().map(|row| row.placed).collect();
+    let statements = rows.into_items().map(|row| row.placed).collect();
     failures.or(WholeTask { task: task.task.clone(), file: task.file, statements })
 }
 
@@ -320,36 +320,18 @@ fn rows<T>(
     changes
 }
 
-/// Rows in their order, found by what they are named under.
-#[derive(Default)]
-struct Rows {
-    /// `None` where a row was removed.
-    rows: Vec<Option<Row>>,
-    /// Where the rows of each name stand.
-    places: BTreeMap<(Section, String), Vec<usize>>,
-}
+/// Rows under their section and name.
+type Rows = Layers<(Section, String), Row>;
 
-impl Rows {
-    fn find(&mut self, section: Section, name: &str) -> Option<&mut Row> {
-        let place = self.places.get(&(section, name.to_owned()))?.first()?;
-        self.rows.get_mut(*place)?.as_mut()
-    }
-
-    fn push(&mut self, row: Row) {
-        self.places.entry((row.section, row.name.clone())).or_default().push(self.rows.len());
-        self.rows.push(Some(row));
-    }
-
-    fn names(&self, section: Section) -> impl Iterator<Item = &str> + Clone {
-        self.rows.iter().flatten().filter(move |row| row.section == section).map(|row| row.name.as_str())
-    }
+fn names(rows: &Rows, section: Section) -> impl Iterator<Item = &str> + Clone {
+    rows.keys().filter(move |((known, _), _)| *known == section).map(|((_, name), _)| name.as_str())
 }
 
 /// Puts a row in the place of the one it overrides, or behind all.
 fn apply(row: Row, extending: bool, rows: &mut Rows, diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
     let replaces = extending && !matches!(row.section, Section::Loose | Section::Layered(_));
-    let known = if replaces { rows.find(row.section, &row.name) } else { None };
-    match known {
+    let key = (row.section, row.name.clone());
+    match rows.first(&key).filter(|_| replaces) {
         Some(known) => override_row(known, row, diagnostics),
         None => {
             if extending
@@ -357,11 +339,11 @@ fn apply(row: Row, extending: bool, rows: &mut Rows, diagnostics: &mut Vec<Diagn
                 && term.formula.is_none()
             {
                 let (name, span) = (&term.name.text, term.name.span);
-                let names = rows.names(Section::Term);
+                let names = names(rows, Section::Term);
                 let diagnostic = overrides_nothing(lacks("term", name), name, row.placed.file, span, names);
                 return Err(diagnostic.report(diagnostics));
             }
-            rows.push(row);
+            rows.add(key, row.placed.layer, row);
             Ok(())
         }
     }
@@ -469,11 +451,10 @@ fn set_parameter(statement: &mut TaskStatement, parameter: TaskParameter) {
 }
 
 fn take_out(section: Section, remove: &Remove, file: FileId, rows: &mut Rows, diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
-    if let Some(places) = rows.places.remove(&(section, remove.name.text.clone())) {
-        places.into_iter().for_each(|place| rows.rows[place] = None);
+    if rows.take_out(&(section, remove.name.text.clone())) {
         return Ok(());
     }
-    let names = rows.names(section);
+    let names = names(rows, section);
     let name = &remove.name.text;
     Err(overrides_nothing(lacks(section.word(), name), name, file, remove.name.span, names).report(diagnostics))
 }

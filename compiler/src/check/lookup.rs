@@ -279,7 +279,7 @@ impl<'a> Checker<'a> {
                 return Err(self.error(codes::names::UNKNOWN_NAME, span, message));
             }
         };
-        let key = (place, self.after, text.to_owned());
+        let key = (place, self.mode.after, text.to_owned());
         if let Some(known) = self.memo.get(&key) {
             self.hir.stands_for(self.formulas.get(&key).copied());
             return known.clone();

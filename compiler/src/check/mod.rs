@@ -23,6 +23,7 @@ mod expression;
 pub mod functions;
 pub(crate) mod inherit;
 mod init;
+mod layers;
 mod lints;
 mod lookup;
 mod meeting;

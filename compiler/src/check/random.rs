@@ -3,7 +3,7 @@
 //! A draw is a formula of raw numbers: `uniform(a..b)` is `a + (b - a) u`. The graph holds that formula, and the condition that
 //! a draw must fulfil, as inputs of the random itself; the program tries them until one is taken.
 
-use super::context::{Checked, Checker, Failures, Step};
+use super::context::{Checked, Checker, Failures, ReadMode, Step};
 use super::scope::{Declared, Definition};
 use super::types::{ElementType, Frame, Type};
 use super::value::{Data, Form, Value};
@@ -62,11 +62,10 @@ impl<'a> Checker<'a> {
             if let Some(Err(reported)) = self.memo.get(&key) {
                 return Err(*reported);
             }
-            let after = std::mem::replace(&mut self.after, false);
             self.enter(Step { name: name.clone(), file: self.place.file, span, call: false }, declared)?;
-            let drawn = self.in_file(declared.file, |checker| checker.draw(random));
+            let mode = ReadMode { after: false, ..self.mode };
+            let drawn = self.in_mode(mode, |checker| checker.in_file(declared.file, |checker| checker.draw(random)));
             self.path.pop();
-            self.after = after;
             match drawn {
                 Ok(data) => {
                     let known = KnownRandom { name: name.clone(), data, redraw: None };
@@ -82,7 +81,7 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::composition::DRAW, span, format!("`{name}` is not drawn yet here")));
         };
         let mut data = self.randoms[index].data.clone();
-        if self.after {
+        if self.mode.after {
             let inputs = self.graph.node(data.node).inputs.clone();
             data.node = self.graph.add(Operation::DrawnAfter(number(index)), &inputs);
         }

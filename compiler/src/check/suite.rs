@@ -1,10 +1,37 @@
 //! Suites: families of tasks and protocols.
 
 use super::constant;
-use crate::compile::{Protocol, Suite};
 use crate::diagnostics::nearest;
 use crate::diagnostics::{Diagnostic, FileId, codes};
 use crate::syntax::tree::{self, FieldValue};
+
+/// Families of tasks and the protocols by which policies are compared.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Suite {
+    /// Its name.
+    pub name: String,
+    /// Families with the names of their tasks.
+    pub families: Vec<(String, Vec<String>)>,
+    /// The ways to evaluate it; the first is the default.
+    pub protocols: Vec<Protocol>,
+}
+
+/// A protocol of a suite: how many episodes, from which seed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Protocol {
+    /// Its name; empty if it has none.
+    pub name: String,
+    /// Episodes per task.
+    pub episodes: u32,
+    /// Seed of the first episode.
+    pub seed: u64,
+}
+
+impl Default for Protocol {
+    fn default() -> Self {
+        Self { name: String::new(), episodes: 50, seed: 0 }
+    }
+}
 
 /// Checks a suite against the names of all tasks in sight, which are sorted.
 pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Suite {

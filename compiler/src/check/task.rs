@@ -1,6 +1,6 @@
 //! A task: its statements in any order, from tree to [`CheckedTask`].
 
-use super::context::{Cell, Checked, Checker, Compared, End, Failures, Reported, Timing};
+use super::context::{Cell, Checked, Checker, Compared, End, Failures, ReadMode, Reported, Timing};
 use super::dimension::Dimension;
 use super::inherit::{Placed, WholeTask};
 use super::init::{Beginning, Layer};
@@ -158,7 +158,8 @@ pub(crate) fn check<'a>(
     checker.phases = sequence.phases.iter().take(sequence.index).cloned().collect();
     checker.later_phases = sequence.phases.iter().skip(sequence.index + 1).cloned().collect();
     let mut checked = checker.task(task, texts, sequence);
-    if let Some(finding) = checked.as_mut().ok().and_then(|checked| checked.graph.take_finding()) {
+    let finding = |checked: &mut CheckedTask<'_>| checked.graph.take_finding().or_else(|| checked.hir.verify(&checked.graph));
+    if let Some(finding) = checked.as_mut().ok().and_then(finding) {
         checked = Err(checker.internal_error(finding, task.task.name.span));
     }
     let broken = Reported::among(&checker.diagnostics);
@@ -190,10 +191,10 @@ impl<'a> Checker<'a> {
         self.states();
         self.references();
         self.randoms();
-        self.beginning = true;
-        let init = self.init(&parts.init).map(|init| init.map(|init| self.with_starts(init)));
-        let staged = self.staged();
-        self.beginning = false;
+        let (init, staged) = self.in_mode(ReadMode { initial: true, ..self.mode }, |checker| {
+            let init = checker.init(&parts.init);
+            (init.map(|init| init.map(|init| checker.with_starts(init))), checker.staged())
+        });
         let (terminations, finishes) = (self.terminations(), self.finishes());
         if let (Ok(terminations), Ok(finishes)) = (&terminations, &finishes) {
             self.must_not_share_reasons(terminations, finishes);
@@ -348,14 +349,15 @@ impl<'a> Checker<'a> {
         let statements = self.statements;
         let mut channels = Vec::new();
         let mut failures = Failures::default();
-        self.after = true;
-        for placed in statements {
-            if let TaskStatement::Observe(block) = &placed.statement {
-                let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut channels));
-                failures.catch(found);
+        self.in_mode(ReadMode { after: true, ..self.mode }, |checker| {
+            for placed in statements {
+                if let TaskStatement::Observe(block) = &placed.statement {
+                    let found =
+                        checker.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut channels));
+                    failures.catch(found);
+                }
             }
-        }
-        self.after = false;
+        });
         failures.or(channels)
     }
 

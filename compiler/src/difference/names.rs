@@ -1,7 +1,7 @@
 //! Which names of a formula mean something else, as their declarations are written.
 
 use super::NameChange;
-use crate::explain::mathematics;
+use crate::notation::mathematics;
 use crate::task::{CompiledTask, Definition};
 use std::collections::{BTreeMap, BTreeSet};
 

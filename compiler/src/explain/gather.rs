@@ -1,10 +1,10 @@
 //! From a compiled task to its account.
 
 use super::account::*;
-use super::formula::{condition, formula, latex, mathematics, mathml, paid};
 use crate::evaluation::{Draws, Middle};
 use crate::graph::NodeId;
 use crate::graph::operation::{Memory, Operation};
+use crate::notation::{condition, formula, latex, mathematics, mathml, paid};
 use crate::snapshot::names;
 use crate::syntax::tree::Expr;
 use crate::task::{CompiledTask, ConditionMeaning, Definition, Phase, StepReport, TaskState};
@@ -192,9 +192,9 @@ fn definition(definition: &Definition) -> DefinitionAccount {
 }
 
 /// A condition without the indicator around it.
-fn strip(formula: super::formula::Formula) -> super::formula::Formula {
+fn strip(formula: crate::notation::Formula) -> crate::notation::Formula {
     match formula {
-        super::formula::Formula::Fence(super::formula::Fence::Indicator, inside) => *inside,
+        crate::notation::Formula::Fence(crate::notation::Fence::Indicator, inside) => *inside,
         other => other,
     }
 }

@@ -1,8 +1,8 @@
 //! A page for browsers: one file with everything in it, formulas as MathML, readable offline, by day and by night.
 
 use super::account::*;
-use super::formula::escaped;
 use crate::extremes::maximum;
+use crate::notation::escaped;
 use crate::numbers::for_people;
 use std::fmt::Write;
 

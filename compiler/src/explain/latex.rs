@@ -2,7 +2,7 @@
 //! succeeds. The document compiles with `pdflatex`; a table can be cut out between its comments.
 
 use super::account::*;
-use super::formula::latex_words;
+use crate::notation::latex_words;
 use crate::numbers::for_people;
 use std::fmt::Write;
 

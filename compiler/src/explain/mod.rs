@@ -2,19 +2,15 @@
 //!
 //! An [`Account`] holds all of it as plain data, which is also what tools get as JSON; text for terminals, tables for papers
 //! ([`latex`]) and pages for browsers ([`html`]) are written from it. Formulas come from one tree of mathematics
-//! (`formula`), which is written in plain characters, as LaTeX and as MathML.
+//! (`notation`), which is written in plain characters, as LaTeX and as MathML.
 
 mod account;
-mod definitions;
-mod formula;
 mod gather;
 mod html;
 mod latex;
 mod text;
 
 pub use account::*;
-pub(crate) use definitions::definitions;
-pub(crate) use formula::{mathematics, names_in};
 pub use gather::{Options, account};
 pub use html::html;
 pub use latex::latex;

@@ -10,6 +10,7 @@
 mod describe;
 pub mod types;
 pub mod value;
+mod verify;
 
 pub use describe::{Description, Members, TypedFormulas};
 pub(crate) use describe::{entity_name, parts_of};
@@ -210,6 +211,12 @@ impl Hir {
     pub(crate) fn rewind(&mut self, mark: Mark) {
         self.exprs.truncate(mark.0);
         self.uses.truncate(mark.1);
+        // What is being checked goes on, without what is taken back.
+        for id in &self.open {
+            if let Some(expr) = self.exprs.get_mut(id.0 as usize) {
+                expr.formula = expr.formula.filter(|formula| (formula.0 as usize) < mark.0);
+            }
+        }
     }
 
     /// One expression.

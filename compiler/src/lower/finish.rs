@@ -8,9 +8,9 @@ use crate::check::observe::ObservedChannel;
 use crate::check::task::{CheckedTask, summary};
 use crate::check::{Texts, written};
 use crate::diagnostics::FileId;
-use crate::explain::names_in;
 use crate::frame::FrameLayout;
 use crate::motion::Start;
+use crate::notation::names_in;
 use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
 use crate::task::{
     Channel, ChannelMeaning, CompiledTask, ConditionMeaning, Definition, FollowedMotion, Meaning, Phase, Places, RandomValue,

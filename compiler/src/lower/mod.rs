@@ -11,6 +11,7 @@
 
 mod assemble;
 mod block;
+mod definitions;
 mod finish;
 mod formula;
 #[cfg(any(test, feature = "interpreter"))]
@@ -25,6 +26,7 @@ mod sharing;
 mod spread;
 
 pub(crate) use assemble::assemble;
+pub(crate) use definitions::definitions;
 pub(crate) use finish::{CheckedPhase, Heading, Tested, finish};
 pub(crate) use formula::{Scalar, View};
 #[cfg(test)]

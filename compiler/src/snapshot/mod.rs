@@ -14,9 +14,9 @@ pub use section::{Section, Snapshot, Unreadable};
 
 use crate::body::BodyDescription;
 use crate::digest::hexadecimal;
-use crate::explain::mathematics;
 use crate::graph::NodeId;
 use crate::graph::text::{Labels, Writer};
+use crate::notation::mathematics;
 use crate::numbers::exact;
 use crate::syntax::tree::Expr;
 use crate::task::{CompiledTask, ConditionMeaning, Phase};

@@ -2,7 +2,7 @@
 
 use super::Call;
 use super::signature::{Computes, Gives, Parameter, Shapes, Signature, Takes};
-use crate::check::context::{Checked, Checker, Failures, Reported};
+use crate::check::context::{Checked, Checker, Failures, ReadMode, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::observe::spoken_unit;
 use crate::check::types::{ElementType, Frame, Shape, Type};
@@ -166,11 +166,8 @@ fn evaluated<'a>(checker: &mut Checker<'a>, call: &Call<'a>, takes: Takes, expr:
         Takes::Duration => checker.bounded_steps(expr).map(Argument::Constant),
         Takes::TimeConstant => checker.time_constant(expr).map(Argument::Constant),
         _ => {
-            let after = checker.after && !call.remembers;
-            let outside = std::mem::replace(&mut checker.after, after);
-            let value = checker.value(expr);
-            checker.after = outside;
-            value.map(Argument::Value)
+            let mode = ReadMode { after: checker.mode.after && !call.remembers, ..checker.mode };
+            checker.in_mode(mode, |checker| checker.value(expr)).map(Argument::Value)
         }
     }
 }

@@ -4,6 +4,7 @@
 use super::Layer;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::inherit::overrides_nothing;
+use crate::check::layers::Layers;
 use crate::check::lookup::fits;
 use crate::check::scene::object::dotted;
 use crate::diagnostics::FileId;
@@ -15,15 +16,15 @@ pub(super) struct Row<'a> {
     pub statement: &'a InitStatement,
     /// Where it was written.
     pub file: FileId,
-    /// By which an extending task overrides it.
-    name: Option<String>,
-    layer: usize,
 }
+
+/// Statements by which an extending task overrides them; some have no name.
+type Rows<'a> = Layers<Option<String>, Row<'a>>;
 
 impl<'a> Checker<'a> {
     /// The statements of all layers, those that are overridden left out.
     pub(super) fn layered(&mut self, layers: &[Layer<'a>]) -> Checked<Vec<Row<'a>>> {
-        let mut rows: Vec<Row<'a>> = Vec::new();
+        let mut rows = Rows::default();
         let mut failures = Failures::default();
         for (layer, (block, file)) in layers.iter().enumerate() {
             for statement in &block.entries {
@@ -31,25 +32,24 @@ impl<'a> Checker<'a> {
                     failures.catch(self.in_file(*file, |checker| checker.leave_out(remove, layer, &mut rows)));
                     continue;
                 }
-                let new = Row { statement, file: *file, name: name_of(statement), layer };
-                let inherited = |known: &Row<'a>| known.layer < layer && known.name.is_some() && known.name == new.name;
-                let place = rows.iter().position(inherited).unwrap_or(rows.len());
-                rows.retain(|known| !inherited(known));
-                rows.insert(place, new);
+                let row = Row { statement, file: *file };
+                match name_of(statement) {
+                    None => rows.add(None, layer, row),
+                    name => rows.lay(name, layer, row),
+                }
             }
         }
-        failures.or(rows)
+        failures.or(rows.into_items().collect())
     }
 
     /// `remove settle`: of what extended tasks say.
-    fn leave_out(&mut self, remove: &'a Remove, layer: usize, rows: &mut Vec<Row<'a>>) -> Checked<()> {
+    fn leave_out(&mut self, remove: &'a Remove, layer: usize, rows: &mut Rows<'a>) -> Checked<()> {
         let mut failures = Failures::default();
         for pattern in self.names_of(&remove.name)? {
-            let before = rows.len();
-            rows.retain(|row| row.layer >= layer || !row.name.as_deref().is_some_and(|name| fits(&pattern, name)));
-            if rows.len() == before {
-                let inherited = rows.iter().filter(|row| row.layer < layer);
-                let names = inherited.filter_map(|row| row.name.as_deref());
+            let inherited =
+                |name: &Option<String>, of: usize| of < layer && name.as_deref().is_some_and(|name| fits(&pattern, name));
+            if !rows.take_out_where(inherited) {
+                let names = rows.keys().filter(|(_, of)| *of < layer).filter_map(|(name, _)| name.as_deref());
                 let message = match layer {
                     0 => "only a task that extends another can remove a part of its beginning".to_owned(),
                     _ => format!("the extended task's beginning has no `{pattern}`"),

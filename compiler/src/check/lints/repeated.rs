@@ -20,7 +20,7 @@ enum Same {
 impl<'a> Checker<'a> {
     /// Warns of an element that stands in a written list for the second time: another one was probably meant.
     pub(crate) fn warn_repeated(&mut self, elements: &'a [Expr], values: &[(Checked<Value>, Span)]) {
-        if self.in_tests.is_some() || self.beginning {
+        if self.in_tests.is_some() || self.mode.initial {
             return;
         }
         let mut first: BTreeMap<Same, Span> = BTreeMap::new();

@@ -4,6 +4,7 @@
 
 use crate::check::context::{Checked, Checker, Local, Reported};
 use crate::check::inherit::overrides_nothing;
+use crate::check::layers::Layers;
 use crate::check::lookup::fits;
 use crate::check::scene::object::dotted;
 use crate::check::types::{ElementType, Type};
@@ -26,39 +27,46 @@ pub(crate) struct Unrolled<'a, T> {
     pub locals: Locals,
     /// Where it was written.
     pub file: FileId,
-    /// Which task of a line of extended ones says it, the oldest first.
-    layer: usize,
 }
 
 /// The statements of a scene, one by one.
 #[derive(Debug, Default)]
 pub(crate) struct Expanded<'a> {
-    /// Of the statements that come next.
-    pub layer: usize,
     pub elements: Vec<Unrolled<'a, Element>>,
     pub connections: Vec<Unrolled<'a, Connection>>,
     pub groups: Vec<Unrolled<'a, Group>>,
     pub markers: Vec<Unrolled<'a, Marker>>,
 }
 
-/// Adds a statement, or puts it in the place of those that an extended task says under its name.
-fn put<'a, T>(all: &mut Vec<Unrolled<'a, T>>, new: Unrolled<'a, T>) {
-    let inherited = |known: &Unrolled<'a, T>| known.layer < new.layer && known.name == new.name;
-    let place = all.iter().position(inherited).unwrap_or(all.len());
-    all.retain(|known| !inherited(known));
-    all.insert(place, new);
+/// Statements of one kind, under their names.
+type Rows<'a, T> = Layers<Option<String>, Unrolled<'a, T>>;
+
+/// Statements of the scenes of tasks that extend each other, laid over each other.
+#[derive(Debug, Default)]
+pub(super) struct Merging<'a> {
+    /// Of the statements that come next.
+    pub layer: usize,
+    elements: Rows<'a, Element>,
+    connections: Rows<'a, Connection>,
+    groups: Rows<'a, Group>,
+    markers: Rows<'a, Marker>,
 }
 
-/// Takes out all that fits a pattern; gives whether there was any.
-fn take_out<T>(all: &mut Vec<Unrolled<'_, T>>, pattern: &str) -> bool {
-    let before = all.len();
-    all.retain(|known| !known.name.as_deref().is_some_and(|name| fits(pattern, name)));
-    all.len() < before
+impl<'a> Merging<'a> {
+    /// What is left of all layers.
+    pub(super) fn merged(self) -> Expanded<'a> {
+        Expanded {
+            elements: self.elements.into_items().collect(),
+            connections: self.connections.into_items().collect(),
+            groups: self.groups.into_items().collect(),
+            markers: self.markers.into_items().collect(),
+        }
+    }
 }
 
 impl<'a> Checker<'a> {
     /// Unrolls the statements of a scene.
-    pub(super) fn expand_scene(&mut self, statements: &'a [SceneStatement], locals: &Locals, found: &mut Expanded<'a>) {
+    pub(super) fn expand_scene(&mut self, statements: &'a [SceneStatement], locals: &Locals, found: &mut Merging<'a>) {
         let (file, layer) = (self.place.file, found.layer);
         for statement in statements {
             let locals = locals.clone();
@@ -66,23 +74,23 @@ impl<'a> Checker<'a> {
                 SceneStatement::Element(element) => {
                     let name = self.with_locals(&locals, |checker| checker.element_name(element));
                     if let Ok(name) = name
-                        && self.may_hold(found.elements.len(), element.span).is_ok()
+                        && self.may_hold(found.elements.count(), element.span).is_ok()
                     {
-                        put(&mut found.elements, Unrolled { statement: element, name, locals, file, layer });
+                        found.elements.lay(name.clone(), layer, Unrolled { statement: element, name, locals, file });
                     }
                 }
                 SceneStatement::Connection(connection) => {
                     let name = dotted(&connection.from);
-                    put(&mut found.connections, Unrolled { statement: connection, name, locals, file, layer });
+                    found.connections.lay(name.clone(), layer, Unrolled { statement: connection, name, locals, file });
                 }
                 SceneStatement::Group(group) => {
                     let name = Some(group.name.text.clone());
-                    put(&mut found.groups, Unrolled { statement: group, name, locals, file, layer });
+                    found.groups.lay(name.clone(), layer, Unrolled { statement: group, name, locals, file });
                 }
                 SceneStatement::Marker(marker) => {
                     if let Ok(names) = self.with_locals(&locals, |checker| checker.expand(&marker.name)) {
                         let name = Some(names.concat());
-                        put(&mut found.markers, Unrolled { statement: marker, name, locals, file, layer });
+                        found.markers.lay(name.clone(), layer, Unrolled { statement: marker, name, locals, file });
                     }
                 }
                 SceneStatement::Repeat(repeat) => self.expand_repeat(repeat, &locals, found),
@@ -92,7 +100,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn expand_repeat(&mut self, repeat: &'a Repeat, locals: &Locals, found: &mut Expanded<'a>) {
+    fn expand_repeat(&mut self, repeat: &'a Repeat, locals: &Locals, found: &mut Merging<'a>) {
         let Ok(values) = self.with_locals(locals, |checker| checker.loop_values(&repeat.range)) else { return };
         for value in values {
             let number = match &value {
@@ -125,21 +133,20 @@ impl<'a> Checker<'a> {
         Err(told.unwrap_or_else(|| self.error(codes::tasks::TOO_LARGE, span, format!("a scene holds at most {MOST} elements"))))
     }
 
-    fn expand_removal(&mut self, remove: &'a Remove, locals: &Locals, found: &mut Expanded<'a>) {
+    fn expand_removal(&mut self, remove: &'a Remove, locals: &Locals, found: &mut Merging<'a>) {
         let Ok(patterns) = self.with_locals(locals, |checker| checker.names_of(&remove.name)) else { return };
         for pattern in patterns {
+            let fitting = |name: &Option<String>, _: usize| name.as_deref().is_some_and(|name| fits(&pattern, name));
             let gone = [
-                take_out(&mut found.elements, &pattern),
-                take_out(&mut found.connections, &pattern),
-                take_out(&mut found.groups, &pattern),
-                take_out(&mut found.markers, &pattern),
+                found.elements.take_out_where(fitting),
+                found.connections.take_out_where(fitting),
+                found.groups.take_out_where(fitting),
+                found.markers.take_out_where(fitting),
             ];
             if !gone.contains(&true) {
-                let elements = found.elements.iter().filter_map(|known| known.name.as_deref());
-                let connections = found.connections.iter().filter_map(|known| known.name.as_deref());
-                let groups = found.groups.iter().filter_map(|known| known.name.as_deref());
-                let markers = found.markers.iter().filter_map(|known| known.name.as_deref());
-                let names = elements.chain(connections).chain(groups).chain(markers);
+                let (things, held) = (found.elements.keys(), found.connections.keys());
+                let all = things.chain(held).chain(found.groups.keys()).chain(found.markers.keys());
+                let names = all.filter_map(|(name, _)| name.as_deref());
                 let message = format!("there is no `{pattern}` above that could be removed");
                 self.report(overrides_nothing(message, &pattern, self.place.file, remove.name.span, names));
             }

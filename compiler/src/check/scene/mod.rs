@@ -33,7 +33,7 @@ use crate::numbers::for_people;
 use crate::scene::{Motion, Object, Parent, SceneDescription, Shape, Surface};
 use crate::syntax::tree::{Element, ElementName, Expr, TaskStatement};
 use crate::vocabulary::{Landmark, Vocabulary};
-use expand::{Expanded, Locals, Unrolled};
+use expand::{Expanded, Locals, Merging, Unrolled};
 use geometry::Known;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -135,7 +135,7 @@ pub(crate) fn surroundings<'a>(
             Surroundings { scene: SceneDescription { ground: Some(GROUND), ..Default::default() }, ..Default::default() };
         return (surroundings, Vec::new());
     }
-    let mut statements = Expanded::default();
+    let mut merging = Merging::default();
     let mut said = None;
     for (block, placed) in blocks {
         // An inherited scene is read where it was written.
@@ -143,10 +143,11 @@ pub(crate) fn surroundings<'a>(
             if said.replace(placed.layer) == Some(placed.layer) {
                 checker.error(codes::tasks::REPEATED, block.keyword, "`scene` is said twice");
             }
-            statements.layer = placed.layer;
-            checker.expand_scene(&block.entries, &Locals::new(), &mut statements);
+            merging.layer = placed.layer;
+            checker.expand_scene(&block.entries, &Locals::new(), &mut merging);
         });
     }
+    let statements = merging.merged();
     let (stage, known) = checker.stage(&statements);
     let (scene, fixed, starts, used) = (stage.scene, stage.fixed, stage.starts, std::mem::take(&mut checker.used));
     let graph = std::mem::take(&mut checker.graph);

@@ -12,7 +12,7 @@ mod phases;
 mod play;
 mod situation;
 
-use super::context::{Checked, Checker, Failures, Local, Reported};
+use super::context::{Checked, Checker, Failures, Local, ReadMode, Reported};
 use super::init::Beginning;
 use super::observe::{ObservedChannel, Texts};
 use super::reward::PaidTerm;
@@ -136,7 +136,8 @@ impl<'a> Checker<'a> {
         let errors = self.diagnostics.len();
         let before = (self.graph.clone(), self.queries.clone(), self.used.clone(), self.memo.clone());
         let formulas = self.formulas.clone();
-        let beginning = std::mem::replace(&mut self.beginning, true);
+        let mode = ReadMode { initial: true, ..self.mode };
+        let mode = std::mem::replace(&mut self.mode, mode);
         let pays = terms.iter().map(|term| {
             let weight = self.graph.constant(term.weight);
             (term.name.clone(), self.graph.binary(Binary::Multiply, weight, term.node))
@@ -160,7 +161,7 @@ impl<'a> Checker<'a> {
                 }
             }
         }
-        self.beginning = beginning;
+        self.mode = mode;
         self.in_tests = None;
         let graph = std::mem::replace(&mut self.graph, before.0);
         let queries = std::mem::replace(&mut self.queries, before.1);
