@@ -20,11 +20,12 @@ pub use inspection::{InspectedFile, Inspection, TaskScope};
 pub use reading::{MAXIMUM_BYTES, MAXIMUM_FILES};
 
 use crate::body::BodyDescription;
-use crate::check::scope::{FileInSight, Globals, Names};
+use crate::check;
 use crate::check::uncalled::Cycles;
-use crate::check::{self, Texts};
 use crate::diagnostics::{Allowance, Checked, Diagnostic, FileId, Report, Reported, SourceMap, Span, Stage, codes};
 use crate::files::{BodySource, Loader, plain};
+use crate::resolve::Texts;
+use crate::resolve::scope::{FileInSight, Globals, Names};
 use crate::syntax;
 use crate::syntax::tree::{self, Item};
 use crate::task::CompiledTask;

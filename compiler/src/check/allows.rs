@@ -3,8 +3,8 @@
 //! Above a line of a list (a term, a channel, a reason, a parameter) it covers that line; as a statement of the task, its scene or
 //! its `init`, the whole task.
 
-use super::inherit::Placed;
 use crate::diagnostics::{Allowance, Diagnostic, FileId, Scope, Span, codes, find_lint, lints};
+use crate::resolve::inherit::Placed;
 use crate::syntax::tree::walk::items;
 use crate::syntax::tree::{Allow, Entry, InitStatement, SceneStatement, TaskStatement};
 

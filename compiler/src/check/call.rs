@@ -5,7 +5,6 @@ use super::dimension::Dimension;
 use super::functions;
 use super::lookup::renamed;
 use super::offered::offer_decimal_point;
-use super::scope::Definition;
 use super::types::{ElementType, Frame, Type};
 use super::value::{Data, Thing, Value};
 use crate::diagnostics::{Diagnostic, Edit, FileId, Fix, Span, codes};
@@ -14,6 +13,7 @@ use crate::frame::Sensor;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Reduction};
 use crate::hir::{DefinitionId, Resolution};
+use crate::resolve::scope::Definition;
 use crate::syntax::tree::{self, Argument, Expr, ExprKind, Function, Ident, Parameter};
 
 /// Types that are no dimension.

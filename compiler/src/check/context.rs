@@ -1,19 +1,19 @@
 //! What the checker knows while it walks through one task.
 
 use super::functions;
-use super::inherit::Placed;
 use super::random::KnownRandom;
 use super::ranges::Working;
 use super::reference::{KnownReference, Motions};
 use super::scene::Surroundings;
 use super::scene::geometry::Known;
-use super::scope::{Declared, Names, Place};
 use super::value::Value;
 use crate::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::{Graph, NodeId};
 use crate::hir::{DefinitionId, ExprId, Hir, Resolution, TypedFormulas};
+use crate::resolve::inherit::Placed;
+use crate::resolve::scope::{Declared, Names, Place};
 use crate::spoken::SpokenUnit;
 use crate::vocabulary::Vocabulary;
 use std::collections::{BTreeMap, BTreeSet};

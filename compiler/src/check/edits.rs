@@ -2,11 +2,11 @@
 
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
-use super::inherit::WholeTask;
-use super::scope::{Names, Place};
 use super::value::{Thing, Value};
 use crate::body::{Change, Property};
 use crate::diagnostics::{Diagnostic, FileId, codes, nearest};
+use crate::resolve::inherit::WholeTask;
+use crate::resolve::scope::{Names, Place};
 use crate::syntax::tree::{BodyEdit, BodyUse, ExprKind};
 use crate::vocabulary::{JointKind, Vocabulary};
 

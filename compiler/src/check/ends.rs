@@ -2,8 +2,6 @@
 
 use super::context::{Checked, Checker, End, Ends as Known, Failures, ReadMode};
 use super::dimension::Dimension;
-use super::inherit::Placed;
-use super::scope::Place;
 use super::signals::Read;
 use super::types::{ElementType, Type};
 use super::value::{Data, Value};
@@ -11,6 +9,8 @@ use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
 use crate::numbers::exact;
+use crate::resolve::inherit::Placed;
+use crate::resolve::scope::Place;
 use crate::syntax::tree::{Clock, Ends, Entry, Expr, ExprKind, Ident, Reason, TaskStatement};
 
 /// Failures, or ends that are none.

@@ -1,12 +1,12 @@
 //! Names and selectors: what a word stands for.
 
 use super::context::{Checked, Checker, Local, Reported, Step};
-use super::scope::{Declared, Definition, Place};
 use super::signals::{self, Owner};
 use super::value::{Thing, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::diagnostics::{name_elsewhere, nearest, synonyms};
 use crate::hir::{DefinitionId, Resolution};
+use crate::resolve::scope::{Declared, Definition, Place};
 use crate::syntax::tree::{Ident, Name, NamePart, Text};
 use crate::vocabulary::{GroupKind, JointKind};
 use std::collections::BTreeSet;

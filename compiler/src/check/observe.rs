@@ -2,13 +2,13 @@
 
 use super::allows;
 use super::context::{Checked, Checker, Failures};
-use super::scope::{Definition, Place};
-use super::task::summary;
 use super::types::{ElementType, Type};
 use super::value::{Data, Value};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Operation;
+use crate::resolve::scope::{Definition, Place};
+use crate::resolve::{Texts, label_of, summary, written};
 use crate::spoken::SpokenUnit;
 use crate::syntax::tree::{Channel, Entry, Expr, ExprKind};
 
@@ -37,25 +37,6 @@ pub(crate) struct Block<'a> {
     name: &'a str,
     file: FileId,
     span: Span,
-}
-
-/// The text that a label is made of.
-pub(crate) trait Texts {
-    /// The text of a span of a file.
-    fn text(&self, file: FileId, span: Span) -> &str;
-}
-
-/// The label before `=`, else the formula itself, blanks made even.
-pub(crate) fn label_of(channel: &Channel, file: FileId, texts: &dyn Texts) -> String {
-    match &channel.label {
-        Some(label) => label.text.clone(),
-        None => written(&channel.value, file, texts),
-    }
-}
-
-/// A formula as written, blanks made even.
-pub(crate) fn written(expr: &Expr, file: FileId, texts: &dyn Texts) -> String {
-    texts.text(file, expr.span).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 impl<'a> Checker<'a> {

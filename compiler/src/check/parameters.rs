@@ -3,10 +3,10 @@
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::offered::unit_of;
-use super::scope::Place;
 use super::types::{ElementType, Type};
 use super::value::{Data, Form, Value};
 use crate::diagnostics::{FileId, Span, codes};
+use crate::resolve::scope::Place;
 use crate::spoken::SpokenUnit;
 use crate::syntax::tree::{Expr, ExprKind, TaskParameter, TaskStatement, UnaryOperator};
 use crate::task::Parameter;
@@ -177,7 +177,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn parameters_in_use(&mut self) {
         let names = self.names;
         for (name, declared) in names.of_task() {
-            if matches!(declared.definition, super::scope::Definition::Parameter(_)) && !self.used.contains(name) {
+            if matches!(declared.definition, crate::resolve::scope::Definition::Parameter(_)) && !self.used.contains(name) {
                 let message = format!("nothing reads the parameter `{name}`: setting it would change nothing");
                 let span = declared.definition.span();
                 let diagnostic =

@@ -4,12 +4,12 @@
 //! a draw must fulfil, as inputs of the random itself; the program tries them until one is taken.
 
 use super::context::{Checked, Checker, Failures, ReadMode, Step};
-use super::scope::{Declared, Definition};
 use super::types::{ElementType, Frame, Type};
 use super::value::{Data, Form, Value};
 use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Chance, Operation, Unary};
+use crate::resolve::scope::{Declared, Definition};
 use crate::syntax::tree::{Argument, Expr, ExprKind, Random, TaskStatement};
 
 /// Dimensions that one random may have.

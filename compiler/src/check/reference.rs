@@ -6,7 +6,6 @@
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
 use super::random::KnownRandom;
-use super::scope::Definition;
 use super::signals::{self, Owner};
 use super::types::{ElementType, Frame, Type};
 use super::value::{Data, Thing, Value};
@@ -17,6 +16,7 @@ use crate::graph::operation::{Binary, Chance, Memory, Operation};
 use crate::graph::track::Track;
 use crate::motion::{Motion, RootPart};
 use crate::numbers::for_people;
+use crate::resolve::scope::Definition;
 use crate::syntax::tree::{Argument, Expr, ExprKind, Name, Reference, TaskStatement, Text};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -3,12 +3,11 @@
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::functions::divide_by;
-use super::lints::events;
 use super::types::{ElementType, Type};
 use super::value::Data;
 use crate::diagnostics::{FileId, Span, codes};
-use crate::graph::NodeId;
 use crate::graph::operation::Binary;
+use crate::graph::{NodeId, events};
 use crate::hir::{ExprId, Resolution};
 use crate::numbers::{exact, for_people, told_apart};
 use crate::syntax::tree::{Bounds, Docs, Expr, Reward, Term};

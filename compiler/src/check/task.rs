@@ -2,15 +2,12 @@
 
 use super::context::{Cell, Checked, Checker, Compared, End, Failures, ReadMode, Reported, Timing};
 use super::dimension::Dimension;
-use super::inherit::{Placed, WholeTask};
 use super::init::{Beginning, Layer};
-use super::lints;
-use super::observe::{ObservedChannel, Texts};
+use super::observe::ObservedChannel;
 use super::random::KnownRandom;
 use super::reference::{KnownReference, Motions};
 use super::reward::PaidTerm;
 use super::scene::Surroundings;
-use super::scope::{Declared, Definition, Names, Place};
 use super::tests::CheckedTests;
 use super::types::{ElementType, Type};
 use super::value::{Data, Value};
@@ -20,8 +17,11 @@ use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
 use crate::hir::Hir;
 use crate::numbers::for_people;
+use crate::resolve::Texts;
+use crate::resolve::inherit::{Placed, WholeTask};
+use crate::resolve::scope::{Declared, Definition, Names, Place};
 use crate::scene::SceneDescription;
-use crate::syntax::tree::{BodyUse, Docs, Expr, StateDeclaration, TaskStatement, Test};
+use crate::syntax::tree::{BodyUse, Expr, StateDeclaration, TaskStatement, Test};
 use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
 use std::sync::Arc;
@@ -138,14 +138,15 @@ pub(crate) struct Told {
     pub whole: Vec<Diagnostic>,
 }
 
-/// Checks a task against the vocabulary of its body. Errors and warnings come with it; the task only if there is no error.
+/// Checks a task against the vocabulary of its body. Errors and warnings come with it; the task only if there is no error. Lints
+/// ask the checker for what it has learnt.
 pub(crate) fn check<'a>(
     task: &'a WholeTask,
     names: &'a Names<'a>,
     around: Around<'a>,
     sequence: InSequence<'a>,
     queries: Vec<Query>,
-) -> (Checked<CheckedTask<'a>>, Told) {
+) -> (Checker<'a>, Checked<CheckedTask<'a>>, Told) {
     let Around { vocabulary, surroundings, texts, motions } = around;
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     checker.known = surroundings.known.clone();
@@ -163,18 +164,12 @@ pub(crate) fn check<'a>(
         checked = Err(checker.internal_error(finding, task.task.name.span));
     }
     let broken = Reported::among(&checker.diagnostics);
-    let mut told = Told { formulas: std::mem::take(&mut checker.diagnostics), whole: Vec::new() };
+    let told = Told { formulas: std::mem::take(&mut checker.diagnostics), whole: Vec::new() };
     let graph = std::mem::take(&mut checker.graph);
     let hir = checked.as_ref().map_or_else(|_| Arc::new(std::mem::take(&mut checker.hir)), |checked| checked.hir.clone());
     checker.keep_for_editors(hir, checked.as_ref().map_or(&graph, |checked| &checked.graph));
-    let mut checked = checked.and_then(|checked| broken.map_or(Ok(checked), Err));
-    if let Ok(checked) = &mut checked {
-        lints::unused(&checker, &mut told.whole);
-        checked.term_bounds = lints::task(&checker, checked, &mut told.whole);
-        lints::last_step(checked, sequence, &mut told.whole);
-        lints::phase_end(&checker, checked, sequence, &mut told.formulas);
-    }
-    (checked, told)
+    let checked = checked.and_then(|checked| broken.map_or(Ok(checked), Err));
+    (checker, checked, told)
 }
 
 impl<'a> Checker<'a> {
@@ -600,11 +595,4 @@ pub(crate) fn body_of(statements: &[Placed]) -> Option<(&BodyUse, FileId)> {
         TaskStatement::Body(body) => Some((body, placed.file)),
         _ => None,
     })
-}
-
-/// The first sentence group of a documentation comment.
-pub(crate) fn summary(docs: Option<&Docs>) -> String {
-    let text = docs.map_or("", |docs| docs.text.as_str());
-    let paragraph: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
-    paragraph.join(" ")
 }

@@ -2,9 +2,9 @@
 //! name can be looked at without, and so can cycles of calls.
 
 use super::functions;
-use super::scope::{Definition, Names, Place};
 use super::signals::{self, Owner};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes, nearest};
+use crate::resolve::scope::{Definition, Names, Place};
 use crate::syntax::MAXIMUM_ERRORS;
 use crate::syntax::tree::walk::{Visitor, walk_expression};
 use crate::syntax::tree::{Entry, Expr, ExprKind, File, Function, Item, NamePart, Observation};
@@ -304,8 +304,8 @@ impl<'a> Visitor<'a> for Calls {
 
 #[cfg(test)]
 mod tests {
-    use super::super::scope::{FileInSight, Globals};
     use super::*;
+    use crate::resolve::scope::{FileInSight, Globals};
     use crate::syntax;
     use crate::work::assert_linear;
 

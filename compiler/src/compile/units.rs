@@ -3,18 +3,20 @@
 use super::unread::Unread;
 use super::{Described, SourceFile, TaskScope};
 use crate::body::BodyDescription;
-use crate::check::inherit::{self, Budget, Find, InFile, Placed, WholeTask};
 use crate::check::reference::{Motions, Tables};
-use crate::check::scope::{Globals, Names};
 use crate::check::task::{Around, InSequence, Told, body_of};
-use crate::check::{self, CheckedTests, Texts, written};
+use crate::check::{self, CheckedTests};
 use crate::diagnostics::{Allowance, Checked, Diagnostic, Failures, FileId, Reported, Severity, codes};
 use crate::files::BodySource;
 use crate::frame::Query;
 use crate::hir::TypedFormulas;
+use crate::lint;
 use crate::lower::definitions;
 use crate::lower::{CheckedPhase, Heading, Tested, finish};
 use crate::motion::Motion;
+use crate::resolve::inherit::{self, Budget, Find, InFile, Placed, WholeTask};
+use crate::resolve::scope::{Globals, Names};
+use crate::resolve::{Texts, written};
 use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, Task, TaskStatement};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
@@ -245,7 +247,10 @@ fn phases_of<'a>(
         let until = phase.phase.and_then(|phase| phase.until.as_ref()).map(|until| (until, unit.file));
         let before = checked.iter().fold(0_u32, |sum, phase: &CheckedPhase<'_>| sum.saturating_add(phase.checked.timing.horizon));
         let sequence = InSequence { index, until, before, ..whole };
-        let (found, told) = check::task::check(&phase.task, names, around, sequence, queries.clone());
+        let (checker, mut found, mut told) = check::task::check(&phase.task, names, around, sequence, queries.clone());
+        if let Ok(checked) = &mut found {
+            lint::find(&checker, checked, sequence, &mut told);
+        }
         unread.note(names, around.surroundings, &told.whole);
         diagnostics.formulas.extend(told.formulas);
         diagnostics.whole.extend(told.whole);

@@ -1,8 +1,8 @@
 //! Names that nothing reads, over all tasks together: what one inherits and does not read, another may.
 
 use crate::check::scene::Surroundings;
-use crate::check::scope::Names;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use crate::resolve::scope::Names;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How many tasks have a declaration, and how many of them do not read it.

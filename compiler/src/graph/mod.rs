@@ -7,6 +7,7 @@
 //! 4. [`text`] writes the graph canonically; its hash identifies the task whatever its layout, comments and local names.
 //! 5. `lower` turns the graph into a program; a second back end would start here too.
 
+pub(crate) mod events;
 pub(crate) mod fold;
 pub mod interval;
 pub mod operation;

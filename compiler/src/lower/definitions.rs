@@ -1,9 +1,9 @@
 //! Which declarations the formulas of a task name: `let`, `fn`, `const`, states, clocks, randoms, parameters.
 
-use crate::check::inherit::WholeTask;
-use crate::check::scope::{Declared, Definition as Known, Names, Place};
-use crate::check::task::summary;
 use crate::diagnostics::FileId;
+use crate::resolve::inherit::WholeTask;
+use crate::resolve::scope::{Declared, Definition as Known, Names, Place};
+use crate::resolve::summary;
 use crate::syntax::tree::walk::{Visitor, walk_expression};
 use crate::syntax::tree::{Docs, Entry, Expr, ExprKind, TaskStatement};
 use crate::task::Definition;

@@ -3,14 +3,15 @@
 use super::{DrawOutput, Outputs, Plan, assemble, layout};
 use crate::body::BodyDescription;
 use crate::check::CheckedTests;
-use crate::check::inherit::{Placed, WholeTask};
 use crate::check::observe::ObservedChannel;
-use crate::check::task::{CheckedTask, summary};
-use crate::check::{Texts, written};
+use crate::check::task::CheckedTask;
 use crate::diagnostics::FileId;
 use crate::frame::FrameLayout;
 use crate::motion::Start;
 use crate::notation::names_in;
+use crate::resolve::inherit::{Placed, WholeTask};
+use crate::resolve::summary;
+use crate::resolve::{Texts, written};
 use crate::syntax::tree::{Docs, Ends, Entry, Expr, Random, TaskStatement};
 use crate::task::{
     Channel, ChannelMeaning, CompiledTask, ConditionMeaning, Definition, FollowedMotion, Meaning, Phase, Places, RandomValue,

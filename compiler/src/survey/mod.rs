@@ -8,13 +8,14 @@
 mod lack;
 mod seen;
 
-use crate::check::{Timing, Working, gated};
+use crate::check::{Timing, Working};
 use crate::diagnostics::{FileId, Span};
 use crate::extremes::minimum;
 use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
+use crate::lint::gated;
 use crate::spoken::SpokenUnit;
 use crate::task::{CompiledTask, Phase};
 use lack::Lack;

@@ -7,12 +7,12 @@
 use super::signature::{Parameter, Shapes, Signature, Takes};
 use super::{Checks, FUNCTIONS, Function, OPERATORS};
 use crate::check::context::Checker;
-use crate::check::scope::{Globals, Names, Place};
 use crate::check::types::{ElementType, Type};
 use crate::check::value::{Data, Value};
 use crate::diagnostics::{FileId, Severity};
 use crate::graph::{Graph, NodeId};
 use crate::lower::{Interpreter, Moment, Outputs, layout};
+use crate::resolve::scope::{Globals, Names, Place};
 use crate::syntax;
 use crate::syntax::tree::{Expr, Item, TaskStatement};
 use crate::vocabulary::Vocabulary;

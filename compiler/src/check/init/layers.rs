@@ -3,11 +3,11 @@
 
 use super::Layer;
 use crate::check::context::{Checked, Checker, Failures};
-use crate::check::inherit::overrides_nothing;
-use crate::check::layers::Layers;
 use crate::check::lookup::fits;
 use crate::check::scene::object::dotted;
 use crate::diagnostics::FileId;
+use crate::resolve::inherit::overrides_nothing;
+use crate::resolve::layers::Layers;
 use crate::syntax::tree::{InitStatement, Remove};
 
 /// A statement of a beginning.

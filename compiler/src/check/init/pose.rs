@@ -3,11 +3,11 @@
 use super::Beginning;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
-use crate::check::scope::{Declared, Definition};
 use crate::check::value::{Thing, Value};
 use crate::diagnostics::{Span, codes};
 use crate::motion::{Following, Parts, RootPart, Start};
 use crate::numbers::told_apart;
+use crate::resolve::scope::{Declared, Definition};
 use crate::syntax::tree::{Assignment, Expr, Ident, PoseUse};
 use crate::task::Init;
 use crate::vocabulary::JointKind;

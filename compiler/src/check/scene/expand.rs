@@ -3,13 +3,13 @@
 //! What a task says of a scene that it extends replaces what has the same name there, in its place; the rest is added.
 
 use crate::check::context::{Checked, Checker, Local, Reported};
-use crate::check::inherit::overrides_nothing;
-use crate::check::layers::Layers;
 use crate::check::lookup::fits;
 use crate::check::scene::object::dotted;
 use crate::check::types::{ElementType, Type};
 use crate::check::value::{Data, Value};
 use crate::diagnostics::{FileId, Span, codes};
+use crate::resolve::inherit::overrides_nothing;
+use crate::resolve::layers::Layers;
 use crate::syntax::tree::{Connection, Element, ElementName, Group, Marker, Name, NamePart, Remove, Repeat, SceneStatement};
 
 /// Elements that one scene may hold once its loops are unrolled.

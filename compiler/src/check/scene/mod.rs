@@ -26,10 +26,10 @@ mod rotation;
 mod shapes;
 
 use super::context::{Checker, Reported};
-use super::inherit::WholeTask;
-use super::scope::{Names, Place};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::numbers::for_people;
+use crate::resolve::inherit::WholeTask;
+use crate::resolve::scope::{Names, Place};
 use crate::scene::{Motion, Object, Parent, SceneDescription, Shape, Surface};
 use crate::syntax::tree::{Element, ElementName, Expr, TaskStatement};
 use crate::vocabulary::{Landmark, Vocabulary};

@@ -2,7 +2,8 @@
 
 use super::{Draft, Found, Reader, Wanted};
 use crate::check::context::{Checked, Checker, Failures};
-use crate::check::observe::{ObservedChannel, Texts, spoken_unit, unit_of, written};
+use crate::check::observe::{ObservedChannel, spoken_unit, unit_of};
+use crate::resolve::{Texts, written};
 use crate::check::types::ElementType;
 use crate::check::value::Data;
 use crate::diagnostics::{codes, nearest};

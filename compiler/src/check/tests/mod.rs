@@ -14,7 +14,7 @@ mod situation;
 
 use super::context::{Checked, Checker, Failures, Local, ReadMode, Reported};
 use super::init::Beginning;
-use super::observe::{ObservedChannel, Texts};
+use super::observe::ObservedChannel;
 use super::reward::PaidTerm;
 use super::task::InSequence;
 use super::types::ElementType;
@@ -24,6 +24,7 @@ use crate::frame::Query;
 use crate::graph::operation::{Binary, Memory};
 use crate::graph::{Graph, NodeId};
 use crate::numbers::for_people;
+use crate::resolve::Texts;
 use crate::syntax::tree::{Expr, Ident, Test, TestStatement};
 use crate::task::Spread;
 use crate::testing::{Expectation, Keyframe, Run, Take, TaskTest};

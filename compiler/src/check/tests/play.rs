@@ -7,11 +7,11 @@
 use super::{Draft, Key};
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
-use crate::check::scope::{Declared, Definition};
 use crate::diagnostics::codes;
 use crate::graph::NodeId;
 use crate::motion::{Following, Motion, Parts, Path, RootPart, Start};
 use crate::numbers::for_people;
+use crate::resolve::scope::{Declared, Definition};
 use crate::syntax::tree::{Change, ExprKind, Played, Playing};
 use crate::task::{Init, Setting};
 use std::sync::Arc;

@@ -2,12 +2,12 @@
 
 use super::amount::Amount;
 use super::at;
-use super::events::is_event;
 use crate::check::reward::PaidTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::extremes::maximum;
 use crate::frame::Sensor;
+use crate::graph::events::is_event;
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Memory, Operation};
 use crate::graph::{Graph, NodeId};

@@ -1,14 +1,12 @@
-//! Lints: what compiles, but is probably not what was meant.
+//! Lints on whole tasks: what compiles, but is probably not what was meant. They read the typed HIR, the graph and the bounds of
+//! its nodes; type checking knows nothing of them.
 //!
 //! A lint pushes its warning wherever it finds it; whether an `allow` covers it is decided once all of a task are there
 //! (`allows`).
 
 mod amount;
 mod cheap_return;
-mod degrees;
 mod duration;
-pub(crate) mod events;
-mod folded;
 mod growth;
 mod heights;
 mod last_step;
@@ -20,7 +18,6 @@ mod outlook;
 mod pay;
 mod poles;
 mod rates;
-mod repeated;
 mod sight;
 mod signs;
 mod slips;
@@ -32,13 +29,10 @@ mod trend;
 mod world_place;
 mod wrong_bound;
 
-pub(crate) use last_step::last_step;
-
-use super::context::{Checker, End};
-use super::ranges::{Shaken, Standing, Working};
-use super::reward::PaidTerm;
-use super::scope::Definition;
-use super::task::{CheckedTask, InSequence};
+use crate::check::context::{Checker, End};
+use crate::check::ranges::{Shaken, Standing, Working};
+use crate::check::reward::PaidTerm;
+use crate::check::task::{CheckedTask, InSequence, Told};
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
@@ -46,12 +40,21 @@ use crate::graph::operation::{Binary, Memory, Operation};
 use crate::graph::{Graph, NodeId};
 use crate::hir::{Hir, Resolution};
 use crate::numbers::for_people;
+use crate::resolve::scope::Definition;
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind};
 use crate::task::RootPlacement;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Finds what is to be warned of in a task without errors, and between which values its terms stay.
+pub(crate) fn find(checker: &Checker<'_>, checked: &mut CheckedTask<'_>, sequence: InSequence<'_>, told: &mut Told) {
+    unused(checker, &mut told.whole);
+    checked.term_bounds = task(checker, checked, &mut told.whole);
+    last_step::last_step(checked, sequence, &mut told.whole);
+    phase_end(checker, checked, sequence, &mut told.formulas);
+}
+
 /// Names that a task declares and nothing reads.
-pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
+fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
     checker.scene_lints(diagnostics);
     for (name, declared) in checker.names.of_task() {
         // States are looked at in the graph; a parameter that nothing reads is an error.
@@ -65,7 +68,7 @@ pub(crate) fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
 }
 
 /// Lints on a task that compiles; the result is between which values each term stays.
-pub(crate) fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) -> Vec<Bounds> {
+fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) -> Vec<Bounds> {
     let ranges = Working { vocabulary: checker.vocabulary, timing: task.timing, queries: &task.queries };
     let bounds = interval::analyse(&task.graph, &ranges);
     for term in &task.terms {
@@ -255,12 +258,7 @@ fn sides_in_words(task: &CheckedTask<'_>, node: NodeId, bounds: &[Vec<Bounds>]) 
 }
 
 /// A phase of a sequence that can never give way: its `until` needs more time than the phase has, for example.
-pub(crate) fn phase_end(
-    checker: &Checker<'_>,
-    task: &CheckedTask<'_>,
-    sequence: InSequence<'_>,
-    diagnostics: &mut Vec<Diagnostic>,
-) {
+fn phase_end(checker: &Checker<'_>, task: &CheckedTask<'_>, sequence: InSequence<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let (Some(node), Some((expr, file)), Some(phase)) = (task.phase.until, sequence.until, sequence.phases.get(sequence.index))
     else {
         return;
@@ -326,7 +324,7 @@ pub(crate) fn gated(formula: &Expr, graph: &Graph, node: NodeId) -> bool {
     match &formula.kind {
         ExprKind::When { .. } | ExprKind::If { .. } | ExprKind::Compare { .. } | ExprKind::EndedBy(_) => true,
         ExprKind::Paren(inner) => gated(inner, graph, node),
-        _ => events::is_gated(graph, node),
+        _ => crate::graph::events::is_gated(graph, node),
     }
 }
 

@@ -2,14 +2,14 @@
 
 use crate::beginning::{Init, ObjectStart, Setting};
 use crate::check::context::Checker;
-use crate::check::dimension::Dimension;
-use crate::check::scope::Definition;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::frame::{Sensor, Subject};
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Binary, Memory, Operation, Unary};
 use crate::graph::{Graph, NodeId};
+use crate::quantity::dimension::Dimension;
+use crate::resolve::scope::Definition;
 use crate::scene::{Motion, Object, Parent, Part};
 use crate::spoken::SpokenUnit;
 use crate::syntax::tree::TaskStatement;

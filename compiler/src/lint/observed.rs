@@ -1,6 +1,5 @@
 //! What reward or ends depend on and no channel determines: the heading, the place, the time, latches, velocities of objects.
 
-use super::events::is_event;
 use super::sight;
 use super::surrogate::{Shift, Surrogate};
 use crate::check::context::Checker;
@@ -8,6 +7,7 @@ use crate::check::task::CheckedTask;
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
 use crate::frame::{Sensor, Subject};
 use crate::graph::NodeId;
+use crate::graph::events::is_event;
 use crate::graph::operation::{Binary, Memory, Operation};
 use crate::scene::Shape;
 use crate::task::Setting;

@@ -1,8 +1,8 @@
 //! What holds at single steps only, and what does not always pay, read off the graph: whatever functions and names of the text
 //! it is hidden behind.
 
-use crate::graph::operation::{Binary, Memory, Operation, Unary};
-use crate::graph::{Graph, NodeId};
+use super::operation::{Binary, Memory, Operation, Unary};
+use super::{Graph, NodeId};
 use std::collections::BTreeSet;
 
 /// Whether a condition holds at single steps only: `once(c)`, `rising(c)`, `falling(c)`, and such together with others.

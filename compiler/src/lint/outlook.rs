@@ -5,11 +5,11 @@
 
 use super::amount::Amount;
 use super::at;
-use super::events::is_event;
 use super::success::brings_success;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::graph::NodeId;
+use crate::graph::events::is_event;
 use crate::graph::interval::{self, Bounds, Ranges};
 use crate::numbers::{exact, for_people};
 use std::collections::BTreeSet;

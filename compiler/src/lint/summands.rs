@@ -1,9 +1,9 @@
 //! What a term adds up, followed from its value down to what is measured: through sums, constant factors, bounds, branches and
 //! functions that rise, but not into products of what varies, which weigh and gate rather than earn.
 
-use super::events::is_event;
 use crate::check::task::CheckedTask;
 use crate::extremes::{maximum, minimum};
+use crate::graph::events::is_event;
 use crate::graph::operation::{Binary, Memory, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
 use std::collections::BTreeSet;

@@ -9,7 +9,7 @@
 //! A row keeps the file that it was written in: its names are looked up there, and errors point there.
 
 use super::layers::Layers;
-use super::observe::{Texts, label_of};
+use super::texts::{Texts, label_of};
 use crate::diagnostics::{Checked, Diagnostic, Failures, FileId, Span, codes, nearest};
 use crate::numbers::told_apart;
 use crate::syntax::tree::{

@@ -1,22 +1,16 @@
 //! Formulas that compute something, but hardly what was meant: targets out of reach, errors that cancel, conditions that decide
-//! each other, counts of steps.
+//! each other.
 
-use super::at;
 use crate::check::context::Checker;
 use crate::check::observe::spoken_unit;
-use crate::check::task::CheckedTask;
-use crate::check::types::Type;
-use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
 use crate::graph::operation::{Binary, Operation, Reduction};
 use crate::graph::{Graph, NodeId};
-use crate::numbers::for_people;
+use crate::hir::types::Type;
+use crate::quantity::dimension::Dimension;
 use crate::spoken::SpokenUnit;
 use crate::syntax::tree::Expr;
-use std::collections::BTreeMap;
-
-/// How many events a state counts at most: what is compared with more counts steps on purpose.
-const FEW: f64 = 20.0;
 
 impl Checker<'_> {
     /// Warns of the difference between joints and a number that none of them ever has.
@@ -42,7 +36,7 @@ impl Checker<'_> {
         let message = format!("`{name}` never comes to {found}");
         let span = written[0].span.to(written[1].span);
         let diagnostic = self.diagnostic(codes::slips::BEYOND_RANGE, span, message).expected(range).found(found);
-        let people = SpokenUnit::of(kind.dimension().unwrap_or(crate::check::dimension::Dimension::NONE));
+        let people = SpokenUnit::of(kind.dimension().unwrap_or(Dimension::NONE));
         let diagnostic = match people.tell_beside([low, high], target).0 {
             told if diagnostic.expected.as_ref() == Some(&told) => diagnostic,
             told => diagnostic.help(format!("its range is {told}")),
@@ -112,54 +106,4 @@ fn sums_errors(graph: &Graph, node: NodeId) -> bool {
         }
         _ => false,
     }
-}
-
-/// Two terms that compute the same number.
-pub(super) fn twice_paid(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
-    let mut first: BTreeMap<NodeId, &str> = BTreeMap::new();
-    for term in task.terms.iter().filter(|term| task.graph.constant_lanes(term.node).is_none()) {
-        if let Some(known) = first.insert(term.node, &term.name) {
-            let message = format!("the terms `{known}` and `{}` compute the same number", term.name);
-            let help = "their weights add up: one of them was probably to be about something else";
-            let diagnostic = at(codes::slips::TWICE_PAID, term, message).help(help);
-            diagnostics.push(diagnostic);
-        }
-    }
-}
-
-/// States that grow at every step of a condition, and are compared with a few.
-pub(super) fn counts_steps(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
-    let graph = &task.graph;
-    for compared in &task.comparisons {
-        let [a, b] = compared.sides;
-        let counted = [(a, b), (b, a)].into_iter().find_map(|(state, number)| {
-            let (Operation::StateBefore(index) | Operation::StateAfter(index)) = graph.node(state).operation else { return None };
-            let number = graph.constant_value(number).filter(|number| *number > 1.0 && *number <= FEW)?;
-            Some((index as usize, number))
-        });
-        let Some((index, number)) = counted else { continue };
-        let (Some(state), Some(update)) = (task.states.get(index), task.updates.get(index)) else { continue };
-        if !grows_at_every_step(graph, *update, index) {
-            continue;
-        }
-        let time = for_people(number * task.timing.interval);
-        let message = format!("`{}` counts control steps: it comes to {} after {time} s", state.name, for_people(number));
-        let diagnostic = Diagnostic::new(codes::slips::COUNTS_STEPS, compared.file, compared.span, message).help(
-            "it grows at every step at which its condition holds; `rising(...)` of that holds once each time that it begins",
-        );
-        diagnostics.push(diagnostic);
-    }
-}
-
-/// `n + 1 when c` where c may hold for many steps and does not look at n.
-fn grows_at_every_step(graph: &Graph, update: NodeId, index: usize) -> bool {
-    let own = |node: NodeId| matches!(graph.node(node).operation, Operation::StateBefore(state) if state as usize == index);
-    let node = graph.node(update);
-    let (Operation::Choose, [condition, grown, kept]) = (&node.operation, node.inputs.as_slice()) else { return false };
-    let sum = graph.node(*grown);
-    let counts = sum.operation == Operation::Binary(Binary::Add)
-        && sum.inputs.iter().any(|&input| own(input))
-        && sum.inputs.iter().any(|&input| graph.constant_value(input) == Some(1.0));
-    let looks = graph.reachable([*condition]).into_iter().any(own);
-    counts && own(*kept) && !looks && super::events::single_event(graph, *condition).is_none()
 }
