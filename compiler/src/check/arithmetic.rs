@@ -6,7 +6,7 @@ use super::meeting::is_ordered;
 use super::observe::spoken_unit;
 use super::types::{ElementType, Shape, Type};
 use super::unit;
-use super::value::{Data, Value};
+use super::value::{TypedValue, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Unary};
@@ -14,11 +14,11 @@ use crate::numbers::{exact, for_people};
 use crate::syntax::tree::{BinaryOperator, CompareOperator, Expr, ExprKind};
 
 /// An operand with the expression it came from.
-pub(super) type Operand<'a> = (Data, &'a Expr);
+pub(super) type Operand<'a> = (TypedValue, &'a Expr);
 
 impl<'a> Checker<'a> {
     /// A chain of infix operators; the left spine is walked without recursion, because it may be as long as a statement.
-    pub(crate) fn binary_chain(&mut self, expr: &'a Expr) -> Checked<Data> {
+    pub(crate) fn binary_chain(&mut self, expr: &'a Expr) -> Checked<TypedValue> {
         let mut spine = Vec::new();
         let mut first = expr;
         while let ExprKind::Binary { operator, operator_span, left, right } = &first.kind {
@@ -40,7 +40,7 @@ impl<'a> Checker<'a> {
             };
             left_expr = whole;
             if let Some(id) = id {
-                self.hir.close(id, result.clone().ok().map(Value::Data).as_ref());
+                self.hir.close(id, result.clone().ok().map(Value::Typed).as_ref());
             }
         }
         result
@@ -74,7 +74,7 @@ impl<'a> Checker<'a> {
         Some(diagnostic.suggest(format!("`{whole}` is `{said}`"), last.span.to(right.span), said))
     }
 
-    fn infix(&mut self, operator: BinaryOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
+    fn infix(&mut self, operator: BinaryOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<TypedValue> {
         self.spend(1, span)?;
         match operator {
             BinaryOperator::Add | BinaryOperator::Subtract => self.sum(operator == BinaryOperator::Subtract, span, left, right),
@@ -87,7 +87,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn logic(&mut self, function: Binary, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
+    fn logic(&mut self, function: Binary, left: Operand<'a>, right: Operand<'a>) -> Checked<TypedValue> {
         for (data, expr) in [&left, &right] {
             if data.kind.element() != Some(ElementType::Bool) {
                 let found = data.kind.described(self.vocabulary);
@@ -109,10 +109,10 @@ impl<'a> Checker<'a> {
         self.warn_identical(a, b, span);
         self.warn_decided(function, [a, b], span);
         let node = self.graph.binary(function, a, b);
-        Ok(Data::new(node, kind))
+        Ok(TypedValue::new(node, kind))
     }
 
-    fn sum(&mut self, subtract: bool, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
+    fn sum(&mut self, subtract: bool, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<TypedValue> {
         let verb = if subtract { "subtract" } else { "add" };
         let function = if subtract { Binary::Subtract } else { Binary::Add };
         if let Some(place) = self.sum_of_places(subtract, span, &left, &right)? {
@@ -128,24 +128,30 @@ impl<'a> Checker<'a> {
         let node = self.graph.binary(function, a, b);
         // The difference of two headings goes the short way round.
         let node = if subtract { self.wrapped(node, &kind) } else { node };
-        Ok(Data::new(node, kind))
+        Ok(TypedValue::new(node, kind))
     }
 
     /// Place minus place is a vector, place plus vector a place, place plus place nothing.
-    fn sum_of_places(&mut self, subtract: bool, span: Span, left: &Operand<'a>, right: &Operand<'a>) -> Checked<Option<Data>> {
+    fn sum_of_places(
+        &mut self,
+        subtract: bool,
+        span: Span,
+        left: &Operand<'a>,
+        right: &Operand<'a>,
+    ) -> Checked<Option<TypedValue>> {
         let frame = match (left.0.kind.element(), right.0.kind.element()) {
             (Some(ElementType::Place(frame)), _) | (_, Some(ElementType::Place(frame))) => frame,
             _ => return Ok(None),
         };
         let (l, r) = (self.as_vector(left.0.clone(), frame), self.as_vector(right.0.clone(), frame));
         let vector = ElementType::Vector { size: 3, dimension: Dimension::LENGTH, frame };
-        let offset = |data: &Data| {
+        let offset = |data: &TypedValue| {
             matches!(data.kind.element(), Some(ElementType::Vector { size: 3, dimension, frame: own })
                 if (dimension == Dimension::LENGTH || data.is_zero()) && own == frame)
         };
-        let place = |data: &Data| data.kind.element() == Some(ElementType::Place(frame));
+        let place = |data: &TypedValue| data.kind.element() == Some(ElementType::Place(frame));
         // After a minus, a bracket beside a place stands for a place: `p - [1 m, 0, 0.9 m]` is a vector.
-        let point = |operand: &Operand<'a>, data: &Data| place(data) || operand.0.is_bracket() && offset(data);
+        let point = |operand: &Operand<'a>, data: &TypedValue| place(data) || operand.0.is_bracket() && offset(data);
         let element = if subtract && point(left, &l) && point(right, &r) {
             vector
         } else if place(&l) && offset(&r) || !subtract && offset(&l) && place(&r) {
@@ -155,7 +161,7 @@ impl<'a> Checker<'a> {
         };
         let (nodes, shape) = self.laid_out(&[&l, &r], span)?;
         let node = self.graph.add(Operation::Binary(if subtract { Binary::Subtract } else { Binary::Add }), &nodes);
-        Ok(Some(Data::new(node, Type::new(element, shape))))
+        Ok(Some(TypedValue::new(node, Type::new(element, shape))))
     }
 
     fn places_do_not_add(&mut self, subtract: bool, left: &Operand<'a>, right: &Operand<'a>) -> Reported {
@@ -169,7 +175,7 @@ impl<'a> Checker<'a> {
         self.report(if between { diagnostic.help("the place between several is their mean: `mean([a, b])`") } else { diagnostic })
     }
 
-    fn product(&mut self, divide: bool, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
+    fn product(&mut self, divide: bool, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<TypedValue> {
         self.warn_degrees(divide, left.1, right.1);
         let (verb, function) = if divide { ("divide", Binary::Divide) } else { ("multiply", Binary::Multiply) };
         for (data, expr) in [&left, &right] {
@@ -190,10 +196,10 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::types::MIXED, left.1.span.to(right.1.span), message));
         };
         let node = self.graph.add(Operation::Binary(function), &nodes);
-        Ok(Data::new(node, kind))
+        Ok(TypedValue::new(node, kind))
     }
 
-    fn must_be_numbers(&mut self, verb: &str, data: &Data, expr: &Expr) -> Checked<()> {
+    fn must_be_numbers(&mut self, verb: &str, data: &TypedValue, expr: &Expr) -> Checked<()> {
         let help = match data.kind.element() {
             Some(ElementType::Bool) => "a condition gates a value with `when`: `x when c`",
             Some(ElementType::Place(_)) => "subtract two places, or take a component such as `.z`",
@@ -208,7 +214,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `base^exponent`, element by element; the unit of each follows from its exponent.
-    fn power(&mut self, base: Operand<'a>, exponent: Operand<'a>) -> Checked<Data> {
+    fn power(&mut self, base: Operand<'a>, exponent: Operand<'a>) -> Checked<TypedValue> {
         let (base_data, base_expr) = base;
         self.must_be_numbers("raise", &base_data, base_expr)?;
         let power = &exponent.0;
@@ -241,14 +247,14 @@ impl<'a> Checker<'a> {
             self.warn_cancelling(base_data.node, base_expr.span);
         }
         let node = self.graph.add(Operation::Binary(Binary::Power), &nodes);
-        Ok(Data::new(node, kind))
+        Ok(TypedValue::new(node, kind))
     }
 
     /// Conditions `a < b < c`: every neighbouring pair must hold.
-    pub(crate) fn comparison(&mut self, operands: &'a [Expr], operators: &[(CompareOperator, Span)]) -> Checked<Data> {
-        let checked: Vec<Checked<Data>> = operands.iter().map(|operand| self.data(operand)).collect();
-        let checked: Vec<Data> = checked.into_iter().collect::<Checked<_>>()?;
-        let mut held: Option<Data> = None;
+    pub(crate) fn comparison(&mut self, operands: &'a [Expr], operators: &[(CompareOperator, Span)]) -> Checked<TypedValue> {
+        let checked: Vec<Checked<TypedValue>> = operands.iter().map(|operand| self.data(operand)).collect();
+        let checked: Vec<TypedValue> = checked.into_iter().collect::<Checked<_>>()?;
+        let mut held: Option<TypedValue> = None;
         for (place, (operator, span)) in operators.iter().enumerate() {
             let left = (checked[place].clone(), &operands[place]);
             let right = (checked[place + 1].clone(), &operands[place + 1]);
@@ -258,7 +264,7 @@ impl<'a> Checker<'a> {
                 Some(before) => {
                     let (nodes, shape) = self.laid_out(&[&before, &pair], operands[place + 1].span)?;
                     let node = self.graph.add(Operation::Binary(Binary::And), &nodes);
-                    Data::new(node, Type::new(ElementType::Bool, shape))
+                    TypedValue::new(node, Type::new(ElementType::Bool, shape))
                 }
             });
         }
@@ -266,10 +272,10 @@ impl<'a> Checker<'a> {
         held.ok_or_else(|| self.error(codes::types::WRONG_TYPE, span, "a comparison has two sides"))
     }
 
-    fn compare(&mut self, operator: CompareOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<Data> {
+    fn compare(&mut self, operator: CompareOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<TypedValue> {
         let equality = matches!(operator, CompareOperator::Equal | CompareOperator::NotEqual);
         let countable =
-            |data: &Data| matches!(data.kind.element(), Some(ElementType::Int | ElementType::Bool | ElementType::Steps));
+            |data: &TypedValue| matches!(data.kind.element(), Some(ElementType::Int | ElementType::Bool | ElementType::Steps));
         if equality && !(countable(&left.0) && countable(&right.0)) {
             let diagnostic = self
                 .diagnostic(codes::types::WRONG_TYPE, span, "measured numbers are never exactly equal")
@@ -312,7 +318,7 @@ impl<'a> Checker<'a> {
         if self.in_tests.is_none() && self.graph.constant_lanes(node).is_none() {
             self.comparisons.push(Compared { node, sides: [a, b], file: self.place.file, span, unit });
         }
-        Ok(Data::new(node, kind.with_element(ElementType::Bool)))
+        Ok(TypedValue::new(node, kind.with_element(ElementType::Bool)))
     }
 
     /// Warns of a thing that is compared with, subtracted from or joined to itself.

@@ -6,7 +6,7 @@ use super::functions;
 use super::lookup::renamed;
 use super::offered::offer_decimal_point;
 use super::types::{ElementType, Frame, Type};
-use super::value::{Data, Thing, Value};
+use super::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::{Diagnostic, Edit, FileId, Fix, Span, codes};
 use crate::diagnostics::{function_elsewhere, is_module, nearest};
 use crate::frame::Sensor;
@@ -57,7 +57,7 @@ impl<'a> Checker<'a> {
         match functions::find(&name.text) {
             Some(function) => {
                 self.resolved(name.span, Resolution::Function(function.name));
-                function.call(self, arguments, span).map(Value::Data)
+                function.call(self, arguments, span).map(Value::Typed)
             }
             None if functions::is_later(&name.text) => {
                 let message = format!("`{}` belongs to the language, but is not supported yet", name.text);
@@ -202,9 +202,9 @@ impl<'a> Checker<'a> {
 
     fn compare_types(&self, diagnostic: Diagnostic, annotation: &Ident, value: &Value) -> Diagnostic {
         let found = match value {
-            Value::Data(data) => data.kind.described(self.vocabulary),
-            Value::Thing(thing) => self.thing_name(*thing),
-            Value::Things { members, .. } => format!("{} parts of the body", members.len()),
+            Value::Typed(data) => data.kind.described(self.vocabulary),
+            Value::Entity(thing) => self.thing_name(*thing),
+            Value::Entities { members, .. } => format!("{} parts of the body", members.len()),
         };
         let expected = Dimension::named(&annotation.text).map_or(annotation.text.clone(), Dimension::described);
         diagnostic.expected(expected).found(found)
@@ -212,15 +212,15 @@ impl<'a> Checker<'a> {
 
     /// Whether a value is of the type called so in `file`.
     fn is_of_type(&mut self, annotation: &Ident, file: FileId, value: &Value) -> Checked<bool> {
-        let kind = if let Value::Data(data) = value { Some(&data.kind) } else { None };
+        let kind = if let Value::Typed(data) = value { Some(&data.kind) } else { None };
         let word = annotation.text.as_str();
         if OTHER_TYPES.contains(&word) {
             let one = kind.and_then(|kind| if let Type::One(element) = kind { Some(*element) } else { None });
             return Ok(matches!(
                 (word, one, value),
-                ("landmark", _, Value::Thing(Thing::Landmark(_)))
-                    | ("joint", _, Value::Thing(Thing::Joint(_)))
-                    | ("muscle", _, Value::Thing(Thing::Muscle(_)))
+                ("landmark", _, Value::Entity(EntityRef::Landmark(_)))
+                    | ("joint", _, Value::Entity(EntityRef::Joint(_)))
+                    | ("muscle", _, Value::Entity(EntityRef::Muscle(_)))
                     | ("bool", Some(ElementType::Bool), _)
                     | ("int", Some(ElementType::Int), _)
                     | ("duration", Some(ElementType::Steps), _)
@@ -233,7 +233,7 @@ impl<'a> Checker<'a> {
         let Some(dimension) = Dimension::named(word) else {
             return Err(self.unknown_type(annotation, file));
         };
-        let zero = matches!(value, Value::Data(data) if data.is_zero());
+        let zero = matches!(value, Value::Typed(data) if data.is_zero());
         let number = |kind: &Type| kind.is_one_number() && kind.dimension() == Some(dimension);
         Ok(zero || kind.is_some_and(number))
     }
@@ -249,12 +249,12 @@ impl<'a> Checker<'a> {
     }
 
     /// `v in pelvis`, `v in heading(pelvis)`: the same vector counted in other axes; a place also moves its origin.
-    pub(crate) fn in_frame(&mut self, value: &'a Expr, frame: &'a tree::Frame) -> Checked<Data> {
+    pub(crate) fn in_frame(&mut self, value: &'a Expr, frame: &'a tree::Frame) -> Checked<TypedValue> {
         let data = self.value(value);
         let target = self.frame(frame);
         let (data, target) = (data?, target?);
         let data = match data {
-            Value::Data(data) => self.as_vector(data, Frame::World),
+            Value::Typed(data) => self.as_vector(data, Frame::World),
             other => return Err(self.not_numbers(&other, value.span)),
         };
         let own = match data.kind.element() {
@@ -289,7 +289,7 @@ impl<'a> Checker<'a> {
             Some(ElementType::Vector { size, dimension, .. }) => ElementType::Vector { size, dimension, frame: target },
             _ => ElementType::Place(target),
         };
-        Ok(Data::new(node, data.kind.with_element(element)))
+        Ok(TypedValue::new(node, data.kind.with_element(element)))
     }
 
     fn frame(&mut self, frame: &'a tree::Frame) -> Checked<Frame> {
@@ -297,8 +297,8 @@ impl<'a> Checker<'a> {
             return Ok(Frame::World);
         }
         match self.name(&frame.name)? {
-            Value::Thing(Thing::Landmark(index)) if frame.heading => Ok(Frame::Heading(index)),
-            Value::Thing(Thing::Landmark(index)) => Ok(Frame::Landmark(index)),
+            Value::Entity(EntityRef::Landmark(index)) if frame.heading => Ok(Frame::Heading(index)),
+            Value::Entity(EntityRef::Landmark(index)) => Ok(Frame::Landmark(index)),
             _ => {
                 let message = format!("`{}` has no axes", frame.name.text);
                 let diagnostic = self
@@ -335,21 +335,21 @@ impl<'a> Checker<'a> {
     }
 
     /// Where parts of the body are.
-    pub(crate) fn positions(&mut self, value: &Value, span: Span) -> Checked<Data> {
+    pub(crate) fn positions(&mut self, value: &Value, span: Span) -> Checked<TypedValue> {
         let (things, list) = match value {
-            Value::Thing(thing) => (vec![*thing], false),
-            Value::Things { members, .. } => (members.clone(), true),
-            Value::Data(data) => return Ok(data.clone()),
+            Value::Entity(thing) => (vec![*thing], false),
+            Value::Entities { members, .. } => (members.clone(), true),
+            Value::Typed(data) => return Ok(data.clone()),
         };
         let mut sensors = Vec::new();
         for thing in &things {
             match thing {
-                Thing::Landmark(index) => sensors.push(Sensor::LandmarkPosition(*index)),
-                Thing::CentreOfMass => sensors.push(Sensor::ComPosition),
+                EntityRef::Landmark(index) => sensors.push(Sensor::LandmarkPosition(*index)),
+                EntityRef::CentreOfMass => sensors.push(Sensor::ComPosition),
                 _ => return Err(self.not_numbers(value, span)),
             }
         }
         let node = self.measured(sensors);
-        Ok(Data::new(node, Type::one_or_list(ElementType::Place(Frame::World), list, things.len())))
+        Ok(TypedValue::new(node, Type::one_or_list(ElementType::Place(Frame::World), list, things.len())))
     }
 }

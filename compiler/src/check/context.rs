@@ -2,7 +2,7 @@
 
 use super::functions;
 use super::random::KnownRandom;
-use super::ranges::Working;
+use super::ranges::OperatingRange;
 use super::reference::{KnownReference, Motions};
 use super::scene::Surroundings;
 use super::scene::geometry::Known;
@@ -328,7 +328,7 @@ impl<'a> Checker<'a> {
     /// Keeps the typed HIR for the language server, where it asks for it.
     pub(crate) fn keep_for_editors(&self, hir: Arc<Hir>, graph: &Graph) {
         let Some(kept) = &self.names.typed else { return };
-        let ranges = Working { vocabulary: self.vocabulary, queries: &self.queries, timing: self.timing };
+        let ranges = OperatingRange { vocabulary: self.vocabulary, queries: &self.queries, timing: self.timing };
         let bounds = interval::analyse(graph, &ranges);
         let constants = self.known.keys().cloned().collect();
         let function = |name: &str| functions::find(name).map(|function| (function.signature, function.description));

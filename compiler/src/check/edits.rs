@@ -2,7 +2,7 @@
 
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
-use super::value::{Thing, Value};
+use super::value::{EntityRef, Value};
 use crate::body::{Change, Property};
 use crate::diagnostics::{Diagnostic, FileId, codes, nearest};
 use crate::resolve::inherit::WholeTask;
@@ -36,12 +36,12 @@ impl<'a> Checker<'a> {
             return Err(self.report(diagnostic.expected("`core.peak_force *= 3`, `knee_angle_r.damping = 2 N*m*s/rad`")));
         };
         let things = match self.value(base)? {
-            Value::Thing(thing) => vec![thing],
-            Value::Things { members, .. } => members,
-            Value::Data(_) => Vec::new(),
+            Value::Entity(thing) => vec![thing],
+            Value::Entities { members, .. } => members,
+            Value::Typed(_) => Vec::new(),
         };
-        let muscles = things.iter().all(|thing| matches!(thing, Thing::Muscle(_)));
-        let joints = things.iter().all(|thing| matches!(thing, Thing::Joint(_)));
+        let muscles = things.iter().all(|thing| matches!(thing, EntityRef::Muscle(_)));
+        let joints = things.iter().all(|thing| matches!(thing, EntityRef::Joint(_)));
         let known: &[(&str, Property)] = match (things.is_empty(), muscles, joints) {
             (false, true, _) => &[("peak_force", Property::PeakForce)],
             (false, _, true) => &[("damping", Property::Damping), ("stiffness", Property::Stiffness)],
@@ -65,11 +65,11 @@ impl<'a> Checker<'a> {
             let dimension = self.dimension_of_property(*property, thing);
             let value = self.new_value(edit, dimension)?;
             let part = match thing {
-                Thing::Muscle(index) => {
+                EntityRef::Muscle(index) => {
                     effect |= edit.scales || self.vocabulary.muscles[index].peak_force != value;
                     self.vocabulary.muscles[index].name.clone()
                 }
-                Thing::Joint(index) => {
+                EntityRef::Joint(index) => {
                     effect = true;
                     self.vocabulary.joints[index].name.clone()
                 }
@@ -91,8 +91,8 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
-    fn dimension_of_property(&self, property: Property, thing: Thing) -> Dimension {
-        let slide = matches!(thing, Thing::Joint(index) if self.vocabulary.joints[index].kind == JointKind::Slide);
+    fn dimension_of_property(&self, property: Property, thing: EntityRef) -> Dimension {
+        let slide = matches!(thing, EntityRef::Joint(index) if self.vocabulary.joints[index].kind == JointKind::Slide);
         match property {
             Property::PeakForce => Dimension::FORCE,
             // Of hinges N m s/rad and N m/rad, of slides N s/m and N/m.

@@ -4,7 +4,7 @@ use super::context::{Checked, Checker, End, Ends as Known, Failures, ReadMode};
 use super::dimension::Dimension;
 use super::signals::Read;
 use super::types::{ElementType, Type};
-use super::value::{Data, Value};
+use super::value::{TypedValue, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
@@ -156,15 +156,15 @@ impl<'a> Checker<'a> {
     }
 
     /// `terminated`, `finished`, `truncated`, `ended`, `survived`.
-    pub(crate) fn end_signal(&mut self, read: Read) -> Checked<Data> {
+    pub(crate) fn end_signal(&mut self, read: Read) -> Checked<TypedValue> {
         if read == Read::Finished {
             let finishes = self.finishes()?;
-            return Ok(Data::new(self.any_end(&finishes), ElementType::Bool));
+            return Ok(TypedValue::new(self.any_end(&finishes), ElementType::Bool));
         }
         let terminations = self.terminations()?;
         let terminated = self.any_end(&terminations);
         if read == Read::Terminated {
-            return Ok(Data::new(terminated, ElementType::Bool));
+            return Ok(TypedValue::new(terminated, ElementType::Bool));
         }
         let step = self.graph.add(Operation::Step, &[]);
         let horizon = self.graph.constant(f64::from(self.timing.horizon));
@@ -183,15 +183,15 @@ impl<'a> Checker<'a> {
             let none = self.graph.unary(Unary::Not, others);
             self.graph.binary(Binary::And, complete, none)
         };
-        Ok(Data::new(node, ElementType::Bool))
+        Ok(TypedValue::new(node, ElementType::Bool))
     }
 
     /// `ended by fallen`
-    pub(crate) fn ended_by(&mut self, reason: &Ident) -> Checked<Data> {
+    pub(crate) fn ended_by(&mut self, reason: &Ident) -> Checked<TypedValue> {
         let (finishes, terminations) = (self.finishes(), self.terminations());
         let reasons = [terminations?, finishes?].concat();
         if let Some(known) = reasons.iter().find(|known| known.name == reason.text) {
-            return Ok(Data::new(known.node, ElementType::Bool));
+            return Ok(TypedValue::new(known.node, ElementType::Bool));
         }
         let mut names: Vec<String> = reasons.into_iter().map(|reason| reason.name).collect();
         names.dedup();
@@ -265,7 +265,7 @@ impl<'a> Checker<'a> {
         let place = u32::try_from(index).unwrap_or(u32::MAX);
         let operation = if self.mode.after { Operation::StateAfter(place) } else { Operation::StateBefore(place) };
         let node = self.graph.add(operation, &[cell.initial]);
-        Ok(Value::Data(Data::new(node, cell.kind)))
+        Ok(Value::Typed(TypedValue::new(node, cell.kind)))
     }
 
     /// Time since reset, or since the present phase of a sequence began.
@@ -276,7 +276,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `clock phase at 1.1 Hz`: 2 pi f t, an angle that wraps.
-    pub(crate) fn clock(&mut self, clock: &'a Clock, place: Place) -> Checked<Data> {
+    pub(crate) fn clock(&mut self, clock: &'a Clock, place: Place) -> Checked<TypedValue> {
         let frequency = self
             .elsewhere(place, |checker| checker.number_of(&clock.frequency, Dimension::FREQUENCY, "the frequency of a clock"))?;
         let time = self.time();
@@ -284,7 +284,7 @@ impl<'a> Checker<'a> {
         let turn = self.graph.constant(std::f64::consts::TAU);
         let angle = self.graph.binary(Binary::Multiply, turn, turns);
         let node = self.graph.unary(Unary::Wrap, angle);
-        Ok(Data::new(node, ElementType::WrappingAngle))
+        Ok(TypedValue::new(node, ElementType::WrappingAngle))
     }
 }
 

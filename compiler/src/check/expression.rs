@@ -3,7 +3,7 @@
 use super::context::{Checked, Checker, Failures, Reported};
 use super::types::{ElementType, Frame, Type};
 use super::unit;
-use super::value::{Data, Form, Thing, Value};
+use super::value::{EntityRef, LiteralKind, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
 use crate::graph::operation::{Binary, Operation, Unary};
 use crate::syntax::tree::{Expr, ExprKind, Quantity, UnaryOperator};
@@ -22,7 +22,7 @@ impl<'a> Checker<'a> {
 
     /// A value whose node is as wide as its type says.
     fn verified(&mut self, value: Value, span: Span) -> Checked<Value> {
-        if let Value::Data(data) = &value {
+        if let Value::Typed(data) = &value {
             self.graph.verify_width(data.node, data.kind.lanes());
         }
         self.must_be_consistent(span)?;
@@ -31,10 +31,10 @@ impl<'a> Checker<'a> {
 
     fn value_here(&mut self, expr: &'a Expr) -> Checked<Value> {
         match &expr.kind {
-            ExprKind::Number(quantity) => self.literal(quantity, expr.span).map(Value::Data),
+            ExprKind::Number(quantity) => self.literal(quantity, expr.span).map(Value::Typed),
             ExprKind::Bool(truth) => {
                 let node = self.graph.constant(f64::from(u8::from(*truth)));
-                Ok(Value::Data(Data::new(node, ElementType::Bool)))
+                Ok(Value::Typed(TypedValue::new(node, ElementType::Bool)))
             }
             ExprKind::Name(name) => self.name(name),
             ExprKind::Selector { kind, pattern } => self.selector(kind, pattern),
@@ -48,18 +48,18 @@ impl<'a> Checker<'a> {
             }
             ExprKind::Comprehension { element, variable, source } => self.comprehension(element, variable, source, expr.span),
             ExprKind::Paren(inner) => self.value(inner),
-            ExprKind::Unary { operator: UnaryOperator::Negate, operand } => self.negate(operand).map(Value::Data),
+            ExprKind::Unary { operator: UnaryOperator::Negate, operand } => self.negate(operand).map(Value::Typed),
             ExprKind::Unary { operator: UnaryOperator::Not, operand } => {
                 let operand = self.condition(operand)?;
                 let node = self.graph.unary(Unary::Not, operand.node);
-                Ok(Value::Data(Data::new(node, operand.kind)))
+                Ok(Value::Typed(TypedValue::new(node, operand.kind)))
             }
-            ExprKind::Binary { .. } => self.binary_chain(expr).map(Value::Data),
-            ExprKind::Compare { operands, operators } => self.comparison(operands, operators).map(Value::Data),
-            ExprKind::InFrame { value, frame } => self.in_frame(value, frame).map(Value::Data),
-            ExprKind::If { branches, otherwise } => self.if_else(branches, otherwise).map(Value::Data),
-            ExprKind::When { value, condition } => self.when(value, condition).map(Value::Data),
-            ExprKind::EndedBy(reason) => self.ended_by(reason).map(Value::Data),
+            ExprKind::Binary { .. } => self.binary_chain(expr).map(Value::Typed),
+            ExprKind::Compare { operands, operators } => self.comparison(operands, operators).map(Value::Typed),
+            ExprKind::InFrame { value, frame } => self.in_frame(value, frame).map(Value::Typed),
+            ExprKind::If { branches, otherwise } => self.if_else(branches, otherwise).map(Value::Typed),
+            ExprKind::When { value, condition } => self.when(value, condition).map(Value::Typed),
+            ExprKind::EndedBy(reason) => self.ended_by(reason).map(Value::Typed),
             ExprKind::Range { .. } => {
                 Err(self.error(codes::types::WRONG_TYPE, expr.span, "a range can only stand where bounds are wanted"))
             }
@@ -104,32 +104,32 @@ impl<'a> Checker<'a> {
     ///
     /// # Errors
     /// What [`Checker::value`] reports, and a part of the body where numbers are wanted.
-    pub(crate) fn data(&mut self, expr: &'a Expr) -> Checked<Data> {
+    pub(crate) fn data(&mut self, expr: &'a Expr) -> Checked<TypedValue> {
         match self.value(expr)? {
-            Value::Data(data) => Ok(data),
+            Value::Typed(data) => Ok(data),
             other => Err(self.not_numbers(&other, expr.span)),
         }
     }
 
     pub(crate) fn not_numbers(&mut self, value: &Value, span: Span) -> Reported {
         let (what, example) = match value {
-            Value::Thing(thing) => (self.thing_name(*thing), self.property_example(*thing)),
-            Value::Things { members, .. } => (
+            Value::Entity(thing) => (self.thing_name(*thing), self.property_example(*thing)),
+            Value::Entities { members, .. } => (
                 format!("a list of {} parts of the body", members.len()),
                 members.first().map_or("position", |thing| self.property_example(*thing)),
             ),
-            Value::Data(_) => ("a number".to_owned(), "position"),
+            Value::Typed(_) => ("a number".to_owned(), "position"),
         };
         let message = format!("this is {what}, not a number");
         let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, span, message);
         self.report(diagnostic.help(format!("read one of its properties, such as `.{example}`")))
     }
 
-    fn property_example(&self, thing: Thing) -> &'static str {
+    fn property_example(&self, thing: EntityRef) -> &'static str {
         match thing {
-            Thing::Joint(_) => "q",
-            Thing::Muscle(_) => "activation",
-            Thing::Landmark(_) | Thing::CentreOfMass | Thing::Ground | Thing::Robot => "position",
+            EntityRef::Joint(_) => "q",
+            EntityRef::Muscle(_) => "activation",
+            EntityRef::Landmark(_) | EntityRef::CentreOfMass | EntityRef::Ground | EntityRef::Robot => "position",
         }
     }
 
@@ -137,7 +137,7 @@ impl<'a> Checker<'a> {
     ///
     /// # Errors
     /// Anything else.
-    pub(crate) fn condition(&mut self, expr: &'a Expr) -> Checked<Data> {
+    pub(crate) fn condition(&mut self, expr: &'a Expr) -> Checked<TypedValue> {
         let data = self.data(expr)?;
         if data.kind.element() == Some(ElementType::Bool) {
             return Ok(data);
@@ -146,7 +146,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Reports something else where a condition is wanted.
-    pub(crate) fn not_a_condition(&mut self, data: &Data, expr: &Expr) -> Reported {
+    pub(crate) fn not_a_condition(&mut self, data: &TypedValue, expr: &Expr) -> Reported {
         let found = data.kind.described(self.vocabulary);
         let diagnostic = self
             .diagnostic(codes::types::WRONG_TYPE, expr.span, "a condition is wanted here")
@@ -160,7 +160,7 @@ impl<'a> Checker<'a> {
     ///
     /// # Errors
     /// Anything else; a list must say `any` or `all`.
-    pub(crate) fn single_condition(&mut self, expr: &'a Expr) -> Checked<Data> {
+    pub(crate) fn single_condition(&mut self, expr: &'a Expr) -> Checked<TypedValue> {
         let data = self.condition(expr)?;
         if data.kind.length().is_none() {
             return Ok(data);
@@ -173,19 +173,19 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
-    fn literal(&mut self, quantity: &Quantity, span: Span) -> Checked<Data> {
+    fn literal(&mut self, quantity: &Quantity, span: Span) -> Checked<TypedValue> {
         let Some(written) = &quantity.unit else {
             let node = self.graph.constant(quantity.value);
             let kind = if quantity.whole { ElementType::Int } else { ElementType::PLAIN };
-            let form = if quantity.value == 0.0 { Form::Zero } else { Form::Plain };
-            return Ok(Data::new(node, kind).with_form(form));
+            let literal = if quantity.value == 0.0 { LiteralKind::Zero } else { LiteralKind::Plain };
+            return Ok(TypedValue::new(node, kind).with_literal(literal));
         };
         if let [only] = written.factors.as_slice()
             && matches!(only.name.as_str(), "step" | "steps")
         {
             if quantity.whole && only.numerator == 1 && only.denominator == 1 {
                 let node = self.graph.constant(quantity.value);
-                return Ok(Data::new(node, ElementType::Steps));
+                return Ok(TypedValue::new(node, ElementType::Steps));
             }
             return Err(self.error(codes::types::DURATION, span, "control steps are counted in whole numbers"));
         }
@@ -193,7 +193,7 @@ impl<'a> Checker<'a> {
             Ok(one) => {
                 self.note_length(quantity.value * one.value, one.dimension, span);
                 let node = self.graph.constant(quantity.value * one.value);
-                Ok(Data::new(node, ElementType::Number(one.dimension)))
+                Ok(TypedValue::new(node, ElementType::Number(one.dimension)))
             }
             Err(factor) => {
                 let message = format!("`{}` cannot stand in a unit like this", factor.name);
@@ -202,13 +202,13 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn negate(&mut self, operand: &'a Expr) -> Checked<Data> {
+    fn negate(&mut self, operand: &'a Expr) -> Checked<TypedValue> {
         let data = self.data(operand)?;
         let signed =
             |element: ElementType| element.is_number() || matches!(element, ElementType::Steps | ElementType::Vector { .. });
         if data.kind.all(signed) {
             let node = self.graph.unary(Unary::Negate, data.node);
-            return Ok(Data { node, ..data });
+            return Ok(TypedValue { node, ..data });
         }
         let found = data.kind.described(self.vocabulary);
         let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, operand.span, "this has no negative").found(found);
@@ -217,14 +217,14 @@ impl<'a> Checker<'a> {
 
     /// A bracket: a list of numbers, vectors, places or parts of the body.
     pub(crate) fn bracket(&mut self, values: Vec<(Checked<Value>, Span)>, span: Span) -> Checked<Value> {
-        let mut data: Vec<(Data, Span)> = Vec::new();
+        let mut data: Vec<(TypedValue, Span)> = Vec::new();
         let mut things = Vec::new();
         let mut failures = Failures::default();
         for (value, place) in values {
             match value {
-                Ok(Value::Data(element)) => data.push((element, place)),
-                Ok(Value::Thing(thing)) => things.push(thing),
-                Ok(Value::Things { members, .. }) => things.extend(members),
+                Ok(Value::Typed(element)) => data.push((element, place)),
+                Ok(Value::Entity(thing)) => things.push(thing),
+                Ok(Value::Entities { members, .. }) => things.extend(members),
                 Err(reported) => failures.add(reported),
             }
         }
@@ -233,24 +233,24 @@ impl<'a> Checker<'a> {
             return if things.is_empty() {
                 Err(self.error(codes::types::WRONG_TYPE, span, "a list needs at least one element"))
             } else {
-                Ok(Value::Things { members: things, group: false })
+                Ok(Value::Entities { members: things, group: false })
             };
         }
         if !things.is_empty() {
             return Err(self.error(codes::types::WRONG_TYPE, span, "a list holds either numbers or parts of the body, not both"));
         }
-        self.list_of(data, span).map(Value::Data)
+        self.list_of(data, span).map(Value::Typed)
     }
 
-    fn list_of(&mut self, data: Vec<(Data, Span)>, span: Span) -> Checked<Data> {
+    fn list_of(&mut self, data: Vec<(TypedValue, Span)>, span: Span) -> Checked<TypedValue> {
         let scalars = data.iter().all(|(part, _)| part.kind.is_one_number());
         let frame = data.iter().find_map(|(part, _)| match part.kind.element() {
             Some(ElementType::Vector { frame, .. }) => Some(frame),
             _ => None,
         });
         // Brackets beside vectors are vectors.
-        let vector = |(part, place): (Data, Span)| (frame.map_or(part.clone(), |frame| self.as_vector(part, frame)), place);
-        let data: Vec<(Data, Span)> = data.into_iter().map(vector).collect();
+        let vector = |(part, place): (TypedValue, Span)| (frame.map_or(part.clone(), |frame| self.as_vector(part, frame)), place);
+        let data: Vec<(TypedValue, Span)> = data.into_iter().map(vector).collect();
         let Some((model, _)) = data.iter().find(|(part, _)| !part.is_zero()).or(data.first()) else {
             return Err(self.error(codes::types::WRONG_TYPE, span, "a list needs at least one element"));
         };
@@ -267,7 +267,7 @@ impl<'a> Checker<'a> {
                 Some(ElementType::Vector { size, .. }) => {
                     matches!(wanted, ElementType::Vector { size: other, .. } if size == other)
                 }
-                _ => wanted.is_number() || matches!(wanted, ElementType::Vector { .. }) && part.form == Form::Zero,
+                _ => wanted.is_number() || matches!(wanted, ElementType::Vector { .. }) && part.literal == LiteralKind::Zero,
             };
             let zero = model.met().filter(|wanted| part.is_zero() && gives_way(*wanted));
             if let Some(wanted) = zero {
@@ -300,16 +300,16 @@ impl<'a> Checker<'a> {
         let node = self.graph.join(&nodes);
         self.spend(self.graph.width(node), span)?;
         let all_zero = data.iter().all(|(part, _)| part.is_zero());
-        let form = match (scalars && (2..=3).contains(&data.len()), all_zero) {
-            (true, true) => Form::ZeroBracket,
-            (true, false) => Form::Bracket,
-            _ => Form::Plain,
+        let literal = match (scalars && (2..=3).contains(&data.len()), all_zero) {
+            (true, true) => LiteralKind::ZeroBracket,
+            (true, false) => LiteralKind::Bracket,
+            _ => LiteralKind::Plain,
         };
-        Ok(Data::new(node, kind).with_form(form))
+        Ok(TypedValue::new(node, kind).with_literal(literal))
     }
 
     /// Every element of one lane repeated for so many.
-    fn spread_each(&mut self, data: &Data, lanes: usize) -> crate::graph::NodeId {
+    fn spread_each(&mut self, data: &TypedValue, lanes: usize) -> crate::graph::NodeId {
         if data.kind.element_lanes() == lanes {
             return data.node;
         }
@@ -318,17 +318,17 @@ impl<'a> Checker<'a> {
     }
 
     /// A bracket of two or three numbers as a vector of the wanted frame; anything else as it is.
-    pub(crate) fn as_vector(&self, data: Data, frame: Frame) -> Data {
+    pub(crate) fn as_vector(&self, data: TypedValue, frame: Frame) -> TypedValue {
         match (data.kind.dimension(), data.kind.length(), data.is_bracket()) {
             (Some(dimension), Some(size), true) => {
-                let form = if data.is_zero() { Form::Zero } else { Form::Plain };
-                Data { node: data.node, kind: ElementType::Vector { size, dimension, frame }.into(), form }
+                let literal = if data.is_zero() { LiteralKind::Zero } else { LiteralKind::Plain };
+                TypedValue { node: data.node, kind: ElementType::Vector { size, dimension, frame }.into(), literal }
             }
             _ => data,
         }
     }
 
-    fn if_else(&mut self, branches: &'a [(Expr, Expr)], otherwise: &'a Expr) -> Checked<Data> {
+    fn if_else(&mut self, branches: &'a [(Expr, Expr)], otherwise: &'a Expr) -> Checked<TypedValue> {
         let mut chosen = self.data(otherwise);
         for (condition, value) in branches.iter().rev() {
             let condition = self.single_condition(condition);
@@ -341,15 +341,15 @@ impl<'a> Checker<'a> {
         chosen
     }
 
-    fn choose(&mut self, condition: &Data, yes: (Data, &'a Expr), no: (Data, &'a Expr)) -> Checked<Data> {
+    fn choose(&mut self, condition: &TypedValue, yes: (TypedValue, &'a Expr), no: (TypedValue, &'a Expr)) -> Checked<TypedValue> {
         let span = yes.1.span.to(no.1.span);
         let (left, right, kind) = self.agree("choose between", yes, no)?;
         self.warn_identical(left, right, span);
         let node = self.graph.add(Operation::Choose, &[condition.node, left, right]);
-        Ok(Data::new(node, kind))
+        Ok(TypedValue::new(node, kind))
     }
 
-    fn when(&mut self, value: &'a Expr, condition: &'a Expr) -> Checked<Data> {
+    fn when(&mut self, value: &'a Expr, condition: &'a Expr) -> Checked<TypedValue> {
         let (value_data, condition_data) = (self.data(value), self.condition(condition));
         let (value_data, condition_data) = (value_data?, condition_data?);
         if matches!(value_data.kind.element(), Some(ElementType::Place(_) | ElementType::Rotation)) {
@@ -359,23 +359,23 @@ impl<'a> Checker<'a> {
         if value_data.kind.element() == Some(ElementType::Bool) {
             let (left, right, kind) = self.agree("combine", (value_data, value), (condition_data, condition))?;
             let node = self.graph.binary(Binary::And, left, right);
-            return Ok(Data::new(node, kind));
+            return Ok(TypedValue::new(node, kind));
         }
         let (nodes, shape) = self.laid_out(&[&value_data, &condition_data], condition.span)?;
         let zero = self.graph.constant(0.0);
         let node = self.graph.add(Operation::Choose, &[nodes[1], nodes[0], zero]);
         let kind =
             if value_data.kind.shape() == shape { value_data.kind } else { Type::new(value_data.kind.element_at(0), shape) };
-        Ok(Data::new(node, kind))
+        Ok(TypedValue::new(node, kind))
     }
 
     fn index(&mut self, base: &'a Expr, index: &'a Expr, span: Span) -> Checked<Value> {
         let (base, place) = (self.value(base), self.data(index));
         let (base, place) = (base?, place?);
         let length = match &base {
-            Value::Data(data) => data.kind.length(),
-            Value::Things { members, .. } => Some(members.len()),
-            Value::Thing(_) => None,
+            Value::Typed(data) => data.kind.length(),
+            Value::Entities { members, .. } => Some(members.len()),
+            Value::Entity(_) => None,
         };
         let Some(length) = length else {
             let diagnostic = self
@@ -391,26 +391,26 @@ impl<'a> Checker<'a> {
         }
         let known = known as usize;
         Ok(match base {
-            Value::Things { members, .. } => Value::Thing(members[known]),
-            Value::Data(data) => {
+            Value::Entities { members, .. } => Value::Entity(members[known]),
+            Value::Typed(data) => {
                 let lanes = data.kind.element_lanes();
                 let node = self.graph.select(known * lanes..(known + 1) * lanes, data.node);
-                Value::Data(Data::new(node, data.kind.element_at(known)))
+                Value::Typed(TypedValue::new(node, data.kind.element_at(known)))
             }
-            thing @ Value::Thing(_) => thing,
+            thing @ Value::Entity(_) => thing,
         })
     }
 
     /// `list[i]` where `i` is known only while the task runs: the ranges of what it reads must prove that it lies within.
-    fn index_at_run_time(&mut self, base: Value, place: &Data, length: usize, index: &'a Expr) -> Checked<Value> {
+    fn index_at_run_time(&mut self, base: Value, place: &TypedValue, length: usize, index: &'a Expr) -> Checked<Value> {
         if place.kind != Type::One(ElementType::Int) {
             let found = place.kind.described(self.vocabulary);
             let diagnostic = self.diagnostic(codes::types::NOT_CONSTANT, index.span, "an index is a whole number").found(found);
             return Err(self.report(diagnostic));
         }
-        let met = if let Value::Data(data) = &base { data.kind.met() } else { None };
+        let met = if let Value::Typed(data) = &base { data.kind.met() } else { None };
         let (data, element) = match (base, met) {
-            (Value::Data(data), Some(element)) => (data, element),
+            (Value::Typed(data), Some(element)) => (data, element),
             _ => {
                 let message = "which part of the body is meant must be known while compiling";
                 let help = "read the property of all of them first, then choose: `[pole_{0..9}].height[i]`";
@@ -418,7 +418,7 @@ impl<'a> Checker<'a> {
                 return Err(self.report(diagnostic));
             }
         };
-        let ranges = super::ranges::Working { vocabulary: self.vocabulary, queries: &self.queries, timing: self.timing };
+        let ranges = super::ranges::OperatingRange { vocabulary: self.vocabulary, queries: &self.queries, timing: self.timing };
         let bounds = crate::graph::interval::analyse_for(&self.graph, place.node, &ranges);
         let last = (length - 1) as f64;
         // A whole remainder stays below its divisor, where that of other numbers only comes near.
@@ -435,7 +435,7 @@ impl<'a> Checker<'a> {
         let lanes = data.kind.element_lanes();
         let operation = Operation::Pick(u32::try_from(lanes).unwrap_or(u32::MAX));
         let node = self.graph.add(operation, &[data.node, place.node]);
-        Ok(Value::Data(Data::new(node, element)))
+        Ok(Value::Typed(TypedValue::new(node, element)))
     }
 
     fn comprehension(
@@ -471,14 +471,18 @@ impl<'a> Checker<'a> {
             let count = (high_value - low_value) as usize;
             self.spend(count, source.span)?;
             let numbers = (0..count).map(|offset| low_value + offset as f64);
-            return Ok(numbers.map(|number| Value::Data(Data::new(self.graph.constant(number), ElementType::Int))).collect());
+            return Ok(numbers
+                .map(|number| Value::Typed(TypedValue::new(self.graph.constant(number), ElementType::Int)))
+                .collect());
         }
         match self.value(source)? {
-            Value::Things { members, .. } => Ok(members.into_iter().map(Value::Thing).collect()),
-            Value::Data(data) if data.kind.length().is_some() => {
+            Value::Entities { members, .. } => Ok(members.into_iter().map(Value::Entity).collect()),
+            Value::Typed(data) if data.kind.length().is_some() => {
                 let (length, lanes) = (data.kind.length().unwrap_or(0), data.kind.element_lanes());
                 let part = |place: usize, checker: &mut Self| checker.graph.select(place * lanes..(place + 1) * lanes, data.node);
-                Ok((0..length).map(|place| Value::Data(Data::new(part(place, self), data.kind.element_at(place)))).collect())
+                Ok((0..length)
+                    .map(|place| Value::Typed(TypedValue::new(part(place, self), data.kind.element_at(place))))
+                    .collect())
             }
             _ => Err(self.error(codes::types::WRONG_TYPE, source.span, "a loop runs through a range or a list")),
         }

@@ -2,7 +2,7 @@
 
 use super::context::{Checked, Checker, Local, Reported, Step};
 use super::signals::{self, Owner};
-use super::value::{Thing, Value};
+use super::value::{EntityRef, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::diagnostics::{name_elsewhere, nearest, synonyms};
 use crate::hir::{DefinitionId, Resolution};
@@ -72,7 +72,7 @@ impl<'a> Checker<'a> {
 
     fn loop_number(&mut self, variable: &str, span: Span) -> Checked<String> {
         let local = self.locals.iter().rev().find(|local| local.name == variable).map(|local| local.value.clone());
-        if let Some(Value::Data(data)) = &local
+        if let Some(Value::Typed(data)) = &local
             && let Some(number) = self.graph.constant_value(data.node)
         {
             return Ok(format!("{number}"));
@@ -115,7 +115,7 @@ impl<'a> Checker<'a> {
             return Ok(value);
         }
         if let Some(data) = self.test_name(text) {
-            return Ok(Value::Data(data));
+            return Ok(Value::Typed(data));
         }
         if let Some((declared, place)) = self.names.find(self.place, text) {
             self.resolved_to(span, declared);
@@ -127,12 +127,12 @@ impl<'a> Checker<'a> {
             return Ok(thing);
         }
         if let Some(place) = self.marker(text, span) {
-            return place.map(Value::Data);
+            return place.map(Value::Typed);
         }
         for owner in [Owner::Time, Owner::WholeBody] {
             if let Some(signal) = signals::find(owner, text) {
                 self.resolved(span, Resolution::Signal(signal));
-                return self.single_signal(signal, span).map(Value::Data);
+                return self.single_signal(signal, span).map(Value::Typed);
             }
         }
         let candidates = self.names_in_sight();
@@ -215,37 +215,37 @@ impl<'a> Checker<'a> {
     pub(crate) fn body_element(&self, text: &str) -> Option<Value> {
         let body = self.vocabulary;
         if let Some(index) = body.landmarks.iter().position(|landmark| landmark.name == text) {
-            return Some(Value::Thing(Thing::Landmark(index)));
+            return Some(Value::Entity(EntityRef::Landmark(index)));
         }
         if let Some(index) = body.joints.iter().position(|joint| joint.name == text) {
-            return Some(Value::Thing(Thing::Joint(index)));
+            return Some(Value::Entity(EntityRef::Joint(index)));
         }
         if let Some(index) = body.muscles.iter().position(|muscle| muscle.name == text) {
-            return Some(Value::Thing(Thing::Muscle(index)));
+            return Some(Value::Entity(EntityRef::Muscle(index)));
         }
         if let Some(group) = body.groups.iter().find(|group| group.name == text) {
             let members = group.members.iter().map(|&index| match group.kind {
-                GroupKind::Joints => Thing::Joint(index),
-                GroupKind::Muscles => Thing::Muscle(index),
-                GroupKind::Landmarks => Thing::Landmark(index),
+                GroupKind::Joints => EntityRef::Joint(index),
+                GroupKind::Muscles => EntityRef::Muscle(index),
+                GroupKind::Landmarks => EntityRef::Landmark(index),
             });
-            return Some(Value::Things { members: members.collect(), group: true });
+            return Some(Value::Entities { members: members.collect(), group: true });
         }
         // Joints of objects belong to no set of the body's.
         let joints = |chosen: &dyn Fn(JointKind, bool) -> bool| {
             let own = body.joints.iter().enumerate().filter(|(_, joint)| !joint.of_scene);
             let members = own.filter(|(_, joint)| chosen(joint.kind, joint.independent));
-            Some(Value::Things { members: members.map(|(index, _)| Thing::Joint(index)).collect(), group: true })
+            Some(Value::Entities { members: members.map(|(index, _)| EntityRef::Joint(index)).collect(), group: true })
         };
         match text {
-            "com" => Some(Value::Thing(Thing::CentreOfMass)),
-            "ground" => Some(Value::Thing(Thing::Ground)),
-            "robot" => Some(Value::Thing(Thing::Robot)),
+            "com" => Some(Value::Entity(EntityRef::CentreOfMass)),
+            "ground" => Some(Value::Entity(EntityRef::Ground)),
+            "robot" => Some(Value::Entity(EntityRef::Robot)),
             "joints" => joints(&|_, _| true),
             "hinges" => joints(&|kind, _| kind == JointKind::Hinge),
             "slides" => joints(&|kind, _| kind == JointKind::Slide),
             "independent" => joints(&|kind, independent| kind == JointKind::Hinge && independent),
-            "muscles" => Some(Value::Things { members: (0..body.muscles.len()).map(Thing::Muscle).collect(), group: true }),
+            "muscles" => Some(Value::Entities { members: (0..body.muscles.len()).map(EntityRef::Muscle).collect(), group: true }),
             _ => None,
         }
     }
@@ -263,7 +263,7 @@ impl<'a> Checker<'a> {
                 binding
             }
             Definition::State(_) => return self.state(text, span),
-            Definition::Clock(clock) => return self.clock(clock, place).map(Value::Data),
+            Definition::Clock(clock) => return self.clock(clock, place).map(Value::Typed),
             Definition::Parameter(parameter) => return self.parameter_value(parameter, place.file),
             Definition::Random(random) => return self.random(random, declared, span),
             Definition::Reference(_) => {
@@ -327,16 +327,18 @@ impl<'a> Checker<'a> {
     /// `muscle "QL_post_I.1-L3_r"`, `muscles "glmax*"`.
     pub(crate) fn selector(&mut self, kind: &Ident, pattern: &Text) -> Checked<Value> {
         let body = self.vocabulary;
-        let (names, thing): (Vec<&str>, fn(usize) -> Thing) = match kind.text.as_str() {
-            "muscle" | "muscles" => (body.muscles.iter().map(|muscle| muscle.name.as_str()).collect(), Thing::Muscle),
-            "joint" | "joints" => (body.joints.iter().map(|joint| joint.name.as_str()).collect(), Thing::Joint),
-            "landmark" | "landmarks" => (body.landmarks.iter().map(|landmark| landmark.name.as_str()).collect(), Thing::Landmark),
+        let (names, thing): (Vec<&str>, fn(usize) -> EntityRef) = match kind.text.as_str() {
+            "muscle" | "muscles" => (body.muscles.iter().map(|muscle| muscle.name.as_str()).collect(), EntityRef::Muscle),
+            "joint" | "joints" => (body.joints.iter().map(|joint| joint.name.as_str()).collect(), EntityRef::Joint),
+            "landmark" | "landmarks" => {
+                (body.landmarks.iter().map(|landmark| landmark.name.as_str()).collect(), EntityRef::Landmark)
+            }
             other => {
                 let message = format!("`{other} \"...\"` is not supported yet; muscles, joints and landmarks can be selected");
                 return Err(self.error(codes::names::NOT_YET, kind.span, message));
             }
         };
-        let fitting: Vec<Thing> =
+        let fitting: Vec<EntityRef> =
             names.iter().enumerate().filter(|(_, name)| fits(&pattern.value, name)).map(|(index, _)| thing(index)).collect();
         match fitting.as_slice() {
             [] => {
@@ -351,8 +353,8 @@ impl<'a> Checker<'a> {
                 }
                 Err(self.report(diagnostic))
             }
-            [only] if !kind.text.ends_with('s') => Ok(Value::Thing(*only)),
-            several => Ok(Value::Things { members: several.to_vec(), group: kind.text.ends_with('s') }),
+            [only] if !kind.text.ends_with('s') => Ok(Value::Entity(*only)),
+            several => Ok(Value::Entities { members: several.to_vec(), group: kind.text.ends_with('s') }),
         }
     }
 }

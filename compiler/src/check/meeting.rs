@@ -5,7 +5,7 @@ use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
 use super::offered::{is_bare, offer_unit};
 use super::types::{ElementType, Shape, Type};
-use super::value::{Data, Form};
+use super::value::{LiteralKind, TypedValue};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::operation::Unary;
 use crate::graph::{Graph, NodeId};
@@ -42,8 +42,8 @@ impl<'a> Checker<'a> {
             let Some(kind) = common_type(&met, data) else {
                 return Err(self.disagree(verb, (met, last), (data.clone(), expr)));
             };
-            let form = if met.is_zero() { data.form } else { met.form };
-            (met, last) = (Data { kind, form, ..met }, expr);
+            let literal = if met.is_zero() { data.literal } else { met.literal };
+            (met, last) = (TypedValue { kind, literal, ..met }, expr);
         }
         Ok(met.kind)
     }
@@ -52,7 +52,7 @@ impl<'a> Checker<'a> {
     ///
     /// # Errors
     /// Lists of different length.
-    pub(crate) fn common_length(&mut self, values: &[&Data], span: Span) -> Checked<Shape> {
+    pub(crate) fn common_length(&mut self, values: &[&TypedValue], span: Span) -> Checked<Shape> {
         let mut shape = Shape::One;
         for value in values {
             match (shape, value.kind.shape()) {
@@ -72,14 +72,14 @@ impl<'a> Checker<'a> {
     ///
     /// # Errors
     /// Lists of different length.
-    pub(crate) fn laid_out(&mut self, values: &[&Data], span: Span) -> Checked<(Vec<NodeId>, Shape)> {
+    pub(crate) fn laid_out(&mut self, values: &[&TypedValue], span: Span) -> Checked<(Vec<NodeId>, Shape)> {
         let shape = self.common_length(values, span)?;
         let lanes = values.iter().map(|value| value.kind.element_lanes()).max().unwrap_or(1);
         Ok((values.iter().map(|value| self.spread(value, shape.count(), lanes)).collect(), shape))
     }
 
     /// The lanes of `data` laid out for `length` elements of `lanes` lanes, where one lane may stand for all.
-    pub(crate) fn spread(&mut self, data: &Data, length: usize, lanes: usize) -> NodeId {
+    pub(crate) fn spread(&mut self, data: &TypedValue, length: usize, lanes: usize) -> NodeId {
         let own = data.kind.element_lanes();
         let elements = data.kind.shape().count();
         let width = self.graph.width(data.node);
@@ -129,7 +129,7 @@ impl<'a> Checker<'a> {
     ) -> Diagnostic {
         for ((number, own), (_, wanted)) in [(right, left), (left, right)] {
             let computed = wanted == Dimension::ANGLE && self.graph.constant_value(number.0.node).is_some();
-            if own.is_none() && number.0.form != Form::Zero && (is_bare(number.1) || computed) {
+            if own.is_none() && number.0.literal != LiteralKind::Zero && (is_bare(number.1) || computed) {
                 return offer_unit(diagnostic, wanted, number.1);
             }
         }
@@ -166,7 +166,7 @@ impl<'a> Checker<'a> {
 
     fn disagree(&mut self, verb: &str, left: Operand<'a>, right: Operand<'a>) -> Reported {
         let (a, b) = (left.0.kind.met(), right.0.kind.met());
-        let described = |data: &Data| data.kind.element_described(self.vocabulary);
+        let described = |data: &TypedValue| data.kind.element_described(self.vocabulary);
         let (expected, found) = (described(&left.0), described(&right.0));
         let span = left.1.span.to(right.1.span);
         if let (
@@ -199,7 +199,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-impl Data {
+impl TypedValue {
     /// This value as one of the type `kind`, which it may become where that is kept: a written zero and an angle that does not
     /// wrap may. The lanes are as many as the type has.
     pub(crate) fn kept_as(&self, graph: &mut Graph, kind: &Type) -> Option<NodeId> {
@@ -211,20 +211,20 @@ impl Data {
         }
         let number = kind.all(is_ordered);
         let has_zero = number || kind.all(|element| matches!(element, ElementType::Vector { .. }));
-        match self.form {
-            Form::Zero if self.kind.is_one_number() && has_zero => Some(graph.constants(&vec![0.0; kind.lanes()])),
-            Form::ZeroBracket if has_zero && self.kind.lanes() == kind.lanes() => Some(self.node),
+        match self.literal {
+            LiteralKind::Zero if self.kind.is_one_number() && has_zero => Some(graph.constants(&vec![0.0; kind.lanes()])),
+            LiteralKind::ZeroBracket if has_zero && self.kind.lanes() == kind.lanes() => Some(self.node),
             _ => None,
         }
     }
 }
 
 /// The type of two operands that may meet; written zeros and whole numbers give way.
-fn common_type(left: &Data, right: &Data) -> Option<Type> {
+fn common_type(left: &TypedValue, right: &TypedValue) -> Option<Type> {
     // A written zero is a number of any dimension, a bracket of zeros a vector of any, but of its own size.
-    let gives_way = |zero: &Data, to: ElementType| match zero.kind.element() {
+    let gives_way = |zero: &TypedValue, to: ElementType| match zero.kind.element() {
         Some(ElementType::Vector { size, .. }) => matches!(to, ElementType::Vector { size: other, .. } if size == other),
-        _ => is_ordered(to) || matches!(to, ElementType::Vector { .. }) && zero.form == Form::Zero,
+        _ => is_ordered(to) || matches!(to, ElementType::Vector { .. }) && zero.literal == LiteralKind::Zero,
     };
     left.kind.zip(&right.kind, |a, b| match a.meet(b) {
         Some(met) => Some(met),

@@ -5,7 +5,7 @@ use super::dimension::Dimension;
 use super::scene::object::dotted;
 use super::signals::{self, Owner, Read, Signal};
 use super::types::{ElementType, Frame, Type};
-use super::value::{Data, Thing, Value};
+use super::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::nearest;
 use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
@@ -22,16 +22,16 @@ impl<'a> Checker<'a> {
             return value;
         }
         if let Some(data) = self.of_episode(base, name) {
-            return Ok(Value::Data(data));
+            return Ok(Value::Typed(data));
         }
         if let Some(pay) = self.test_field(base, name) {
-            return pay.map(Value::Data);
+            return pay.map(Value::Typed);
         }
         if let Some(object) = dotted(base)
             && self.surroundings.is_none()
             && let Some(constant) = self.known_constant(&format!("{object}.{}", name.text))
         {
-            return Ok(Value::Data(constant));
+            return Ok(Value::Typed(constant));
         }
         let place = matches!(&base.kind, ExprKind::Name(word) if name.text == "position" && self.is_marker(&word.text));
         let base = self.value(base)?;
@@ -43,35 +43,35 @@ impl<'a> Checker<'a> {
             return Ok(part);
         }
         match base {
-            Value::Thing(thing) => self.property(&[thing], false, name, span).map(Value::Data),
-            Value::Things { members, .. } => self.property(&members, true, name, span).map(Value::Data),
-            Value::Data(data) => self.component(&data, name).map(Value::Data),
+            Value::Entity(thing) => self.property(&[thing], false, name, span).map(Value::Typed),
+            Value::Entities { members, .. } => self.property(&members, true, name, span).map(Value::Typed),
+            Value::Typed(data) => self.component(&data, name).map(Value::Typed),
         }
     }
 
     /// `episode.t`, which does not restart with a phase of a sequence, and `walk.success` of a phase.
-    fn of_episode(&mut self, base: &Expr, name: &Name) -> Option<Data> {
+    fn of_episode(&mut self, base: &Expr, name: &Name) -> Option<TypedValue> {
         let ExprKind::Name(word) = &base.kind else { return None };
         let declared = self.names.find(self.place, &word.text).is_some();
         match (word.text.as_str(), name.text.as_str()) {
             ("episode", "t") if !declared => {
                 let node = self.graph.sensors(vec![Sensor::Time]);
-                Some(Data::new(node, ElementType::Number(Dimension::TIME)))
+                Some(TypedValue::new(node, ElementType::Number(Dimension::TIME)))
             }
             (phase, "success") => {
                 if let Some((_, node)) = self.own_success.as_ref().filter(|(own, _)| own == phase) {
-                    return Some(Data::new(*node, ElementType::Bool));
+                    return Some(TypedValue::new(*node, ElementType::Bool));
                 }
                 let index = self.phases.iter().position(|known| known == phase)?;
                 let index = u32::try_from(index).unwrap_or(u32::MAX);
-                Some(Data::new(self.graph.add(Operation::PhaseSuccess(index), &[]), ElementType::Bool))
+                Some(TypedValue::new(self.graph.add(Operation::PhaseSuccess(index), &[]), ElementType::Bool))
             }
             _ => None,
         }
     }
 
     /// A property of one part of the body, or of each of several.
-    fn property(&mut self, things: &[Thing], list: bool, name: &Name, span: Span) -> Checked<Data> {
+    fn property(&mut self, things: &[EntityRef], list: bool, name: &Name, span: Span) -> Checked<TypedValue> {
         let owner = self.common_owner(things, span)?;
         let Some(signal) = signals::find(owner, &name.text) else {
             if let Some(size) = self.object_property(things, list, name, span)? {
@@ -89,19 +89,19 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn common_owner(&mut self, things: &[Thing], span: Span) -> Checked<Owner> {
-        let owner = |thing: &Thing| match thing {
-            Thing::Landmark(_) => Some(Owner::Landmark),
-            Thing::Joint(_) => Some(Owner::Joint),
-            Thing::Muscle(_) => Some(Owner::Muscle),
-            Thing::CentreOfMass => Some(Owner::CentreOfMass),
-            Thing::Ground | Thing::Robot => None,
+    fn common_owner(&mut self, things: &[EntityRef], span: Span) -> Checked<Owner> {
+        let owner = |thing: &EntityRef| match thing {
+            EntityRef::Landmark(_) => Some(Owner::Landmark),
+            EntityRef::Joint(_) => Some(Owner::Joint),
+            EntityRef::Muscle(_) => Some(Owner::Muscle),
+            EntityRef::CentreOfMass => Some(Owner::CentreOfMass),
+            EntityRef::Ground | EntityRef::Robot => None,
         };
         let first = things.first().and_then(owner);
         match first.filter(|_| things.iter().all(|thing| owner(thing) == first)) {
             Some(owner) => Ok(owner),
             None if things.is_empty() => Err(self.error(codes::names::NOTHING_FITS, span, "this set is empty on this body")),
-            None if things.iter().any(|thing| matches!(thing, Thing::Robot | Thing::Ground)) => {
+            None if things.iter().any(|thing| matches!(thing, EntityRef::Robot | EntityRef::Ground)) => {
                 let message = "this has no properties; it is one side of a contact";
                 let diagnostic = self
                     .diagnostic(codes::names::UNKNOWN_PROPERTY, span, message)
@@ -124,7 +124,7 @@ impl<'a> Checker<'a> {
         Err(self.error(codes::names::NOT_YET, span, message))
     }
 
-    fn unknown_property(&mut self, thing: Thing, owner: Owner, name: &Name) -> Reported {
+    fn unknown_property(&mut self, thing: EntityRef, owner: Owner, name: &Name) -> Reported {
         let parts = self.parts_of(thing);
         let mut known: Vec<&str> = signals::of(owner).map(|signal| signal.name).collect();
         known.extend(parts.iter().map(String::as_str));
@@ -144,18 +144,18 @@ impl<'a> Checker<'a> {
     }
 
     /// How an error calls a part of the body.
-    pub(crate) fn thing_name(&self, thing: Thing) -> String {
+    pub(crate) fn thing_name(&self, thing: EntityRef) -> String {
         entity_name(self.vocabulary, thing)
     }
 
     /// Properties of landmarks and of the centre of mass.
-    fn place_property(&mut self, things: &[Thing], list: bool, read: Read, span: Span) -> Checked<Data> {
+    fn place_property(&mut self, things: &[EntityRef], list: bool, read: Read, span: Span) -> Checked<TypedValue> {
         use Dimension as D;
         let blocks = |landmark: fn(usize) -> Sensor, com: Sensor| {
-            let block = |thing: &Thing| if let Thing::Landmark(index) = thing { landmark(*index) } else { com };
+            let block = |thing: &EntityRef| if let EntityRef::Landmark(index) = thing { landmark(*index) } else { com };
             things.iter().map(block).collect::<Vec<_>>()
         };
-        let shaped = |node: NodeId, element: ElementType| Data::new(node, Type::one_or_list(element, list, things.len()));
+        let shaped = |node: NodeId, element: ElementType| TypedValue::new(node, Type::one_or_list(element, list, things.len()));
         let position = blocks(Sensor::LandmarkPosition, Sensor::ComPosition);
         let velocity = blocks(Sensor::LandmarkVelocity, Sensor::ComVelocity);
         Ok(match read {
@@ -184,8 +184,8 @@ impl<'a> Checker<'a> {
                 shaped(self.measured(sensors), ElementType::world_vector(D::ANGULAR_VELOCITY))
             }
             Read::Mass => {
-                let mass = |thing: &Thing| match thing {
-                    Thing::Landmark(index) => self.vocabulary.landmarks[*index].mass,
+                let mass = |thing: &EntityRef| match thing {
+                    EntityRef::Landmark(index) => self.vocabulary.landmarks[*index].mass,
                     _ => self.vocabulary.mass,
                 };
                 let masses: Vec<f64> = things.iter().map(mass).collect();
@@ -196,9 +196,9 @@ impl<'a> Checker<'a> {
     }
 
     /// Axes and angles of landmarks.
-    fn attitude(&mut self, things: &[Thing], list: bool, read: Read) -> Data {
+    fn attitude(&mut self, things: &[EntityRef], list: bool, read: Read) -> TypedValue {
         let axes = things.iter().filter_map(|thing| match thing {
-            Thing::Landmark(index) => Some(Sensor::LandmarkAxes(*index)),
+            EntityRef::Landmark(index) => Some(Sensor::LandmarkAxes(*index)),
             _ => None,
         });
         let axes = self.measured(axes.collect());
@@ -229,12 +229,12 @@ impl<'a> Checker<'a> {
             }
             _ => (axes, ElementType::Rotation),
         };
-        Data::new(node, Type::one_or_list(element, list, count))
+        TypedValue::new(node, Type::one_or_list(element, list, count))
     }
 
-    pub(crate) fn must_have_segments(&mut self, things: &[Thing], span: Span) -> Checked<()> {
+    pub(crate) fn must_have_segments(&mut self, things: &[EntityRef], span: Span) -> Checked<()> {
         for thing in things {
-            if let Thing::Landmark(index) = thing
+            if let EntityRef::Landmark(index) = thing
                 && !self.vocabulary.landmarks[*index].has_segment
             {
                 let message =
@@ -247,9 +247,9 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    fn joint_property(&mut self, things: &[Thing], list: bool, read: Read, span: Span) -> Checked<Data> {
+    fn joint_property(&mut self, things: &[EntityRef], list: bool, read: Read, span: Span) -> Checked<TypedValue> {
         let indices: Vec<usize> =
-            things.iter().filter_map(|thing| if let Thing::Joint(index) = thing { Some(*index) } else { None }).collect();
+            things.iter().filter_map(|thing| if let EntityRef::Joint(index) = thing { Some(*index) } else { None }).collect();
         let joints = &self.vocabulary.joints;
         let sensors = |sensor: fn(usize) -> Sensor| indices.iter().map(|&index| sensor(index)).collect::<Vec<_>>();
         // Length for slides, angle for hinges, over time so often.
@@ -284,7 +284,7 @@ impl<'a> Checker<'a> {
                 let mut values = Vec::with_capacity(indices.len());
                 for &index in &indices {
                     let Some(range) = joints[index].range else {
-                        let message = format!("{} has no limits", self.thing_name(Thing::Joint(index)));
+                        let message = format!("{} has no limits", self.thing_name(EntityRef::Joint(index)));
                         return Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message));
                     };
                     values.push(range[end]);
@@ -293,12 +293,12 @@ impl<'a> Checker<'a> {
             }
             _ => (self.graph.sensors(sensors(Sensor::JointPosition)), kinds(&per(0))),
         };
-        Ok(Data::new(node, kind))
+        Ok(TypedValue::new(node, kind))
     }
 
-    fn muscle_property(&mut self, things: &[Thing], list: bool, read: Read) -> Checked<Data> {
+    fn muscle_property(&mut self, things: &[EntityRef], list: bool, read: Read) -> Checked<TypedValue> {
         let indices: Vec<usize> =
-            things.iter().filter_map(|thing| if let Thing::Muscle(index) = thing { Some(*index) } else { None }).collect();
+            things.iter().filter_map(|thing| if let EntityRef::Muscle(index) = thing { Some(*index) } else { None }).collect();
         let sensors = |sensor: fn(usize) -> Sensor| indices.iter().map(|&index| sensor(index)).collect::<Vec<_>>();
         let graph = &mut self.graph;
         let (node, dimension) = match read {
@@ -324,11 +324,11 @@ impl<'a> Checker<'a> {
             }
             _ => (graph.sensors(sensors(Sensor::MuscleActivation)), Dimension::NONE),
         };
-        Ok(Data::new(node, Type::one_or_list(ElementType::Number(dimension), list, indices.len())))
+        Ok(TypedValue::new(node, Type::one_or_list(ElementType::Number(dimension), list, indices.len())))
     }
 
     /// `.x`, `.xy`, `.forward`: a component in the axes in which the vector is counted.
-    fn component(&mut self, data: &Data, name: &Name) -> Checked<Data> {
+    fn component(&mut self, data: &TypedValue, name: &Name) -> Checked<TypedValue> {
         let (size, dimension, frame) = match data.kind.element() {
             Some(ElementType::Vector { size, dimension, frame }) => (size, dimension, frame),
             Some(ElementType::Place(frame)) => (3, Dimension::LENGTH, frame),
@@ -359,7 +359,7 @@ impl<'a> Checker<'a> {
             1 => ElementType::Number(dimension),
             size => ElementType::Vector { size, dimension, frame },
         };
-        Ok(Data::new(node, data.kind.with_element(element)))
+        Ok(TypedValue::new(node, data.kind.with_element(element)))
     }
 
     fn no_such_component(&mut self, frame: Frame, name: &Name) -> Reported {
@@ -385,7 +385,7 @@ impl<'a> Checker<'a> {
         self.report(diagnostic)
     }
 
-    fn rotation_component(&mut self, data: &Data, name: &Name) -> Checked<Data> {
+    fn rotation_component(&mut self, data: &TypedValue, name: &Name) -> Checked<TypedValue> {
         let first = match name.text.as_str() {
             "forward" => 0,
             "left" => 3,
@@ -401,34 +401,34 @@ impl<'a> Checker<'a> {
         let count = data.kind.shape().count();
         let wanted: Vec<usize> = (0..count).flat_map(|place| (first..first + 3).map(move |lane| 9 * place + lane)).collect();
         let node = self.graph.select(wanted, data.node);
-        Ok(Data::new(node, data.kind.with_element(ElementType::world_vector(Dimension::NONE))))
+        Ok(TypedValue::new(node, data.kind.with_element(ElementType::world_vector(Dimension::NONE))))
     }
 
     /// A signal that stands by itself.
-    pub(crate) fn single_signal(&mut self, signal: &Signal, span: Span) -> Checked<Data> {
+    pub(crate) fn single_signal(&mut self, signal: &Signal, span: Span) -> Checked<TypedValue> {
         self.must_be_supported(signal, span)?;
-        let muscles: Vec<Thing> = (0..self.vocabulary.muscles.len()).map(Thing::Muscle).collect();
+        let muscles: Vec<EntityRef> = (0..self.vocabulary.muscles.len()).map(EntityRef::Muscle).collect();
         let interval = self.timing.interval;
         Ok(match signal.read {
-            Read::Time => Data::new(self.time(), ElementType::Number(Dimension::TIME)),
-            Read::Interval => Data::new(self.graph.constant(interval), ElementType::Number(Dimension::TIME)),
-            Read::Step => Data::new(self.graph.add(Operation::Step, &[]), ElementType::Int),
-            Read::Horizon => Data::new(self.graph.constant(f64::from(self.timing.horizon)), ElementType::Int),
-            Read::Pi => Data::new(self.graph.constant(std::f64::consts::PI), ElementType::PLAIN),
-            Read::BodyMass => Data::new(self.graph.constant(self.vocabulary.mass), ElementType::Number(Dimension::MASS)),
+            Read::Time => TypedValue::new(self.time(), ElementType::Number(Dimension::TIME)),
+            Read::Interval => TypedValue::new(self.graph.constant(interval), ElementType::Number(Dimension::TIME)),
+            Read::Step => TypedValue::new(self.graph.add(Operation::Step, &[]), ElementType::Int),
+            Read::Horizon => TypedValue::new(self.graph.constant(f64::from(self.timing.horizon)), ElementType::Int),
+            Read::Pi => TypedValue::new(self.graph.constant(std::f64::consts::PI), ElementType::PLAIN),
+            Read::BodyMass => TypedValue::new(self.graph.constant(self.vocabulary.mass), ElementType::Number(Dimension::MASS)),
             Read::BodyWeight => {
                 let weight = self.vocabulary.mass * self.vocabulary.gravity;
-                Data::new(self.graph.constant(weight), ElementType::Number(Dimension::FORCE))
+                TypedValue::new(self.graph.constant(weight), ElementType::Number(Dimension::FORCE))
             }
             Read::CentreOfPressure => {
-                Data::new(self.graph.sensors(vec![Sensor::CentreOfPressure]), ElementType::Place(Frame::World))
+                TypedValue::new(self.graph.sensors(vec![Sensor::CentreOfPressure]), ElementType::Place(Frame::World))
             }
             Read::SupportMargin => {
-                Data::new(self.graph.sensors(vec![Sensor::SupportMargin]), ElementType::Number(Dimension::LENGTH))
+                TypedValue::new(self.graph.sensors(vec![Sensor::SupportMargin]), ElementType::Number(Dimension::LENGTH))
             }
             Read::AngularMomentum => {
                 let kind = ElementType::world_vector(Dimension::ANGULAR_MOMENTUM);
-                Data::new(self.graph.sensors(vec![Sensor::AngularMomentum]), kind)
+                TypedValue::new(self.graph.sensors(vec![Sensor::AngularMomentum]), kind)
             }
             Read::Spine => self.spine(span)?,
             Read::Terminated | Read::Finished | Read::Truncated | Read::Ended | Read::Survived => self.end_signal(signal.read)?,
@@ -437,7 +437,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The unit vector from the pelvis to the head.
-    fn spine(&mut self, span: Span) -> Checked<Data> {
+    fn spine(&mut self, span: Span) -> Checked<TypedValue> {
         let landmark = |name: &str| self.vocabulary.landmarks.iter().position(|landmark| landmark.name == name);
         let (Some(pelvis), Some(head)) = (landmark("pelvis"), landmark("head")) else {
             let message = "`spine` needs landmarks `pelvis` and `head`, which this body does not have";
@@ -447,7 +447,7 @@ impl<'a> Checker<'a> {
         let to = self.graph.sensors(vec![Sensor::LandmarkPosition(head)]);
         let along = self.graph.binary(Binary::Subtract, to, from);
         let node = self.unit_vector(along, 3);
-        Ok(Data::new(node, ElementType::world_vector(Dimension::NONE)))
+        Ok(TypedValue::new(node, ElementType::world_vector(Dimension::NONE)))
     }
 
     /// Each group of `size` lanes divided by its length; zero stays zero.

@@ -3,7 +3,7 @@
 use super::allows;
 use super::context::{Checked, Checker, Failures};
 use super::types::{ElementType, Type};
-use super::value::{Data, Value};
+use super::value::{TypedValue, Value};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Operation;
@@ -78,7 +78,7 @@ impl<'a> Checker<'a> {
         }
         let name = label_of(channel, self.place.file, texts);
         let data = match self.value(&channel.value)? {
-            Value::Data(data) => data,
+            Value::Typed(data) => data,
             other => return Err(self.not_numbers(&other, channel.value.span)),
         };
         let node = self.observed(&data);
@@ -103,7 +103,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The node whose lanes are observed: orientations as quaternions, everything else as it is.
-    fn observed(&mut self, data: &Data) -> NodeId {
+    fn observed(&mut self, data: &TypedValue) -> NodeId {
         if data.kind.element() != Some(ElementType::Rotation) {
             return data.node;
         }

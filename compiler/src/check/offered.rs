@@ -3,7 +3,7 @@
 use super::context::Checker;
 use super::dimension::Dimension;
 use super::unit;
-use super::value::Data;
+use super::value::TypedValue;
 use crate::diagnostics::{Diagnostic, Span};
 use crate::numbers::exact;
 use crate::syntax::tree::{Argument, Expr, ExprKind, Quantity, UnaryOperator};
@@ -42,11 +42,11 @@ pub(crate) fn offer_unit(diagnostic: Diagnostic, dimension: Dimension, number: &
 
 impl Checker<'_> {
     /// The lower end of a range `low .. high`: where only the upper end has a unit, it has the same.
-    pub(crate) fn lower_end(&mut self, low: Data, written: &Expr, high: (&Data, &Expr)) -> Data {
+    pub(crate) fn lower_end(&mut self, low: TypedValue, written: &Expr, high: (&TypedValue, &Expr)) -> TypedValue {
         let unit = unit_of(high.1);
         match (self.graph.constant_value(low.node), unit) {
             (Some(value), Some(one)) if is_bare(written) && !low.is_zero() && high.0.kind.is_one_number() => {
-                Data::new(self.graph.constant(value * one), high.0.kind.clone())
+                TypedValue::new(self.graph.constant(value * one), high.0.kind.clone())
             }
             _ => low,
         }

@@ -4,7 +4,7 @@ use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::offered::unit_of;
 use super::types::{ElementType, Type};
-use super::value::{Data, Form, Value};
+use super::value::{LiteralKind, TypedValue, Value};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::resolve::scope::Place;
 use crate::spoken::SpokenUnit;
@@ -61,8 +61,8 @@ impl<'a> Checker<'a> {
 
     fn parameter_here(&mut self, parameter: &'a TaskParameter, file: FileId) -> Checked<(Value, Parameter)> {
         let (default, dimension) = self.constant_number(&parameter.value, "a parameter is a number known while compiling")?;
-        let declared = Data::new(self.graph.constant(default), self.number_type(&parameter.value, dimension));
-        self.check_annotation(parameter.annotation.as_ref(), &Value::Data(declared.clone()))?;
+        let declared = TypedValue::new(self.graph.constant(default), self.number_type(&parameter.value, dimension));
+        self.check_annotation(parameter.annotation.as_ref(), &Value::Typed(declared.clone()))?;
         let range = match &parameter.range {
             None => None,
             Some(range) => Some(self.parameter_range(range, dimension)?),
@@ -84,7 +84,10 @@ impl<'a> Checker<'a> {
         let unit = dimension.to_string();
         let told = Parameter { name: parameter.name.text.clone(), value, default, range, unit };
         let _ = file;
-        Ok((Value::Data(Data { node: self.graph.constant(value), kind: declared.kind, form: Form::Plain }), told))
+        Ok((
+            Value::Typed(TypedValue { node: self.graph.constant(value), kind: declared.kind, literal: LiteralKind::Plain }),
+            told,
+        ))
     }
 
     /// A parameter written as a whole number is one, unless its type is written as another.

@@ -5,7 +5,7 @@
 
 use super::context::{Checked, Checker, Failures, ReadMode, Step};
 use super::types::{ElementType, Frame, Type};
-use super::value::{Data, Form, Value};
+use super::value::{LiteralKind, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Chance, Operation, Unary};
@@ -20,7 +20,7 @@ const MOST_RANGES: usize = 64;
 pub(crate) struct KnownRandom {
     pub name: String,
     /// Its type and form; the node is the random before its redraw.
-    pub data: Data,
+    pub data: TypedValue,
     /// When it is drawn anew.
     pub redraw: Option<NodeId>,
 }
@@ -85,13 +85,13 @@ impl<'a> Checker<'a> {
             let inputs = self.graph.node(data.node).inputs.clone();
             data.node = self.graph.add(Operation::DrawnAfter(number(index)), &inputs);
         }
-        Ok(Value::Data(data))
+        Ok(Value::Typed(data))
     }
 
-    fn draw(&mut self, random: &'a Random) -> Checked<Data> {
+    fn draw(&mut self, random: &'a Random) -> Checked<TypedValue> {
         let index = self.randoms.len();
         let candidate = self.what_is_drawn(&random.distribution, index)?;
-        self.check_annotation(random.annotation.as_ref(), &Value::Data(candidate.clone()))?;
+        self.check_annotation(random.annotation.as_ref(), &Value::Typed(candidate.clone()))?;
         if self.randoms.len() != index {
             // Its arguments read a random that was not known yet: that one has taken this number.
             let message = "a draw may read only randoms that are declared above it";
@@ -99,7 +99,7 @@ impl<'a> Checker<'a> {
         }
         let mut inputs = vec![candidate.node];
         if let Some(accept) = &random.accept {
-            self.locals.push(self.local(&random.name, Value::Data(candidate.clone())));
+            self.locals.push(self.local(&random.name, Value::Typed(candidate.clone())));
             let condition = self.single_condition(accept);
             self.locals.pop();
             let condition = condition?;
@@ -111,7 +111,7 @@ impl<'a> Checker<'a> {
             inputs.push(condition.node);
         }
         let node = self.graph.add(Operation::Drawn(number(index)), &inputs);
-        Ok(Data { node, ..candidate })
+        Ok(TypedValue { node, ..candidate })
     }
 
     /// Operators advance once per step, tries are many: what a try gives cannot be remembered.
@@ -137,7 +137,7 @@ impl<'a> Checker<'a> {
     }
 
     /// What a try gives.
-    fn what_is_drawn(&mut self, expr: &'a Expr, index: usize) -> Checked<Data> {
+    fn what_is_drawn(&mut self, expr: &'a Expr, index: usize) -> Checked<TypedValue> {
         if let ExprKind::Call { function, arguments } = &expr.kind
             && let ExprKind::Name(name) = &function.kind
             && let Some(misnamed) = arguments.iter().find_map(|argument| argument.name.as_ref())
@@ -169,29 +169,29 @@ impl<'a> Checker<'a> {
         self.graph.add(Operation::Noise(number(index), chance, number(lanes)), &[])
     }
 
-    fn draw_uniform(&mut self, ranges: &'a [Argument], index: usize, span: Span) -> Checked<Data> {
+    fn draw_uniform(&mut self, ranges: &'a [Argument], index: usize, span: Span) -> Checked<TypedValue> {
         let noise = self.chance(index, Chance::Uniform, ranges.len());
         let mut parts = Vec::new();
         let mut failures = Failures::default();
         for (place, range) in ranges.iter().enumerate() {
             let u = self.graph.select([place], noise);
             match self.between(&range.value, u) {
-                Ok(data) => parts.push((Ok(Value::Data(data)), range.value.span)),
+                Ok(data) => parts.push((Ok(Value::Typed(data)), range.value.span)),
                 Err(reported) => failures.add(reported),
             }
         }
         failures.or(())?;
-        if let [(Ok(Value::Data(only)), _)] = parts.as_slice() {
+        if let [(Ok(Value::Typed(only)), _)] = parts.as_slice() {
             return Ok(only.clone());
         }
         match self.bracket(parts, span)? {
-            Value::Data(data) => Ok(data),
+            Value::Typed(data) => Ok(data),
             other => Err(self.not_numbers(&other, span)),
         }
     }
 
     /// `low + (high - low) u`; of whole numbers the upper end is excluded.
-    fn between(&mut self, range: &'a Expr, u: NodeId) -> Checked<Data> {
+    fn between(&mut self, range: &'a Expr, u: NodeId) -> Checked<TypedValue> {
         let ExprKind::Range { low, high } = &range.kind else {
             let diagnostic =
                 self.diagnostic(codes::composition::DRAW, range.span, "`uniform` takes ranges").expected("`low .. high`");
@@ -218,11 +218,11 @@ impl<'a> Checker<'a> {
             share = self.graph.unary(Unary::Floor, share);
         }
         let node = self.graph.binary(Binary::Add, from, share);
-        Ok(Data::new(node, kind))
+        Ok(TypedValue::new(node, kind))
     }
 
     /// `mean + deviation z`, lane by lane.
-    fn draw_normal(&mut self, mean: &'a Expr, deviation: &'a Expr, index: usize) -> Checked<Data> {
+    fn draw_normal(&mut self, mean: &'a Expr, deviation: &'a Expr, index: usize) -> Checked<TypedValue> {
         let (middle, width) = (self.data(mean), self.data(deviation));
         let (middle, width) = (middle?, width?);
         let numbers = middle
@@ -247,12 +247,12 @@ impl<'a> Checker<'a> {
         let kind = if middle.is_zero() && middle.kind.is_one_number() { width.kind } else { middle.kind.clone() };
         let plain = |element: ElementType| if element == ElementType::Int { ElementType::PLAIN } else { element };
         let kind = kind.map(|element| Some(plain(element))).unwrap_or(kind);
-        let form = if middle.is_bracket() { Form::Bracket } else { Form::Plain };
-        Ok(Data { node, kind, form })
+        let literal = if middle.is_bracket() { LiteralKind::Bracket } else { LiteralKind::Plain };
+        Ok(TypedValue { node, kind, literal })
     }
 
     /// One of several values, or of the elements of a list, each as likely.
-    fn draw_choice(&mut self, values: &'a [Argument], index: usize, span: Span) -> Checked<Data> {
+    fn draw_choice(&mut self, values: &'a [Argument], index: usize, span: Span) -> Checked<TypedValue> {
         let list = match values {
             [only] => self.data(&only.value)?,
             several => {
@@ -268,21 +268,21 @@ impl<'a> Checker<'a> {
         let place = self.graph.binary(Binary::Multiply, count, u);
         let place = self.graph.unary(Unary::Floor, place);
         let node = self.graph.add(Operation::Pick(number(list.kind.element_lanes())), &[list.node, place]);
-        Ok(Data::new(node, element))
+        Ok(TypedValue::new(node, element))
     }
 
     /// Values of one kind as a list: brackets of numbers among them are vectors, not parts of a longer list.
-    fn elements(&mut self, values: Vec<(Checked<Value>, Span)>, span: Span) -> Checked<Data> {
+    fn elements(&mut self, values: Vec<(Checked<Value>, Span)>, span: Span) -> Checked<TypedValue> {
         let vectors = values.into_iter().map(|(value, place)| {
             let value = value.map(|value| match value {
-                Value::Data(data) if data.is_bracket() => Value::Data(self.as_vector(data, Frame::World)),
+                Value::Typed(data) if data.is_bracket() => Value::Typed(self.as_vector(data, Frame::World)),
                 other => other,
             });
             (value, place)
         });
         let vectors = vectors.collect();
         match self.bracket(vectors, span)? {
-            Value::Data(data) => Ok(data),
+            Value::Typed(data) => Ok(data),
             other => Err(self.not_numbers(&other, span)),
         }
     }

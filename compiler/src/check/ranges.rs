@@ -8,13 +8,13 @@ use crate::graph::interval::{Bounds, Ranges};
 use crate::vocabulary::{Landmark, Vocabulary};
 
 /// Any state of an episode: joint ranges, unit vectors, activations.
-pub(crate) struct Working<'a> {
+pub(crate) struct OperatingRange<'a> {
     pub vocabulary: &'a Vocabulary,
     pub timing: Timing,
     pub queries: &'a [Query],
 }
 
-impl Ranges for Working<'_> {
+impl Ranges for OperatingRange<'_> {
     fn sensor(&self, sensor: Sensor, _: usize) -> Bounds {
         match sensor {
             Sensor::LandmarkAxes(_) | Sensor::RootAxes | Sensor::Action(_) => Bounds::new(-1.0, 1.0),
@@ -54,7 +54,7 @@ fn query_bounds(query: &Query) -> Bounds {
 }
 
 /// The standing pose at rest, as far as the vocabulary settles it.
-pub(crate) struct Standing<'a> {
+pub(crate) struct NeutralRange<'a> {
     pub vocabulary: &'a Vocabulary,
     /// Whether it is the beginning of an episode, when no muscle is active yet.
     pub reset: bool,
@@ -128,7 +128,7 @@ impl Shaken {
     }
 }
 
-impl Standing<'_> {
+impl NeutralRange<'_> {
     /// Whether it is measured on an object that moves: the standing pose says nothing of it.
     fn moves(&self, sensor: Sensor) -> bool {
         let (landmarks, joints) = (&self.vocabulary.landmarks, &self.vocabulary.joints);
@@ -146,7 +146,7 @@ impl Standing<'_> {
     }
 }
 
-impl Ranges for Standing<'_> {
+impl Ranges for NeutralRange<'_> {
     fn sensor(&self, sensor: Sensor, lane: usize) -> Bounds {
         let vocabulary = self.vocabulary;
         let landmark = |index: usize, read: fn(&Landmark) -> &[f64]| {

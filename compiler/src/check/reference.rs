@@ -8,7 +8,7 @@ use super::dimension::Dimension;
 use super::random::KnownRandom;
 use super::signals::{self, Owner};
 use super::types::{ElementType, Frame, Type};
-use super::value::{Data, Thing, Value};
+use super::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes, nearest};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
@@ -109,7 +109,7 @@ impl<'a> Checker<'a> {
             let drawn = self.graph.add(Operation::Noise(index, Chance::Uniform, 1), &[]);
             let node = self.graph.add(Operation::Drawn(index), &[drawn]);
             let name = format!("{}.start", reference.name.text);
-            self.randoms.push(KnownRandom { name, data: Data::new(node, ElementType::PLAIN), redraw: None });
+            self.randoms.push(KnownRandom { name, data: TypedValue::new(node, ElementType::PLAIN), redraw: None });
             return Ok(node);
         }
         let data = self.number_of(start, Dimension::NONE, "`start`")?;
@@ -159,16 +159,16 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::types::ARGUMENTS, place, message));
         }
         match name.text.as_str() {
-            "phase" => Ok(Value::Data(self.motion_phase(index))),
-            "joints" => Ok(Value::Things { members: self.motion_joints(index), group: true }),
-            "q" => self.motion_joint(index, arguments, false, span).map(Value::Data),
-            "qd" => self.motion_joint(index, arguments, true, span).map(Value::Data),
-            "root" => self.motion_root(index, span).map(Value::Data),
-            "velocity" => self.motion_velocity(index, span).map(Value::Data),
-            "heading" => self.motion_turn(index, RootPart::Heading, span).map(Value::Data),
-            "pitch" => self.motion_turn(index, RootPart::Pitch, span).map(Value::Data),
-            "roll" => self.motion_turn(index, RootPart::Roll, span).map(Value::Data),
-            "site" => self.motion_site(index, arguments, span).map(Value::Data),
+            "phase" => Ok(Value::Typed(self.motion_phase(index))),
+            "joints" => Ok(Value::Entities { members: self.motion_joints(index), group: true }),
+            "q" => self.motion_joint(index, arguments, false, span).map(Value::Typed),
+            "qd" => self.motion_joint(index, arguments, true, span).map(Value::Typed),
+            "root" => self.motion_root(index, span).map(Value::Typed),
+            "velocity" => self.motion_velocity(index, span).map(Value::Typed),
+            "heading" => self.motion_turn(index, RootPart::Heading, span).map(Value::Typed),
+            "pitch" => self.motion_turn(index, RootPart::Pitch, span).map(Value::Typed),
+            "roll" => self.motion_turn(index, RootPart::Roll, span).map(Value::Typed),
+            "site" => self.motion_site(index, arguments, span).map(Value::Typed),
             other => {
                 let known: Vec<&str> = signals::of(Owner::Reference).map(|signal| bare(signal.name)).collect();
                 let message = format!("a motion has no `{other}`");
@@ -197,7 +197,7 @@ impl<'a> Checker<'a> {
         self.graph.binary(Binary::Multiply, turns, duration)
     }
 
-    fn motion_phase(&mut self, index: usize) -> Data {
+    fn motion_phase(&mut self, index: usize) -> TypedValue {
         let turns = self.turns(index);
         let one = self.graph.constant(1.0);
         let node = if self.references[index].motion.cycle {
@@ -205,13 +205,13 @@ impl<'a> Checker<'a> {
         } else {
             self.graph.binary(Binary::Minimum, turns, one)
         };
-        Data::new(node, ElementType::PLAIN)
+        TypedValue::new(node, ElementType::PLAIN)
     }
 
     /// The joints that a motion moves, in the order of its columns.
-    pub(crate) fn motion_joints(&self, index: usize) -> Vec<Thing> {
+    pub(crate) fn motion_joints(&self, index: usize) -> Vec<EntityRef> {
         let joints = &self.vocabulary.joints;
-        let place = |name: &str| joints.iter().position(|joint| joint.name == name).map(Thing::Joint);
+        let place = |name: &str| joints.iter().position(|joint| joint.name == name).map(EntityRef::Joint);
         self.references[index].motion.joints().filter_map(place).collect()
     }
 
@@ -220,17 +220,17 @@ impl<'a> Checker<'a> {
     }
 
     /// `gait.q(knee_angle_r)`, `gait.q(legs)`, `gait.q`: of all joints that the motion moves.
-    fn motion_joint(&mut self, index: usize, arguments: Option<&'a [Argument]>, rates: bool, span: Span) -> Checked<Data> {
+    fn motion_joint(&mut self, index: usize, arguments: Option<&'a [Argument]>, rates: bool, span: Span) -> Checked<TypedValue> {
         let (things, list, place) = match arguments {
             None => (self.motion_joints(index), true, span),
             Some([Argument { name: None, value }]) => match self.value(value)? {
-                Value::Thing(thing) => (vec![thing], false, value.span),
-                Value::Things { members, .. } => (members, true, value.span),
-                Value::Data(_) => (Vec::new(), false, value.span),
+                Value::Entity(thing) => (vec![thing], false, value.span),
+                Value::Entities { members, .. } => (members, true, value.span),
+                Value::Typed(_) => (Vec::new(), false, value.span),
             },
             Some(_) => return Err(self.one_argument("a joint, or a list of joints", span)),
         };
-        if things.is_empty() || !things.iter().all(|thing| matches!(thing, Thing::Joint(_))) {
+        if things.is_empty() || !things.iter().all(|thing| matches!(thing, EntityRef::Joint(_))) {
             let message = "a motion is asked for joints";
             let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, place, message).help("write `gait.q(knee_angle_r)`");
             return Err(self.report(diagnostic));
@@ -240,7 +240,7 @@ impl<'a> Checker<'a> {
         let motion = self.references[index].motion.clone();
         let (mut columns, mut dimensions, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for thing in &things {
-            let Thing::Joint(joint) = thing else { continue };
+            let EntityRef::Joint(joint) = thing else { continue };
             match motion.joint(&vocabulary.joints[*joint].name) {
                 Some(column) => {
                     let dimension = motion.columns[column].dimension;
@@ -256,7 +256,7 @@ impl<'a> Checker<'a> {
         }
         let kind = if list { Type::numbers(dimensions) } else { ElementType::Number(dimensions[0]).into() };
         let time = self.motion_time(index, false);
-        Ok(Data::new(self.follow(motion, columns, rates, time), kind))
+        Ok(TypedValue::new(self.follow(motion, columns, rates, time), kind))
     }
 
     /// The motion has no column for these joints.
@@ -299,11 +299,11 @@ impl<'a> Checker<'a> {
     }
 
     /// Where the root should be: as far from where it began as the motion has taken it, at the motion's height.
-    fn motion_root(&mut self, index: usize, span: Span) -> Checked<Data> {
+    fn motion_root(&mut self, index: usize, span: Span) -> Checked<TypedValue> {
         let columns = self.root_columns(index, &[RootPart::X, RootPart::Y, RootPart::Height], span)?;
         let motion = self.references[index].motion.clone();
         let node = self.carried(index, motion, columns);
-        Ok(Data::new(node, ElementType::Place(Frame::World)))
+        Ok(TypedValue::new(node, ElementType::Place(Frame::World)))
     }
 
     /// Where something of the motion is that has columns x, y and z, when the motion starts under the root.
@@ -321,30 +321,30 @@ impl<'a> Checker<'a> {
         self.graph.binary(Binary::Add, place, shift)
     }
 
-    fn motion_velocity(&mut self, index: usize, span: Span) -> Checked<Data> {
+    fn motion_velocity(&mut self, index: usize, span: Span) -> Checked<TypedValue> {
         let columns = self.root_columns(index, &[RootPart::X, RootPart::Y, RootPart::Height], span)?;
         let (motion, time) = (self.references[index].motion.clone(), self.motion_time(index, false));
-        Ok(Data::new(self.follow(motion, columns, true, time), ElementType::world_vector(Dimension::SPEED)))
+        Ok(TypedValue::new(self.follow(motion, columns, true, time), ElementType::world_vector(Dimension::SPEED)))
     }
 
-    fn motion_turn(&mut self, index: usize, part: RootPart, span: Span) -> Checked<Data> {
+    fn motion_turn(&mut self, index: usize, part: RootPart, span: Span) -> Checked<TypedValue> {
         let columns = self.root_columns(index, &[part], span)?;
         let (motion, time) = (self.references[index].motion.clone(), self.motion_time(index, false));
-        Ok(Data::new(self.follow(motion, columns, false, time), ElementType::WrappingAngle))
+        Ok(TypedValue::new(self.follow(motion, columns, false, time), ElementType::WrappingAngle))
     }
 
     /// `gait.site(ankle_r)`: where a landmark should be.
-    fn motion_site(&mut self, index: usize, arguments: Option<&'a [Argument]>, span: Span) -> Checked<Data> {
+    fn motion_site(&mut self, index: usize, arguments: Option<&'a [Argument]>, span: Span) -> Checked<TypedValue> {
         let Some([Argument { name: None, value }]) = arguments else {
             return Err(self.one_argument("a landmark, or a list of landmarks", span));
         };
         let (things, list) = match self.value(value)? {
-            Value::Thing(thing) => (vec![thing], false),
-            Value::Things { members, .. } => (members, true),
-            Value::Data(_) => (Vec::new(), false),
+            Value::Entity(thing) => (vec![thing], false),
+            Value::Entities { members, .. } => (members, true),
+            Value::Typed(_) => (Vec::new(), false),
         };
-        let landmark = |thing: &Thing| match thing {
-            Thing::Landmark(place) if !self.vocabulary.landmarks[*place].of_scene => Some(*place),
+        let landmark = |thing: &EntityRef| match thing {
+            EntityRef::Landmark(place) if !self.vocabulary.landmarks[*place].of_scene => Some(*place),
             _ => None,
         };
         let Some(landmarks) = things.iter().map(landmark).collect::<Option<Vec<usize>>>().filter(|all| !all.is_empty()) else {
@@ -364,7 +364,7 @@ impl<'a> Checker<'a> {
             places.push(self.carried(index, motion.clone(), vec![first, first + 1, first + 2]));
         }
         let node = self.graph.join(&places);
-        Ok(Data::new(node, Type::one_or_list(ElementType::Place(Frame::World), list, places.len())))
+        Ok(TypedValue::new(node, Type::one_or_list(ElementType::Place(Frame::World), list, places.len())))
     }
 
     /// The motion with the places of all landmarks of the body, computed once.

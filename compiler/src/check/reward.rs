@@ -4,7 +4,7 @@ use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::functions::divide_by;
 use super::types::{ElementType, Type};
-use super::value::Data;
+use super::value::TypedValue;
 use crate::diagnostics::{FileId, Span, codes};
 use crate::graph::operation::Binary;
 use crate::graph::{NodeId, events};
@@ -74,7 +74,7 @@ impl<'a> Checker<'a> {
         if per_second {
             self.must_be_a_rate(formula, expr, data.node, &term.name.text)?;
             let interval = self.graph.constant(self.timing.interval);
-            data = Data::new(self.graph.binary(Binary::Multiply, data.node, interval), ElementType::PLAIN);
+            data = TypedValue::new(self.graph.binary(Binary::Multiply, data.node, interval), ElementType::PLAIN);
         }
         Ok(PaidTerm {
             name: term.name.text.clone(),
@@ -165,7 +165,7 @@ impl<'a> Checker<'a> {
     }
 
     /// A term is one plain number; conditions count 0 or 1.
-    fn must_be_payable(&mut self, data: Data, formula: &Expr, name: &str) -> Checked<Data> {
+    fn must_be_payable(&mut self, data: TypedValue, formula: &Expr, name: &str) -> Checked<TypedValue> {
         let help = match data.kind {
             Type::One(ElementType::Bool | ElementType::Int | ElementType::PLAIN) => return Ok(data),
             Type::One(ElementType::Number(_) | ElementType::WrappingAngle) => "",

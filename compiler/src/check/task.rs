@@ -10,7 +10,7 @@ use super::reward::PaidTerm;
 use super::scene::Surroundings;
 use super::tests::CheckedTests;
 use super::types::{ElementType, Type};
-use super::value::{Data, Value};
+use super::value::{TypedValue, Value};
 use crate::diagnostics::{Allowance, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
@@ -519,9 +519,9 @@ impl<'a> Checker<'a> {
     /// First values of the declared states, in the order of the text: one may read those above it.
     fn states(&mut self) {
         for (state, file) in self.declared_states() {
-            let initial: Checked<Data> = self.in_file(file, |checker| {
+            let initial: Checked<TypedValue> = self.in_file(file, |checker| {
                 let initial = checker.data(&state.initial)?;
-                checker.check_annotation(state.annotation.as_ref(), &Value::Data(initial.clone()))?;
+                checker.check_annotation(state.annotation.as_ref(), &Value::Typed(initial.clone()))?;
                 Ok(initial)
             });
             let name = state.name.text.clone();
@@ -540,7 +540,7 @@ impl<'a> Checker<'a> {
         let mut failures = Failures::default();
         for (state, file) in self.declared_states() {
             let present = match self.state(&state.name.text, state.name.span) {
-                Ok(Value::Data(present)) => present,
+                Ok(Value::Typed(present)) => present,
                 Ok(other) => {
                     failures.add(self.not_numbers(&other, state.name.span));
                     continue;
@@ -559,7 +559,12 @@ impl<'a> Checker<'a> {
         failures.or(nodes)
     }
 
-    fn update(&mut self, update: &'a crate::syntax::tree::Update, present: &Data, otherwise: Data) -> Checked<Data> {
+    fn update(
+        &mut self,
+        update: &'a crate::syntax::tree::Update,
+        present: &TypedValue,
+        otherwise: TypedValue,
+    ) -> Checked<TypedValue> {
         let value = self.data(&update.value);
         let condition = update.condition.as_ref().map(|condition| self.single_condition(condition)).transpose();
         let (value, condition) = (value?, condition?);
@@ -585,7 +590,7 @@ impl<'a> Checker<'a> {
                 self.graph.add(crate::graph::operation::Operation::Choose, &inputs)
             }
         };
-        Ok(Data::new(node, present.kind.clone()))
+        Ok(TypedValue::new(node, present.kind.clone()))
     }
 }
 

@@ -1,7 +1,7 @@
 //! What an editor shows of the typed HIR: at a place, and behind a dot.
 
 use super::types::{ElementType, Frame};
-use super::value::{Thing, Value};
+use super::value::{EntityRef, Value};
 use super::{DefinitionId, Expr, Hir, NameUse, Resolution};
 use crate::diagnostics::{FileId, Span};
 use crate::graph::interval::{self, Bounds};
@@ -105,7 +105,7 @@ impl TypedFormulas {
             None => found.docs = self.hir.docs(declared).to_owned(),
         }
         match value {
-            Some(Value::Data(data)) => {
+            Some(Value::Typed(data)) => {
                 if found.kind.is_empty() {
                     found.kind = data.kind.described(vocabulary);
                 }
@@ -114,13 +114,13 @@ impl TypedFormulas {
                 let range = known.then(|| interval::of_scalar(&self.bounds, data.node));
                 found.range = range.filter(|range| *range != Bounds::ANY);
             }
-            Some(Value::Thing(thing)) => {
+            Some(Value::Entity(thing)) => {
                 found.kind = entity_name(vocabulary, *thing);
                 if found.docs.is_empty() {
                     found.docs = entity_docs(vocabulary, *thing);
                 }
             }
-            Some(Value::Things { members, group }) => {
+            Some(Value::Entities { members, group }) => {
                 let what = if *group { "a group" } else { "a list" };
                 let names: Vec<String> = members.iter().take(4).map(|thing| entity_name(vocabulary, *thing)).collect();
                 let more = if members.len() > names.len() { ", ..." } else { "" };
@@ -133,25 +133,25 @@ impl TypedFormulas {
 
     fn members_of(&self, vocabulary: &Vocabulary, value: &Value) -> Members {
         match value {
-            Value::Data(data) => data.kind.element().map_or(Members::None, components),
-            Value::Thing(thing) => self.members_of_entity(vocabulary, *thing),
-            Value::Things { members, .. } => {
+            Value::Typed(data) => data.kind.element().map_or(Members::None, components),
+            Value::Entity(thing) => self.members_of_entity(vocabulary, *thing),
+            Value::Entities { members, .. } => {
                 members.first().map_or(Members::None, |first| self.members_of_entity(vocabulary, *first))
             }
         }
     }
 
-    fn members_of_entity(&self, vocabulary: &Vocabulary, thing: Thing) -> Members {
+    fn members_of_entity(&self, vocabulary: &Vocabulary, thing: EntityRef) -> Members {
         let (owners, parts) = match thing {
-            Thing::Landmark(index) if vocabulary.landmarks.get(index).is_some_and(|landmark| landmark.of_scene) => {
+            EntityRef::Landmark(index) if vocabulary.landmarks.get(index).is_some_and(|landmark| landmark.of_scene) => {
                 let constants = self.constants.iter().map(String::as_str);
                 (vec![Owner::Object, Owner::Landmark], parts_of(vocabulary, constants, thing))
             }
-            Thing::Landmark(_) => (vec![Owner::Landmark], Vec::new()),
-            Thing::Joint(_) => (vec![Owner::Joint], Vec::new()),
-            Thing::Muscle(_) => (vec![Owner::Muscle], Vec::new()),
-            Thing::CentreOfMass => (vec![Owner::CentreOfMass], Vec::new()),
-            Thing::Ground | Thing::Robot => return Members::None,
+            EntityRef::Landmark(_) => (vec![Owner::Landmark], Vec::new()),
+            EntityRef::Joint(_) => (vec![Owner::Joint], Vec::new()),
+            EntityRef::Muscle(_) => (vec![Owner::Muscle], Vec::new()),
+            EntityRef::CentreOfMass => (vec![Owner::CentreOfMass], Vec::new()),
+            EntityRef::Ground | EntityRef::Robot => return Members::None,
         };
         Members::Signals { owners, parts }
     }
@@ -162,23 +162,27 @@ fn stands_for(name: &NameUse, declared: DefinitionId) -> bool {
 }
 
 /// How texts call a part of the body or of the scene.
-pub(crate) fn entity_name(vocabulary: &Vocabulary, thing: Thing) -> String {
+pub(crate) fn entity_name(vocabulary: &Vocabulary, thing: EntityRef) -> String {
     match thing {
-        Thing::Landmark(index) if vocabulary.landmarks[index].of_scene => {
+        EntityRef::Landmark(index) if vocabulary.landmarks[index].of_scene => {
             format!("the object `{}`", vocabulary.landmarks[index].name)
         }
-        Thing::Landmark(index) => format!("the landmark `{}`", vocabulary.landmarks[index].name),
-        Thing::Joint(index) => format!("the joint `{}`", vocabulary.joints[index].name),
-        Thing::Muscle(index) => format!("the muscle `{}`", vocabulary.muscles[index].name),
-        Thing::CentreOfMass => "the centre of mass `com`".to_owned(),
-        Thing::Ground => "the `ground`".to_owned(),
-        Thing::Robot => "the body as a whole, `robot`".to_owned(),
+        EntityRef::Landmark(index) => format!("the landmark `{}`", vocabulary.landmarks[index].name),
+        EntityRef::Joint(index) => format!("the joint `{}`", vocabulary.joints[index].name),
+        EntityRef::Muscle(index) => format!("the muscle `{}`", vocabulary.muscles[index].name),
+        EntityRef::CentreOfMass => "the centre of mass `com`".to_owned(),
+        EntityRef::Ground => "the `ground`".to_owned(),
+        EntityRef::Robot => "the body as a whole, `robot`".to_owned(),
     }
 }
 
 /// What an object has beside the signals of every landmark: sizes (its `constants`, `seat.top`), parts, joints.
-pub(crate) fn parts_of<'a>(vocabulary: &'a Vocabulary, constants: impl Iterator<Item = &'a str>, thing: Thing) -> Vec<String> {
-    let Thing::Landmark(index) = thing else { return Vec::new() };
+pub(crate) fn parts_of<'a>(
+    vocabulary: &'a Vocabulary,
+    constants: impl Iterator<Item = &'a str>,
+    thing: EntityRef,
+) -> Vec<String> {
+    let EntityRef::Landmark(index) = thing else { return Vec::new() };
     let Some(object) = vocabulary.landmarks.get(index).filter(|landmark| landmark.of_scene) else { return Vec::new() };
     let prefix = format!("{}.", object.name);
     let landmarks = vocabulary.landmarks.iter().map(|landmark| landmark.name.as_str());
@@ -193,15 +197,15 @@ pub(crate) fn parts_of<'a>(vocabulary: &'a Vocabulary, constants: impl Iterator<
     parts
 }
 
-fn entity_docs(body: &Vocabulary, thing: Thing) -> String {
+fn entity_docs(body: &Vocabulary, thing: EntityRef) -> String {
     match thing {
-        Thing::Landmark(index) => {
+        EntityRef::Landmark(index) => {
             let landmark = &body.landmarks[index];
             let height = landmark.neutral_position[2];
             let place = if landmark.of_scene { String::new() } else { format!("\n\nHeight when standing: {height:.3} m.") };
             format!("{}{place}", landmark.description)
         }
-        Thing::Joint(index) => {
+        EntityRef::Joint(index) => {
             let joint = &body.joints[index];
             let (factor, unit) = match joint.kind {
                 JointKind::Hinge => (180.0 / std::f64::consts::PI, "deg"),
@@ -213,13 +217,13 @@ fn entity_docs(body: &Vocabulary, thing: Thing) -> String {
             let role = if joint.independent { "" } else { "; it follows another joint" };
             format!("Range {range}, when standing {:.4} {unit}{role}.", joint.neutral * factor)
         }
-        Thing::Muscle(index) => {
+        EntityRef::Muscle(index) => {
             let muscle = &body.muscles[index];
             format!("Peak isometric force {:.1} N, family {}.", muscle.peak_force, muscle.family)
         }
-        Thing::CentreOfMass => format!("Of the body alone, {:.2} kg.", body.mass),
-        Thing::Ground => "The level ground and everything walkable, as one side of a contact.".to_owned(),
-        Thing::Robot => "All shapes of the body, as one side of a contact.".to_owned(),
+        EntityRef::CentreOfMass => format!("Of the body alone, {:.2} kg.", body.mass),
+        EntityRef::Ground => "The level ground and everything walkable, as one side of a contact.".to_owned(),
+        EntityRef::Robot => "All shapes of the body, as one side of a contact.".to_owned(),
     }
 }
 

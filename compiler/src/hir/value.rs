@@ -5,18 +5,18 @@ use crate::graph::NodeId;
 
 /// A value that the graph computes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Data {
+pub struct TypedValue {
     /// Which node.
     pub node: NodeId,
     /// Its type.
     pub kind: Type,
     /// How it was written.
-    pub form: Form,
+    pub literal: LiteralKind,
 }
 
 /// How a value was written, where that decides what it may become.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Form {
+pub enum LiteralKind {
     /// In no such way.
     #[default]
     Plain,
@@ -28,31 +28,31 @@ pub enum Form {
     ZeroBracket,
 }
 
-impl Data {
+impl TypedValue {
     /// A computed value.
     pub fn new(node: NodeId, kind: impl Into<Type>) -> Self {
-        Self { node, kind: kind.into(), form: Form::Plain }
+        Self { node, kind: kind.into(), literal: LiteralKind::Plain }
     }
 
     /// The same, written so.
-    pub fn with_form(self, form: Form) -> Self {
-        Self { form, ..self }
+    pub fn with_literal(self, literal: LiteralKind) -> Self {
+        Self { literal, ..self }
     }
 
     /// Whether it is written as a bracket of numbers.
     pub fn is_bracket(&self) -> bool {
-        matches!(self.form, Form::Bracket | Form::ZeroBracket)
+        matches!(self.literal, LiteralKind::Bracket | LiteralKind::ZeroBracket)
     }
 
     /// Whether any dimension will do.
     pub fn is_zero(&self) -> bool {
-        matches!(self.form, Form::Zero | Form::ZeroBracket)
+        matches!(self.literal, LiteralKind::Zero | LiteralKind::ZeroBracket)
     }
 }
 
-/// Something of the body that has properties.
+/// A reference to an entity: a part of the body or of the scene that has properties.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Thing {
+pub enum EntityRef {
     /// Index among the landmarks.
     Landmark(usize),
     /// Index among the joints.
@@ -71,13 +71,13 @@ pub enum Thing {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// Numbers.
-    Data(Data),
-    /// One element of the body.
-    Thing(Thing),
+    Typed(TypedValue),
+    /// One part of the body or of the scene.
+    Entity(EntityRef),
     /// Several: properties map over them.
-    Things {
+    Entities {
         /// In order.
-        members: Vec<Thing>,
+        members: Vec<EntityRef>,
         /// Whether contact functions count them as one.
         group: bool,
     },

@@ -39,7 +39,7 @@ impl Hir {
 }
 
 fn width_of(expr: &Expr, graph: &Graph) -> Option<String> {
-    let Some(Value::Data(data)) = &expr.value else { return None };
+    let Some(Value::Typed(data)) = &expr.value else { return None };
     let width = graph.nodes().get(data.node.index())?.width;
     let lanes = data.kind.lanes();
     (width != lanes).then(|| format!("the value of {lanes} lanes at {:?} stands at a node of {width}", expr.span))
@@ -49,13 +49,13 @@ fn width_of(expr: &Expr, graph: &Graph) -> Option<String> {
 mod tests {
     use super::super::ExprKind;
     use super::super::types::ElementType;
-    use super::super::value::{Data, Value};
+    use super::super::value::{TypedValue, Value};
     use super::*;
     use crate::diagnostics::{FileId, Span};
 
     fn hir(lanes: usize, graph: &mut Graph) -> Hir {
         let node = graph.constants(&vec![0.5; lanes]);
-        let value = Value::Data(Data::new(node, ElementType::PLAIN));
+        let value = Value::Typed(TypedValue::new(node, ElementType::PLAIN));
         let mut hir = Hir::default();
         let whole = hir.open(FileId::default(), Span::new(0, 5), ExprKind::Paren);
         let part = hir.open(FileId::default(), Span::new(1, 4), ExprKind::Literal);

@@ -30,7 +30,7 @@ mod world_place;
 mod wrong_bound;
 
 use crate::check::context::{Checker, End};
-use crate::check::ranges::{Shaken, Standing, Working};
+use crate::check::ranges::{NeutralRange, OperatingRange, Shaken};
 use crate::check::reward::PaidTerm;
 use crate::check::task::{CheckedTask, InSequence, Told};
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
@@ -69,7 +69,7 @@ fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
 
 /// Lints on a task that compiles; the result is between which values each term stays.
 fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) -> Vec<Bounds> {
-    let ranges = Working { vocabulary: checker.vocabulary, timing: task.timing, queries: &task.queries };
+    let ranges = OperatingRange { vocabulary: checker.vocabulary, timing: task.timing, queries: &task.queries };
     let bounds = interval::analyse(&task.graph, &ranges);
     for term in &task.terms {
         let found = interval::of_scalar(&bounds, term.node);
@@ -263,7 +263,7 @@ fn phase_end(checker: &Checker<'_>, task: &CheckedTask<'_>, sequence: InSequence
     else {
         return;
     };
-    let ranges = Working { vocabulary: checker.vocabulary, timing: task.timing, queries: &task.queries };
+    let ranges = OperatingRange { vocabulary: checker.vocabulary, timing: task.timing, queries: &task.queries };
     let bounds = interval::analyse_for(&task.graph, node, &ranges);
     if bounds.iter().all(|lane| lane.single() == Some(0.0)) {
         let length = for_people(f64::from(task.timing.horizon) * task.timing.interval);
@@ -289,7 +289,7 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
         return;
     }
     let shaken = Shaken::by(init);
-    let reset = interval::analyse(&task.graph, &Standing { vocabulary: checker.vocabulary, reset: true, shaken });
+    let reset = interval::analyse(&task.graph, &NeutralRange { vocabulary: checker.vocabulary, reset: true, shaken });
     for (what, node, file, span) in conditions(task) {
         let decided = interval::of_scalar(bounds, node).single().is_some();
         if interval::of_scalar(&reset, node).single() == Some(1.0) && !decided {

@@ -8,7 +8,7 @@
 mod lack;
 mod seen;
 
-use crate::check::{Timing, Working};
+use crate::check::{OperatingRange, Timing};
 use crate::diagnostics::{FileId, Span};
 use crate::extremes::minimum;
 use crate::frame::Sensor;
@@ -68,7 +68,7 @@ pub struct Subject {
 pub struct Survey<'a> {
     graph: &'a Graph,
     subjects: Vec<Subject>,
-    ranges: Working<'a>,
+    ranges: OperatingRange<'a>,
     offsets: BTreeMap<Sensor, usize>,
     bounds: Vec<Vec<Bounds>>,
     lacks: BTreeMap<NodeId, Vec<Lack>>,
@@ -80,7 +80,7 @@ impl<'a> Survey<'a> {
         let phase = task.phases.get(index)?;
         let before = task.phases[..index].iter().fold(0_u32, |sum, phase| sum.saturating_add(phase.horizon));
         let (graph, outputs) = (&phase.meaning.graph, &phase.meaning.outputs);
-        let ranges = Working {
+        let ranges = OperatingRange {
             vocabulary: &task.vocabulary,
             timing: Timing { interval: 1.0 / task.control_frequency, horizon: phase.horizon, before },
             queries: task.frame.queries(),

@@ -1,6 +1,6 @@
 //! Between which bounds sensors are in a pose.
 
-use crate::check::Working;
+use crate::check::OperatingRange;
 use crate::extremes::{maximum, minimum};
 use crate::frame::{Query, Sensor};
 use crate::graph::interval::{Bounds, Ranges};
@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A pose: what it settles is known but for a little, anything else may be anything that it can be.
 pub(super) struct Seen<'a> {
-    pub ranges: &'a Working<'a>,
+    pub ranges: &'a OperatingRange<'a>,
     pub offsets: &'a BTreeMap<Sensor, usize>,
     pub frame: &'a [f64],
     /// Contacts that the poses speak about.

@@ -6,7 +6,7 @@ use crate::check::context::{Checked, Checker, Failures, ReadMode, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::observe::spoken_unit;
 use crate::check::types::{ElementType, Frame, Shape, Type};
-use crate::check::value::{Data, Form, Value};
+use crate::check::value::{LiteralKind, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
 use crate::syntax::tree::Expr;
@@ -33,7 +33,7 @@ enum Argument {
 }
 
 /// Checks a call against the signatures of its function and computes the value.
-pub(super) fn apply<'a>(checker: &mut Checker<'a>, call: &Call<'a>, signatures: &'static [Signature]) -> Checked<Data> {
+pub(super) fn apply<'a>(checker: &mut Checker<'a>, call: &Call<'a>, signatures: &'static [Signature]) -> Checked<TypedValue> {
     let given = call.count();
     let Some(first) = signatures.iter().find(|signature| signature.takes_so_many(given)) else {
         return Err(call.wrong_arguments(checker));
@@ -78,7 +78,7 @@ pub(super) fn apply<'a>(checker: &mut Checker<'a>, call: &Call<'a>, signatures: 
         Computes::Reduce(reduction) => checker.graph.reduce(*reduction, bound.length(), bound.nodes[0]),
         Computes::Nodes(compute) => compute(checker, &bound)?,
     };
-    Ok(Data::new(node, kind))
+    Ok(TypedValue::new(node, kind))
 }
 
 /// Of two bounds that are known while compiling the lower comes first.
@@ -87,7 +87,7 @@ fn in_order<'a>(
     call: &Call<'a>,
     signature: &Signature,
     exprs: &[&'a Expr],
-    data: &[Data],
+    data: &[TypedValue],
 ) -> Checked<()> {
     let [bottom, top] = ["low", "high"].map(|name| signature.parameters.iter().position(|parameter| parameter.name == name));
     let (Some(bottom), Some(top)) = (bottom, top) else { return Ok(()) };
@@ -110,7 +110,7 @@ fn bind<'a>(
     call: &Call<'a>,
     signature: &'static Signature,
     exprs: Vec<&'a Expr>,
-    data: Vec<Data>,
+    data: Vec<TypedValue>,
 ) -> Checked<(Bound<'a>, Shape)> {
     let kinds: Vec<Type> = data.iter().map(|data| data.kind.clone()).collect();
     let is_alike = |place: &usize| signature.parameter(*place).alike;
@@ -121,7 +121,7 @@ fn bind<'a>(
         same_axes(checker, call, &kinds)?;
     }
     let maps = |place: usize| matches!(signature.parameter(place).shapes, Shapes::Each);
-    let mapped: Vec<&Data> = (0..data.len()).filter(|place| maps(*place)).map(|place| &data[place]).collect();
+    let mapped: Vec<&TypedValue> = (0..data.len()).filter(|place| maps(*place)).map(|place| &data[place]).collect();
     let (mut laid_out, shape) = {
         let span = exprs.last().map_or(call.span, |expr| expr.span);
         let (nodes, shape) = checker.laid_out(&mapped, span)?;
@@ -175,7 +175,7 @@ fn evaluated<'a>(checker: &mut Checker<'a>, call: &Call<'a>, takes: Takes, expr:
 fn fits(checker: &Checker<'_>, parameter: &Parameter, argument: &Argument) -> bool {
     match argument {
         Argument::Constant(_) => parameter.takes.is_constant(),
-        Argument::Value(Value::Data(data)) => {
+        Argument::Value(Value::Typed(data)) => {
             let data = read_as(checker, parameter.takes, data.clone());
             let listed = parameter.shapes != Shapes::List || data.kind.length().is_some();
             listed && data.kind.all(|element| parameter.takes.accepts(element))
@@ -185,7 +185,7 @@ fn fits(checker: &Checker<'_>, parameter: &Parameter, argument: &Argument) -> bo
 }
 
 /// A bracket as the vector or place that it stands for.
-fn read_as(checker: &Checker<'_>, takes: Takes, data: Data) -> Data {
+fn read_as(checker: &Checker<'_>, takes: Takes, data: TypedValue) -> TypedValue {
     if !takes.reads_brackets() {
         return data;
     }
@@ -194,7 +194,7 @@ fn read_as(checker: &Checker<'_>, takes: Takes, data: Data) -> Data {
         Some(ElementType::Vector { size: 3, dimension, .. })
             if takes == Takes::Place && data.is_bracket() && (dimension == Dimension::LENGTH || vector.is_zero()) =>
         {
-            Data::new(data.node, ElementType::Place(Frame::World))
+            TypedValue::new(data.node, ElementType::Place(Frame::World))
         }
         _ if takes == Takes::Place => data,
         _ => vector,
@@ -210,10 +210,10 @@ impl<'a> Checker<'a> {
         parameter: &Parameter,
         argument: Argument,
         expr: &'a Expr,
-    ) -> Checked<Data> {
+    ) -> Checked<TypedValue> {
         let data = match argument {
-            Argument::Constant(value) => return Ok(Data::new(self.graph.constant(value), ElementType::PLAIN)),
-            Argument::Value(Value::Data(data)) => data,
+            Argument::Constant(value) => return Ok(TypedValue::new(self.graph.constant(value), ElementType::PLAIN)),
+            Argument::Value(Value::Typed(data)) => data,
             Argument::Value(value) if parameter.takes == Takes::Place => self.positions(&value, expr.span)?,
             Argument::Value(value) => return Err(self.not_numbers(&value, expr.span)),
         };
@@ -232,13 +232,13 @@ impl<'a> Checker<'a> {
                 return Ok(data);
             };
             let kind = data.kind.with_element(met);
-            return Ok(Data { kind, form: Form::Plain, ..data });
+            return Ok(TypedValue { kind, literal: LiteralKind::Plain, ..data });
         }
         Err(self.not_taken(call, signature, parameter, &data, expr))
     }
 
     /// A list whose elements are of one kind.
-    fn must_be_list(&mut self, call: &Call<'a>, parameter: &Parameter, data: &Data, expr: &'a Expr) -> Checked<()> {
+    fn must_be_list(&mut self, call: &Call<'a>, parameter: &Parameter, data: &TypedValue, expr: &'a Expr) -> Checked<()> {
         let found = data.kind.described(self.vocabulary);
         if data.kind.length().is_none() {
             let message = format!("`{}` takes a list", call.name);
@@ -261,7 +261,7 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
-    fn not_one(&mut self, call: &Call<'a>, parameter: &Parameter, data: &Data, expr: &'a Expr) -> Reported {
+    fn not_one(&mut self, call: &Call<'a>, parameter: &Parameter, data: &TypedValue, expr: &'a Expr) -> Reported {
         let found = data.kind.described(self.vocabulary);
         let message = format!("`{}` takes one value for its {}, this is a list", call.name, parameter.name);
         let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, message).found(found);
@@ -274,7 +274,7 @@ impl<'a> Checker<'a> {
         call: &Call<'a>,
         signature: &Signature,
         parameter: &Parameter,
-        data: &Data,
+        data: &TypedValue,
         expr: &'a Expr,
     ) -> Reported {
         let found = data.kind.described(self.vocabulary);

@@ -4,7 +4,7 @@ use super::Call;
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::types::{ElementType, Type};
-use crate::check::value::{Data, Thing, Value};
+use crate::check::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
@@ -42,11 +42,11 @@ fn pairs<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Pairs> {
     let [a, b] = call.take(checker, ["a", "b"])?;
     let (first, second) = (checker.value(a), checker.value(b));
     let (first, second) = (first?, second?);
-    if first == second && !matches!(first, Value::Data(_)) {
+    if first == second && !matches!(first, Value::Typed(_)) {
         let message = format!("both sides of `{}` are the same thing", call.name);
         return Err(checker.error(codes::types::WRONG_TYPE, call.span, message));
     }
-    let with_ground = [&first, &second].contains(&&Value::Thing(Thing::Ground));
+    let with_ground = [&first, &second].contains(&&Value::Entity(EntityRef::Ground));
     let (left, right) = (side(checker, call, first, a, with_ground), side(checker, call, second, b, with_ground));
     let (left, right) = (left?, right?);
     let list = matches!(left, Side::List(_)) || matches!(right, Side::List(_));
@@ -79,8 +79,8 @@ fn pairs<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Pairs> {
 /// What an argument stands for. Against the ground a group is asked part by part, as its landmarks are.
 fn side<'a>(checker: &mut Checker<'a>, call: &Call<'a>, value: Value, expr: &'a Expr, with_ground: bool) -> Checked<Side> {
     match value {
-        Value::Thing(thing) => Ok(Side::One(part(checker, thing, expr.span)?)),
-        Value::Things { members, group } => {
+        Value::Entity(thing) => Ok(Side::One(part(checker, thing, expr.span)?)),
+        Value::Entities { members, group } => {
             let parts: Vec<Part> = members.iter().map(|&thing| part(checker, thing, expr.span)).collect::<Checked<_>>()?;
             let named = named_group(checker, &members).filter(|_| !with_ground);
             Ok(match (group, named) {
@@ -89,7 +89,7 @@ fn side<'a>(checker: &mut Checker<'a>, call: &Call<'a>, value: Value, expr: &'a 
                 (false, _) => Side::List(parts),
             })
         }
-        Value::Data(data) => {
+        Value::Typed(data) => {
             let found = data.kind.described(checker.vocabulary);
             let message = format!("`{}` takes parts of the body, objects, `robot` or `ground`", call.name);
             let diagnostic = checker.diagnostic(codes::types::WRONG_TYPE, expr.span, message).found(found);
@@ -98,16 +98,16 @@ fn side<'a>(checker: &mut Checker<'a>, call: &Call<'a>, value: Value, expr: &'a 
     }
 }
 
-fn part(checker: &mut Checker<'_>, thing: Thing, span: Span) -> Checked<Part> {
+fn part(checker: &mut Checker<'_>, thing: EntityRef, span: Span) -> Checked<Part> {
     match thing {
-        Thing::Robot => Ok(Part::Robot),
-        Thing::Ground if checker.has_ground() => Ok(Part::Ground),
-        Thing::Ground => Err(checker.no_ground(span)),
-        Thing::Landmark(index) if checker.can_touch(index) => Ok(Part::Landmark(index)),
+        EntityRef::Robot => Ok(Part::Robot),
+        EntityRef::Ground if checker.has_ground() => Ok(Part::Ground),
+        EntityRef::Ground => Err(checker.no_ground(span)),
+        EntityRef::Landmark(index) if checker.can_touch(index) => Ok(Part::Landmark(index)),
         other => {
             let message = format!("{} has nothing solid, so it cannot touch anything", checker.thing_name(other));
             let diagnostic = checker.diagnostic(codes::names::UNKNOWN_PROPERTY, span, message);
-            let own = matches!(other, Thing::Landmark(index) if !checker.vocabulary.landmarks[index].of_scene);
+            let own = matches!(other, EntityRef::Landmark(index) if !checker.vocabulary.landmarks[index].of_scene);
             let help = if own {
                 format!("those that have one: {}", checker.segments_in_words())
             } else {
@@ -119,9 +119,9 @@ fn part(checker: &mut Checker<'_>, thing: Thing, span: Span) -> Checked<Part> {
 }
 
 /// The group of landmarks with exactly these members.
-fn named_group(checker: &Checker<'_>, members: &[Thing]) -> Option<usize> {
+fn named_group(checker: &Checker<'_>, members: &[EntityRef]) -> Option<usize> {
     let landmarks: Option<Vec<usize>> =
-        members.iter().map(|thing| if let Thing::Landmark(index) = thing { Some(*index) } else { None }).collect();
+        members.iter().map(|thing| if let EntityRef::Landmark(index) = thing { Some(*index) } else { None }).collect();
     let landmarks = landmarks?;
     checker.vocabulary.groups.iter().position(|group| group.kind == GroupKind::Landmarks && group.members == landmarks)
 }
@@ -169,17 +169,23 @@ fn on_ground(checker: &Checker<'_>, pair: (Part, Part)) -> Option<usize> {
 }
 
 /// One number per pair; of several that count as one, their `reduction`.
-fn numbers(checker: &mut Checker<'_>, pairs: &Pairs, sensors: Vec<Sensor>, reduction: Reduction, element: ElementType) -> Data {
+fn numbers(
+    checker: &mut Checker<'_>,
+    pairs: &Pairs,
+    sensors: Vec<Sensor>,
+    reduction: Reduction,
+    element: ElementType,
+) -> TypedValue {
     let node = checker.graph.sensors(sensors);
     let count = pairs.pairs.len();
     if pairs.list {
-        return Data::new(node, Type::List(element, count));
+        return TypedValue::new(node, Type::List(element, count));
     }
     let node = if count == 1 { node } else { checker.graph.reduce(reduction, count, node) };
-    Data::new(node, element)
+    TypedValue::new(node, element)
 }
 
-pub(super) fn touching<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn touching<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let pairs = pairs(checker, call)?;
     let sensor = |&pair: &(Part, Part)| match on_ground(checker, pair) {
         Some(index) => Sensor::GroundContact(index),
@@ -192,7 +198,7 @@ pub(super) fn touching<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checke
     Ok(numbers(checker, &pairs, sensors, Reduction::Maximum, ElementType::Bool))
 }
 
-pub(super) fn contact_count<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn contact_count<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let pairs = pairs(checker, call)?;
     let sensor = |&pair: &(Part, Part)| {
         let (a, b) = unordered(pair);
@@ -202,7 +208,7 @@ pub(super) fn contact_count<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> C
     Ok(numbers(checker, &pairs, sensors, Reduction::Sum, ElementType::Int))
 }
 
-pub(super) fn surface_distance<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn surface_distance<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let pairs = pairs(checker, call)?;
     let sensor = |&pair: &(Part, Part)| {
         let (a, b) = unordered(pair);
@@ -212,27 +218,27 @@ pub(super) fn surface_distance<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -
     Ok(numbers(checker, &pairs, sensors, Reduction::Minimum, ElementType::Number(Dimension::LENGTH)))
 }
 
-pub(super) fn slip<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn slip<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let pairs = pairs(checker, call)?;
     let sensors = pairs.pairs.iter().map(|&(a, b)| Sensor::Slip(a, b)).collect();
     Ok(numbers(checker, &pairs, sensors, Reduction::Maximum, ElementType::Number(Dimension::SPEED)))
 }
 
-pub(super) fn contact_force<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn contact_force<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let pairs = pairs(checker, call)?;
     let count = pairs.pairs.len();
     let forces: Vec<NodeId> = pairs.pairs.iter().map(|&pair| force(checker, pair)).collect();
     let node = checker.graph.join(&forces);
     let force = ElementType::world_vector(Dimension::FORCE);
     if pairs.list {
-        return Ok(Data::new(node, Type::List(force, count)));
+        return Ok(TypedValue::new(node, Type::List(force, count)));
     }
     if count == 1 {
-        return Ok(Data::new(node, force));
+        return Ok(TypedValue::new(node, force));
     }
     let by_axis = checker.graph.select((0..3).flat_map(|axis| (0..count).map(move |place| 3 * place + axis)), node);
     let node = checker.graph.reduce(Reduction::Sum, count, by_axis);
-    Ok(Data::new(node, force))
+    Ok(TypedValue::new(node, force))
 }
 
 /// The force on the first part by the second.

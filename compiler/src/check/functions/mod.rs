@@ -17,7 +17,7 @@ use super::dimension::Dimension;
 use super::offered::{offer_decimal_point, offer_unit};
 use super::types::ElementType;
 use super::unit;
-use super::value::Data;
+use super::value::TypedValue;
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::operation::{Binary, Memory, Reduction, Unary};
 use crate::syntax::tree::{Argument, BinaryOperator, Expr, ExprKind};
@@ -34,7 +34,7 @@ pub(crate) struct Call<'a> {
 }
 
 /// What a function does with a call that no signature describes.
-type Apply = for<'c, 'a> fn(&'c mut Checker<'a>, &Call<'a>) -> Checked<Data>;
+type Apply = for<'c, 'a> fn(&'c mut Checker<'a>, &Call<'a>) -> Checked<TypedValue>;
 
 /// How calls of a function are checked.
 pub enum Checks {
@@ -239,7 +239,12 @@ impl Function {
         (takes.join(", or "), gives.join(", or "))
     }
 
-    pub(crate) fn call<'a>(&'static self, checker: &mut Checker<'a>, arguments: &'a [Argument], span: Span) -> Checked<Data> {
+    pub(crate) fn call<'a>(
+        &'static self,
+        checker: &mut Checker<'a>,
+        arguments: &'a [Argument],
+        span: Span,
+    ) -> Checked<TypedValue> {
         let remembers = OPERATORS.iter().any(|operator| operator.name == self.name);
         let call = Call { name: self.name, signature: self.signature, arguments, span, remembers };
         match &self.checks {
@@ -329,7 +334,7 @@ impl<'a> Checker<'a> {
     ///
     /// # Errors
     /// Another dimension, where the error says what to divide by, or a list.
-    pub(crate) fn number_of(&mut self, expr: &'a Expr, dimension: Dimension, wanted_by: &str) -> Checked<Data> {
+    pub(crate) fn number_of(&mut self, expr: &'a Expr, dimension: Dimension, wanted_by: &str) -> Checked<TypedValue> {
         let data = self.data(expr)?;
         let number = data.kind.is_one_number();
         if number && (data.is_zero() || data.kind.dimension() == Some(dimension)) {
@@ -345,7 +350,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Reports numbers of another dimension.
-    pub(super) fn wrong_dimension(&mut self, data: &Data, expr: &Expr, wanted: Dimension, by: &str) -> Reported {
+    pub(super) fn wrong_dimension(&mut self, data: &TypedValue, expr: &Expr, wanted: Dimension, by: &str) -> Reported {
         let found = data.kind.dimension().filter(|_| data.kind.all(ElementType::is_number));
         let diagnostic = self
             .diagnostic(codes::types::DIMENSIONS_DIFFER, expr.span, format!("{by} takes {}", wanted.described()))

@@ -5,7 +5,7 @@ use super::Call;
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::types::{ElementType, Frame, Type};
-use crate::check::value::{Data, Thing, Value};
+use crate::check::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::codes;
 use crate::frame::{Origin, Query, Sensor};
 use crate::graph::NodeId;
@@ -31,19 +31,20 @@ impl<'a> Checker<'a> {
     fn origins(&mut self, expr: &'a Expr, offset: [f64; 3]) -> Checked<(Vec<Origin>, bool)> {
         let value = self.value(expr)?;
         let things = match &value {
-            Value::Thing(thing) => Some((vec![*thing], false)),
-            Value::Things { members, .. } => Some((members.clone(), true)),
-            Value::Data(_) => None,
+            Value::Entity(thing) => Some((vec![*thing], false)),
+            Value::Entities { members, .. } => Some((members.clone(), true)),
+            Value::Typed(_) => None,
         };
         if let Some((things, list)) = things {
-            let origin =
-                |thing: &Thing| if let Thing::Landmark(index) = thing { Some(Origin::Landmark(*index, offset)) } else { None };
+            let origin = |thing: &EntityRef| {
+                if let EntityRef::Landmark(index) = thing { Some(Origin::Landmark(*index, offset)) } else { None }
+            };
             return match things.iter().map(origin).collect::<Option<Vec<_>>>() {
                 Some(origins) => Ok((origins, list)),
                 None => Err(self.not_a_query(expr)),
             };
         }
-        let origin = if let Value::Data(data) = value { self.place_asked_for(&data, offset) } else { None };
+        let origin = if let Value::Typed(data) = value { self.place_asked_for(&data, offset) } else { None };
         match origin {
             Some(origin) => Ok((vec![origin], false)),
             None => Err(self.not_a_query(expr)),
@@ -51,7 +52,7 @@ impl<'a> Checker<'a> {
     }
 
     /// A constant place, or the position of a landmark as it is.
-    fn place_asked_for(&self, data: &Data, offset: [f64; 3]) -> Option<Origin> {
+    fn place_asked_for(&self, data: &TypedValue, offset: [f64; 3]) -> Option<Origin> {
         let horizontal = data.kind.dimension() == Some(Dimension::LENGTH) || data.is_zero();
         let lanes = self.graph.constant_lanes(data.node);
         match (&data.kind, lanes.as_deref()) {
@@ -103,7 +104,7 @@ impl<'a> Checker<'a> {
             _ => expr,
         };
         match self.value(inner)? {
-            Value::Thing(Thing::Landmark(index)) => Ok(index),
+            Value::Entity(EntityRef::Landmark(index)) => Ok(index),
             _ => {
                 let message = "only a landmark looks";
                 let example = if heading { "write `scan(heading(pelvis), ...)`" } else { "name one: `torso`" };
@@ -139,26 +140,26 @@ fn ground<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<(Vec<Origin
     Ok((origins, list))
 }
 
-fn answers(checker: &mut Checker<'_>, queries: Vec<Query>, list: bool, element: ElementType) -> Data {
+fn answers(checker: &mut Checker<'_>, queries: Vec<Query>, list: bool, element: ElementType) -> TypedValue {
     let count = queries.len();
     let nodes: Vec<NodeId> = queries.into_iter().map(|query| checker.query(query)).collect();
     let node = checker.graph.join(&nodes);
-    Data::new(node, Type::one_or_list(element, list, count))
+    TypedValue::new(node, Type::one_or_list(element, list, count))
 }
 
-pub(super) fn ground_height<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn ground_height<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let (origins, list) = ground(checker, call)?;
     let queries = origins.into_iter().map(Query::GroundHeight).collect();
     Ok(answers(checker, queries, list, ElementType::Number(Dimension::LENGTH)))
 }
 
-pub(super) fn ground_normal<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn ground_normal<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let (origins, list) = ground(checker, call)?;
     let queries = origins.into_iter().map(Query::GroundNormal).collect();
     Ok(answers(checker, queries, list, ElementType::world_vector(Dimension::NONE)))
 }
 
-pub(super) fn scan<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn scan<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     checker.must_have_ground(call)?;
     let [heading, offsets] = call.take(checker, ["heading", "offsets"])?;
     let landmark = checker.looker(heading, true)?;
@@ -178,15 +179,15 @@ pub(super) fn scan<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Da
     Ok(answers(checker, queries, true, ElementType::Number(Dimension::LENGTH)))
 }
 
-pub(super) fn radar<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn radar<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let [from, group, sectors, over, range] = call.take(checker, ["from", "group", "sectors", "over", "range"])?;
     let from = checker.looker(from, true)?;
     let members = match checker.value(group)? {
-        Value::Things { members, group: true } => members,
+        Value::Entities { members, group: true } => members,
         _ => Vec::new(),
     };
     let landmarks: Vec<usize> =
-        members.iter().filter_map(|thing| if let Thing::Landmark(index) = thing { Some(*index) } else { None }).collect();
+        members.iter().filter_map(|thing| if let EntityRef::Landmark(index) = thing { Some(*index) } else { None }).collect();
     let known =
         checker.vocabulary.groups.iter().position(|known| known.kind == GroupKind::Landmarks && known.members == landmarks);
     let Some(known) = known else {
@@ -206,10 +207,10 @@ pub(super) fn radar<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<D
     let range = checker.positive_constant(range, Dimension::LENGTH, "the range of a radar")?;
     let sectors = count as usize;
     let node = checker.query(Query::Radar { from, group: known, sectors, over: over_value, range });
-    Ok(Data::new(node, Type::List(ElementType::PLAIN, sectors)))
+    Ok(TypedValue::new(node, Type::List(ElementType::PLAIN, sectors)))
 }
 
-pub(super) fn ray<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Data> {
+pub(super) fn ray<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<TypedValue> {
     let [from, direction, range] = call.take(checker, ["from", "direction", "range"])?;
     let landmark = checker.looker(from, false)?;
     let along: [f64; 3] = checker.fixed_bracket(direction, Dimension::NONE, "the direction of a ray")?;
@@ -219,5 +220,5 @@ pub(super) fn ray<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Dat
     }
     let range = checker.positive_constant(range, Dimension::LENGTH, "the range of a ray")?;
     let node = checker.query(Query::Ray { from: landmark, direction: along.map(|part| part / length), range });
-    Ok(Data::new(node, ElementType::Number(Dimension::LENGTH)))
+    Ok(TypedValue::new(node, ElementType::Number(Dimension::LENGTH)))
 }

@@ -8,7 +8,7 @@ use super::signature::{Parameter, Shapes, Signature, Takes};
 use super::{Checks, FUNCTIONS, Function, OPERATORS};
 use crate::check::context::Checker;
 use crate::check::types::{ElementType, Type};
-use crate::check::value::{Data, Value};
+use crate::check::value::{TypedValue, Value};
 use crate::diagnostics::{FileId, Severity};
 use crate::graph::{Graph, NodeId};
 use crate::lower::{Interpreter, Moment, Outputs, layout};
@@ -73,7 +73,7 @@ fn vocabulary() -> &'static Vocabulary {
 }
 
 /// Formulas checked one after the other into one graph; of wrong ones the codes.
-fn checked(texts: &[String]) -> (Graph, Vec<Result<Data, String>>) {
+fn checked(texts: &[String]) -> (Graph, Vec<Result<TypedValue, String>>) {
     let formulas: Vec<Expr> = texts.iter().map(|text| formula(text)).collect();
     let globals = Globals::default();
     let names = Names::global(&globals);
@@ -84,7 +84,7 @@ fn checked(texts: &[String]) -> (Graph, Vec<Result<Data, String>>) {
         let value = checker.value(formula);
         let told = std::mem::take(&mut checker.diagnostics);
         values.push(match value {
-            Ok(Value::Data(data)) => Ok(data),
+            Ok(Value::Typed(data)) => Ok(data),
             Ok(other) => panic!("{other:?}"),
             Err(_) => {
                 let error = told.iter().find(|told| told.severity == Severity::Error);
@@ -252,7 +252,7 @@ fn whatever_maps_does_with_lists_what_it_does_with_their_elements() {
 fn maps(whole: &str, elements: [String; 4]) {
     let texts: Vec<String> = std::iter::once(whole.to_owned()).chain(elements).collect();
     let (graph, values) = checked(&texts);
-    let values: Vec<Data> =
+    let values: Vec<TypedValue> =
         values.into_iter().zip(&texts).map(|(value, text)| value.unwrap_or_else(|code| panic!("{text}: {code}"))).collect();
     let (whole, elements) = values.split_first().unwrap();
     assert_eq!(whole.kind.length(), Some(4), "{}", texts[0]);

@@ -2,7 +2,7 @@
 
 use super::apply::Bound;
 use crate::check::context::{Checked, Checker};
-use crate::check::ranges::{Shaken, Standing};
+use crate::check::ranges::{NeutralRange, Shaken};
 use crate::diagnostics::codes;
 use crate::graph::NodeId;
 use crate::graph::interval;
@@ -55,7 +55,7 @@ pub(super) fn distance<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Chec
 }
 
 pub(super) fn neutral<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Checked<NodeId> {
-    let standing = Standing { vocabulary: checker.vocabulary, reset: false, shaken: Shaken::default() };
+    let standing = NeutralRange { vocabulary: checker.vocabulary, reset: false, shaken: Shaken::default() };
     let known = interval::analyse_for(&checker.graph, bound.nodes[0], &standing);
     let lanes: Option<Vec<f64>> = known.iter().map(|bounds| bounds.single()).collect();
     let Some(lanes) = lanes else {

@@ -40,7 +40,7 @@ impl<'a> Checker<'a> {
         beginning: &mut Beginning,
     ) -> Checked<()> {
         let data = match self.value(expr)? {
-            Value::Data(data) => data,
+            Value::Typed(data) => data,
             other => return Err(self.not_numbers(&other, expr.span)),
         };
         self.must_be_bracket(&data, SIZE, dimension, expr.span, wanted_by)?;

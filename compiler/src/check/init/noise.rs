@@ -2,7 +2,7 @@
 
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
-use crate::check::value::{Thing, Value};
+use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::codes;
 use crate::spoken::SpokenUnit;
 use crate::syntax::tree::{Expr, ExprKind, Noise};
@@ -100,14 +100,14 @@ impl<'a> Checker<'a> {
             return Ok(of_body.map(|(index, _)| index).collect());
         }
         let root = matches!(&target.kind, ExprKind::Name(name) if name.text == "root");
-        let value = if root { Value::Things { members: Vec::new(), group: false } } else { self.value(target)? };
+        let value = if root { Value::Entities { members: Vec::new(), group: false } } else { self.value(target)? };
         let things = match value {
-            Value::Thing(thing) => vec![thing],
-            Value::Things { members, .. } => members,
-            Value::Data(_) => Vec::new(),
+            Value::Entity(thing) => vec![thing],
+            Value::Entities { members, .. } => members,
+            Value::Typed(_) => Vec::new(),
         };
         let joints: Option<Vec<usize>> =
-            things.iter().map(|thing| if let Thing::Joint(index) = thing { Some(*index) } else { None }).collect();
+            things.iter().map(|thing| if let EntityRef::Joint(index) = thing { Some(*index) } else { None }).collect();
         match joints {
             Some(joints) if !joints.is_empty() => Ok(joints),
             _ => {

@@ -3,7 +3,7 @@
 use super::Beginning;
 use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
-use crate::check::value::{Thing, Value};
+use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{codes, nearest};
 use crate::scene::Motion;
 use crate::syntax::tree::{Field, Placement};
@@ -33,9 +33,9 @@ impl<'a> Checker<'a> {
     /// `cube { at [1 m, 0, 1 m], velocity [-4 m/s, 0, 1 m/s] }`, `door { swing 10 deg }`
     pub(in crate::check) fn placement(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
         let things = match self.object_named(element)? {
-            Value::Thing(thing) => vec![thing],
-            Value::Things { members, .. } => members,
-            Value::Data(_) => Vec::new(),
+            Value::Entity(thing) => vec![thing],
+            Value::Entities { members, .. } => members,
+            Value::Typed(_) => Vec::new(),
         };
         let mut failures = Failures::default();
         for thing in things {
@@ -64,9 +64,11 @@ impl<'a> Checker<'a> {
         self.vocabulary.landmarks.iter().filter(|landmark| landmark.of_scene).map(|landmark| landmark.name.as_str())
     }
 
-    fn placement_field(&mut self, thing: Thing, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {
+    fn placement_field(&mut self, thing: EntityRef, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {
         let name = match thing {
-            Thing::Landmark(index) if self.vocabulary.landmarks[index].of_scene => self.vocabulary.landmarks[index].name.clone(),
+            EntityRef::Landmark(index) if self.vocabulary.landmarks[index].of_scene => {
+                self.vocabulary.landmarks[index].name.clone()
+            }
             other => {
                 let message =
                     format!("{} is no object of the scene; joints of the body are set in the pose", self.thing_name(other));

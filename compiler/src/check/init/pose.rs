@@ -3,7 +3,7 @@
 use super::Beginning;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
-use crate::check::value::{Thing, Value};
+use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{Span, codes};
 use crate::motion::{Following, Parts, RootPart, Start};
 use crate::numbers::told_apart;
@@ -88,15 +88,15 @@ impl<'a> Checker<'a> {
         set: &mut [bool],
     ) -> Checked<()> {
         let things = match self.value(&adjustment.target)? {
-            Value::Thing(thing) => vec![thing],
-            Value::Things { members, .. } => members,
-            Value::Data(_) => Vec::new(),
+            Value::Entity(thing) => vec![thing],
+            Value::Entities { members, .. } => members,
+            Value::Typed(_) => Vec::new(),
         };
         if things.is_empty() {
             return Err(self.error(codes::types::WRONG_TYPE, adjustment.target.span, "a pose sets joints"));
         }
         for thing in things {
-            let Thing::Joint(index) = thing else {
+            let EntityRef::Joint(index) = thing else {
                 let message = format!("a pose sets joints; this is {}", self.thing_name(thing));
                 return Err(self.error(codes::types::WRONG_TYPE, adjustment.target.span, message));
             };

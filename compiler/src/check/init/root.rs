@@ -3,7 +3,7 @@
 use super::Beginning;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
-use crate::check::value::{Thing, Value};
+use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::codes;
 use crate::frame::Origin;
 use crate::motion::RootPart;
@@ -104,7 +104,7 @@ impl<'a> Checker<'a> {
     ) -> Checked<()> {
         let (value, target_value) = (self.value(place)?, self.value(target)?);
         let landmark = match value {
-            Value::Thing(Thing::Landmark(index)) if !self.vocabulary.landmarks[index].of_scene => index,
+            Value::Entity(EntityRef::Landmark(index)) if !self.vocabulary.landmarks[index].of_scene => index,
             _ => {
                 let message = "the root is moved so that a landmark of the body is somewhere";
                 let diagnostic =
@@ -113,17 +113,17 @@ impl<'a> Checker<'a> {
             }
         };
         let origin = match target_value {
-            Value::Thing(Thing::Landmark(index)) if self.stands_still(index) => {
+            Value::Entity(EntityRef::Landmark(index)) if self.stands_still(index) => {
                 Origin::World(self.vocabulary.landmarks[index].neutral_position)
             }
-            Value::Thing(Thing::Landmark(index)) if self.vocabulary.landmarks[index].of_scene => {
+            Value::Entity(EntityRef::Landmark(index)) if self.vocabulary.landmarks[index].of_scene => {
                 Origin::Landmark(index, [0.0; 3])
             }
-            Value::Thing(_) | Value::Things { .. } => {
+            Value::Entity(_) | Value::Entities { .. } => {
                 let message = "the body is put to a place of the scene, not to a part of itself";
                 return Err(self.error(codes::types::WRONG_TYPE, target.span, message));
             }
-            Value::Data(_) => Origin::World(self.fixed_bracket(target, Dimension::LENGTH, "`align`")?),
+            Value::Typed(_) => Origin::World(self.fixed_bracket(target, Dimension::LENGTH, "`align`")?),
         };
         meets.push((landmark, origin));
         Ok(())

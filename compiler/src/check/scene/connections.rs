@@ -4,7 +4,7 @@ use crate::check::context::{Checked, Checker, Failures, Step};
 use crate::check::dimension::Dimension;
 use crate::check::scene::expand::Unrolled;
 use crate::check::types::{ElementType, Frame, Type};
-use crate::check::value::{Data, Thing, Value};
+use crate::check::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
 use crate::numbers::for_people;
@@ -83,12 +83,12 @@ impl<'a> Checker<'a> {
     /// An end of a connection: a landmark of the body or an object.
     fn end(&mut self, expr: &'a Expr) -> Checked<usize> {
         match self.value(expr)? {
-            Value::Thing(Thing::Landmark(index)) => Ok(index),
+            Value::Entity(EntityRef::Landmark(index)) => Ok(index),
             other => {
                 let found = match &other {
-                    Value::Thing(thing) => self.thing_name(*thing),
-                    Value::Things { .. } => "a list of things".to_owned(),
-                    Value::Data(data) => data.kind.described(self.vocabulary),
+                    Value::Entity(thing) => self.thing_name(*thing),
+                    Value::Entities { .. } => "a list of things".to_owned(),
+                    Value::Typed(data) => data.kind.described(self.vocabulary),
                 };
                 let diagnostic = self
                     .diagnostic(codes::types::WRONG_TYPE, expr.span, "a landmark or an object is held, by its name")
@@ -133,7 +133,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The place of a marker, where a formula reads it.
-    pub(in crate::check) fn marker(&mut self, name: &str, span: Span) -> Option<Checked<Data>> {
+    pub(in crate::check) fn marker(&mut self, name: &str, span: Span) -> Option<Checked<TypedValue>> {
         let Unrolled { statement, locals, file, .. } = self.marker_called(name)?;
         let step = Step { name: format!("marker {name}"), file: self.place.file, span, call: false };
         if self.path.iter().any(|known| known.name == step.name) {
@@ -143,13 +143,13 @@ impl<'a> Checker<'a> {
         self.path.push(step);
         let node = self.in_file(*file, |checker| checker.with_locals(locals, |checker| checker.marked_place(&statement.at)));
         self.path.pop();
-        Some(node.map(|node| Data::new(node, ElementType::Place(Frame::World))))
+        Some(node.map(|node| TypedValue::new(node, ElementType::Place(Frame::World))))
     }
 
     fn marked_place(&mut self, expr: &'a Expr) -> Checked<NodeId> {
         let value = self.value(expr)?;
         let data = self.positions(&value, expr.span)?;
-        let length = |data: &Data| data.kind.dimension() == Some(Dimension::LENGTH) || data.is_zero();
+        let length = |data: &TypedValue| data.kind.dimension() == Some(Dimension::LENGTH) || data.is_zero();
         let fits = match &data.kind {
             Type::One(ElementType::Place(Frame::World)) => true,
             Type::One(ElementType::Vector { size: 3, frame: Frame::World, .. }) => length(&data),
@@ -172,8 +172,8 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::tasks::MISSING, element.span, "`disturb` names what is pushed"));
         };
         let landmark = match self.name(name)? {
-            Value::Thing(Thing::Landmark(index)) if !self.stands_still(index) => index,
-            Value::Thing(Thing::Landmark(_)) => {
+            Value::Entity(EntityRef::Landmark(index)) if !self.stands_still(index) => index,
+            Value::Entity(EntityRef::Landmark(_)) => {
                 return Err(self.error(
                     codes::scene::MOTION,
                     name.span,

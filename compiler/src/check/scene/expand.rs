@@ -6,7 +6,7 @@ use crate::check::context::{Checked, Checker, Local, Reported};
 use crate::check::lookup::fits;
 use crate::check::scene::object::dotted;
 use crate::check::types::{ElementType, Type};
-use crate::check::value::{Data, Value};
+use crate::check::value::{TypedValue, Value};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::resolve::inherit::overrides_nothing;
 use crate::resolve::layers::Layers;
@@ -104,7 +104,7 @@ impl<'a> Checker<'a> {
         let Ok(values) = self.with_locals(locals, |checker| checker.loop_values(&repeat.range)) else { return };
         for value in values {
             let number = match &value {
-                Value::Data(Data { node, kind: Type::One(ElementType::Int), .. }) => self.graph.constant_value(*node),
+                Value::Typed(TypedValue { node, kind: Type::One(ElementType::Int), .. }) => self.graph.constant_value(*node),
                 _ => None,
             };
             let Some(number) = number else {
@@ -198,7 +198,7 @@ impl<'a> Checker<'a> {
         let before = self.locals.len();
         for (name, number) in locals {
             let node = self.graph.constant(*number);
-            let value = Value::Data(Data::new(node, ElementType::Int));
+            let value = Value::Typed(TypedValue::new(node, ElementType::Int));
             self.locals.push(Local { name: name.clone(), value, definition: None });
         }
         let result = check(self);

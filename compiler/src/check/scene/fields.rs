@@ -6,7 +6,7 @@ use crate::check::dimension::Dimension;
 use crate::check::lookup::renamed;
 use crate::check::offered::{is_bare, offer_unit, unit_of};
 use crate::check::types::{ElementType, Frame, Type};
-use crate::check::value::{Data, Value};
+use crate::check::value::{TypedValue, Value};
 use crate::diagnostics::{Span, codes, nearest};
 use crate::syntax::tree::{Element, Expr, ExprKind, Field, FieldValue};
 
@@ -192,7 +192,7 @@ impl<'a> Checker<'a> {
         wanted_by: &str,
     ) -> Checked<[f64; SIZE]> {
         let data = match self.value(expr)? {
-            Value::Data(data) => data,
+            Value::Typed(data) => data,
             other => return Err(self.not_numbers(&other, expr.span)),
         };
         self.must_be_bracket(&data, SIZE, dimension, expr.span, wanted_by)?;
@@ -206,7 +206,7 @@ impl<'a> Checker<'a> {
     /// Whether these are `size` components of one dimension, in world axes where they have a frame.
     pub(crate) fn must_be_bracket(
         &mut self,
-        data: &Data,
+        data: &TypedValue,
         size: usize,
         dimension: Dimension,
         span: Span,

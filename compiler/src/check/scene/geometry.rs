@@ -5,7 +5,7 @@ use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::check::signals::{self, Owner, Read};
 use crate::check::types::{ElementType, Frame, Type};
-use crate::check::value::{Data, Thing};
+use crate::check::value::{EntityRef, TypedValue};
 use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
@@ -79,18 +79,24 @@ impl<'a> Checker<'a> {
     }
 
     /// A constant by its full name, such as `seat.top`.
-    pub(crate) fn known_constant(&mut self, name: &str) -> Option<Data> {
+    pub(crate) fn known_constant(&mut self, name: &str) -> Option<TypedValue> {
         let known = self.known.get(name)?.clone();
         let node = self.graph.constants(&known.lanes);
-        Some(Data::new(node, known.element))
+        Some(TypedValue::new(node, known.element))
     }
 
     /// A size of an object, or of each of several.
-    pub(crate) fn object_property(&mut self, things: &[Thing], list: bool, name: &Name, span: Span) -> Checked<Option<Data>> {
+    pub(crate) fn object_property(
+        &mut self,
+        things: &[EntityRef],
+        list: bool,
+        name: &Name,
+        span: Span,
+    ) -> Checked<Option<TypedValue>> {
         let objects: Option<Vec<usize>> = things
             .iter()
             .map(|thing| match thing {
-                Thing::Landmark(index) if self.vocabulary.landmarks[*index].of_scene => Some(*index),
+                EntityRef::Landmark(index) if self.vocabulary.landmarks[*index].of_scene => Some(*index),
                 _ => None,
             })
             .collect();
@@ -111,7 +117,7 @@ impl<'a> Checker<'a> {
         }
         let Some(kind) = kind else { return Ok(None) };
         let node = self.graph.join(&parts);
-        Ok(Some(Data::new(node, Type::one_or_list(kind, list, parts.len()))))
+        Ok(Some(TypedValue::new(node, Type::one_or_list(kind, list, parts.len()))))
     }
 
     fn no_such_size(&mut self, object: &str, read: Read, name: &Name) -> crate::check::context::Reported {

@@ -4,7 +4,7 @@ use super::fields::Fields;
 use crate::check::context::{Checked, Checker, Local};
 use crate::check::dimension::Dimension;
 use crate::check::types::ElementType;
-use crate::check::value::{Data, Value};
+use crate::check::value::{TypedValue, Value};
 use crate::diagnostics::codes;
 use crate::scene::Terrain;
 
@@ -54,7 +54,7 @@ impl<'a> Checker<'a> {
         let before = self.locals.len();
         for (name, value) in [("x", x), ("y", y)] {
             let node = self.graph.constant(value);
-            let value = Value::Data(Data::new(node, ElementType::Number(Dimension::LENGTH)));
+            let value = Value::Typed(TypedValue::new(node, ElementType::Number(Dimension::LENGTH)));
             self.locals.push(Local { name: name.to_owned(), value, definition: None });
         }
         let result = check(self);

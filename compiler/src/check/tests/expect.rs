@@ -3,10 +3,10 @@
 use super::{Draft, Found, Reader, Wanted};
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::observe::{ObservedChannel, spoken_unit, unit_of};
-use crate::resolve::{Texts, written};
 use crate::check::types::ElementType;
-use crate::check::value::Data;
+use crate::check::value::TypedValue;
 use crate::diagnostics::{codes, nearest};
+use crate::resolve::{Texts, written};
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, Ident, Test};
 use crate::testing::{Check, Expectation, Probe, Reading, Side};
 
@@ -26,7 +26,7 @@ impl<'a> Checker<'a> {
             && let Some(success) = self.test_name("success")
         {
             let node = self.graph.unary(crate::graph::operation::Unary::Not, success.node);
-            let probe = self.probe(&Data::new(node, ElementType::Bool), test.title.span, probes);
+            let probe = self.probe(&TypedValue::new(node, ElementType::Bool), test.title.span, probes);
             found.push(Ok(vec![Expectation {
                 source: "not success".to_owned(),
                 at: (self.place.file, test.title.span),
@@ -129,7 +129,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Has a number reported at every step; gives its place.
-    fn probe(&mut self, data: &Data, span: crate::diagnostics::Span, probes: &mut Vec<ObservedChannel>) -> Probe {
+    fn probe(&mut self, data: &TypedValue, span: crate::diagnostics::Span, probes: &mut Vec<ObservedChannel>) -> Probe {
         if let Some(known) = probes.iter().position(|known| known.node == data.node) {
             return vec![Some(known)];
         }

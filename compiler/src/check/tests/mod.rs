@@ -18,7 +18,7 @@ use super::observe::ObservedChannel;
 use super::reward::PaidTerm;
 use super::task::InSequence;
 use super::types::ElementType;
-use super::value::Data;
+use super::value::TypedValue;
 use crate::diagnostics::{Diagnostic, FileId, Severity, Span, codes};
 use crate::frame::Query;
 use crate::graph::operation::{Binary, Memory};
@@ -464,10 +464,10 @@ impl<'a> Checker<'a> {
     }
 
     /// What names mean in tests only: `success`, `reward`, `paid`.
-    pub(crate) fn test_name(&mut self, name: &str) -> Option<Data> {
+    pub(crate) fn test_name(&mut self, name: &str) -> Option<TypedValue> {
         let in_tests = self.in_tests.as_ref()?;
         match name {
-            "success" => Some(Data::new(in_tests.success, ElementType::Bool)),
+            "success" => Some(TypedValue::new(in_tests.success, ElementType::Bool)),
             "reward" | "paid" => {
                 let pays: Vec<NodeId> = in_tests.pays.iter().map(|(_, node)| *node).collect();
                 let sum = if pays.is_empty() {
@@ -476,7 +476,7 @@ impl<'a> Checker<'a> {
                     let joined = self.graph.join(&pays);
                     self.graph.reduce(crate::graph::operation::Reduction::Sum, pays.len(), joined)
                 };
-                Some(Data::new(self.paid(name, sum), ElementType::PLAIN))
+                Some(TypedValue::new(self.paid(name, sum), ElementType::PLAIN))
             }
             _ => None,
         }
@@ -484,19 +484,19 @@ impl<'a> Checker<'a> {
 
     /// `reward.pose`: what a term pays in a step, weight and all; `paid.pose`: in all steps so far. `walk.present`: whether
     /// that phase of a sequence is the present one.
-    pub(crate) fn test_field(&mut self, base: &Expr, name: &crate::syntax::tree::Name) -> Option<Checked<Data>> {
+    pub(crate) fn test_field(&mut self, base: &Expr, name: &crate::syntax::tree::Name) -> Option<Checked<TypedValue>> {
         let in_tests = self.in_tests.as_ref()?;
         let crate::syntax::tree::ExprKind::Name(word) = &base.kind else { return None };
         if let ("present", Some(phase)) = (name.text.as_str(), in_tests.phases.iter().position(|known| *known == word.text)) {
             let present = if phase == in_tests.phase { 1.0 } else { 0.0 };
-            return Some(Ok(Data::new(self.graph.constant(present), ElementType::Bool)));
+            return Some(Ok(TypedValue::new(self.graph.constant(present), ElementType::Bool)));
         }
         if !["reward", "paid"].contains(&word.text.as_str()) {
             return None;
         }
         let found = in_tests.pays.iter().find(|(known, _)| *known == name.text).map(|(_, node)| *node);
         Some(match found {
-            Some(node) => Ok(Data::new(self.paid(&word.text, node), ElementType::PLAIN)),
+            Some(node) => Ok(TypedValue::new(self.paid(&word.text, node), ElementType::PLAIN)),
             None => {
                 let names = in_tests.pays.iter().map(|(name, _)| name.clone()).collect();
                 Err(self.unknown_name(&name.text, name.span, names))

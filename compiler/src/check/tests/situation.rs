@@ -3,7 +3,7 @@
 use super::Scene;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
-use crate::check::value::{Thing, Value};
+use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{Span, codes};
 use crate::scene::Motion;
 use crate::syntax::tree::{Assignment, Change, Expr, ExprKind, Name, Situation};
@@ -110,7 +110,7 @@ impl<'a> Checker<'a> {
     /// `cube.at = [1 m, 0, 1 m]`, `cube.orientation = 30 deg`
     fn assign_object(&mut self, base: &'a Expr, name: &'a Name, value: &'a Expr, init: &mut Init) -> Checked<()> {
         let place = match self.value(base)? {
-            Value::Thing(Thing::Landmark(index)) => {
+            Value::Entity(EntityRef::Landmark(index)) => {
                 let known = &self.vocabulary.landmarks[index].name;
                 let scene = self.surroundings.map(|surroundings| &surroundings.scene);
                 init.objects.iter().position(|start| {

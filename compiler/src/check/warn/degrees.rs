@@ -84,7 +84,7 @@ impl Sides<'_> {
         let expr = self.hir.expr(self.hir.behind_names(id));
         let pi = matches!(expr.name, Some((_, Resolution::Signal(signal))) if signal.read == Read::Pi);
         match &expr.value {
-            Some(Value::Data(data)) if expr.kind == Kind::Literal || pi => {
+            Some(Value::Typed(data)) if expr.kind == Kind::Literal || pi => {
                 let value = self.graph.constant_value(data.node)?;
                 data.kind.dimension().filter(|dimension| dimension.is_none()).map(|_| value)
             }

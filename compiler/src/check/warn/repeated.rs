@@ -1,7 +1,7 @@
 //! Elements that stand in one list twice.
 
 use crate::check::context::{Checked, Checker};
-use crate::check::value::{Thing, Value};
+use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::syntax::tree::walk::{Visitor, walk_expression};
@@ -26,10 +26,10 @@ impl<'a> Checker<'a> {
         let mut first: BTreeMap<Same, Span> = BTreeMap::new();
         for (element, (value, span)) in elements.iter().zip(values) {
             let same = match value {
-                Ok(Value::Data(data)) if self.graph.constant_lanes(data.node).is_none() => Same::Numbers(data.node),
-                Ok(Value::Thing(Thing::Landmark(index))) => Same::Landmark(*index),
-                Ok(Value::Thing(Thing::Joint(index))) => Same::Joint(*index),
-                Ok(Value::Thing(Thing::Muscle(index))) => Same::Muscle(*index),
+                Ok(Value::Typed(data)) if self.graph.constant_lanes(data.node).is_none() => Same::Numbers(data.node),
+                Ok(Value::Entity(EntityRef::Landmark(index))) => Same::Landmark(*index),
+                Ok(Value::Entity(EntityRef::Joint(index))) => Same::Joint(*index),
+                Ok(Value::Entity(EntityRef::Muscle(index))) => Same::Muscle(*index),
                 _ => continue,
             };
             if let Some(known) = first.get(&same) {
