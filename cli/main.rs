@@ -28,6 +28,7 @@ mod physics;
 mod progress;
 mod project;
 mod ranking;
+mod renamed;
 mod run;
 mod snapshot;
 mod test;
@@ -102,5 +103,6 @@ impl Command {
 }
 
 fn main() -> ExitCode {
-    Cli::parse().command.run().unwrap_or_else(|error| error.report())
+    let cli = Cli::try_parse().unwrap_or_else(|error| renamed::with_present_name(error).exit());
+    cli.command.run().unwrap_or_else(|error| error.report())
 }

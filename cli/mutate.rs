@@ -1,21 +1,22 @@
-//! `msk mutate [FILES]`: one-token changes that nothing notices.
+//! `msk mutate [FILES]`: mutation testing of tasks.
 
 use crate::error::{Error, FAILURE};
 use crate::project::{Project, style};
 use clap::ValueEnum;
 use msk::compiler::mutation::{self, Class, Part};
 use msk::runtime::library::FileLoader;
-use msk::runtime::testing::mutation::{Count, Notice, Verdict, mutate};
+use msk::runtime::testing::mutation::{Count, Outcome, Verdict, mutate};
 use serde_json::json;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Make every one-token change of tasks and list those that neither checks nor tests notice
+/// Mutate tasks, one token at a time, and list the mutants that neither checks nor lints nor tests kill
 ///
 /// Signs, comparisons, units, sides, axes, rates, numbers, weights, `and` and `or`, functions: each is changed by itself in every
-/// formula of the task's values, terms, ends and success. A change is noticed by an error, by a warning more, as `msk check` tells
-/// it, or by a test of the task that fails. Exit code 0 if fewer than --most of these changes go unseen, 1 if more do.
+/// formula of the task's values, terms, terminations and success. A mutant is killed by an error (checks), by one more warning of
+/// `msk check` (lints), or by a test of the task that fails (tests); else it survived. Exit code 1 if more survived than
+/// --max-survivors or --max-scene-survivors allow.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files with tasks, or suites of them
@@ -24,26 +25,29 @@ pub struct Args {
     /// Only this task
     #[arg(long)]
     task: Option<String>,
-    /// Change scenes, beginnings and channels, too: a table of its own
+    /// Mutate scene, initial state and observation, too; they have a table of their own
     #[arg(long)]
-    surroundings: bool,
+    include_scene: bool,
     /// How to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Per cent of changes that may go unseen
-    #[arg(long, default_value_t = 100.0)]
-    most: f64,
+    /// Per cent of the mutants of what the tasks mean that may survive
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0)]
+    max_survivors: f64,
+    /// Per cent of the mutants of scene, initial state and observation that may survive
+    #[arg(long, value_name = "PERCENT", requires = "include_scene")]
+    max_scene_survivors: Option<f64>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For people: the unseen changes, then a table by class
+    /// For people: the mutants that survived, then a table by class
     Text,
-    /// For machines: a line per change
+    /// For machines: a line per mutant
     Json,
 }
 
-/// Makes the changes.
+/// Makes the mutants and tries to kill them.
 ///
 /// # Errors
 /// Errors in a file, or no such task.
@@ -51,7 +55,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     let mut all: Vec<Verdict> = Vec::new();
     let mut known: Vec<String> = Vec::new();
-    let parts = if args.surroundings { &Part::ALL[..] } else { &[Part::Meaning] };
+    let parts = if args.include_scene { &Part::ALL[..] } else { &[Part::Meaning] };
     for file in &args.files {
         let project = Project::open(file, &[])?;
         let compilation = &project.compilation;
@@ -65,14 +69,15 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                 let verdicts = mutate(Path::new(path), text, &name, parts, &FileLoader, &project.bodies)
                     .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
                 for verdict in &verdicts {
-                    tell(&mut out, args.format, &name, path, text, verdict)?;
+                    print(&mut out, args.format, &name, path, text, verdict)?;
                 }
                 if args.format == Format::Text {
-                    let count = meaning(&verdicts);
-                    writeln!(out, "{name}: {} of {} changes unseen", count.unseen, count.all)?;
-                    if args.surroundings {
-                        let count = Count::of(verdicts.iter(), |part, _| part != Part::Meaning);
-                        writeln!(out, "{name}: {} of {} changes of its surroundings unseen", count.unseen, count.all)?;
+                    let count = of_meaning(&verdicts);
+                    writeln!(out, "{name}: {} of {} mutants survived", count.survived, count.all)?;
+                    if args.include_scene {
+                        let count = of_scene(&verdicts);
+                        let parts = "scene, initial state and observation";
+                        writeln!(out, "{name}: {} of {} mutants of {parts} survived", count.survived, count.all)?;
                     }
                 }
                 all.extend(verdicts);
@@ -83,32 +88,33 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         return Err(Error::new(format!("there is no task `{task}`")).hint(format!("there are: {}", known.join(", "))));
     }
     if all.is_empty() {
-        return Err(Error::new("there is nothing to change").hint("give a file with tasks, or the name of one with `--task`"));
+        return Err(Error::new("there is nothing to mutate").hint("give a file with tasks, or the name of one with `--task`"));
     }
-    let total = meaning(&all);
+    let (meaning, scene) = (of_meaning(&all), of_scene(&all));
     if args.format == Format::Text {
-        let classes =
-            Class::ALL.map(|class| (class.name(), Count::of(all.iter(), |part, known| part == Part::Meaning && known == class)));
-        write!(out, "\n{}", table("change", &classes, total))?;
-        if args.surroundings {
-            let around = |part: &Part| *part != Part::Meaning;
+        let of_class = |class| Count::of(all.iter(), |part, known| part == Part::Meaning && known == class);
+        let classes = Class::ALL.map(|class| (class.name(), of_class(class)));
+        write!(out, "\n{}", table("mutation", &classes, meaning))?;
+        if args.include_scene {
+            let others = Part::ALL.into_iter().filter(|part| *part != Part::Meaning);
             let count = |part: Part| (part.name(), Count::of(all.iter(), |known, _| known == part));
-            let rows: Vec<(&str, Count)> = Part::ALL.into_iter().filter(around).map(count).collect();
-            write!(out, "\n{}", table("surroundings", &rows, Count::of(all.iter(), |part, _| part != Part::Meaning)))?;
+            write!(out, "\n{}", table("mutated", &others.map(count).collect::<Vec<_>>(), scene))?;
         }
     }
-    let share = percent(total.unseen, total.all);
-    Ok(if share <= args.most { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
+    let survived = |count: Count| percent(count.survived, count.all);
+    let scene_passes = args.max_scene_survivors.is_none_or(|most| survived(scene) <= most);
+    let passes = survived(meaning) <= args.max_survivors && scene_passes;
+    Ok(if passes { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
 }
 
-fn tell(out: &mut impl Write, format: Format, task: &str, path: &str, text: &str, verdict: &Verdict) -> Result<(), Error> {
+fn print(out: &mut impl Write, format: Format, task: &str, path: &str, text: &str, verdict: &Verdict) -> Result<(), Error> {
     let mutant = &verdict.mutant;
     let start = mutant.span.start as usize;
     let line = text[..start].matches('\n').count() + 1;
     let from = mutant.span.of(text);
     match format {
         Format::Json => {
-            let told = json!({
+            let record = json!({
                 "task": task,
                 "file": path,
                 "line": line,
@@ -116,12 +122,13 @@ fn tell(out: &mut impl Write, format: Format, task: &str, path: &str, text: &str
                 "class": mutant.class,
                 "from": from,
                 "to": mutant.replacement,
-                "noticed": verdict.notice,
+                "outcome": verdict.outcome.name(),
+                "killed_by": verdict.outcome.killer(),
                 "by": verdict.by,
             });
-            writeln!(out, "{told}")?;
+            writeln!(out, "{record}")?;
         }
-        Format::Text if verdict.notice == Notice::Unseen => {
+        Format::Text if verdict.outcome == Outcome::Survived => {
             let whole = text.lines().nth(line - 1).unwrap_or_default().trim();
             let class = mutant.class.name();
             writeln!(out, "{path}:{line}: {class}: `{from}` -> `{}` in `{whole}`", mutant.replacement)?;
@@ -131,21 +138,27 @@ fn tell(out: &mut impl Write, format: Format, task: &str, path: &str, text: &str
     Ok(())
 }
 
-/// Changes of what tasks mean.
-fn meaning(verdicts: &[Verdict]) -> Count {
+/// Mutants of what the tasks mean.
+fn of_meaning(verdicts: &[Verdict]) -> Count {
     Count::of(verdicts.iter(), |part, _| part == Part::Meaning)
 }
 
+/// Mutants of scene, initial state and observation.
+fn of_scene(verdicts: &[Verdict]) -> Count {
+    Count::of(verdicts.iter(), |part, _| part != Part::Meaning)
+}
+
 fn table(title: &str, rows: &[(&str, Count)], total: Count) -> String {
-    let mut text = format!("| {title} | all | checks | lints | tests | unseen |\n|:--|--:|--:|--:|--:|--:|\n");
+    let heads = "all | killed by checks | by lints | by tests | survived";
+    let mut text = format!("| {title} | {heads} |\n|:--|--:|--:|--:|--:|--:|\n");
     let row = |name: &str, count: Count| {
-        format!("| {name} | {} | {} | {} | {} | {} |\n", count.all, count.checks, count.lints, count.tests, count.unseen)
+        format!("| {name} | {} | {} | {} | {} | {} |\n", count.all, count.checks, count.lints, count.tests, count.survived)
     };
     for (name, count) in rows.iter().filter(|(_, count)| count.all > 0) {
         text += &row(name, *count);
     }
     let share = |part| format!("{:.1} %", percent(part, total.all));
-    let shares = [total.checks, total.lints, total.tests, total.unseen].map(share).join(" | ");
+    let shares = [total.checks, total.lints, total.tests, total.survived].map(share).join(" | ");
     format!("{text}{}| | | {shares} |\n", row("all", total))
 }
 

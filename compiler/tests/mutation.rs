@@ -130,7 +130,7 @@ fn changes_come_in_the_order_of_the_text_whenever_asked() {
 }
 
 #[test]
-fn scenes_beginnings_and_channels_are_parts_of_their_own() {
+fn scene_initial_state_and_observation_are_parts_of_their_own() {
     let text = "task small {
     scene {
         box seat_l { size [2 m, 0, 0], solid false }
@@ -165,10 +165,38 @@ fn scenes_beginnings_and_channels_are_parts_of_their_own() {
     ];
     assert_eq!(of(Part::Scene)[..10], scene);
     assert_eq!(of(Part::Scene)[10..], ["0.5 -> 0.25", "0.5 -> 0.55", "0.5 -> 1", "* -> /"]);
-    let beginning = of(Part::Beginning);
+    let initial_state = of(Part::InitialState);
     for change in ["knee_r -> knee_l", "- -> ", "8 -> 16", "3 -> 6", "palm_r -> palm_l", "6 -> 12", "50 -> 100", "0.2 -> 0.4"] {
-        assert!(beginning.iter().any(|known| known == change), "no {change} in {beginning:?}");
+        assert!(initial_state.iter().any(|known| known == change), "no {change} in {initial_state:?}");
     }
-    assert_eq!(of(Part::Channels), ["pitch -> roll"]);
+    assert_eq!(of(Part::Observation), ["pitch -> roll"]);
     assert_eq!(of(Part::Meaning), ["> -> <", "7 -> 3", "7 -> 8", "7 -> 14"]);
+}
+
+#[test]
+fn draws_settings_and_disturbances_are_mutated_each_in_its_part() {
+    let text = "task small {
+    control 50 Hz
+    horizon 200 steps
+    params { load: mass = 5 kg (1 kg .. 9 kg) }
+    random side = uniform(3 m .. 4 m) where side > 2 m redraw when far
+    reference gait = motion \"walk.csv\" start 0.4
+    disturb pelvis { force [60 N, 0, 0], at 3 s }
+}
+";
+    let of = |part: Part| -> Vec<String> {
+        let all = mutants(text, "small").into_iter().filter(|mutant| mutant.part == part);
+        all.map(|mutant| format!("{} -> {}", mutant.span.of(text), mutant.replacement)).collect()
+    };
+    for change in ["50 -> 100", "200 -> 100", "steps -> s", "5 -> 10"] {
+        assert!(of(Part::Meaning).iter().any(|known| known == change), "no {change} in {:?}", of(Part::Meaning));
+    }
+    for change in ["3 -> 6", "4 -> 8", "> -> <", "0.4 -> 0.8"] {
+        assert!(of(Part::InitialState).iter().any(|known| known == change), "no {change} in {:?}", of(Part::InitialState));
+    }
+    for change in ["60 -> 120", "s -> ms"] {
+        assert!(of(Part::Scene).iter().any(|known| known == change), "no {change} in {:?}", of(Part::Scene));
+    }
+    // What a tuner may choose is no meaning.
+    assert!(!of(Part::Meaning).iter().any(|known| known == "9 -> 18"));
 }

@@ -1,8 +1,9 @@
-//! One-token changes of a task, as a slip of the hand makes them: what neither checks nor tests notice could be wrong already.
+//! Mutants of a task: changes of a single token, as a typing mistake makes them. A mutant that no check, lint or test kills shows
+//! what could be wrong already.
 //!
-//! Changed are the formulas that decide what a task means (values, terms with their weights, ends, success) and, told apart from
-//! them, what surrounds it: its scene, its beginning, what is seen. Left as they are: names, tests, and what cannot matter:
-//! measured numbers are never exactly equal, so `<` does not become `<=`.
+//! Mutated are the formulas that decide what a task means (values, terms with their weights, terminations, success, the horizon)
+//! and, counted apart from them, its scene, its initial state and its observation. Never mutated are names, tests, and what cannot
+//! matter: measured numbers are never exactly equal, so `<` does not become `<=`.
 
 mod regions;
 mod swaps;
@@ -15,7 +16,7 @@ use crate::syntax::{self};
 use regions::regions;
 use swaps::{AXES, DERIVATIVES, FUNCTIONS, LOGIC, UNITS};
 
-/// What sort of slip a change is.
+/// The kind of mistake that a mutant makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
@@ -73,50 +74,50 @@ impl Class {
     }
 }
 
-/// Which part of a task is changed.
+/// The part of a task that is mutated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
-    /// What it means: values, terms, ends, success.
+    /// What it means: values, terms, terminations, success, horizon.
     Meaning,
-    /// What surrounds the body.
+    /// The scene.
     Scene,
-    /// How an episode begins.
-    Beginning,
-    /// What the policy sees.
-    Channels,
+    /// The initial state, with what is drawn at random.
+    InitialState,
+    /// What the policy observes.
+    Observation,
 }
 
 impl Part {
     /// All, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::Meaning, Self::Scene, Self::Beginning, Self::Channels];
+    pub const ALL: [Self; 4] = [Self::Meaning, Self::Scene, Self::InitialState, Self::Observation];
 
     /// As printed.
     pub fn name(self) -> &'static str {
         match self {
             Self::Meaning => "meaning",
             Self::Scene => "scene",
-            Self::Beginning => "beginning",
-            Self::Channels => "channels",
+            Self::InitialState => "initial state",
+            Self::Observation => "observation",
         }
     }
 }
 
-/// A change of a text.
+/// A text with one token changed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mutant {
-    /// Which part of the task it concerns.
+    /// The part of the task that it changes.
     pub part: Part,
-    /// What sort of slip.
+    /// The kind of mistake.
     pub class: Class,
-    /// What is replaced.
+    /// The text that is replaced.
     pub span: Span,
-    /// By what.
+    /// The text that replaces it.
     pub replacement: String,
 }
 
 impl Mutant {
-    /// The text with the change.
+    /// The mutated text.
     pub fn apply(&self, text: &str) -> String {
         format!("{}{}{}", &text[..self.span.start as usize], self.replacement, &text[self.span.end as usize..])
     }
@@ -128,7 +129,7 @@ pub fn tasks(text: &str) -> Vec<String> {
     names.filter_map(|item| if let Item::Task(task) = item { Some(task.name.text) } else { None }).collect()
 }
 
-/// All changes of a task of a text, in the order of the text; none where there is no such task.
+/// All mutants of a task of a text, in the order of the text; none where there is no such task.
 pub fn mutants(text: &str, task: &str) -> Vec<Mutant> {
     let file = FileId::default();
     let parsed = syntax::parse(file, text);
@@ -149,10 +150,10 @@ pub fn mutants(text: &str, task: &str) -> Vec<Mutant> {
     mutants
 }
 
-/// Takes a change: its class, what it replaces, by what.
+/// Takes a mutant: its class, the text that it replaces, and the replacement.
 type Push<'p> = &'p mut dyn FnMut(Class, Span, String);
 
-/// A weight of another sign or size.
+/// Mutants of a weight: another sign, another size.
 fn weight(text: &str, tokens: &[Token], place: usize, push: Push<'_>) {
     let token = &tokens[place];
     let sign = place.checked_sub(1).map(|before| &tokens[before]).filter(|before| before.text(text) == "-");
@@ -163,7 +164,7 @@ fn weight(text: &str, tokens: &[Token], place: usize, push: Push<'_>) {
     sizes(text, token, Class::Weight, push);
 }
 
-/// A number of another size.
+/// Mutants of a number: other sizes.
 fn sizes(text: &str, token: &Token, class: Class, push: Push<'_>) {
     let written = token.text(text);
     let Ok(value) = written.parse::<f64>() else { return };
@@ -189,7 +190,7 @@ fn tidy(value: f64) -> String {
     format!("{}", (value * 1e9).round() / 1e9)
 }
 
-/// Changes of a token in a formula.
+/// Mutants of a token in a formula.
 fn formula(text: &str, tokens: &[Token], place: usize, push: Push<'_>) {
     let token = &tokens[place];
     let written = token.text(text);

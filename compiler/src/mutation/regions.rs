@@ -1,4 +1,4 @@
-//! Where a task may be changed: formulas and weights, by the part of the task in which they stand.
+//! The text that may be mutated: formulas and weights, by the part of the task in which they stand.
 
 use super::Part;
 use crate::diagnostics::Span;
@@ -59,21 +59,37 @@ impl Found {
             TaskStatement::Success(expr) => self.formula(Part::Meaning, expr.span),
             TaskStatement::Let(binding) => self.formula(Part::Meaning, binding.value.span),
             TaskStatement::Clock(clock) => self.formula(Part::Meaning, clock.frequency.span),
+            TaskStatement::Control(frequency) => self.formula(Part::Meaning, frequency.span),
+            TaskStatement::Horizon(duration) => self.formula(Part::Meaning, duration.span),
+            TaskStatement::Params(block) => {
+                let parameters =
+                    block.entries.iter().filter_map(|entry| if let Entry::Item(item) = entry { Some(item) } else { None });
+                parameters.for_each(|parameter| self.formula(Part::Meaning, parameter.value.span));
+            }
+            TaskStatement::Random(random) => {
+                self.formula(Part::InitialState, random.distribution.span);
+                random.accept.iter().for_each(|accept| self.formula(Part::InitialState, accept.span));
+                random.redraw.iter().for_each(|redraw| self.formula(Part::Meaning, redraw.span));
+            }
+            TaskStatement::Reference(reference) => {
+                reference.start.iter().for_each(|start| self.formula(Part::InitialState, start.span));
+            }
+            TaskStatement::Disturb(element) => self.element(element),
             TaskStatement::State(state) => {
                 self.formula(Part::Meaning, state.initial.span);
                 state.updates.iter().for_each(|update| self.formula(Part::Meaning, update.span));
             }
             TaskStatement::Scene(block) => block.entries.iter().for_each(|statement| self.scene(statement)),
-            TaskStatement::Init(block) => block.entries.iter().for_each(|statement| self.beginning(statement)),
-            TaskStatement::Observe(block) => self.channels(block),
+            TaskStatement::Init(block) => block.entries.iter().for_each(|statement| self.initial_state(statement)),
+            TaskStatement::Observe(block) => self.observation(block),
             _ => {}
         }
     }
 
-    fn channels(&mut self, block: &Block<Entry<Channel>>) {
+    fn observation(&mut self, block: &Block<Entry<Channel>>) {
         for entry in &block.entries {
             if let Entry::Item(channel) = entry {
-                self.formula(Part::Channels, channel.value.span);
+                self.formula(Part::Observation, channel.value.span);
             }
         }
     }
@@ -87,7 +103,7 @@ impl Found {
                 self.formula(Part::Scene, repeat.range.span);
                 repeat.statements.iter().for_each(|statement| self.scene(statement));
             }
-            // What is only shown decides nothing.
+            // A marker is only drawn.
             SceneStatement::Marker(_) | SceneStatement::Remove(_) | SceneStatement::Allow(_) => {}
         }
     }
@@ -110,8 +126,8 @@ impl Found {
         }
     }
 
-    fn beginning(&mut self, statement: &InitStatement) {
-        let part = Part::Beginning;
+    fn initial_state(&mut self, statement: &InitStatement) {
+        let part = Part::InitialState;
         match statement {
             InitStatement::Pose(pose) => {
                 pose.adjustments.iter().for_each(|adjustment| self.formula(part, adjustment.span));

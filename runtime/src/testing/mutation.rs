@@ -1,4 +1,4 @@
-//! How many one-token changes of a task its checks and tests notice.
+//! Mutation testing of tasks: which one-token mutants are killed by checks, lints or tests, and which survive.
 
 use super::Stage;
 use crate::library::BodyLibrary;
@@ -14,59 +14,82 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Who notices a change.
+/// What kills a mutant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Notice {
+pub enum Killer {
     /// It does not compile.
     Checks,
-    /// It compiles with a warning more, or probing has one more.
+    /// The compiler or probing gives one more warning.
     Lints,
     /// A test fails.
     Tests,
-    /// Nobody.
-    Unseen,
-    /// It means the same.
-    Same,
 }
 
-/// What came of a change.
+/// What became of a mutant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Outcome {
+    /// It is rejected.
+    Killed(Killer),
+    /// Nothing rejects it.
+    Survived,
+    /// The compiled task is the same: it counts nowhere.
+    Equivalent,
+}
+
+impl Outcome {
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Killed(_) => "killed",
+            Self::Survived => "survived",
+            Self::Equivalent => "equivalent",
+        }
+    }
+
+    /// What killed it, if anything did.
+    pub fn killer(self) -> Option<Killer> {
+        if let Self::Killed(killer) = self { Some(killer) } else { None }
+    }
+}
+
+/// A mutant and what became of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
-    /// The change.
+    /// The mutant.
     pub mutant: Mutant,
-    /// Who notices it.
-    pub notice: Notice,
-    /// The code of the error or warning, or the title of the test.
+    /// What became of it.
+    pub outcome: Outcome,
+    /// The code of the error or warning, or the title of the test, that killed it.
     pub by: String,
 }
 
-/// A row of a table: of a class of changes, or of a part of the task.
+/// A row of a table: of a class of mutants, or of a part of the task.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Count {
-    /// Changes that mean something else.
+    /// Mutants that are not equivalent.
     pub all: usize,
-    /// Noticed by checks.
+    /// Killed by checks.
     pub checks: usize,
-    /// Noticed by lints.
+    /// Killed by lints.
     pub lints: usize,
-    /// Noticed by tests.
+    /// Killed by tests.
     pub tests: usize,
-    /// Noticed by nobody.
-    pub unseen: usize,
+    /// Those that survived.
+    pub survived: usize,
 }
 
 impl Count {
-    /// Of those verdicts that `wanted` names, by part and class.
+    /// Counts the verdicts that `wanted` selects by part and class.
     pub fn of<'a>(verdicts: impl Iterator<Item = &'a Verdict>, wanted: impl Fn(Part, Class) -> bool) -> Self {
         let mut count = Self::default();
         for verdict in verdicts.filter(|verdict| wanted(verdict.mutant.part, verdict.mutant.class)) {
-            let slot = match verdict.notice {
-                Notice::Checks => &mut count.checks,
-                Notice::Lints => &mut count.lints,
-                Notice::Tests => &mut count.tests,
-                Notice::Unseen => &mut count.unseen,
-                Notice::Same => continue,
+            let slot = match verdict.outcome {
+                Outcome::Killed(Killer::Checks) => &mut count.checks,
+                Outcome::Killed(Killer::Lints) => &mut count.lints,
+                Outcome::Killed(Killer::Tests) => &mut count.tests,
+                Outcome::Survived => &mut count.survived,
+                Outcome::Equivalent => continue,
             };
             *slot += 1;
             count.all += 1;
@@ -88,8 +111,8 @@ impl Loader for Changed<'_> {
     }
 }
 
-/// Makes every change of these parts of a task in the text of its file and sees who notices; in the order of the text, whatever
-/// the number of threads. Empty where the file has no such task.
+/// Makes every mutant of these parts of a task in the text of its file and tries to kill it. Verdicts come in the order of the
+/// text, whatever the number of threads; none where the file has no such task.
 ///
 /// # Errors
 /// The text does not compile as it is.
@@ -107,52 +130,52 @@ pub fn mutate(
     let Some(task) = plain.tasks.iter().find(|task| task.name == name) else { return Ok(Vec::new()) };
     let known = Known { task, warnings: &plain.warnings, probed: probe::tasks(std::slice::from_ref(task), bodies) };
     let judge = |mutant: Mutant| {
-        let (notice, by) = notice(&with(mutant.apply(text)), &known, bodies);
-        Verdict { mutant, notice, by }
+        let (outcome, by) = outcome(&with(mutant.apply(text)), &known, bodies);
+        Verdict { mutant, outcome, by }
     };
     let wanted: Vec<Mutant> = mutants(text, name).into_iter().filter(|mutant| parts.contains(&mutant.part)).collect();
     Ok(wanted.into_par_iter().map(judge).collect())
 }
 
-/// A task as it is, with what is told of it.
+/// The task without any mutation, with its warnings.
 struct Known<'a> {
     task: &'a Arc<CompiledTask>,
     warnings: &'a [Diagnostic],
     probed: Vec<Diagnostic>,
 }
 
-/// Who notices a change: checks before lints, lints before tests, and last, since it takes longest, probing.
-fn notice(changed: &Changed<'_>, known: &Known<'_>, bodies: &BodyLibrary) -> (Notice, String) {
+/// What becomes of a mutant: checks come before lints, lints before tests, and last, since it takes longest, probing.
+fn outcome(changed: &Changed<'_>, known: &Known<'_>, bodies: &BodyLibrary) -> (Outcome, String) {
     let compilation = match compile(&changed.path, changed, bodies) {
         Ok(compilation) => compilation,
         Err(report) => {
             let code = report.diagnostics.first().map_or(String::new(), |told| told.code.id.to_owned());
-            return (Notice::Checks, code);
+            return (Outcome::Killed(Killer::Checks), code);
         }
     };
     let Some(found) = compilation.tasks.iter().find(|found| found.name == known.task.name) else {
-        return (Notice::Checks, "the task is gone".to_owned());
+        return (Outcome::Killed(Killer::Checks), "the task is gone".to_owned());
     };
     if let Some(code) = one_more(&compilation.warnings, known.warnings) {
-        return (Notice::Lints, code);
+        return (Outcome::Killed(Killer::Lints), code);
     }
     if found.hash == known.task.hash {
-        return (Notice::Same, String::new());
+        return (Outcome::Equivalent, String::new());
     }
     if let Some(title) = found.tests.as_ref().and_then(|tests| first_failure(tests, found, bodies)) {
-        return (Notice::Tests, title);
+        return (Outcome::Killed(Killer::Tests), title);
     }
     match one_more(&probe::tasks(std::slice::from_ref(found), bodies), &known.probed) {
-        Some(code) => (Notice::Lints, code),
-        None => (Notice::Unseen, String::new()),
+        Some(code) => (Outcome::Killed(Killer::Lints), code),
+        None => (Outcome::Survived, String::new()),
     }
 }
 
-/// The first code that is told more often than before.
-fn one_more(told: &[Diagnostic], before: &[Diagnostic]) -> Option<String> {
-    let count = |told: &[Diagnostic], code: &str| told.iter().filter(|told| told.code.id == code).count();
-    let more = |new: &&Diagnostic| count(told, new.code.id) > count(before, new.code.id);
-    told.iter().find(more).map(|new| new.code.id.to_owned())
+/// The first code that is reported more often than without the mutation.
+fn one_more(found: &[Diagnostic], before: &[Diagnostic]) -> Option<String> {
+    let count = |all: &[Diagnostic], code: &str| all.iter().filter(|known| known.code.id == code).count();
+    let more = |new: &&Diagnostic| count(found, new.code.id) > count(before, new.code.id);
+    found.iter().find(more).map(|new| new.code.id.to_owned())
 }
 
 /// The title of the first test that fails, the short ones played first.
