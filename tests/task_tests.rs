@@ -451,3 +451,65 @@ fn a_motion_is_played_as_its_table_says() {
          }",
     );
 }
+
+#[test]
+fn a_reset_shows_the_initial_state_as_the_task_draws_it() {
+    let random = "random aside = uniform(-0.2 m .. 0.2 m)
+        observe { off = aside }";
+    holds(&format!(
+        "{random}
+        test \"reset\" {{
+            moment posed {{ until 0.01 s }}
+            moment begun {{ reset }}
+            moment drawn {{ reset 40 times }}
+            expect std(knee_angle_l.q at drawn) > 0.01 rad
+            expect abs(knee_angle_l.q) <= 0 rad at posed
+            expect step == 0 and not terminated and reward.tall > 1 at begun
+            expect -0.2 m < min(aside at drawn) < -0.15 m
+            expect 0.15 m < max(aside at drawn) < 0.2 m
+            expect -0.1 m < mean(aside at drawn) < 0.1 m
+            expect abs(aside) < 0.2 m at drawn
+        }}"
+    ));
+    // What holds in most episodes must hold in each.
+    let each = told(&format!("{random} test \"each\" {{ moment drawn {{ reset 40 times }}; expect aside at drawn < 0.1 m }}"));
+    assert!(
+        each.starts_with("expected aside at drawn < 0.1 m, found episode ") && each.contains(": aside at drawn = 0."),
+        "{each}"
+    );
+    let over =
+        told(&format!("{random} test \"over\" {{ moment drawn {{ reset 40 times }}; expect max(aside at drawn) < 0.1 m }}"));
+    assert!(over.contains("found max(aside at drawn) = 0.1"), "{over}");
+}
+
+#[test]
+fn a_given_value_holds_for_resets_and_runs() {
+    holds(
+        "random aside = uniform(-0.2 m .. 0.2 m)
+        observe { off = aside }
+        test \"given\" {
+            given aside = 0.15 m
+            moment begun { reset 3 times }
+            run zero for 0.02 s
+            expect aside == 0.15 m at begun
+            expect aside == 0.15 m
+        }",
+    );
+}
+
+#[test]
+fn a_channel_is_read_as_the_policy_sees_it() {
+    // A state that grows at every step is observed after its update, and read in formulas before it.
+    holds(
+        "state steps: int = 0 becomes steps + 1
+        let gap = cube.position - pelvis.position
+        observe { steps; gap = (gap in heading(pelvis)); facing = torso.orientation }
+        test \"channels\" {
+            moment still { until 0.03 s }
+            moment turned { pose neutral { root.heading = 90 deg } }
+            expect observation.steps == 3 and steps == 2 at still
+            expect observation.gap.forward > 0.9 m at still
+            expect observation.gap.left < -0.9 m and observation.facing.up.z > 0.9 at turned
+        }",
+    );
+}

@@ -164,6 +164,7 @@ pub const SIGNALS: &[Signal] = &[
     row(Object, "run", Read::Extent, "number, m", "depth of one step of stairs"),
     row(Object, "count", Read::Extent, "int", "number of steps of stairs"),
     row(Object, "angle", Read::Extent, "number, rad", "inclination of a slope"),
+    row(Object, "friction", Read::Extent, "number", "sliding friction of a shape"),
     row(Object, "top", Read::Top, "number, m", "z of the highest point of what stands still"),
     row(Object, "bottom", Read::Bottom, "number, m", "z of the lowest point of what stands still"),
     row(Joint, "q", Read::Coordinate, "number, rad or m", "coordinate: rad for hinges, m for slides"),

@@ -7,6 +7,7 @@
 mod written;
 
 use crate::diagnostics::{FileId, Span};
+use crate::extremes::{maximum, minimum};
 use crate::spoken::SpokenUnit;
 use crate::task::{CompiledTask, Init};
 use std::sync::Arc;
@@ -82,6 +83,8 @@ pub struct Take {
     pub until: Option<u32>,
     /// What acts once the script is over.
     pub run: Option<Run>,
+    /// So many episodes are only reset, as the task says, and read before anything moves; `None` for an episode that is played.
+    pub resets: Option<u32>,
 }
 
 /// What is shown at a time.
@@ -160,8 +163,54 @@ pub struct Side {
     pub probe: Probe,
     /// Where it is read.
     pub reading: Reading,
+    /// What is taken of the values of all episodes of a moment that is reset several times.
+    pub statistic: Option<Statistic>,
     /// Its value if it is the same in every episode: no more need be told of it.
     pub constant: bool,
+}
+
+/// A number that stands for the values of several episodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Statistic {
+    /// The lowest.
+    Min,
+    /// The highest.
+    Max,
+    /// The mean.
+    Mean,
+    /// The standard deviation, divided by n.
+    Std,
+}
+
+impl Statistic {
+    /// All, in the order of the reference.
+    pub const ALL: [Self; 4] = [Self::Min, Self::Max, Self::Mean, Self::Std];
+
+    /// As written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Min => "min",
+            Self::Max => "max",
+            Self::Mean => "mean",
+            Self::Std => "std",
+        }
+    }
+
+    /// Of these values; `None` if there are none.
+    pub fn of(self, values: &[f64]) -> Option<f64> {
+        let count = values.len() as f64;
+        let mean = || values.iter().sum::<f64>() / count;
+        let first = *values.first()?;
+        Some(match self {
+            Self::Min => values.iter().copied().fold(first, minimum),
+            Self::Max => values.iter().copied().fold(first, maximum),
+            Self::Mean => mean(),
+            Self::Std => {
+                let mean = mean();
+                (values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt()
+            }
+        })
+    }
 }
 
 impl Comparison {
@@ -206,6 +255,14 @@ impl Expectation {
         let Check::Order { sides, .. } = &mut self.check else { return };
         if let Some(reading) = sides.iter().find(|side| !side.constant).map(|side| side.reading) {
             sides.iter_mut().filter(|side| side.constant).for_each(|side| side.reading = reading);
+        }
+    }
+
+    /// Whether it must hold in each episode of a moment that is reset several times: something is read of each, and not over all.
+    pub fn is_of_each(&self) -> bool {
+        match &self.check {
+            Check::Holds { .. } => true,
+            Check::Order { sides, .. } => sides.iter().any(|side| side.statistic.is_none() && !side.constant),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Expressions: from the syntax tree to typed nodes of the graph.
 
 use super::context::{Checked, Checker, Failures, Reported};
+use super::tests::over_resets;
 use super::types::{ElementType, Frame, Type};
 use super::unit;
 use super::value::{EntityRef, LiteralKind, TypedValue, Value};
@@ -39,6 +40,9 @@ impl<'a> Checker<'a> {
             ExprKind::Name(name) => self.name(name),
             ExprKind::Selector { kind, pattern } => self.selector(kind, pattern),
             ExprKind::Field { base, name } => self.field(base, name, expr.span),
+            ExprKind::Call { function, arguments } if self.in_tests.is_some() && over_resets(arguments).is_some() => {
+                self.statistic(function, arguments, expr.span).map(Value::Data)
+            }
             ExprKind::Call { function, arguments } => self.call(function, arguments, expr.span),
             ExprKind::Index { base, index } => self.index(base, index, expr.span),
             ExprKind::List(elements) => {

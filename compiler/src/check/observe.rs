@@ -17,6 +17,8 @@ use crate::syntax::tree::{Channel, Entry, Expr, ExprKind};
 pub(crate) struct ObservedChannel {
     pub name: String,
     pub node: NodeId,
+    /// What is observed, before orientations become quaternions.
+    pub data: Data,
     pub unit: String,
     /// The formula as written.
     pub source: String,
@@ -98,7 +100,7 @@ impl<'a> Checker<'a> {
         let source = written(&channel.value, self.place.file, texts);
         let (unit, formula) = (unit_of(&data.kind), channel.value.clone());
         let docs = summary(channel.docs.as_ref());
-        found.push(ObservedChannel { name, node, unit, source, formula, docs, block, file, span });
+        found.push(ObservedChannel { name, node, data, unit, source, formula, docs, block, file, span });
         Ok(())
     }
 

@@ -224,8 +224,8 @@ impl<'a> Checker<'a> {
         let (Some(control_frequency), Some(init), Some(success)) = (control_frequency, init, success) else {
             return Err(self.incomplete(task, "`control`, `init` or `success`"));
         };
-        let tests = match (&terms, &terminations, &finishes) {
-            (Ok(terms), Ok(_), Ok(_)) => self.own_tests(sequence, &init, terms, success.node, texts)?,
+        let tests = match (&terms, &channels, &terminations, &finishes) {
+            (Ok(terms), Ok(channels), Ok(_), Ok(_)) => self.own_tests(sequence, &init, (terms, channels), success.node, texts)?,
             _ => None,
         };
         let begun_at = parts.init.last().map(|(block, file)| (*file, block.keyword));
@@ -312,7 +312,7 @@ impl<'a> Checker<'a> {
         &mut self,
         sequence: InSequence<'a>,
         init: &Beginning,
-        terms: &[PaidTerm<'a>],
+        seen: (&[PaidTerm<'a>], &[ObservedChannel]),
         success: NodeId,
         texts: &dyn Texts,
     ) -> Checked<Option<CheckedTests>> {
@@ -327,7 +327,7 @@ impl<'a> Checker<'a> {
         // A sequence has succeeded in its last phase, or not yet.
         let last = sequence.index + 1 >= sequence.phases.len();
         let success = if last { success } else { self.graph.constant(0.0) };
-        self.tests(&tests, init, terms, success, texts, sequence)
+        self.tests(&tests, init, seen, success, texts, sequence)
     }
 
     /// When a phase gives way, and whether it has then succeeded.

@@ -130,7 +130,7 @@ impl WrittenScript {
                 cycle.keys.iter().for_each(|key| push(&mut script, task, from, key, moved));
             }
         }
-        Take { moment: None, given: Vec::new(), script, until: None, run: None }
+        Take { moment: None, given: Vec::new(), script, until: None, run: None, resets: None }
     }
 
     /// The `cheat` block that shows it, indented as in a task.

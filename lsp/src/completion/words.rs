@@ -112,6 +112,7 @@ pub const TEST: Table = &[
     ("until", "until TIME: when it ends if the task does not end it"),
     ("moment", "moment NAME { ... }: an episode of its own, read at its end"),
     ("run", "run POLICY for DURATION"),
+    ("reset", "reset 50 times: the initial state as the task draws it"),
     ("expect", "expect CONDITION"),
 ];
 

@@ -164,8 +164,21 @@ impl Episode {
     /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
     pub fn reset(&mut self, key: EpisodeKey) {
         self.clear(key);
-        if let Err(fault) = self.start(key) {
+        if let Err(fault) = self.start(key, &[]) {
             self.present.ending = Some(Ending::Fault(fault));
+        }
+    }
+
+    /// The same with randoms that are `given` (place, value) and not drawn. The report tells what the task computes before
+    /// anything moves.
+    pub fn reset_given(&mut self, key: EpisodeKey, given: &[(usize, Vec<f64>)]) {
+        self.clear(key);
+        match self.start(key, given) {
+            Ok(()) => {
+                let present = &mut self.present;
+                self.task.report(&present.frame, &self.weights, &present.task, &mut present.report);
+            }
+            Err(fault) => self.present.ending = Some(Ending::Fault(fault)),
         }
     }
 
@@ -185,13 +198,13 @@ impl Episode {
     }
 
     /// Randoms that read no signal, the beginning, the first snapshot, the other randoms.
-    fn start(&mut self, key: EpisodeKey) -> Result<(), Fault> {
+    fn start(&mut self, key: EpisodeKey, given: &[(usize, Vec<f64>)]) -> Result<(), Fault> {
         let present = &mut self.present;
-        self.task.begin(&mut present.streams, &mut present.task)?;
+        self.task.begin_given(&mut present.streams, &mut present.task, given)?;
         self.begin(key)?;
         self.measure(0.0);
         let present = &mut self.present;
-        self.task.reset(&present.frame, &mut present.streams, &mut present.task)?;
+        self.task.reset_given(&present.frame, &mut present.streams, &mut present.task, given)?;
         self.observe();
         Ok(())
     }

@@ -105,14 +105,32 @@ impl Judge<'_> {
             let (expected, at) = (expectation.source.clone(), expectation.at);
             return Some(Failure { expected, found: fault, at, sides: Vec::new() });
         }
-        let (found, sides) = match &expectation.check {
-            Check::Holds { probe, reading } => match self.value(probe, *reading) {
-                Some(value) if value != 0.0 => return None,
-                Some(_) => (self.state_of(reading.take, reading.step), Vec::new()),
-                None => (self.not_there(probe, *reading), Vec::new()),
+        let (found, sides) = self.misses(expectation)?;
+        Some(Failure { expected: expectation.source.clone(), found, at: expectation.at, sides })
+    }
+
+    /// What was instead, with the numbers of a comparison: of the first episode in which the expectation does not hold.
+    fn misses(&self, expectation: &Expectation) -> Option<(String, Vec<Told>)> {
+        let readings = expectation.readings();
+        let resets = |reading: &&Reading| self.played.get(reading.take).is_some_and(|played| played.episodes() > 1);
+        let several = readings.iter().find(resets);
+        let episodes = several.and_then(|reading| self.played.get(reading.take)).map_or(1, Played::episodes);
+        (0..episodes).find_map(|episode| {
+            let (found, sides) = self.misses_in(expectation, episode)?;
+            let each = several.is_some_and(|_| expectation.is_of_each());
+            Some((if each { format!("episode {episode}: {found}") } else { found }, sides))
+        })
+    }
+
+    fn misses_in(&self, expectation: &Expectation, episode: usize) -> Option<(String, Vec<Told>)> {
+        match &expectation.check {
+            Check::Holds { probe, reading } => match self.value(probe, *reading, episode) {
+                Some(value) if value != 0.0 => None,
+                Some(_) => Some((self.state_of(reading.take, reading.step), Vec::new())),
+                None => Some((self.not_there(probe, *reading), Vec::new())),
             },
             Check::Order { sides, comparisons } => {
-                let values: Vec<Option<f64>> = sides.iter().map(|side| self.value(&side.probe, side.reading)).collect();
+                let values: Vec<Option<f64>> = sides.iter().map(|side| self.side(side, episode)).collect();
                 if holds(&values, comparisons) {
                     return None;
                 }
@@ -123,14 +141,21 @@ impl Judge<'_> {
                 };
                 let told = sides.iter().zip(&values);
                 let told = told.map(|(side, &value)| Told { source: side.source.clone(), value, unit: side.unit.si.clone() });
-                (found, told.collect())
+                Some((found, told.collect()))
             }
-        };
-        Some(Failure { expected: expectation.source.clone(), found, at: expectation.at, sides })
+        }
     }
 
-    fn value(&self, probe: &[Option<usize>], reading: Reading) -> Option<f64> {
-        let seen = self.played.get(reading.take)?.seen(reading.step)?;
+    /// The number of a side in an episode, or what is taken over all of them.
+    fn side(&self, side: &Side, episode: usize) -> Option<f64> {
+        let Some(statistic) = side.statistic else { return self.value(&side.probe, side.reading, episode) };
+        let episodes = self.played.get(side.reading.take)?.episodes();
+        let values: Option<Vec<f64>> = (0..episodes).map(|episode| self.value(&side.probe, side.reading, episode)).collect();
+        statistic.of(&values?)
+    }
+
+    fn value(&self, probe: &[Option<usize>], reading: Reading, episode: usize) -> Option<f64> {
+        let seen = self.played.get(reading.take)?.seen_of(episode, reading.step)?;
         let place = self.tests.first.get(seen.phase)? + (*probe.get(seen.phase)?)?;
         seen.metrics.get(place).copied()
     }
@@ -151,6 +176,9 @@ impl Judge<'_> {
     }
 
     fn state_of(&self, take: usize, step: Option<u32>) -> String {
+        if self.played.get(take).is_some_and(|played| !played.resets.is_empty()) {
+            return format!("{}not so at the reset", self.prefix(take));
+        }
         match step {
             Some(step) => format!("not so at {}", self.time(step)),
             None => format!("{}{}", self.prefix(take), self.end_of(take)),

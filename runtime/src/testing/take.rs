@@ -16,6 +16,8 @@ pub(super) struct Played {
     kept: Vec<(u32, Seen)>,
     /// What was seen at the last step.
     pub(super) last: Seen,
+    /// What was seen of each episode of a moment that is only reset; empty if it is played.
+    pub(super) resets: Vec<Seen>,
     /// Its number.
     pub steps: u32,
     /// How it ended; `None` where the take was over before the task.
@@ -50,6 +52,16 @@ impl Seen {
 }
 
 impl Played {
+    /// Which episodes the moment has: those that were reset, or the one that was played.
+    pub(super) fn episodes(&self) -> usize {
+        self.resets.len().max(1)
+    }
+
+    /// What was seen of an episode; of one that was played, as [`Self::seen`] says.
+    pub(super) fn seen_of(&self, episode: usize, step: Option<u32>) -> Option<&Seen> {
+        if self.resets.is_empty() { self.seen(step) } else { self.resets.get(episode) }
+    }
+
     /// What was seen at a step, or at the last; `None` if it was not reached or a fault came before.
     pub(super) fn seen(&self, step: Option<u32>) -> Option<&Seen> {
         let found = match step {
@@ -63,6 +75,9 @@ impl Played {
 /// Plays a take; metrics are kept at the `wanted` steps. What is told of its end is that of the time that it says, however far it
 /// is played.
 pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>, extent: Extent) -> Result<Played, TestError> {
+    if let Some(count) = take.resets {
+        return Ok(reset(episode, take, count));
+    }
     let key = EpisodeKey::default();
     let script = begin(episode, take, key);
     let task = episode.task().clone();
@@ -98,7 +113,22 @@ pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>, ex
         }
     }
     let (last, steps, ending) = watch.over.unwrap_or_else(|| over(episode));
-    Ok(Played { kept: watch.kept, last, steps, ending, returns: watch.tally.finish(episode) })
+    Ok(Played { kept: watch.kept, last, resets: Vec::new(), steps, ending, returns: watch.tally.finish(episode) })
+}
+
+/// Resets the first episodes of seed 0, up to one that meets a fault.
+fn reset(episode: &mut Episode, take: &Take, count: u32) -> Played {
+    let mut resets = Vec::new();
+    for number in 0..count {
+        episode.reset_given(EpisodeKey { episode: number.into(), ..EpisodeKey::default() }, &take.given);
+        resets.push(Seen::now(episode));
+        if episode.ending().is_some() {
+            break;
+        }
+    }
+    let task = episode.task().clone();
+    let (last, steps, ending) = over(episode);
+    Played { kept: Vec::new(), last, resets, steps, ending, returns: Tally::new(&task).finish(episode) }
 }
 
 /// What is looked at while a take is played.
@@ -132,7 +162,7 @@ fn over(episode: &Episode) -> (Seen, u32, Option<Ending>) {
 /// Begins with the script, or as the task does where there is none.
 pub(super) fn begin(episode: &mut Episode, take: &Take, key: EpisodeKey) -> Option<Script> {
     if take.script.is_empty() {
-        episode.reset(key);
+        episode.reset_given(key, &take.given);
         return None;
     }
     let context = episode.context();

@@ -64,6 +64,9 @@ impl<'a> Checker<'a> {
             }
             Some(Shape::Plane) | None => {}
         }
+        if object.shape.is_some() {
+            keep("friction", vec![object.surface.friction[0]], ElementType::PLAIN);
+        }
         if !fixed {
             return;
         }

@@ -1,6 +1,7 @@
 //! What a test expects.
 
-use super::{Draft, Found, Reader, Wanted};
+use super::reset::statistic_of;
+use super::{Draft, Found, Reader, Wanted, over_resets};
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::observe::{ObservedChannel, spoken_unit, unit_of};
 use crate::check::types::ElementType;
@@ -9,6 +10,7 @@ use crate::diagnostics::{codes, nearest};
 use crate::resolve::{Texts, written};
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind, Ident, Test};
 use crate::testing::{Check, Expectation, Probe, Reading, Side};
+use std::collections::BTreeSet;
 
 impl<'a> Checker<'a> {
     /// Checks the expectations of a test; a cheat expects at least that it does not succeed. What a phase of a sequence cannot
@@ -96,13 +98,21 @@ impl<'a> Checker<'a> {
         for operand in operands {
             let data = self.data(operand)?;
             single &= data.kind.length().is_none();
-            let reading = match &operand.kind {
-                ExprKind::At { pose, .. } => self.reading(Some(pose), drafts)?,
-                _ => reading,
+            let (reading, statistic) = match &operand.kind {
+                ExprKind::At { pose, .. } => (self.reading(Some(pose), drafts)?, None),
+                ExprKind::Call { function, arguments } => match over_resets(arguments) {
+                    Some((_, moment)) => (self.reading(Some(moment), drafts)?, statistic_of(function)),
+                    None => (reading, None),
+                },
+                _ => (reading, None),
             };
-            sides.push((data, reading, operand));
+            sides.push((data, reading, statistic, operand));
         }
-        let moments = operands.iter().find(|operand| matches!(operand.kind, ExprKind::At { .. }));
+        let moments = operands.iter().find(|operand| match &operand.kind {
+            ExprKind::At { .. } => true,
+            ExprKind::Call { arguments, .. } => over_resets(arguments).is_some(),
+            _ => false,
+        });
         if !single {
             return match moments {
                 Some(moment) => {
@@ -112,8 +122,22 @@ impl<'a> Checker<'a> {
                 None => Ok(None),
             };
         }
+        let of_each =
+            sides.iter().filter(|(data, _, statistic, _)| statistic.is_none() && self.graph.constant_lanes(data.node).is_none());
+        let several = of_each.filter(|(_, reading, ..)| drafts[reading.take].resets.is_some_and(|resets| resets > 1));
+        let takes: BTreeSet<usize> = several.map(|(_, reading, ..)| reading.take).collect();
+        if takes.len() > 1 {
+            let diagnostic = self
+                .diagnostic(
+                    codes::types::WRONG_TYPE,
+                    part.span,
+                    "episodes of different moments have nothing to do with each other",
+                )
+                .help("compare what is taken over all of them: `mean(x at one) < mean(x at other)`");
+            return Err(self.report(diagnostic));
+        }
         let mut told = Vec::new();
-        for (data, reading, operand) in sides {
+        for (data, reading, statistic, operand) in sides {
             let unit = spoken_unit(&data.kind, operands);
             let constant = self.graph.constant_lanes(data.node).is_some();
             told.push(Side {
@@ -121,6 +145,7 @@ impl<'a> Checker<'a> {
                 unit,
                 probe: self.probe(&data, operand.span, probes),
                 reading,
+                statistic,
                 constant,
             });
         }
@@ -137,7 +162,18 @@ impl<'a> Checker<'a> {
         let (unit, source, docs, block) = (unit_of(&data.kind), String::new(), String::new(), String::new());
         // Nobody is told of a probe, so its formula does not matter.
         let formula = Expr { kind: ExprKind::Bool(true), span };
-        probes.push(ObservedChannel { name, node: data.node, unit, source, formula, docs, block, file: self.place.file, span });
+        probes.push(ObservedChannel {
+            name,
+            node: data.node,
+            data: data.clone(),
+            unit,
+            source,
+            formula,
+            docs,
+            block,
+            file: self.place.file,
+            span,
+        });
         vec![Some(probes.len() - 1)]
     }
 

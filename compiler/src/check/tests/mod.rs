@@ -2,15 +2,19 @@
 //!
 //! 1. Statements are read in their order: those that say how it begins change a [`Scene`], each keyframe takes the one before it
 //!    and changes it (`situation`);
-//! 2. expectations are checked once all moments are known (`expect`): every number that they look at is a node of the graph;
-//! 3. the tests of a sequence are checked in each of its phases and put together (`phases`).
+//! 2. moments may show the initial state as the task draws it, once or many times (`reset`);
+//! 3. expectations are checked once all moments are known (`expect`): every number that they look at is a node of the graph;
+//! 4. the tests of a sequence are checked in each of its phases and put together (`phases`).
 //!
 //! All of it happens on a graph of its own, so that a task is the same with its tests and without.
 
 mod expect;
 mod phases;
 mod play;
+mod reset;
 mod situation;
+
+pub(crate) use reset::over_resets;
 
 use super::context::{Checked, Checker, Failures, Local, ReadMode, Reported};
 use super::init::Beginning;
@@ -56,6 +60,8 @@ pub(crate) type Found = Result<Vec<Expectation>, (Reported, Vec<Diagnostic>)>;
 pub(crate) struct InTests {
     /// What each term pays in a step, by name.
     pays: Vec<(String, NodeId)>,
+    /// The channels of the observation, by name.
+    channels: Vec<(String, Data)>,
     success: NodeId,
     /// The phases of the sequence, and which of them is being checked; empty for a task by itself.
     phases: Vec<String>,
@@ -101,6 +107,8 @@ struct Draft {
     labels: Vec<(String, u32)>,
     until: Option<u32>,
     run: Option<(String, Option<u32>)>,
+    /// How many initial states it shows, if it is none that is played.
+    resets: Option<u32>,
     /// A velocity that was given.
     velocity: Option<Span>,
 }
@@ -126,7 +134,7 @@ impl<'a> Checker<'a> {
         &mut self,
         tests: &[(&'a Test, FileId)],
         init: &Beginning,
-        terms: &[PaidTerm<'_>],
+        (terms, channels): (&[PaidTerm<'_>], &[ObservedChannel]),
         success: NodeId,
         texts: &dyn Texts,
         sequence: InSequence<'a>,
@@ -145,7 +153,8 @@ impl<'a> Checker<'a> {
         });
         let (pays, phases): (_, Vec<String>) = (pays.collect(), sequence.phases.to_vec());
         let horizon = if phases.is_empty() { self.timing.horizon } else { sequence.horizon };
-        self.in_tests = Some(InTests { pays, success, phases, phase: sequence.index, horizon });
+        let channels = channels.iter().map(|channel| (channel.name.clone(), channel.data.clone())).collect();
+        self.in_tests = Some(InTests { pays, channels, success, phases, phase: sequence.index, horizon });
         let (mut probes, mut drawn) = (Vec::new(), init.drawn.clone());
         let (mut compiled, mut all_found) = (Vec::new(), Vec::new());
         let mut failures = Failures::default();
@@ -194,7 +203,7 @@ impl<'a> Checker<'a> {
         let own = Draft::beginning(Scene { init: begins, activation: 0.0, course });
         let mut reader = Reader { drafts: vec![own], wanted: Vec::new() };
         let mut failures = Failures::default();
-        failures.catch(self.test_statements(&test.statements, 0, &mut reader, drawn));
+        failures.catch(self.test_statements(&test.statements, test.cheat, 0, &mut reader, drawn));
         if reader.wanted.is_empty() && !test.cheat && !failures.any() {
             let message = format!("the test \"{}\" expects nothing", test.title.value);
             let diagnostic = self.diagnostic(codes::tests::EXPECTS_NOTHING, test.title.span, message).help(
@@ -233,13 +242,14 @@ impl<'a> Checker<'a> {
     fn test_statements(
         &mut self,
         statements: &'a [TestStatement],
+        cheat: bool,
         take: usize,
         reader: &mut Reader<'a>,
         drawn: &mut Vec<NodeId>,
     ) -> Checked<()> {
         let mut failures = Failures::default();
         for statement in statements {
-            if failures.catch(self.test_statement(statement, take, reader, drawn)).is_none() {
+            if failures.catch(self.test_statement(statement, cheat, take, reader, drawn)).is_none() {
                 // Whoever looks at that moment is not told that there is none.
                 let label = match statement {
                     TestStatement::Keyframe { label, .. } => label.as_ref(),
@@ -255,6 +265,7 @@ impl<'a> Checker<'a> {
     fn test_statement(
         &mut self,
         statement: &'a TestStatement,
+        cheat: bool,
         take: usize,
         reader: &mut Reader<'a>,
         drawn: &mut Vec<NodeId>,
@@ -299,7 +310,7 @@ impl<'a> Checker<'a> {
             TestStatement::Repeat { variable, range, statements, .. } => {
                 for value in self.loop_values(range)? {
                     self.locals.push(self.local(variable, value));
-                    let read = self.test_statements(statements, take, reader, drawn);
+                    let read = self.test_statements(statements, cheat, take, reader, drawn);
                     self.locals.pop();
                     read?;
                 }
@@ -322,6 +333,7 @@ impl<'a> Checker<'a> {
                 Ok(())
             }
             TestStatement::Until { time, span } => {
+                self.must_not_reset(draft, *span)?;
                 let step = self.script_step(time)?;
                 self.must_be_seen(step, time.span)?;
                 if draft.until.replace(step).is_some() || draft.run.is_some() || step == 0 {
@@ -331,6 +343,7 @@ impl<'a> Checker<'a> {
                 Ok(())
             }
             TestStatement::Run { policy, duration, span } => {
+                self.must_not_reset(draft, *span)?;
                 let steps = duration.as_ref().map(|duration| self.script_step(duration)).transpose()?;
                 let draft = &mut reader.drafts[take];
                 let from = draft.keys.last().map_or(0, |key| key.step);
@@ -341,6 +354,7 @@ impl<'a> Checker<'a> {
                 }
                 Ok(())
             }
+            TestStatement::Reset { times, span } => self.reset(times.as_ref(), *span, cheat, &mut reader.drafts[take]),
             TestStatement::Moment { name, statements, span } => {
                 if take != 0 {
                     return Err(self.error(codes::tests::TEST_PLACE, *span, "a moment holds no further moments"));
@@ -356,7 +370,7 @@ impl<'a> Checker<'a> {
                 };
                 reader.drafts.push(draft);
                 let take = reader.drafts.len() - 1;
-                self.test_statements(statements, take, reader, drawn)
+                self.test_statements(statements, cheat, take, reader, drawn)
             }
             TestStatement::Expect { condition, moment, span } => {
                 if take != 0 {
@@ -372,7 +386,8 @@ impl<'a> Checker<'a> {
 
     /// How it begins is said before it moves.
     fn must_begin(&mut self, draft: &Draft, span: Span) -> Checked<()> {
-        if draft.keys.is_empty() && draft.until.is_none() && draft.run.is_none() {
+        self.must_not_reset(draft, span)?;
+        if draft.keys.is_empty() && draft.is_open() {
             return Ok(());
         }
         let diagnostic = self
@@ -401,6 +416,7 @@ impl<'a> Checker<'a> {
 
     /// The time of what a script shows next, control steps.
     fn next_step(&mut self, time: &'a Expr, draft: &Draft) -> Checked<u32> {
+        self.must_not_reset(draft, time.span)?;
         let step = self.script_step(time)?;
         self.must_be_seen(step, time.span)?;
         if draft.is_open() && draft.keys.last().is_none_or(|last| last.step < step) {
@@ -491,6 +507,10 @@ impl<'a> Checker<'a> {
             let present = if phase == in_tests.phase { 1.0 } else { 0.0 };
             return Some(Ok(TypedValue::new(self.graph.constant(present), ElementType::Bool)));
         }
+        if word.text == "observation" {
+            let channel = in_tests.channels.iter().find(|(known, _)| *known == name.text).map(|(_, data)| data.clone());
+            return Some(channel.ok_or_else(|| self.unknown_channel(name)));
+        }
         if !["reward", "paid"].contains(&word.text.as_str()) {
             return None;
         }
@@ -520,6 +540,7 @@ impl Draft {
             labels: Vec::new(),
             until: None,
             run: None,
+            resets: None,
             velocity: None,
         }
     }
@@ -531,7 +552,7 @@ impl Draft {
 
     /// Whether more may be shown.
     fn is_open(&self) -> bool {
-        self.until.is_none() && self.run.is_none()
+        self.until.is_none() && self.run.is_none() && self.resets.is_none()
     }
 
     fn finish(self) -> Take {
@@ -539,12 +560,13 @@ impl Draft {
         let frame = |Key { step, scene, plays }: Key| Keyframe { step, init: scene.init, activation: scene.activation, plays };
         let runs = self.run.is_some();
         // Physics without a script begins as the task says, noise and all, unless the test says how.
-        let script: Vec<Keyframe> = match (self.keys.is_empty(), runs && !self.placed) {
+        let script: Vec<Keyframe> = match (self.keys.is_empty(), self.resets.is_some() || runs && !self.placed) {
             (true, true) => Vec::new(),
             (true, false) => vec![frame(Key::still(0, self.begins))],
             (false, _) => self.keys.into_iter().map(frame).collect(),
         };
         let until = match (&self.run, self.name.is_some()) {
+            _ if self.resets.is_some() => None,
             (Some((_, Some(steps))), _) => Some(last + steps),
             (Some(_), _) => None,
             // A moment is over with its script.
@@ -552,6 +574,6 @@ impl Draft {
             (None, false) => self.until,
         };
         let run = self.run.map(|(policy, _)| Run { policy, from: last });
-        Take { moment: self.name, given: self.given, script, until, run }
+        Take { moment: self.name, given: self.given, script, until, run, resets: self.resets }
     }
 }

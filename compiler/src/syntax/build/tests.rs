@@ -3,7 +3,9 @@
 use super::{Builder, is_mark, part};
 use crate::diagnostics::Span;
 use crate::syntax::grammar::{Pair, Rule};
-use crate::syntax::tree::{Assignment, Change, Expr, ExprKind, Ident, Played, Playing, Situation, Test, TestStatement};
+use crate::syntax::tree::{
+    Argument, Assignment, Change, Expr, ExprKind, Ident, Played, Playing, Situation, Test, TestStatement, UnaryOperator,
+};
 
 impl Builder<'_> {
     pub(super) fn test(&mut self, pair: &Pair<'_>) -> Test {
@@ -58,6 +60,9 @@ impl Builder<'_> {
                 duration: part(pair, Rule::expression).map(|duration| self.expression(Some(duration))),
                 span,
             },
+            Rule::reset => {
+                TestStatement::Reset { times: part(pair, Rule::expression).map(|times| self.expression(Some(times))), span }
+            }
             Rule::expect => {
                 let (condition, moment) = match part(pair, Rule::order) {
                     Some(order) => of_all(self.order(&order)),
@@ -123,9 +128,36 @@ impl Builder<'_> {
         Expr { kind: ExprKind::Compare { operands, operators }, span }
     }
 
+    /// `min(x at drawn)`: a call whose only argument is read at a moment
+    fn statistic(&mut self, pair: &Pair<'_>) -> Expr {
+        let span = self.span(pair);
+        let name = self.name_in(pair);
+        let function = Box::new(Expr { span: name.span, kind: ExprKind::Name(name) });
+        let within = part(pair, Rule::over_resets);
+        let value = match &within {
+            Some(within) => self.expression_in(within),
+            None => self.missing(),
+        };
+        let value = match within.and_then(|within| self.moment_of(&within)) {
+            Some(pose) => {
+                let span = value.span.to(pose.span);
+                Expr { kind: ExprKind::At { value: Box::new(value), pose }, span }
+            }
+            None => value,
+        };
+        Expr { kind: ExprKind::Call { function, arguments: vec![Argument { name: None, value }] }, span }
+    }
+
     /// A value, and at which moment it is read.
     fn side(&mut self, pair: &Pair<'_>) -> Expr {
-        let value = self.expression(part(pair, Rule::postfixed));
+        if let Some(statistic) = part(pair, Rule::statistic) {
+            return self.statistic(&statistic);
+        }
+        let mut value = self.expression(part(pair, Rule::postfixed));
+        if part(pair, Rule::minus).is_some() {
+            let kind = ExprKind::Unary { operator: UnaryOperator::Negate, operand: Box::new(value) };
+            value = Expr { kind, span: self.span(pair) };
+        }
         match self.moment_of(pair) {
             Some(pose) => Expr { kind: ExprKind::At { value: Box::new(value), pose }, span: self.span(pair) },
             None => value,

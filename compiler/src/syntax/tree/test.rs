@@ -81,6 +81,13 @@ pub enum TestStatement {
         /// The statement.
         span: Span,
     },
+    /// `reset 50 times`: the initial state as the task draws it
+    Reset {
+        /// How many episodes; one if left out.
+        times: Option<Expr>,
+        /// The statement.
+        span: Span,
+    },
     /// `expect ended by fallen`
     Expect {
         /// What must hold.

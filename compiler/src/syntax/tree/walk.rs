@@ -187,6 +187,7 @@ pub fn walk_test_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, stateme
         TestStatement::Given { value, .. } => visitor.expression(value),
         TestStatement::Until { time, .. } => visitor.expression(time),
         TestStatement::Run { duration, .. } => duration.iter().for_each(|duration| visitor.expression(duration)),
+        TestStatement::Reset { times, .. } => times.iter().for_each(|times| visitor.expression(times)),
         TestStatement::Expect { condition, .. } => visitor.expression(condition),
     }
 }
