@@ -83,11 +83,11 @@ fn weights_change_in_sign_and_size_and_their_ranges_do_not() {
 }
 
 #[test]
-fn settings_names_and_tests_stay_as_they_are() {
+fn names_and_tests_stay_as_they_are() {
     let text = "task small {
     body human
-    control 100 Hz
-    horizon 300 steps
+    family locomotion
+    symmetric
     scene { ground; group seats = seat; remove stone_3; marker goal at [1 m, 0, 0] }
     init { pose neutral }
     observe { pelvis }
