@@ -41,7 +41,7 @@ impl<'a> Checker<'a> {
             ExprKind::Selector { kind, pattern } => self.selector(kind, pattern),
             ExprKind::Field { base, name } => self.field(base, name, expr.span),
             ExprKind::Call { function, arguments } if self.in_tests.is_some() && over_resets(arguments).is_some() => {
-                self.statistic(function, arguments, expr.span).map(Value::Data)
+                self.statistic(function, arguments, expr.span).map(Value::Typed)
             }
             ExprKind::Call { function, arguments } => self.call(function, arguments, expr.span),
             ExprKind::Index { base, index } => self.index(base, index, expr.span),

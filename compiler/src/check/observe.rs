@@ -18,7 +18,7 @@ pub(crate) struct ObservedChannel {
     pub name: String,
     pub node: NodeId,
     /// What is observed, before orientations become quaternions.
-    pub data: Data,
+    pub data: TypedValue,
     pub unit: String,
     /// The formula as written.
     pub source: String,

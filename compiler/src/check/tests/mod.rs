@@ -61,7 +61,7 @@ pub(crate) struct InTests {
     /// What each term pays in a step, by name.
     pays: Vec<(String, NodeId)>,
     /// The channels of the observation, by name.
-    channels: Vec<(String, Data)>,
+    channels: Vec<(String, TypedValue)>,
     success: NodeId,
     /// The phases of the sequence, and which of them is being checked; empty for a task by itself.
     phases: Vec<String>,

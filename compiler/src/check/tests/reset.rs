@@ -3,7 +3,7 @@
 use super::Draft;
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
-use crate::check::value::Data;
+use crate::check::value::TypedValue;
 use crate::diagnostics::{Span, codes, nearest};
 use crate::numbers::for_people;
 use crate::syntax::tree::{Argument, Expr, ExprKind, Ident, Name};
@@ -76,7 +76,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `min(x at drawn)`: a number of the type of x.
-    pub(crate) fn statistic(&mut self, function: &'a Expr, arguments: &'a [Argument], span: Span) -> Checked<Data> {
+    pub(crate) fn statistic(&mut self, function: &'a Expr, arguments: &'a [Argument], span: Span) -> Checked<TypedValue> {
         let Some((value, _)) = over_resets(arguments) else {
             return Err(self.error(codes::types::WRONG_TYPE, span, "`at` a moment can only stand in `expect`"));
         };
