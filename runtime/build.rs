@@ -26,6 +26,8 @@ const DECISIVE: [&str; 9] = [
     "src",
     "storage/Cargo.toml",
     "storage/src",
+    "physics/Cargo.toml",
+    "physics/src",
     "../compiler/Cargo.toml",
     "../compiler/src",
     "../grammar/msk.pest",

@@ -3,10 +3,8 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::{Bias, Dynamics, Integrator, Model},
-    physics::{self, State, Workspace, sensors::readings},
-};
+use msk_physics::model::{Bias, Dynamics, Integrator, Model};
+use msk_physics::{self as physics, State, Workspace, sensors::readings};
 use serde_json::Value;
 use support::{SplitMix, draw, golden, numbers, repository};
 

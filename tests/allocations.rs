@@ -8,12 +8,12 @@ mod support;
 
 use allocation_counter::measure;
 use msk::compiler::compile;
+use msk::physics::model::{ElasticTendons, Integrator, Model};
+use msk::physics::{State, Workspace, step};
 use msk::runtime::{
     bodies,
     episode::{Episode, EpisodeKey},
     library::{BodyLibrary, FileLoader},
-    model::{ElasticTendons, Integrator, Model},
-    physics::{State, Workspace, step},
 };
 use std::path::Path;
 use support::{SplitMix, repository};

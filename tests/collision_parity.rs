@@ -3,13 +3,11 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::{GeomKind, Model},
-    physics::{
-        State, Workspace,
-        collision::{Placed, Scratch, distance, ray},
-        constrained, kinematics, step,
-    },
+use msk_physics::model::{GeomKind, Model};
+use msk_physics::{
+    State, Workspace,
+    collision::{Placed, Scratch, distance, ray},
+    constrained, kinematics, step,
 };
 use nalgebra::Vector3;
 use serde_json::Value;

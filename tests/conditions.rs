@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::compile;
+use msk::physics::{self, State, Workspace};
 use msk::runtime::condition::{Fatigue, MuscleCondition, Weakness};
 use msk::runtime::evaluate::Trial;
 use msk::runtime::library::{BodyLibrary, BoundBody, FileLoader};
-use msk::runtime::physics::{self, State, Workspace};
 use std::path::Path;
 use std::sync::OnceLock;
 

@@ -3,10 +3,8 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::Model,
-    physics::{Fault, State, Workspace, forward, inertia, step},
-};
+use msk_physics::model::Model;
+use msk_physics::{Fault, State, Workspace, forward, inertia, step};
 use proptest::prelude::*;
 use std::sync::OnceLock;
 use support::{SplitMix, draw, repository};

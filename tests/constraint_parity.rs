@@ -3,10 +3,8 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::{JointKind, Model},
-    physics::{State, Workspace, collision::Contact, forward, step},
-};
+use msk_physics::model::{JointKind, Model};
+use msk_physics::{State, Workspace, collision::Contact, forward, step};
 use nalgebra::Vector3;
 use serde_json::Value;
 use support::{SplitMix, golden, numbers, repository};

@@ -3,11 +3,9 @@
 
 use crate::support;
 
-use msk_runtime::{
-    bodies,
-    model::{Integrator, Model},
-    physics::{State, Workspace, step},
-};
+use msk_physics::model::{Integrator, Model};
+use msk_physics::{State, Workspace, step};
+use msk_runtime::bodies;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use sha2::{Digest, Sha256};

@@ -3,10 +3,8 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::{ElasticTendons, FibreCurves, Model},
-    physics::{self, State, Workspace, forward, step},
-};
+use msk_physics::model::{ElasticTendons, FibreCurves, Model};
+use msk_physics::{self as physics, State, Workspace, forward, step};
 use std::sync::OnceLock;
 use support::{SplitMix, draw, repository};
 

@@ -3,10 +3,10 @@
 
 use msk::compiler::compile;
 use msk::compiler::files::{LoadError, Loader};
+use msk::physics;
+use msk::physics::model::JointKind;
 use msk::runtime::episode::{Ending, Episode, EpisodeError, EpisodeKey, Fault};
 use msk::runtime::library::{BodyLibrary, BoundBody};
-use msk::runtime::model::JointKind;
-use msk::runtime::physics;
 use msk::runtime::policy;
 use msk::runtime::scene::ground::Ground;
 use std::path::Path;

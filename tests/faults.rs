@@ -3,10 +3,8 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::{Integrator, Model},
-    physics::{Fault, State, Workspace, step},
-};
+use msk_physics::model::{Integrator, Model};
+use msk_physics::{Fault, State, Workspace, step};
 use proptest::prelude::*;
 use support::{SplitMix, draw, repository};
 

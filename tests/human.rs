@@ -4,8 +4,8 @@
 use msk::compiler::compile;
 use msk::compiler::diagnostics::Style;
 use msk::compiler::task::RootPlacement;
+use msk::physics::{self, State, Workspace};
 use msk::runtime::library::{BodyLibrary, BoundBody, FileLoader};
-use msk::runtime::physics::{self, State, Workspace};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -6,10 +6,8 @@
 use crate::support;
 
 use faer::{Mat, Side, linalg::solvers::Solve};
-use msk_runtime::{
-    model::{GeomKind, Model},
-    physics::{self, State, Workspace},
-};
+use msk_physics::model::{GeomKind, Model};
+use msk_physics::{self as physics, State, Workspace};
 use parry3d_f64::{
     math::{Pose, Rotation, Vector},
     query::details::contact_support_map_support_map,

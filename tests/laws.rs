@@ -3,10 +3,8 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::{Integrator, Model},
-    physics::{self, State, Workspace, actuation, forces, forward, integrate, point_jacobian},
-};
+use msk_physics::model::{Integrator, Model};
+use msk_physics::{self as physics, State, Workspace, actuation, forces, forward, integrate, point_jacobian};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::sync::OnceLock;
 use support::{SplitMix, draw, repository};

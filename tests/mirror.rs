@@ -6,10 +6,8 @@
 use crate::support;
 
 use core::fmt::Write;
-use msk_runtime::{
-    model::{JointKind, Model},
-    physics::{self, State, Workspace, kinematics},
-};
+use msk_physics::model::{JointKind, Model};
+use msk_physics::{self as physics, State, Workspace, kinematics};
 use nalgebra::Vector3;
 use support::{SplitMix, draw, page, repository};
 

@@ -4,7 +4,7 @@
 use crate::support;
 
 use core::ops::Range;
-use msk_runtime::model::{GeomKind, Model, Muscle, PathPoint, Quaternion, Softness, rotation};
+use msk_physics::model::{GeomKind, Model, Muscle, PathPoint, Quaternion, Softness, rotation};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use support::{golden, numbers, repository};

@@ -4,9 +4,9 @@
 
 use crate::support;
 
+use msk_physics::model::Model;
+use msk_physics::{State, Workspace, moment_arm, moment_arms, smooth};
 use msk_runtime::inspect::sweep_muscle;
-use msk_runtime::model::Model;
-use msk_runtime::physics::{State, Workspace, moment_arm, moment_arms, smooth};
 use serde_json::Value;
 use std::process::{Command, Output};
 use std::sync::OnceLock;

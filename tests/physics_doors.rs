@@ -3,8 +3,8 @@
 
 use crate::support;
 
-use msk_runtime::model::Model;
-use msk_runtime::physics::{State, Workspace, forward, step};
+use msk_physics::model::Model;
+use msk_physics::{State, Workspace, forward, step};
 use npyz::{NpyFile, WriterBuilder, npz::NpzArchive};
 use serde_json::Value;
 use std::fs;

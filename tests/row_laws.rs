@@ -3,13 +3,11 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::{JointKind, Model, rotation},
-    physics::{
-        State, Workspace,
-        constraint::{Constraints, RowKind},
-        forward, inertia, step,
-    },
+use msk_physics::model::{JointKind, Model, rotation};
+use msk_physics::{
+    State, Workspace,
+    constraint::{Constraints, RowKind},
+    forward, inertia, step,
 };
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -78,7 +76,7 @@ fn check_rows(what: &str, model: &Model, constraints: &Constraints, deformation:
     let work: f64 = (0..count).map(|j| rows.force[row + j] * deformation[row + j]).sum();
     let size: f64 = (0..count).map(|j| rows.force[row + j].abs()).sum();
     assert!(work.abs() <= slack * (1.0 + size), "{what}: force and deformation do work {work}");
-    assert_eq!(model.options.cone, msk_runtime::model::Cone::Elliptic);
+    assert_eq!(model.options.cone, msk_physics::model::Cone::Elliptic);
     count
 }
 
@@ -242,7 +240,7 @@ proptest! {
 #[test]
 fn frames_given_and_derived_agree() {
     let model = Model::from_mjcf(PAIR).unwrap();
-    let msk_runtime::model::Equality::Weld { attachment, .. } = &model.equalities.kind[0] else { panic!("not a weld") };
+    let msk_physics::model::Equality::Weld { attachment, .. } = &model.equalities.kind[0] else { panic!("not a weld") };
     // Both frames are where they are at the reference configuration.
     let place = |side: usize| {
         let body = attachment.bodies[side];

@@ -4,7 +4,7 @@
 
 use crate::support;
 
-use msk_runtime::model::Model;
+use msk_physics::model::Model;
 use serde_json::Value;
 use support::{golden, repository, rows};
 

@@ -6,9 +6,9 @@ use crate::support;
 
 use msk_compiler::body::{Axis, BodyDescription, LandmarkDescription};
 use msk_compiler::scene::{Connection, Motion, Object, ObjectJoint, ObjectJointKind, Parent, SceneDescription, Shape, Surface};
+use msk_physics::model::Model;
+use msk_physics::{State, Workspace, forward};
 use msk_runtime::body::Body;
-use msk_runtime::model::Model;
-use msk_runtime::physics::{State, Workspace, forward};
 use msk_runtime::scene::stage;
 use support::{golden, numbers, repository};
 

@@ -9,9 +9,9 @@ use crate::support;
 
 use msk_compiler::body::{Axis, BodyDescription};
 use msk_compiler::scene::{Motion, Object, Parent, SceneDescription, Shape, Surface, Terrain};
+use msk_physics::Workspace;
+use msk_physics::model::Model;
 use msk_runtime::body::Body;
-use msk_runtime::model::Model;
-use msk_runtime::physics::Workspace;
 use msk_runtime::scene::stage;
 use support::{golden, repository, rows};
 
@@ -133,8 +133,7 @@ fn scenes_are_written_as_mujoco_read_them() {
 /// Where shapes meet, and what leads there: the names of `tests/oracle/rows.py`.
 fn stages(workspace: &Workspace<f64>) -> Vec<(&'static str, f64, Vec<f64>)> {
     let contacts = &workspace.episodes[0].constraints.contacts;
-    let flat =
-        |values: &dyn Fn(&msk_runtime::physics::collision::Contact) -> Vec<f64>| contacts.iter().flat_map(values).collect();
+    let flat = |values: &dyn Fn(&msk_physics::collision::Contact) -> Vec<f64>| contacts.iter().flat_map(values).collect();
     vec![
         ("geom_xpos", 1e-12, workspace.kinematics.geom_position.iter().flatten().copied().collect()),
         ("bias", 1e-10, workspace.forces.bias.clone()),

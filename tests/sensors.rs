@@ -5,10 +5,10 @@ use crate::support;
 
 use msk_compiler::body::{Axis, BodyDescription, LandmarkDescription};
 use msk_compiler::frame::{FrameLayout, Sensor};
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
 use msk_runtime::body::Body;
 use msk_runtime::body::sensors::{Control, Memory, Snapshot, fill};
-use msk_runtime::model::Model;
-use msk_runtime::physics::{self, State, Workspace};
 use serde_json::Value;
 use support::{golden, numbers, repository};
 

@@ -4,11 +4,9 @@
 use crate::support;
 
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign};
-use msk_runtime::{
-    model::Model,
-    physics::{self, State, Workspace, spatial::Spatial},
-    scalar::Real,
-};
+use msk_physics::model::Model;
+use msk_physics::scalar::Real;
+use msk_physics::{self as physics, State, Workspace, spatial::Spatial};
 use nalgebra::Vector3;
 use num_traits::{Num, One, Zero};
 use support::{SplitMix, draw, repository};

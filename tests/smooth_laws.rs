@@ -3,13 +3,11 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::Model,
-    physics::{
-        self, State, Workspace, forces, inertia,
-        spatial::pair,
-        tendons::{Obstacle, WrapShape, bend, path},
-    },
+use msk_physics::model::Model;
+use msk_physics::{
+    self as physics, State, Workspace, forces, inertia,
+    spatial::pair,
+    tendons::{Obstacle, WrapShape, bend, path},
 };
 use nalgebra::{Matrix3, Vector3};
 use support::{SplitMix, draw, repository};

@@ -3,13 +3,11 @@
 
 use crate::support;
 
-use msk_runtime::{
-    model::Model,
-    physics::{
-        self, Workspace,
-        spatial::norm,
-        tendons::{Obstacle, WrapShape, bend},
-    },
+use msk_physics::model::Model;
+use msk_physics::{
+    self as physics, Workspace,
+    spatial::norm,
+    tendons::{Obstacle, WrapShape, bend},
 };
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;

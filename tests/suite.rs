@@ -4,6 +4,7 @@
 mod advisories;
 mod cli;
 mod conditions;
+mod directions;
 mod draw;
 mod episodes;
 mod examples;

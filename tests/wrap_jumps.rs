@@ -7,11 +7,11 @@
 use crate::support;
 
 use core::fmt::Write;
+use msk_physics::model::{JointKind, Model};
+use msk_physics::{State, Workspace, kinematics, tendons, velocities};
 use msk_runtime::{
     body::Body,
     library::{BodyLibrary, BoundBody, FileLoader},
-    model::{JointKind, Model},
-    physics::{State, Workspace, kinematics, tendons, velocities},
 };
 use std::path::Path;
 use support::page;
@@ -132,7 +132,7 @@ fn report(model: &Model, body: &Body, followed: usize, jumps: &mut [(usize, usiz
     let wrapping = (0..model.tendons.name.len())
         .filter(|&tendon| {
             let points = &model.tendons.path_points[model.tendons.path[tendon].clone()];
-            points.iter().any(|point| matches!(point, msk_runtime::model::PathPoint::Wrap { .. }))
+            points.iter().any(|point| matches!(point, msk_physics::model::PathPoint::Wrap { .. }))
         })
         .count();
     let mut text = format!(

@@ -1,10 +1,10 @@
 //! `msk physics bench`: how fast the simulator is.
 
 use crate::error::Error;
+use msk_physics::model::ElasticTendons;
 use msk_runtime::{
     bench::{self, Protocol, Report, Settings},
     bodies,
-    model::ElasticTendons,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};

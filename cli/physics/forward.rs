@@ -2,8 +2,8 @@
 
 use super::Start;
 use crate::error::Error;
+use msk_physics::{self as physics, Workspace};
 use msk_runtime::inspect::{Extra, forward_report};
-use msk_runtime::physics::{self, Workspace};
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 

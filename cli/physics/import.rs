@@ -1,7 +1,7 @@
 //! `msk physics import`: somebody else's model as one flat file of figures.
 
 use crate::error::{Context, Error};
-use msk_runtime::model::import;
+use msk_physics::model::import;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -10,7 +10,9 @@ mod rollout;
 
 use crate::error::{Context, Error};
 use crate::texts;
-use msk_runtime::{bodies, inspect::StateFile, model::Model, physics::State};
+use msk_physics::State;
+use msk_physics::model::Model;
+use msk_runtime::{bodies, inspect::StateFile};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

@@ -2,9 +2,9 @@
 
 use super::Start;
 use crate::error::{Context, Error};
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
 use msk_runtime::inspect::Excitations;
-use msk_runtime::model::Model;
-use msk_runtime::physics::{self, State, Workspace};
 use npyz::{WriterBuilder, npz::NpzWriter};
 use std::fs::File;
 use std::io::{self, Seek, Write};

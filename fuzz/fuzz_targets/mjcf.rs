@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use msk_runtime::model::Model;
-use msk_runtime::physics::{self, State, Workspace};
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = core::str::from_utf8(bytes) else { return };

@@ -1,9 +1,9 @@
 //! One folder that nothing leads out of.
 
 use msk_compiler::files::{LARGEST_FILE, LoadError, Loader, plain};
+use msk_physics::model::ModelFiles;
 use msk_runtime::bodies;
 use msk_runtime::files::load_error;
-use msk_runtime::model::ModelFiles;
 use msk_storage::{Folder, StorageError};
 use std::path::{Path, PathBuf};
 

@@ -2,10 +2,10 @@
 
 use crate::confine::Outside;
 use crate::project::{Failure, Project};
+use msk_physics::scalar::Real;
 use msk_runtime::episode::EpisodeKey;
 use msk_runtime::evaluate::{Plan, Protocol, Summary, play};
 use msk_runtime::policy;
-use msk_runtime::scalar::Real;
 use msk_storage::Kind;
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -3,12 +3,10 @@
 //! Muscles are excited at random throughout, a fresh uniform value for each every ten milliseconds: a body at rest would
 //! flatter the constraint solver, whose work is done when the set of contacts and limits changes.
 
-use crate::scalar::Real;
-use crate::{
-    model::{GeomKind, JointKind, Model},
-    physics::{Fault, State, Workspace, constrained, inertia, kinematics, smooth, stepping, tendons},
-    scene::ground::Ground,
-};
+use crate::scene::ground::Ground;
+use msk_physics::model::{GeomKind, JointKind, Model};
+use msk_physics::scalar::Real;
+use msk_physics::{Fault, State, Workspace, constrained, inertia, kinematics, smooth, stepping, tendons};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;

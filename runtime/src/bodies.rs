@@ -3,9 +3,9 @@
 //! Their paths start with [`ROOT`], which no file on disk has, so that the model named in a built-in body file is looked
 //! for here too: [`model`] reads a path of either kind.
 
-use crate::files::DiskFiles;
-use crate::model::{Model, ModelError, ModelFiles};
 use flate2::read::GzDecoder;
+use msk_physics::model::DiskFiles;
+use msk_physics::model::{Model, ModelError, ModelFiles};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 

@@ -2,7 +2,4 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod exploits;
-mod mjcf_hostile;
-mod mjcf_mutants;
-mod mjcf_round_trip;
 mod probing;

@@ -11,10 +11,8 @@ pub mod rows;
 pub mod touching;
 
 use flate2::read::GzDecoder;
-use msk_runtime::{
-    model::{JointKind, Model},
-    physics::State,
-};
+use msk_physics::State;
+use msk_physics::model::{JointKind, Model};
 use nalgebra::Vector3;
 use serde_json::Value;
 use std::{fs::File, path::PathBuf};

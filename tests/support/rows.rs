@@ -2,10 +2,8 @@
 //! `tests/oracle/rows.py`.
 
 use super::{SplitMix, numbers};
-use msk_runtime::{
-    model::{JointKind, Model},
-    physics::{State, Workspace, forward, step},
-};
+use msk_physics::model::{JointKind, Model};
+use msk_physics::{State, Workspace, forward, step};
 use serde_json::Value;
 
 /// The random state that `draw` of `tests/oracle/rows.py` makes, number for number.

@@ -1,9 +1,7 @@
 //! Whether two answers to "where do these shapes touch" are the same, or which of them is right.
 
-use msk_runtime::{
-    model::GeomKind,
-    physics::collision::{Asset, Contact, Placed},
-};
+use msk_physics::collision::{Asset, Contact, Placed};
+use msk_physics::model::GeomKind;
 use nalgebra::Vector3;
 
 /// A contact of MuJoCo: distance, position, normal.

@@ -1,12 +1,12 @@
 //! Binding: every name of a body file resolved in its model, or one error that lists everything that is wrong.
 
 use super::{Body, Joint, Landmark, Muscle, NEUTRAL, Root, anatomical_axes, coupling};
-use crate::model::{GeomKind, JointKind, Model};
 use core::ops::Range;
 use msk_compiler::body::{BodyDescription, LandmarkDescription};
 use msk_compiler::quantity::dimension::Dimension;
 use msk_compiler::spoken::SpokenUnit;
 use msk_compiler::vocabulary::{Group, GroupKind, Pose};
+use msk_physics::model::{GeomKind, JointKind, Model};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 

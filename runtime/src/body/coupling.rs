@@ -1,6 +1,6 @@
 //! Slaved joints: q₁ = q₁₀ + p(q₂ - q₂₀), where p is the coupling's polynomial and q₁₀, q₂₀ the reference coordinates.
 
-use crate::model::Model;
+use msk_physics::model::Model;
 
 /// The couplings of a model that hold from the beginning, in an order in which every leader is known before its followers.
 ///

@@ -26,10 +26,10 @@ pub use bind::{BindError, Problem};
 pub use changes::ChangeError;
 pub use scaffold::{NoRoot, scaffold};
 
-use crate::model::{JointKind, Model};
-use crate::physics::kinematics::Kinematics;
 use core::ops::Range;
 use msk_compiler::body::{Axis, ExcitationMap};
+use msk_physics::kinematics::Kinematics;
+use msk_physics::model::{JointKind, Model};
 use nalgebra::{Matrix3, Vector3};
 
 /// A body file bound to a model.

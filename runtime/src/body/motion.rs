@@ -1,10 +1,10 @@
 //! A body in the frames of a motion.
 
 use super::Body;
-use crate::model::Model;
-use crate::physics::{self, State, Workspace};
 use msk_compiler::motion::{Motion, RootPart};
 use msk_compiler::task::RootPlacement;
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
 
 impl Body {
     /// Puts the body where a motion is at `time` (s): joints that it does not move stand as in the standing pose, slaved ones

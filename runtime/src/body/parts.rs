@@ -2,11 +2,11 @@
 
 use super::Body;
 use super::sensors::Snapshot;
-use crate::model::Model;
-use crate::physics::collision::{Contact, Placed, Scratch, distance};
-use crate::scalar::Real;
 use crate::scene::ground::Ground;
 use msk_compiler::scene::Part;
+use msk_physics::collision::{Contact, Placed, Scratch, distance};
+use msk_physics::model::Model;
+use msk_physics::scalar::Real;
 use nalgebra::Vector3;
 
 impl Body {

@@ -1,11 +1,11 @@
 //! Where a body begins: joints in a pose, the root turned to its heading and lowered until something touches the ground.
 
 use super::Body;
-use crate::model::{Model, rotation};
-use crate::physics::{self, State, Workspace, kinematics::Kinematics};
 use crate::scene::ground::Ground;
 use msk_compiler::frame::Origin;
 use msk_compiler::task::{Init, RootPlacement};
+use msk_physics::model::{Model, rotation};
+use msk_physics::{self as physics, State, Workspace, kinematics::Kinematics};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 impl Body {

@@ -1,10 +1,10 @@
 //! What tasks ask of the terrain.
 
 use super::sensors::Snapshot;
-use crate::physics::collision::{Placed, Solid, ray};
 use crate::scene::ground::Ground;
 use crate::scene::radar::Radar;
 use msk_compiler::frame::{Origin, Query};
+use msk_physics::collision::{Placed, SupportShape, ray};
 use nalgebra::Vector3;
 
 impl Snapshot<'_> {
@@ -33,7 +33,7 @@ impl Snapshot<'_> {
         for &member in &self.body.groups[group].members {
             for &shape in &self.body.landmarks[member].segment {
                 let placed = Placed::of(self.model, kinematics, 0, shape);
-                if let Some(solid) = Solid::new(&placed, Vector3::zeros()) {
+                if let Some(solid) = SupportShape::new(&placed, Vector3::zeros()) {
                     radar.see(&solid, sectors);
                 }
             }

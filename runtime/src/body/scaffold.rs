@@ -1,10 +1,10 @@
 //! A body file to begin with, written from a model: every name in it exists, and it binds as it stands.
 
 use super::{NEUTRAL, subtree};
-use crate::model::{JointKind, Model};
-use crate::physics::{State, Workspace, kinematics};
 use msk_compiler::numbers::exact;
 use msk_compiler::syntax::is_name;
+use msk_physics::model::{JointKind, Model};
+use msk_physics::{State, Workspace, kinematics};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeSet;
 use std::fmt::Write;

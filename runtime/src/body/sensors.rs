@@ -4,11 +4,11 @@
 //! of the very point. A mean acceleration is the change of velocity over the control step; [`Memory`] keeps what it needs.
 
 use super::Body;
-use crate::model::Model;
-use crate::physics::{self, State, Workspace};
 use crate::scene::ground::{ABYSS, Ground};
 use msk_compiler::frame::{FrameLayout, Sensor};
 use msk_compiler::scene::Part;
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
 /// What the control loop knows and the physics does not.

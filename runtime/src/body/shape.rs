@@ -1,6 +1,6 @@
 //! How far a shape reaches in a direction: the support function of convex shapes.
 
-use crate::model::GeomKind;
+use msk_physics::model::GeomKind;
 use nalgebra::Vector3;
 
 /// How far a shape of `kind` and `size` (m) reaches from its centre along `direction` (any length, in the shape's frame):

@@ -1,10 +1,10 @@
 use super::*;
-use crate::model::Model;
-use crate::physics::{self, State, Workspace};
 use crate::scene::ground::Ground;
 use msk_compiler::body::{BodyDescription, LandmarkDescription};
 use msk_compiler::task::RootPlacement;
 use msk_compiler::vocabulary::GroupKind;
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
 
 /// Two legs under a box that looks along -y; a door that is no part of the body; knees that follow the hips.
 const SCENE: &str = r#"

@@ -1,10 +1,10 @@
 //! What the compiler may know of a body.
 
 use super::Body;
-use crate::model::{self, Model};
-use crate::physics::{self, State, Workspace};
 use msk_compiler::task::RootPlacement;
 use msk_compiler::vocabulary::{Joint, JointKind, Landmark, Muscle, Vocabulary};
+use msk_physics::model::{self, Model};
+use msk_physics::{self as physics, State, Workspace};
 use nalgebra::Matrix3;
 
 impl Body {

@@ -13,8 +13,8 @@
 //! What a muscle can bring up is 1 - F: excitation beyond it has no effect.
 
 use super::{ConditionError, within};
-use crate::model::{Dynamics, Model};
-use crate::scalar::Real;
+use msk_physics::model::{Dynamics, Model};
+use msk_physics::scalar::Real;
 use serde::{Deserialize, Serialize};
 
 /// Rates of fatigue, the same for all muscles.

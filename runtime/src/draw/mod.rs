@@ -24,10 +24,10 @@ mod skeleton;
 pub use camera::View;
 
 use crate::body::sensors::Snapshot;
-use crate::model::GeomKind;
 use camera::Camera;
 use core::fmt::Write;
 use forces::Arrow;
+use msk_physics::model::GeomKind;
 use nalgebra::Vector2;
 use panel::Panel;
 use path::{Bounds, number};

@@ -4,8 +4,8 @@ use super::camera::Camera;
 use super::panel::{Item, Panel};
 use super::path::Path;
 use crate::body::sensors::Snapshot;
-use crate::model::GeomKind;
-use crate::physics::tendons::{PathVertex, VertexKind, path};
+use msk_physics::model::GeomKind;
+use msk_physics::tendons::{PathVertex, VertexKind, path};
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// Width of the belly of a muscle of 1 N, mm: cross sections are proportional to forces, so widths to their square roots.

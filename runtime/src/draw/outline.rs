@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::path::Path;
-use crate::model::{GeomKind, HeightField, Mesh};
+use msk_physics::model::{GeomKind, HeightField, Mesh};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// A shape in the world: kind, size (m), centre (m) and orientation.

@@ -6,7 +6,7 @@ use super::panel::{Item, Panel};
 use super::path::Path;
 use crate::body::sensors::Snapshot;
 use crate::body::shape::support;
-use crate::model::{GeomKind, Model};
+use msk_physics::model::{GeomKind, Model};
 
 /// Parts lighter than this share of the body are no limbs of their own.
 const SMALLEST_LIMB: f64 = 0.02;

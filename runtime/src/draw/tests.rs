@@ -1,10 +1,10 @@
 use super::*;
 use crate::bodies;
 use crate::body::Body;
-use crate::model::Model;
-use crate::physics::{self, State, Workspace};
 use msk_compiler::body::{Axis, BodyDescription};
 use msk_compiler::task::RootPlacement;
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
 use std::path::Path;
 
 /// The full body with its knees bent, its muscles at different activations.

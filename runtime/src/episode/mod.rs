@@ -23,15 +23,15 @@ pub use excitation::{REST, excitation};
 pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
 
-use crate::scalar::Real;
+use msk_physics::scalar::Real;
 use streams::Streams;
 
 use crate::body::{Body, sensors};
 use crate::condition::{Compartments, Fatigue};
-use crate::model::Model;
-use crate::physics::{self, State, Workspace};
 use crate::policy::PolicyContext;
 use msk_compiler::task::{CompiledTask, Disturbance, StepReport, TaskState};
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
 use nalgebra::Vector3;
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
 //! What does not fit when an episode begins: numbers for warnings, nothing is mended.
 
-use crate::model::{Equality, Model};
-use crate::physics::Workspace;
-use crate::physics::constraint::RowKind;
-use crate::scalar::Real;
+use msk_physics::Workspace;
+use msk_physics::constraint::RowKind;
+use msk_physics::model::{Equality, Model};
+use msk_physics::scalar::Real;
 
 /// Shapes that overlap by less than this are said to touch, m.
 const DEEPEST_TOUCH: f64 = 1e-3;

@@ -2,8 +2,8 @@
 
 use crate::condition::MuscleCondition;
 use crate::episode::{Ending, Episode};
-use crate::scalar::Real;
 use msk_compiler::task::CompiledTask;
+use msk_physics::scalar::Real;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Numbers by the names of the task's terms, in the task's order.

@@ -3,7 +3,7 @@
 use super::EvaluationError;
 use crate::episode::{Ending, Episode, EpisodeKey, REST};
 use crate::policy::Policy;
-use crate::scalar::Real;
+use msk_physics::scalar::Real;
 
 /// What came of an episode that was played on to its horizon.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! What files were when they were read, so that a change can be noticed.
 
-use crate::model::ModelFiles;
+use msk_physics::model::ModelFiles;
 use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -79,7 +79,7 @@ fn digest(bytes: &Result<Option<Vec<u8>>, String>) -> Option<[u8; 32]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::DiskFiles;
+    use msk_physics::model::DiskFiles;
 
     fn read(path: &Path) -> (Option<Vec<u8>>, Fingerprints) {
         let recorder = Recorder::new(&DiskFiles);

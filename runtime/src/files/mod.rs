@@ -5,30 +5,10 @@ mod fingerprints;
 pub(crate) use fingerprints::{Fingerprints, Recorder};
 
 use crate::bodies;
-use crate::model::ModelFiles;
 use msk_compiler::files::{LARGEST_FILE, LoadError, Loader};
-use msk_storage::{StorageError, read_file, read_text_file};
+use msk_storage::{StorageError, read_text_file};
 use std::io::ErrorKind;
 use std::path::Path;
-use std::time::SystemTime;
-
-/// All regular files of the machine: what the command line reads, where the user chose whose files to read.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct DiskFiles;
-
-impl ModelFiles for DiskFiles {
-    fn read(&self, path: &Path, limit: u64) -> Result<Option<Vec<u8>>, String> {
-        match read_file(path, limit) {
-            Err(error) if error.kind() == Some(ErrorKind::NotFound) => Ok(None),
-            bytes => bytes.map(Some).map_err(|error| error.reason()),
-        }
-    }
-
-    fn stamp(&self, path: &Path) -> Option<(u64, SystemTime)> {
-        let metadata = std::fs::metadata(path).ok()?;
-        Some((metadata.len(), metadata.modified().ok()?))
-    }
-}
 
 /// Reads texts from the file system, and those embedded in the program.
 #[derive(Debug, Clone, Copy, Default)]

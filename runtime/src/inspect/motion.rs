@@ -4,10 +4,10 @@
 //! ground than [`TOUCH`] and hardly rises or falls; how far it wanders meanwhile is how far the foot slides.
 
 use crate::body::Body;
-use crate::model::{GeomKind, Model};
-use crate::physics::{State, Workspace, kinematics};
-use crate::scalar::Real;
 use msk_compiler::motion::{Motion, RootPart, Target};
+use msk_physics::model::{GeomKind, Model};
+use msk_physics::scalar::Real;
+use msk_physics::{State, Workspace, kinematics};
 use nalgebra::Vector3;
 use serde::Serialize;
 

@@ -1,11 +1,11 @@
 //! One muscle over the sweep of one joint: its path, where it wraps, how long it is and how it turns the joint.
 
 use crate::body::coupling;
-use crate::model::{ElasticTendons, JointKind, Model, Muscle};
-use crate::physics::tendons::{PathVertex, VertexKind, path};
-use crate::physics::{State, Workspace, kinematics, moment_arms, tendons};
-use crate::scalar::Real;
 use core::f64::consts::PI;
+use msk_physics::model::{ElasticTendons, JointKind, Model, Muscle};
+use msk_physics::scalar::Real;
+use msk_physics::tendons::{PathVertex, VertexKind, path};
+use msk_physics::{State, Workspace, kinematics, moment_arms, tendons};
 use serde::Serialize;
 
 /// What was asked for cannot be swept.
@@ -269,7 +269,7 @@ impl Sweep<'_> {
 
     /// The obstacles of the path, touched or not.
     fn wraps(&self) -> Vec<Wrap> {
-        use crate::model::PathPoint::Wrap as Obstacle;
+        use msk_physics::model::PathPoint::Wrap as Obstacle;
         let (model, vertices) = (self.model, self.path());
         let points = &model.tendons.path_points[model.tendons.path[self.tendon()].clone()];
         let mut touched = vertices.iter().filter_map(|vertex| match vertex.kind {

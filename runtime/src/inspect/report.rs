@@ -1,8 +1,8 @@
 //! Everything that one forward computation finds.
 
-use crate::model::Model;
-use crate::physics::constraint::{Constraints, RowKind};
-use crate::physics::{State, Workspace, actuation, sensors};
+use msk_physics::constraint::{Constraints, RowKind};
+use msk_physics::model::Model;
+use msk_physics::{State, Workspace, actuation, sensors};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
 
@@ -15,7 +15,7 @@ pub struct Extra {
     pub constraint_jacobian: bool,
 }
 
-/// All quantities of `workspace` after [`forward`](crate::physics::forward) on `state`, by MuJoCo's names.
+/// All quantities of `workspace` after [`forward`](msk_physics::forward) on `state`, by MuJoCo's names.
 pub fn forward_report(model: &Model, state: &State<f64>, workspace: &Workspace<f64>, extra: Extra) -> Value {
     let mut report = Map::new();
     let mut put = |name: &str, value: Value| drop(report.insert(name.to_owned(), value));
@@ -145,7 +145,7 @@ fn mass_matrix(model: &Model, workspace: &Workspace<f64>) -> Vec<f64> {
 }
 
 fn contacts(model: &Model, constraints: &Constraints) -> Value {
-    let describe = |contact: &crate::physics::collision::Contact| {
+    let describe = |contact: &msk_physics::collision::Contact| {
         json!({
             "geom": contact.geoms,
             "geom_names": contact.geoms.map(|geom| &model.geoms.name[geom]),

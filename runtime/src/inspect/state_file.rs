@@ -1,7 +1,7 @@
 //! A state as it stands in a file.
 
-use crate::model::Model;
-use crate::physics::State;
+use msk_physics::State;
+use msk_physics::model::Model;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -136,7 +136,7 @@ fn take(name: &'static str, given: &Option<Vec<f64>>, slot: &mut Vec<f64>) -> Re
 }
 
 fn check_quaternions(model: &Model, state: &State<f64>) -> Result<(), StateError> {
-    use crate::model::JointKind::{Ball, Free, Hinge, Slide};
+    use msk_physics::model::JointKind::{Ball, Free, Hinge, Slide};
     for (joint, kind) in model.joints.kind.iter().enumerate() {
         let start = model.joints.position_address[joint]
             + match kind {

@@ -5,9 +5,9 @@
 //! on both sides.
 
 use crate::body::Body;
-use crate::model::{JointKind, Model, Quaternion, rotation};
-use crate::physics::State;
-use crate::physics::kinematics::{self, Kinematics};
+use msk_physics::State;
+use msk_physics::kinematics::{self, Kinematics};
+use msk_physics::model::{JointKind, Model, Quaternion, rotation};
 use nalgebra::{Matrix3, Vector3};
 
 /// Objects are in the same place up to this, m.

@@ -7,12 +7,12 @@
 use crate::body::Body;
 use crate::body::sensors::{self, Control, Memory, Snapshot};
 use crate::episode::Stream;
-use crate::model::{Model, Quaternion, rotation};
-use crate::physics::{State, Workspace, constrained, kinematics};
-use crate::scalar::Real;
 use crate::scene::ground::Ground;
 use msk_compiler::frame::FrameLayout;
 use msk_compiler::task::RootPlacement;
+use msk_physics::model::{Model, Quaternion, rotation};
+use msk_physics::scalar::Real;
+use msk_physics::{State, Workspace, constrained, kinematics};
 use nalgebra::{Matrix3, Vector3};
 
 /// How high a body may be above the ground, m: a hop.
@@ -90,7 +90,7 @@ pub(super) struct Room<'a> {
     pub begins: State<f64>,
     pub state: State<f64>,
     pub workspace: Workspace<f64>,
-    /// Solid shapes that stay where they are: what can be stood on or bumped into.
+    /// SupportShape shapes that stay where they are: what can be stood on or bumped into.
     scenery: Vec<usize>,
     /// Feet, by their landmarks.
     pub feet: Vec<usize>,
@@ -387,7 +387,7 @@ impl<'a> Room<'a> {
 
 /// Free objects that connections hold to parts of the body, as they are where the task begins.
 fn carried(model: &Model, body: &Body, workspace: &Workspace<f64>) -> Vec<Carried> {
-    use crate::model::Equality;
+    use msk_physics::model::Equality;
     let kinematics = &workspace.kinematics;
     let mut found: Vec<Carried> = Vec::new();
     for connection in &body.connections {

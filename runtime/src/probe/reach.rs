@@ -7,7 +7,6 @@ use super::at;
 use super::poses::Room;
 use super::search::{Goal, Range, Search, Shown, Tally};
 use crate::episode::{EpisodeKey, Stream};
-use crate::scalar::Real;
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Code, Diagnostic, FileId, Span};
 use msk_compiler::frame::Sensor;
@@ -15,6 +14,7 @@ use msk_compiler::numbers::for_people;
 use msk_compiler::spoken::SpokenUnit;
 use msk_compiler::survey::{About, Subject, Survey};
 use msk_compiler::task::CompiledTask;
+use msk_physics::scalar::Real;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How many poses are drawn.

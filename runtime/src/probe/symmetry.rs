@@ -5,13 +5,13 @@ use super::mirror::Mirror;
 use super::poses::Room;
 use super::search::Shown;
 use crate::episode::{Episode, EpisodeKey, Stream};
-use crate::physics::State;
-use crate::scalar::Real;
 use msk_compiler::diagnostics::Diagnostic;
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::numbers::{beside, for_people};
 use msk_compiler::survey::{About, Survey};
 use msk_compiler::task::{CompiledTask, StepReport};
+use msk_physics::State;
+use msk_physics::scalar::Real;
 
 /// How many states are mirrored.
 const STATES: usize = 24;

@@ -7,12 +7,12 @@ use super::builder::{Built, SceneBuilder};
 use super::check::BuildError;
 use super::elements::{NewBody, NewGeom, NewJoint};
 use super::kept;
-use crate::model::inertia::MassProperties;
-use crate::model::{
+use msk_physics::constants;
+use msk_physics::model::inertia::MassProperties;
+use msk_physics::model::{
     Actuators, Attachment, AttachmentOrigin, Bias, Bodies, ContactPairs, Dofs, Equality, Gain, GeomKind, Geoms, HeightField,
     JointKind, Joints, Model, PathPoint, Sites, Softness, Transmission, rotation, topology,
 };
-use crate::physics::constants;
 use nalgebra::Vector3;
 
 /// Number of coordinates and of degrees of freedom of a joint.

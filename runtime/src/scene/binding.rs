@@ -3,9 +3,9 @@
 use super::builder::Built;
 use super::objects::Placed;
 use crate::body::{Body, Connection, Joint, Landmark, Object, Root, subtree};
-use crate::model::{JointKind, Model};
 use msk_compiler::scene::{Parent, SceneDescription};
 use msk_compiler::vocabulary::{Group, GroupKind};
+use msk_physics::model::{JointKind, Model};
 use nalgebra::{Matrix3, Vector3};
 
 /// The body in the model that was built.

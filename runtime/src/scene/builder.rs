@@ -3,9 +3,9 @@
 use super::assembly;
 use super::check::BuildError;
 use super::elements::{NewAttachment, NewBody, NewGeom, NewJoint, NewSite};
-use crate::model::Model;
-use crate::model::inertia::{MassProperties, combine, moments};
-use crate::model::rotation::IDENTITY;
+use msk_physics::model::Model;
+use msk_physics::model::inertia::{MassProperties, combine, moments};
+use msk_physics::model::rotation::IDENTITY;
 use nalgebra::Vector3;
 
 /// A model with what was added, and where everything is now.
@@ -32,7 +32,7 @@ pub struct Built {
 /// would give.
 ///
 /// ```
-/// use msk_runtime::model::{GeomKind, JointKind, Model};
+/// use msk_physics::model::{GeomKind, JointKind, Model};
 /// use msk_runtime::scene::{NewBody, NewGeom, NewJoint, SceneBuilder};
 /// use nalgebra::Vector3;
 ///

@@ -3,8 +3,8 @@
 use super::assembly;
 use super::builder::SceneBuilder;
 use super::elements::{NewAttachment, NewBody, NewGeom, NewJoint};
-use crate::model::rotation;
-use crate::model::{GeomKind, JointKind, Quaternion};
+use msk_physics::model::rotation;
+use msk_physics::model::{GeomKind, JointKind, Quaternion};
 
 /// What cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

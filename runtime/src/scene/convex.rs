@@ -1,12 +1,12 @@
 //! The vertical gap between two convex shapes.
 
-use crate::physics::collision::Solid;
-use crate::scalar::Real;
+use msk_physics::collision::SupportShape;
+use msk_physics::scalar::Real;
 use nalgebra::{Vector2, Vector3};
 
 /// A point of the shape that lies farthest along `direction` (any length but zero).
-pub(super) fn farthest(solid: &Solid<'_>, direction: &Vector3<f64>) -> Vector3<f64> {
-    let core = solid.farthest(*direction);
+pub(super) fn support_point(solid: &SupportShape<'_>, direction: &Vector3<f64>) -> Vector3<f64> {
+    let core = solid.support_point(*direction);
     if solid.radius > 0.0 { core + direction * (solid.radius / direction.norm()) } else { core }
 }
 
@@ -22,8 +22,8 @@ const EXACT: f64 = 1e-13;
 /// The gap is where the vertical through the origin enters the difference of the two shapes {p - g}, which is convex. Three of
 /// its points whose triangle the vertical pierces are a portal; the farthest point below the portal replaces one of them
 /// until there is none (portal refinement, Snethen 2008).
-pub(super) fn gap(upper: &Solid<'_>, lower: &Solid<'_>) -> Option<f64> {
-    let difference = |d: &Vector3<f64>| farthest(upper, d) - farthest(lower, &-d);
+pub(super) fn gap(upper: &SupportShape<'_>, lower: &SupportShape<'_>) -> Option<f64> {
+    let difference = |d: &Vector3<f64>| support_point(upper, d) - support_point(lower, &-d);
     let mut portal = around_vertical(&difference, (upper.position - lower.position).xy())?;
     let mut level = f64::NEG_INFINITY;
     for _ in 0..MOST_REFINEMENTS {

@@ -1,7 +1,7 @@
 //! What a builder can add: bodies, joints, shapes, sites.
 
-use crate::model::rotation::IDENTITY;
-use crate::model::{GeomKind, HeightField, JointKind, Quaternion, Softness};
+use msk_physics::model::rotation::IDENTITY;
+use msk_physics::model::{GeomKind, HeightField, JointKind, Quaternion, Softness};
 use nalgebra::Vector3;
 
 /// A body to be added.

@@ -1,8 +1,8 @@
 //! Convex shapes as seen from straight above: how far the nearest point is, and where a level ray meets one.
 
-use super::convex::farthest;
-use crate::physics::collision::Solid;
-use crate::scalar::Real;
+use super::convex::support_point;
+use msk_physics::collision::SupportShape;
+use msk_physics::scalar::Real;
 use nalgebra::{Vector2, Vector3};
 
 /// Steps at most; smooth shapes need about ten.
@@ -12,13 +12,13 @@ const MOST_STEPS: usize = 64;
 const EXACT: f64 = 1e-12;
 
 /// The farthest point of the footprint, seen from `eye`.
-fn support(shape: &Solid<'_>, eye: Vector2<f64>, direction: Vector2<f64>) -> Vector2<f64> {
-    farthest(shape, &Vector3::new(direction.x, direction.y, 0.0)).xy() - eye
+fn support(shape: &SupportShape<'_>, eye: Vector2<f64>, direction: Vector2<f64>) -> Vector2<f64> {
+    support_point(shape, &Vector3::new(direction.x, direction.y, 0.0)).xy() - eye
 }
 
 /// The vector from `eye` to the nearest point of a shape's footprint, zero above or below it
 /// (Gilbert, Johnson and Keerthi 1988, in the plane).
-pub(super) fn nearest(shape: &Solid<'_>, eye: Vector2<f64>) -> Vector2<f64> {
+pub(super) fn nearest(shape: &SupportShape<'_>, eye: Vector2<f64>) -> Vector2<f64> {
     let towards = shape.position.xy() - eye;
     let mut ends = [support(shape, eye, if towards == Vector2::zeros() { Vector2::x() } else { -towards }); 2];
     let mut best = ends[0];
@@ -53,7 +53,7 @@ pub(super) fn nearest(shape: &Solid<'_>, eye: Vector2<f64>) -> Vector2<f64> {
 ///
 /// Two points of the footprint on either side of the line are a portal; the farthest point in front of it replaces one of them
 /// until there is none.
-pub(super) fn ray(shape: &Solid<'_>, eye: Vector2<f64>, direction: Vector2<f64>) -> Option<f64> {
+pub(super) fn ray(shape: &SupportShape<'_>, eye: Vector2<f64>, direction: Vector2<f64>) -> Option<f64> {
     let left = Vector2::new(-direction.y, direction.x);
     let aside = |point: &Vector2<f64>| left.dot(point);
     let [mut high, mut low] = [support(shape, eye, left), support(shape, eye, -left)];

@@ -3,12 +3,12 @@
 //! The ground is everything walkable: the level ground, stairs, slopes, stones. Seen from above it is one surface of heights;
 //! under bridges there is none.
 
-use super::convex::{farthest, gap};
+use super::convex::{gap, support_point};
 use crate::body::shape::support;
-use crate::model::{GeomKind, HeightField, Model};
-use crate::physics::collision::{Asset, Core, Placed, Solid, ray};
-use crate::physics::kinematics::Kinematics;
-use crate::scalar::Real;
+use msk_physics::collision::{Asset, Core, Placed, SupportShape, ray};
+use msk_physics::kinematics::Kinematics;
+use msk_physics::model::{GeomKind, HeightField, Model};
+use msk_physics::scalar::Real;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Where a scene with walkable things has none under a place, the ground counts as this high, m: deeper than any fall.
@@ -80,7 +80,7 @@ impl Ground<'_> {
             return self.above_plane(shape, Vector3::zeros(), Vector3::z());
         }
         let placed = Placed::of(self.model, self.kinematics, 0, shape);
-        let Some(solid) = Solid::new(&placed, Vector3::zeros()) else { return f64::INFINITY };
+        let Some(solid) = SupportShape::new(&placed, Vector3::zeros()) else { return f64::INFINITY };
         let mut least = f64::INFINITY;
         for &ground in self.shapes {
             let (centre, rotation) = (self.kinematics.geom_position[ground], self.kinematics.geom_rotation[ground]);
@@ -102,7 +102,7 @@ impl Ground<'_> {
         }
         let down = kinematics.geom_rotation[shape].transpose() * -normal;
         let reach = match Placed::of(self.model, kinematics, 0, shape).asset {
-            Asset::Mesh(mesh) => mesh.hull.vertices[mesh.hull.farthest(down)].dot(&down),
+            Asset::Mesh(mesh) => mesh.hull.vertices[mesh.hull.support_point(down)].dot(&down),
             _ => support(geoms.kind[shape], geoms.size[shape], down),
         };
         ((kinematics.geom_position[shape] - origin).dot(&normal) - reach) / normal.z
@@ -116,33 +116,33 @@ impl Ground<'_> {
     }
 
     /// Height of a shape over one that is not a plane; what is not below `least` may be left out.
-    fn above(&self, shape: &Solid<'_>, ground: usize, least: f64) -> f64 {
+    fn above(&self, shape: &SupportShape<'_>, ground: usize, least: f64) -> f64 {
         let placed = Placed::of(self.model, self.kinematics, 0, ground);
         if let Asset::HeightField(field) = placed.asset {
             return over_field(shape, &placed, field, least);
         }
-        let lowest = farthest(shape, &-Vector3::z());
+        let lowest = support_point(shape, &-Vector3::z());
         match self.top(ground, lowest.xy()) {
             // Over a level place of a convex shape: nothing else of it is higher, and nothing of the other is lower.
             Some(footing) if footing.normal.z >= 1.0 - 1e-15 => lowest.z - footing.height,
-            _ => Solid::new(&placed, Vector3::zeros()).and_then(|ground| gap(shape, &ground)).unwrap_or(f64::INFINITY),
+            _ => SupportShape::new(&placed, Vector3::zeros()).and_then(|ground| gap(shape, &ground)).unwrap_or(f64::INFINITY),
         }
     }
 }
 
 /// Height of a shape over a height field: over the nearest of its triangles.
-fn over_field(shape: &Solid<'_>, placed: &Placed<'_>, field: &HeightField, least: f64) -> f64 {
+fn over_field(shape: &SupportShape<'_>, placed: &Placed<'_>, field: &HeightField, least: f64) -> f64 {
     let directions = [Vector3::x(), Vector3::y()].map(|axis| placed.rotation * axis);
     let cells = |axis: usize, count: usize| {
         // The field's own axes are level, or nearly so: the shape's extent along them bounds the cells under it.
-        let reach = |direction: Vector3<f64>| farthest(shape, &direction) - placed.position;
+        let reach = |direction: Vector3<f64>| support_point(shape, &direction) - placed.position;
         let [low, high] = [-directions[axis], directions[axis]].map(|direction| reach(direction).dot(&directions[axis]));
         let index = |along: f64| (along / field.radius[axis] + 1.0) * 0.5 * (count - 1) as f64;
         // One cell more on both sides covers the rounding.
         let first = (index(low) - 1.0).at_least(0.0) as usize;
         first..((index(high) + 2.0).at_least(0.0) as usize).min(count - 1)
     };
-    let lowest = farthest(shape, &-Vector3::z()).z;
+    let lowest = support_point(shape, &-Vector3::z()).z;
     let mut least = least;
     let mut over = |corners: [Vector3<f64>; 3]| {
         let top = corners[0].z.at_least(corners[1].z).at_least(corners[2].z);
@@ -152,7 +152,7 @@ fn over_field(shape: &Solid<'_>, placed: &Placed<'_>, field: &HeightField, least
         let [a, b, c] = corners.map(|corner| corner - corners[0]);
         let prism = [a, b, c, a, b, c];
         let core = Core::Prism(&prism);
-        let triangle = Solid { core, position: corners[0], rotation: Matrix3::identity(), radius: 0.0 };
+        let triangle = SupportShape { core, position: corners[0], rotation: Matrix3::identity(), radius: 0.0 };
         least = least.at_most(gap(shape, &triangle).unwrap_or(f64::INFINITY));
     };
     let columns = cells(0, field.columns);

@@ -3,7 +3,7 @@
 
 use super::assembly::widths;
 use super::builder::SceneBuilder;
-use crate::model::{Framed, Keyframe, Measure, Model};
+use msk_physics::model::{Framed, Keyframe, Measure, Model};
 
 /// Moves a sensor's references to bodies, joints, shapes and sites.
 pub(super) fn move_measure(measure: &mut Measure, [bodies, joints, geoms, sites]: [&Vec<usize>; 4]) {

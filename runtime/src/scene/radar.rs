@@ -1,9 +1,9 @@
 //! Looking around on the level: how near things are, sector by sector.
 
 use super::footprint::{nearest, ray};
-use crate::physics::collision::Solid;
-use crate::scalar::Real;
 use core::f64::consts::TAU;
+use msk_physics::collision::SupportShape;
+use msk_physics::scalar::Real;
 use nalgebra::Vector2;
 
 /// Sectors side by side, symmetric about a heading.
@@ -22,7 +22,7 @@ pub struct Radar {
 impl Radar {
     /// Raises the nearness of `sectors`, from left to right, to that of a shape: `1 - distance / range` of the nearest point of its
     /// footprint in the sector.
-    pub(crate) fn see(&self, shape: &Solid<'_>, sectors: &mut [f64]) {
+    pub(crate) fn see(&self, shape: &SupportShape<'_>, sectors: &mut [f64]) {
         let to_nearest = nearest(shape, self.eye);
         let distance = to_nearest.norm();
         if distance >= self.range {

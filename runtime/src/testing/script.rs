@@ -6,12 +6,12 @@
 //! Where a motion is played, its table says where joints and root are from one keyframe to the next.
 
 use crate::body::Body;
-use crate::model::{Model, rotation};
-use crate::physics::{State, Workspace};
 use msk_compiler::frame::Origin;
 use msk_compiler::motion::Following;
 use msk_compiler::task::{CompiledTask, Init, ObjectStart, RootPlacement, TaskState};
 use msk_compiler::testing::Keyframe;
+use msk_physics::model::{Model, rotation};
+use msk_physics::{State, Workspace};
 
 /// How the root is placed.
 #[derive(Debug, Clone, PartialEq)]

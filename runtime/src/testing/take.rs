@@ -3,10 +3,10 @@
 use super::returns::{Returns, Tally};
 use super::{Script, TestError};
 use crate::episode::{Ending, Episode, EpisodeKey, REST};
-use crate::physics::Workspace;
 use crate::policy;
 use msk_compiler::task::TaskState;
 use msk_compiler::testing::Take;
+use msk_physics::Workspace;
 use std::collections::BTreeSet;
 
 /// What an episode of a test has shown.

@@ -5,7 +5,7 @@
 
 use super::{Proposal, Reasoner, ReasonerError, Request};
 use crate::statistics::{Allowed, TermStatistics};
-use msk_runtime::scalar::Real;
+use msk_physics::scalar::Real;
 use std::sync::atomic::AtomicBool;
 
 /// Part of the steps beyond which a term counts as always saturated, or always dead.

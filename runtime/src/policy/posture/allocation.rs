@@ -16,7 +16,7 @@
 //! previous control step's y it usually takes three to six.
 
 use super::{sparse::Columns, symmetric::Symmetric};
-use crate::scalar::Real;
+use msk_physics::scalar::Real;
 
 /// Bounds and cost of one unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,8 +4,8 @@
 //! v = P w and v̇ = P ẇ + d, and because the couplings' forces do no work along P they drop out of the projected equations of
 //! motion P'M P ẇ + P'(M d + bias) = P'force.
 
-use crate::model::Model;
-use crate::physics::State;
+use msk_physics::State;
+use msk_physics::model::Model;
 
 /// The map from independent coordinates to all degrees of freedom at one state.
 #[derive(Debug, Clone)]

@@ -1,8 +1,8 @@
 //! Inverse dynamics in independent coordinates.
 
 use super::{View, coordinates::Coordinates, sparse::Columns, support::Point, symmetric::Symmetric};
-use crate::model::{Model, Muscle};
-use crate::physics::{center_of_mass_jacobian, inertia, moment_arms, point_jacobian};
+use msk_physics::model::{Model, Muscle};
+use msk_physics::{center_of_mass_jacobian, inertia, moment_arms, point_jacobian};
 use nalgebra::Vector3;
 
 /// The equations of motion of one control step, E ẇ + load = Σ activation · arm · strength + contact forces.

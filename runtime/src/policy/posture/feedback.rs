@@ -13,8 +13,8 @@
 
 use super::{View, coordinates::Coordinates, dynamics::Motion, goal::Goal, symmetric::Symmetric};
 use crate::body::Body;
-use crate::physics::{State, kinematics::Kinematics, rotation::difference};
-use crate::scalar::Real;
+use msk_physics::scalar::Real;
+use msk_physics::{State, kinematics::Kinematics, rotation::difference};
 use nalgebra::Vector3;
 
 /// Stiffness (1/s²) and damping (1/s) of a wish, and its weight in the compromise.

@@ -5,12 +5,12 @@
 
 use super::{Present, support::Support};
 use crate::body::Body;
-use crate::model::Model;
-use crate::physics::{State, Workspace, kinematics, rotation::difference};
-use crate::scalar::Real;
 use crate::testing::Script;
 use msk_compiler::motion::{Motion, Parts, RootPart};
 use msk_compiler::task::Init;
+use msk_physics::model::Model;
+use msk_physics::scalar::Real;
+use msk_physics::{State, Workspace, kinematics, rotation::difference};
 use nalgebra::Vector3;
 use std::sync::Arc;
 

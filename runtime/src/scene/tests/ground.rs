@@ -1,15 +1,15 @@
 //! Heights, gaps and sectors against brute force.
 
-use crate::model::{GeomKind, HeightField, Model};
-use crate::physics::collision::{Placed, Solid, ray};
-use crate::physics::{State, Workspace, kinematics};
-use crate::scalar::Real;
-use crate::scene::convex::{farthest, gap};
+use crate::scene::convex::{gap, support_point};
 use crate::scene::ground::{ABYSS, Ground};
 use crate::scene::radar::Radar;
 use crate::scene::terrain;
 use crate::scene::{NewGeom, SceneBuilder};
 use msk_compiler::scene::Terrain;
+use msk_physics::collision::{Placed, SupportShape, ray};
+use msk_physics::model::{GeomKind, HeightField, Model};
+use msk_physics::scalar::Real;
+use msk_physics::{State, Workspace, kinematics};
 use nalgebra::{Rotation3, Vector2, Vector3};
 use proptest::prelude::*;
 
@@ -32,7 +32,7 @@ fn placed(model: &Model) -> Workspace<f64> {
 }
 
 fn turn([roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
-    crate::model::rotation::from_matrix(Rotation3::from_euler_angles(roll, pitch, yaw).matrix())
+    msk_physics::model::rotation::from_matrix(Rotation3::from_euler_angles(roll, pitch, yaw).matrix())
 }
 
 fn solid(kind: usize, size: [f64; 3], position: [f64; 3], angles: [f64; 3]) -> NewGeom {
@@ -138,7 +138,7 @@ proptest! {
         let workspace = placed(&model);
         let [upper, lower] = [0, 1].map(|geom| Placed::of(&model, &workspace.kinematics, 0, geom));
         let ground = Ground { model: &model, kinematics: &workspace.kinematics, shapes: &[1] };
-        let found = gap(&Solid::new(&upper, Vector3::zeros()).unwrap(), &Solid::new(&lower, Vector3::zeros()).unwrap());
+        let found = gap(&SupportShape::new(&upper, Vector3::zeros()).unwrap(), &SupportShape::new(&lower, Vector3::zeros()).unwrap());
         prop_assert_eq!(found.is_some(), ground.clearance(&[0]).is_finite());
         // The height over the ground is convex where it is defined: a grid finds the valley, finer ones its bottom.
         let (mut least, mut middle, mut half) = (f64::INFINITY, at(x, y), 1.0);
@@ -207,7 +207,7 @@ proptest! {
         let model = model([solid(kind, size, [place[0], place[1], 0.3], angles)]);
         let workspace = placed(&model);
         let shape = Placed::of(&model, &workspace.kinematics, 0, 0);
-        let solid = Solid::new(&shape, Vector3::zeros()).unwrap();
+        let solid = SupportShape::new(&shape, Vector3::zeros()).unwrap();
         let heading = at(course.cos(), course.sin());
         let radar = Radar { eye: at(0.1, -0.2), heading, over, range: 2.5 };
         let mut found = vec![0.0; count];
@@ -218,7 +218,7 @@ proptest! {
         let rim = |index: u32| {
             // No direction is square to a straight side: such a side has no one farthest point.
             let angle = (f64::from(index % 720) + 0.37) * core::f64::consts::TAU / 720.0;
-            farthest(&solid, &Vector3::new(angle.cos(), angle.sin(), 0.0)).xy() - radar.eye
+            support_point(&solid, &Vector3::new(angle.cos(), angle.sin(), 0.0)).xy() - radar.eye
         };
         for index in 0..720 {
             let [here, there] = [rim(index), rim(index + 1)];

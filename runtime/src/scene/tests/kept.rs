@@ -1,8 +1,8 @@
 //! Sensors and key frames of a model in a scene.
 
 use super::*;
-use crate::model::{GeomKind, JointKind};
-use crate::physics::sensors::readings;
+use msk_physics::model::{GeomKind, JointKind};
+use msk_physics::sensors::readings;
 use nalgebra::Vector3;
 
 const MODEL: &str = r#"<mujoco>
@@ -59,7 +59,7 @@ fn sensors_and_key_frames_mean_the_same_in_a_scene() {
 
     assert_eq!(staged.keyframes.iter().map(|frame| frame.name.as_str()).collect::<Vec<_>>(), ["start", "up"]);
     for (alone, among) in base.keyframes.iter().zip(&staged.keyframes) {
-        let read = |model: &Model, frame: &crate::model::Keyframe| {
+        let read = |model: &Model, frame: &msk_physics::model::Keyframe| {
             let (state, mut workspace) = (frame.state(model), Workspace::new(model));
             forward(model, &state, &mut workspace).unwrap();
             (state.time, state.control.clone(), state.placed_position.clone(), readings(model, &state, &workspace))

@@ -4,9 +4,9 @@ mod kept;
 use super::*;
 use crate::bodies;
 use crate::body::Body;
-use crate::model::Model;
-use crate::physics::{State, Workspace, forward};
 use msk_compiler::scene::{Motion, Object, ObjectJoint, ObjectJointKind, Parent, Shape, Surface};
+use msk_physics::model::Model;
+use msk_physics::{State, Workspace, forward};
 
 /// An object at rest in the world.
 pub(super) fn object(name: &str, shape: Option<Shape>, position: [f64; 3]) -> Object {

@@ -1,0 +1,63 @@
+//! Shapes placed in the world.
+
+use crate::{
+    kinematics::Kinematics,
+    model::{GeomKind, HeightField, Mesh, Model},
+    scalar::Real,
+};
+use nalgebra::{Matrix3, Vector3};
+
+/// What gives a shape its form beyond its size.
+#[derive(Debug, Clone, Copy)]
+pub enum Asset<'a> {
+    /// Nothing: a primitive.
+    None,
+    /// A mesh.
+    Mesh(&'a Mesh),
+    /// A height field.
+    HeightField(&'a HeightField),
+}
+
+/// A shape in the world.
+#[derive(Debug, Clone, Copy)]
+pub struct Placed<'a> {
+    /// Kind.
+    pub kind: GeomKind,
+    /// Centre, m.
+    pub position: Vector3<f64>,
+    /// Rotation from the shape's axes to the world's.
+    pub rotation: Matrix3<f64>,
+    /// Size as its kind says, m.
+    pub size: Vector3<f64>,
+    /// Form of meshes and height fields.
+    pub asset: Asset<'a>,
+}
+
+impl<'a> Placed<'a> {
+    /// Geom `geom` of `model` at a place.
+    pub fn new(model: &'a Model, geom: usize, position: Vector3<f64>, rotation: Matrix3<f64>) -> Self {
+        let (kind, asset) = (model.geoms.kind[geom], model.geoms.asset[geom]);
+        let asset = match (kind, asset) {
+            (GeomKind::Mesh, Some(asset)) => Asset::Mesh(&model.meshes[asset]),
+            (GeomKind::HeightField, Some(asset)) => Asset::HeightField(&model.height_fields[asset]),
+            _ => Asset::None,
+        };
+        Self { kind, position, rotation, size: model.geoms.size[geom], asset }
+    }
+
+    /// Geom `geom` where the kinematics of the episode in `lane` put it.
+    pub fn of<T: Real>(model: &'a Model, kinematics: &Kinematics<T>, lane: usize, geom: usize) -> Self {
+        let position = kinematics.geom_position[geom].map(|value| value.lane(lane));
+        Self::new(model, geom, position, kinematics.geom_rotation[geom].map(|value| value.lane(lane)))
+    }
+
+    /// The z axis: a plane's normal, a capsule's axis.
+    pub(super) fn axis(&self) -> Vector3<f64> {
+        self.rotation.column(2).into_owned()
+    }
+
+    /// A point or direction-from-the-centre of the world in the shape's axes.
+    pub(super) fn local(&self, point: Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(&(point - self.position))
+    }
+}

@@ -1,0 +1,102 @@
+//! Rows of contacts: the edges of a friction pyramid, the axes of an elliptic cone, or the normal alone.
+
+use super::{
+    Bridge, Constraints, RowKind,
+    cone::Cone,
+    impedance::SpringDamper,
+    jacobian::Shape,
+    rows::{ONE_WAY, Place, Rows},
+    spring,
+};
+use crate::{
+    Workspace,
+    collision::Candidate,
+    model::{self, Model, Softness},
+    scalar::Real,
+};
+
+impl Constraints {
+    /// Contacts within their margin.
+    pub(super) fn add_contacts<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
+        let kinematics = &workspace.kinematics;
+        for (index, contact) in self.contacts.iter().enumerate() {
+            let candidate = &self.plan.candidates[contact.candidate];
+            if contact.distance >= candidate.margin || candidate.columns.is_empty() {
+                continue;
+            }
+            let columns = &self.plan.columns[candidate.columns.clone()];
+            let sides = &self.plan.sides[candidate.columns.clone()];
+            let bridge = Bridge::Contact(contact.candidate);
+            if candidate.bridges_chains && self.bridges.last() != Some(&bridge) {
+                self.bridges.push(bridge);
+            }
+            let shape = match (candidate.dimension, model.options.cone) {
+                (1, _) => Shape::Plain,
+                (_, model::Cone::Pyramidal) => Shape::Pyramid,
+                (_, model::Cone::Elliptic) => Shape::Cone(self.cones.len()),
+            };
+            self.jacobian.push_rows(columns, candidate.dimension, shape, candidate.friction, |column| {
+                let dof = columns[column];
+                let reference = kinematics.reference(model, model.dofs.body[dof]).map(|value| value.lane(lane));
+                let [angular, linear] = kinematics.dof_axis[dof].map(|vector| vector.map(|value| value.lane(lane)));
+                let velocity = linear + angular.cross(&(contact.position - reference));
+                let (along, about) = (contact.frame * velocity * sides[column], contact.frame * angular * sides[column]);
+                [along.x, along.y, along.z, about.x, about.y, about.z]
+            });
+            let violation = contact.distance - candidate.margin;
+            let place = Place {
+                position: contact.distance,
+                margin: candidate.margin,
+                spring: spring(model, &candidate.softness, violation),
+                bounds: ONE_WAY,
+            };
+            let kind = RowKind::Contact(index);
+            match shape {
+                Shape::Plain => self.rows.push(kind, place, candidate.inverse_weight[0]),
+                Shape::Pyramid => add_edges(model, candidate, kind, place, &mut self.rows),
+                Shape::Cone(_) => self.cones.push(add_axes(model, candidate, kind, place, &mut self.rows)),
+            }
+        }
+    }
+}
+
+/// Two rows per friction direction, J_normal ± μ J_tangent.
+fn add_edges(model: &Model, candidate: &Candidate, kind: RowKind, place: Place, rows: &mut Rows) {
+    let [translation, rotation] = candidate.inverse_weight;
+    let first = rows.len();
+    for direction in 0..candidate.dimension - 1 {
+        let friction = candidate.friction[direction];
+        let moved = if direction < 2 { translation } else { rotation };
+        for _ in 0..2 {
+            rows.push(kind, place, translation + friction * friction * moved);
+        }
+    }
+    // All edges share one regularisation, that of the first scaled to keep the normal's stiffness (MuJoCo's pyramid).
+    let sliding = candidate.friction[0] * candidate.friction[0] / model.options.impedance_ratio;
+    let common = (2.0 * sliding * rows.regularization[first]).at_least(1e-15);
+    rows.regularization[first..].fill(common);
+}
+
+/// The normal, and the friction directions, which have no position: they only damp, with their own reference if there is one.
+///
+/// The regularisation of the first friction direction is that of the normal divided by `impratio`; those of the others keep
+/// R_j μ_j² the same, so that the cone stays round in scaled coordinates.
+fn add_axes(model: &Model, candidate: &Candidate, kind: RowKind, place: Place, rows: &mut Rows) -> Cone {
+    let first = rows.len();
+    let bounds = [0.0; 2];
+    rows.push(kind, Place { bounds, ..place }, candidate.inverse_weight[0]);
+    let own = candidate.friction_reference != [0.0; 2];
+    let reference = if own { candidate.friction_reference } else { candidate.softness.reference };
+    let damping = spring(model, &Softness { reference, ..candidate.softness }, 0.0).damping;
+    let spring = SpringDamper { stiffness: 0.0, damping, ..place.spring };
+    for _ in 1..candidate.dimension {
+        rows.push(kind, Place { position: 0.0, margin: 0.0, spring, bounds }, candidate.inverse_weight[0]);
+    }
+    let sliding = rows.regularization[first] / model.options.impedance_ratio;
+    let ratio = candidate.friction[0] * (sliding / rows.regularization[first]).sqrt();
+    let scale = |friction: f64| (candidate.friction[0] / friction) * (candidate.friction[0] / friction);
+    for direction in 0..candidate.dimension - 1 {
+        rows.regularization[first + 1 + direction] = sliding * scale(candidate.friction[direction]);
+    }
+    Cone { rows: first..rows.len(), friction: candidate.friction, ratio }
+}

@@ -1,0 +1,120 @@
+//! Friction losses and limits of joints and tendons.
+
+use super::{
+    Bridge, Constraints, RowKind,
+    impedance::SpringDamper,
+    rows::{ONE_WAY, Place},
+    spring,
+};
+use crate::{
+    Workspace,
+    model::{JointKind, Model, Softness},
+    scalar::Real,
+};
+use nalgebra::Vector3;
+
+impl Constraints {
+    /// Dry friction: a force against the motion of up to the loss. It has no position, so it only damps.
+    pub(super) fn add_friction_losses<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
+        for index in 0..self.fixed.rubbing_dofs.len() {
+            let dof = self.fixed.rubbing_dofs[index];
+            self.jacobian.push_row(&mut [(dof, 1.0)]);
+            let softness = &model.joints.friction_softness[model.dofs.joint[dof]];
+            let place = friction(model, softness, model.dofs.friction_loss[dof]);
+            self.rows.push(RowKind::DofFriction(dof), place, model.dofs.inverse_weight[dof]);
+        }
+        for index in 0..self.fixed.rubbing_tendons.len() {
+            let tendon = self.fixed.rubbing_tendons[index];
+            if !self.push_tendon_row(model, workspace, lane, tendon, 1.0) {
+                continue;
+            }
+            let place = friction(model, &model.tendons.friction_softness[tendon], model.tendons.friction_loss[tendon]);
+            self.rows.push(RowKind::TendonFriction(tendon), place, model.tendons.inverse_weight[tendon]);
+        }
+    }
+
+    /// Joint limits, the lower one first; a ball joint is limited in its rotation angle.
+    pub(super) fn add_joint_limits(&mut self, model: &Model, position: impl Fn(usize) -> f64) {
+        let joints = &model.joints;
+        for joint in 0..joints.kind.len() {
+            let Some([low, high]) = joints.range[joint] else { continue };
+            let (address, dof) = (joints.position_address[joint], joints.dof_address[joint]);
+            match joints.kind[joint] {
+                JointKind::Hinge | JointKind::Slide => {
+                    let value = position(address);
+                    self.add_joint_limit(model, joint, value - low, &mut [(dof, 1.0)]);
+                    self.add_joint_limit(model, joint, high - value, &mut [(dof, -1.0)]);
+                }
+                JointKind::Ball => {
+                    let (angle, axis) = turn(core::array::from_fn(|k| position(address + k)));
+                    let mut entries = [(dof, -axis.x), (dof + 1, -axis.y), (dof + 2, -axis.z)];
+                    self.add_joint_limit(model, joint, low.at_least(high) - angle, &mut entries);
+                }
+                JointKind::Free => {}
+            }
+        }
+    }
+
+    fn add_joint_limit(&mut self, model: &Model, joint: usize, distance: f64, entries: &mut [(usize, f64)]) {
+        let margin = model.joints.margin[joint];
+        if distance < margin {
+            self.jacobian.push_row(entries);
+            let place = limit(model, &model.joints.limit_softness[joint], distance, margin);
+            self.rows.push(RowKind::JointLimit(joint), place, model.dofs.inverse_weight[model.joints.dof_address[joint]]);
+        }
+    }
+
+    /// Tendon limits, the lower one first.
+    pub(super) fn add_tendon_limits<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
+        for index in 0..self.fixed.limited_tendons.len() {
+            let tendon = self.fixed.limited_tendons[index];
+            let Some([low, high]) = model.tendons.range[tendon] else { continue };
+            let (length, margin) = (workspace.tendons.length[tendon].lane(lane), model.tendons.margin[tendon]);
+            for (distance, sign) in [(length - low, 1.0), (high - length, -1.0)] {
+                if distance < margin && self.push_tendon_row(model, workspace, lane, tendon, sign) {
+                    let place = limit(model, &model.tendons.limit_softness[tendon], distance, margin);
+                    self.rows.push(RowKind::TendonLimit(tendon), place, model.tendons.inverse_weight[tendon]);
+                }
+            }
+        }
+    }
+
+    /// Appends `sign` times a tendon's row to the Jacobian, and says whether there is one: a tendon that nothing moves, with
+    /// its ends on one body, is not constrained (nor is it in MuJoCo).
+    fn push_tendon_row<T: Real>(
+        &mut self,
+        model: &Model,
+        workspace: &Workspace<T>,
+        lane: usize,
+        tendon: usize,
+        sign: f64,
+    ) -> bool {
+        self.gather_arms(model, workspace, lane, (tendon, sign), None);
+        let columns = &self.fixed.tendons[tendon];
+        // A path that may wrap around another body, but runs straight, cancels up to rounding.
+        if self.fixed.columns_of(columns).iter().all(|&dof| self.arms[dof].abs() < 1e-14) {
+            return false;
+        }
+        let bridge = Bridge::Tendon(tendon);
+        if columns.bridges && !self.bridges.contains(&bridge) {
+            self.bridges.push(bridge);
+        }
+        self.jacobian.push_over(self.fixed.columns_of(columns), |dof| self.arms[dof]);
+        true
+    }
+}
+
+fn friction(model: &Model, softness: &Softness, loss: f64) -> Place {
+    let spring = SpringDamper { stiffness: 0.0, ..spring(model, softness, 0.0) };
+    Place { position: 0.0, margin: 0.0, spring, bounds: [-loss, loss] }
+}
+
+fn limit(model: &Model, softness: &Softness, distance: f64, margin: f64) -> Place {
+    Place { position: distance, margin, spring: spring(model, softness, distance - margin), bounds: ONE_WAY }
+}
+
+/// Angle in [0, π] and unit axis of a rotation.
+fn turn([w, x, y, z]: [f64; 4]) -> (f64, Vector3<f64>) {
+    let vector = Vector3::new(x, y, z) * if w < 0.0 { -1.0 } else { 1.0 };
+    (2.0 * libm::atan2(vector.norm(), w.abs()), vector.try_normalize(1e-15).unwrap_or_else(Vector3::x))
+}

@@ -1,0 +1,186 @@
+//! Constraint rows: what is held together, rubs, is limited or touches, how far it is violated, and how hard it pulls back.
+//!
+//! The model is that of E. Todorov, "Convex and analytically-invertible dynamics with contacts and constraints: theory and
+//! implementation in MuJoCo" (ICRA 2014), as MuJoCo's manual has it in its chapter Computation, "Constraint model" and
+//! "Constraint solver, Parameters":
+//!
+//! 1. equalities, friction losses of joints and tendons, limits of joints and tendons, and contacts become blocks of the
+//!    Jacobian J and rows, in this order, which is MuJoCo's;
+//! 2. each row gets its impedance d, stiffness k and damping b (`solref`, `solimp`), its regularisation
+//!    R = (1 - d) / d Â from the inverse weights Â at the reference configuration, and the acceleration that it asks for,
+//!    a_ref = -b J v - k d (position - margin), without stiffness for friction, which has no position; connections and welds
+//!    subtract the acceleration J' v that their points have without joint accelerations (J' the rate of J);
+//! 3. a row's force is a clipped spring on its acceleration error, force = clip(-(J a - a_ref) / R, lower, upper): no bounds
+//!    for equalities, plus and minus the loss for friction loss, non-negative for limits, frictionless contacts and the edges
+//!    of a pyramid. The rows of an elliptic contact share one law instead, that of their `cone`.
+//!
+//! What depends on the model alone (which dofs an equality or tendon couples) is decided once, in `plan`.
+//!
+//! The set of rows differs between episodes, so this stage and the solver work on one episode in `f64`: an episode in a
+//! SIMD lane is read through [`Real::lane`]. What is common to all lanes is computed in the stages before and after.
+
+pub(crate) mod cone;
+mod contacts;
+pub(crate) mod equalities;
+mod impedance;
+pub(crate) mod jacobian;
+mod limits;
+mod plan;
+mod rows;
+
+pub use rows::{RowKind, Rows};
+
+use super::{Workspace, collision, state::State, tendons::each_moment_arm};
+use crate::{
+    model::{Model, Softness},
+    scalar::Real,
+};
+use cone::Cone;
+use impedance::{SpringDamper, spring_damper};
+use jacobian::{Jacobian, Shape};
+use plan::RowPlan;
+
+/// What couples dofs that do not lie on one root path, so that the solver's pattern needs room for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Bridge {
+    /// An equality, by its index.
+    Equality(usize),
+    /// A tendon with a friction or limit row, by its index.
+    Tendon(usize),
+    /// A contact, by its candidate's index.
+    Contact(usize),
+}
+
+/// The constraints of one episode.
+#[derive(Debug, Clone, Default)]
+pub struct Constraints {
+    /// Which geoms can meet.
+    pub plan: collision::Plan,
+    /// Contacts, including those in the gap that carry no force.
+    pub contacts: Vec<collision::Contact>,
+    /// Constraint rows.
+    pub rows: Rows,
+    /// Their Jacobian.
+    pub(crate) jacobian: Jacobian,
+    /// Elliptic friction cones, in the order of their rows.
+    pub(crate) cones: Vec<Cone>,
+    /// What couples several chains, in the order of the rows: what the solver's pattern depends on.
+    pub(crate) bridges: Vec<Bridge>,
+    fixed: RowPlan,
+    velocity: Vec<f64>,
+    memory: collision::Memory,
+    /// A tendon's row of the Jacobian while it is gathered.
+    arms: Vec<f64>,
+}
+
+impl Constraints {
+    /// Memory for `model`, the pairs of its geoms that can meet, and the topology of its other constraints.
+    pub fn new(model: &Model) -> Self {
+        Self { plan: collision::Plan::new(model), fixed: RowPlan::new(model), arms: vec![0.0; model.nv], ..Self::default() }
+    }
+
+    /// Row `row` of the constraint Jacobian (`efc_J`), dense, `nv` entries. On request only.
+    pub fn jacobian_row(&self, model: &Model, row: usize) -> Vec<f64> {
+        let mut dense = vec![0.0; model.nv];
+        for (dof, value) in self.jacobian.row_values(self.jacobian.block_of(row), row) {
+            dense[dof] = value;
+        }
+        dense
+    }
+
+    /// MuJoCo's number for the type of a row (`efc_type`).
+    pub fn row_type(&self, row: usize) -> u8 {
+        match (self.rows.kind[row], self.jacobian.block_of(row).shape) {
+            (RowKind::Equality(_), _) => 0,
+            (RowKind::DofFriction(_), _) => 1,
+            (RowKind::TendonFriction(_), _) => 2,
+            (RowKind::JointLimit(_), _) => 3,
+            (RowKind::TendonLimit(_), _) => 4,
+            (RowKind::Contact(_), Shape::Plain) => 5,
+            (RowKind::Contact(_), Shape::Pyramid) => 6,
+            (RowKind::Contact(_), Shape::Cone(_)) => 7,
+        }
+    }
+
+    /// The dofs that a bridge couples, ascending.
+    pub(crate) fn columns_of(&self, bridge: Bridge) -> &[usize] {
+        match bridge {
+            Bridge::Equality(equality) => self.fixed.columns_of(&self.fixed.equalities[equality]),
+            Bridge::Tendon(tendon) => self.fixed.columns_of(&self.fixed.tendons[tendon]),
+            Bridge::Contact(candidate) => self.plan.columns_of(candidate),
+        }
+    }
+
+    /// Spreads the row forces over the contacts.
+    pub(crate) fn share_forces(&mut self) {
+        for contact in &mut self.contacts {
+            contact.force = [0.0; 6];
+        }
+        for block in &self.jacobian.blocks {
+            if let RowKind::Contact(contact) = self.rows.kind[block.rows.start] {
+                self.contacts[contact].force = self.jacobian.base_force(block, &self.rows.force);
+            }
+        }
+    }
+
+    /// Detects the contacts of the episode in `lane`. Needs the kinematics of `workspace`.
+    pub fn detect<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
+        if !model.options.switches.contact {
+            self.contacts.clear();
+            return;
+        }
+        let kinematics = &workspace.kinematics;
+        let position = |geom: usize| kinematics.geom_position[geom].map(|value| value.lane(lane));
+        let rotation = |geom: usize| kinematics.geom_rotation[geom].map(|value| value.lane(lane));
+        self.plan.detect(model, position, rotation, &mut self.contacts, &mut self.memory);
+    }
+
+    /// Builds all rows of the episode in `lane` from its positions, velocities and contacts.
+    pub fn build<T: Real>(&mut self, model: &Model, state: &State<T>, workspace: &Workspace<T>, lane: usize) {
+        self.rows.clear();
+        self.jacobian.clear();
+        self.cones.clear();
+        self.bridges.clear();
+        let switches = model.options.switches;
+        if switches.equality {
+            self.add_equalities(model, state, workspace, lane);
+        }
+        if switches.friction_loss {
+            self.add_friction_losses(model, workspace, lane);
+        }
+        if switches.limit {
+            self.add_joint_limits(model, |address| state.position[address].lane(lane));
+            self.add_tendon_limits(model, workspace, lane);
+        }
+        self.add_contacts(model, workspace, lane);
+        self.velocity.clear();
+        self.velocity.extend(state.velocity.iter().map(|value| value.lane(lane)));
+        self.rows.finish(&self.jacobian, &self.velocity);
+        if switches.equality {
+            self.subtract_curvature(model, state, workspace, lane);
+        }
+    }
+
+    /// Sets `arms` over `columns` to `first` times the Jacobian row of one tendon plus, if there is one, a multiple of another's.
+    fn gather_arms<T: Real>(
+        &mut self,
+        model: &Model,
+        workspace: &Workspace<T>,
+        lane: usize,
+        (tendon, factor): (usize, f64),
+        other: Option<(usize, f64)>,
+    ) {
+        self.arms.fill(0.0);
+        for (tendon, factor) in core::iter::once((tendon, factor)).chain(other) {
+            each_moment_arm(model, &workspace.kinematics, &workspace.tendons, tendon, |dof, part| {
+                self.arms[dof] += factor * part.lane(lane);
+            });
+        }
+    }
+}
+
+/// The spring and damper of a constraint at its violation.
+fn spring(model: &Model, softness: &Softness, violation: f64) -> SpringDamper {
+    let shortest = if model.options.switches.safe_reference { 2.0 * model.options.timestep } else { 0.0 };
+    spring_damper(softness, violation, shortest)
+}

@@ -1,0 +1,103 @@
+//! What rows need that depends on the model alone: the dofs of equalities and tendons, and which elements can have rows.
+
+use crate::{
+    jacobian::last_dof,
+    model::{Equality, Model},
+    tendons::TendonPaths,
+};
+use core::ops::Range;
+use std::collections::BTreeSet;
+
+/// The dofs of one element, ascending.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Columns {
+    /// Where they stand in [`RowPlan::columns`].
+    pub range: Range<usize>,
+    /// Whether they lie on more than one root path: its rows then couple chains.
+    pub bridges: bool,
+}
+
+/// Fixed topology of all rows but those of contacts.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RowPlan {
+    /// Dofs of each equality; none for couplings of joints, which the solver's pattern always holds.
+    pub equalities: Vec<Columns>,
+    /// Dofs of each tendon that can have a row.
+    pub tendons: Vec<Columns>,
+    /// Dofs of all elements.
+    pub columns: Vec<usize>,
+    /// For each column of an attachment, whether the dof moves its first and its second body: 1 or 0.
+    pub moves: Vec<[f64; 2]>,
+    /// Dofs with friction loss.
+    pub rubbing_dofs: Vec<usize>,
+    /// Tendons with friction loss.
+    pub rubbing_tendons: Vec<usize>,
+    /// Tendons with limits.
+    pub limited_tendons: Vec<usize>,
+}
+
+impl RowPlan {
+    pub fn new(model: &Model) -> Self {
+        let tendons = &model.tendons;
+        let count = tendons.path.len();
+        let mut plan = Self {
+            rubbing_dofs: (0..model.nv).filter(|&dof| model.dofs.friction_loss[dof] > 0.0).collect(),
+            rubbing_tendons: (0..count).filter(|&tendon| tendons.friction_loss[tendon] > 0.0).collect(),
+            limited_tendons: (0..count).filter(|&tendon| tendons.range[tendon].is_some()).collect(),
+            ..Self::default()
+        };
+        let coupled = model.equalities.kind.iter().any(|kind| matches!(kind, Equality::Tendon(_)));
+        // Most models have no rows of tendons and need no paths here.
+        let needed = coupled || !plan.rubbing_tendons.is_empty() || !plan.limited_tendons.is_empty();
+        let paths = needed.then(|| TendonPaths::<f64>::new(model));
+        let movers = |tendon: usize| paths.as_ref().map(|paths| paths.columns(model, tendon)).unwrap_or_default();
+        for tendon in 0..count {
+            let has_row = plan.rubbing_tendons.contains(&tendon) || plan.limited_tendons.contains(&tendon);
+            let columns = if has_row { movers(tendon) } else { Vec::new() };
+            let columns = plan.add(model, columns, |_| [0.0; 2]);
+            plan.tendons.push(columns);
+        }
+        for kind in &model.equalities.kind {
+            let columns = match kind {
+                Equality::Joint(_) => Columns::default(),
+                Equality::Tendon(coupling) => {
+                    let both: BTreeSet<usize> =
+                        movers(coupling.tendon).into_iter().chain(coupling.leader.into_iter().flat_map(movers)).collect();
+                    plan.add(model, both.into_iter().collect(), |_| [0.0; 2])
+                }
+                Equality::Connect(attachment) | Equality::Weld { attachment, .. } => {
+                    let [first, second] = attachment.bodies.map(|body| moving_dofs(model, body));
+                    let side = |dofs: &BTreeSet<usize>, dof: usize| f64::from(u8::from(dofs.contains(&dof)));
+                    // A dof that moves both bodies still has an arm where the two points are apart.
+                    let all = first.union(&second).copied().collect();
+                    plan.add(model, all, |dof| [side(&first, dof), side(&second, dof)])
+                }
+            };
+            plan.equalities.push(columns);
+        }
+        plan
+    }
+
+    fn add(&mut self, model: &Model, columns: Vec<usize>, moves: impl Fn(usize) -> [f64; 2]) -> Columns {
+        let start = self.columns.len();
+        let path: BTreeSet<usize> = path_to_root(model, columns.last().copied()).collect();
+        let bridges = columns.iter().any(|dof| !path.contains(dof));
+        self.moves.extend(columns.iter().map(|&dof| moves(dof)));
+        self.columns.extend(columns);
+        Columns { range: start..self.columns.len(), bridges }
+    }
+
+    /// The dofs of an element.
+    pub fn columns_of(&self, columns: &Columns) -> &[usize] {
+        &self.columns[columns.range.clone()]
+    }
+}
+
+/// All dofs that move `body`.
+fn moving_dofs(model: &Model, body: usize) -> BTreeSet<usize> {
+    path_to_root(model, last_dof(model, body)).collect()
+}
+
+fn path_to_root(model: &Model, last: Option<usize>) -> impl Iterator<Item = usize> {
+    core::iter::successors(last, |&dof| model.dofs.parent[dof])
+}

@@ -1,0 +1,130 @@
+//! The Hessian M + J'WJ of the rows that pull: assembled and factored on its pattern, brought up to date, mended where
+//! rounding has spoilt it.
+
+use super::{Newton, Parts, path_matrix::PathPattern};
+use crate::{
+    constraint::{
+        cone::Zone,
+        jacobian::{Block, Jacobian, MOST_BASE_ROWS, Shape},
+    },
+    model::Model,
+};
+
+/// Multiples of the Hessian's diagonal that are added where it fails: the first, the factor between two, and the last.
+const DAMPING: [f64; 3] = [1e-12, 1e3, 1e6];
+
+impl Newton {
+    /// Raises the multiple of its diagonal that is added to the Hessian; whether there is a higher one.
+    pub(super) fn damp(&mut self) -> bool {
+        let [first, growth, last] = DAMPING;
+        self.damping = if self.damping == 0.0 { first } else { self.damping * growth };
+        self.damping <= last
+    }
+
+    /// Factors M + J'DJ of the pulling rows, with as much of its diagonal added as that takes.
+    pub(super) fn factor_all(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) -> Result<(), usize> {
+        loop {
+            self.assemble(model, mass, parts);
+            match self.pattern.factor(&mut self.factor) {
+                Ok(()) => return Ok(()),
+                Err(dof) if !self.damp() => return Err(dof),
+                Err(_) => {}
+            }
+        }
+    }
+
+    /// Writes M + J'DJ of the pulling rows over the factor.
+    fn assemble(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) {
+        let Self { pattern, factor, pulling, .. } = self;
+        for dof in 0..model.nv {
+            let entries = &mass[model.dofs.row[dof].clone()];
+            let row = &mut factor[pattern.row[dof].clone()];
+            if row.len() == entries.len() {
+                row.copy_from_slice(entries);
+            } else {
+                row.fill(0.0);
+                for (entry, &column) in entries.iter().zip(&model.dofs.column[model.dofs.row[dof].clone()]) {
+                    row[pattern.depth(column)] = *entry;
+                }
+            }
+        }
+        let Parts { jacobian, rows, cones } = parts;
+        for block in &jacobian.blocks {
+            if pulling[block.rows.clone()].iter().any(|weight| *weight != 0.0) {
+                add_block(pattern, factor, jacobian, block, &jacobian.base_weight(block, pulling));
+            } else if let Shape::Cone(cone) = block.shape
+                && cones[cone].zone(&self.residual) == Zone::Sliding
+            {
+                add_block(pattern, factor, jacobian, block, &cones[cone].curvature(&self.residual, &rows.weight));
+            }
+        }
+        if self.damping > 0.0 {
+            for row in &pattern.row {
+                factor[row.end - 1] *= 1.0 + self.damping;
+            }
+        }
+        self.factored.clone_from(&self.pulling);
+        self.sliding[1] = self.sliding[0];
+    }
+
+    /// Brings the factor up to date with the rows that began or ceased to pull.
+    pub(super) fn refresh_factor(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) -> Result<(), usize> {
+        if self.sliding != [false; 2] || self.damping > 0.0 {
+            return self.factor_all(model, mass, parts);
+        }
+        let jacobian = &parts.jacobian;
+        let last_dof = |row: usize| jacobian.columns_of(jacobian.block_of(row)).last().copied().unwrap_or(0);
+        // An update passes over the path once with two operations per entry of a triangle, and with shorter vectors.
+        let update = |row: usize| (self.pattern.depth(last_dof(row)) + 2).pow(2);
+        let changes = self.factored.iter().zip(&self.pulling).enumerate().filter(|(_, (before, now))| before != now);
+        let cost: usize = changes.map(|(row, _)| update(row)).sum();
+        if 2 * cost > self.pattern.factor_cost() {
+            return self.factor_all(model, mass, parts);
+        }
+        for row in 0..self.pulling.len() {
+            if self.factored[row] == self.pulling[row] {
+                continue;
+            }
+            let dof = last_dof(row);
+            let vector = &mut self.vector[..=self.pattern.depth(dof)];
+            vector.fill(0.0);
+            for (column, value) in jacobian.row_values(jacobian.block_of(row), row) {
+                vector[self.pattern.depth(column)] = value;
+            }
+            let change = self.pulling[row] - self.factored[row];
+            if self.pattern.update(&mut self.factor, dof, vector, change).is_err() {
+                // Cancellation in a down-date; a fresh factorisation is exact.
+                return self.factor_all(model, mass, parts);
+            }
+        }
+        self.factored.clone_from(&self.pulling);
+        Ok(())
+    }
+}
+
+/// Second derivative of the cost over the base rows of a block.
+type BaseWeight = [[f64; MOST_BASE_ROWS]; MOST_BASE_ROWS];
+
+/// Adds a block's J'WJ to the matrix, with the weight W of its base rows: its columns lie on one path, so each row's entries
+/// are found by their depth. The columns of what touches the world are the whole path, entry beside entry.
+fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, block: &Block, base: &BaseWeight) {
+    let columns = jacobian.columns_of(block);
+    let rows: [&[f64]; MOST_BASE_ROWS] =
+        core::array::from_fn(|row| if row < block.dimension { jacobian.base_row(block, row) } else { &[] });
+    let whole_path = columns.last().is_some_and(|&last| pattern.depth(last) + 1 == columns.len());
+    for (place, &dof) in columns.iter().enumerate() {
+        let target = &mut matrix[pattern.row[dof].clone()];
+        for (row, values) in rows[..block.dimension].iter().enumerate() {
+            let pull: f64 = (0..block.dimension).map(|other| base[row][other] * rows[other][place]).sum();
+            if whole_path {
+                for (entry, value) in target.iter_mut().zip(*values) {
+                    *entry += pull * value;
+                }
+            } else {
+                for (&column, value) in columns[..=place].iter().zip(*values) {
+                    target[pattern.depth(column)] += pull * value;
+                }
+            }
+        }
+    }
+}
