@@ -15,7 +15,7 @@ mod hand;
 use hand::{Hand, Outcome, Sums, TASKS};
 use msk::compiler::task::{CompiledTask, StepReport, TaskState};
 use msk::compiler::{Middle, compile};
-use msk::runtime::episode::{Episode, EpisodeKey};
+use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::scene::stage;
 use std::hint::black_box;
@@ -82,7 +82,7 @@ fn least(rounds: usize, mut round: impl FnMut() -> f64) -> f64 {
 /// Records of an episode, and the least time of a whole control step in microseconds.
 fn record(bodies: &BodyLibrary, task: &Arc<CompiledTask>) -> (Vec<Vec<f64>>, f64) {
     let staged = bodies.stage(&task.body, &task.scene).unwrap();
-    let mut episode = Episode::new(staged.model, staged.body, Arc::clone(task)).unwrap();
+    let mut episode = Environment::new(staged.model, staged.body, Arc::clone(task)).unwrap();
     let muscles = episode.context().body.muscles.len();
     let (mut frames, mut whole) = (Vec::new(), f64::INFINITY);
     for number in 0..4 {

@@ -5,7 +5,7 @@ use crate::error::{Context, Error};
 use crate::overlays::Overlays;
 use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
-use msk::runtime::episode::{Episode, EpisodeKey};
+use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, play_to_horizon, replay, report};
 use msk::runtime::inspect::StateFile;
 use msk::runtime::policy::{self, Policy};
@@ -96,7 +96,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 }
 
 /// Writes the state where it was asked for.
-fn write_state(args: &Args, episode: &Episode) -> Result<(), Error> {
+fn write_state(args: &Args, episode: &Environment) -> Result<(), Error> {
     let Some(path) = &args.state else { return Ok(()) };
     let state = serde_json::to_string(&StateFile::of(episode.state()))?;
     fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))
@@ -106,7 +106,7 @@ fn write_state(args: &Args, episode: &Episode) -> Result<(), Error> {
 fn to_horizon(
     args: &Args,
     trial: &Trial,
-    episode: &mut Episode,
+    episode: &mut Environment,
     key: EpisodeKey,
     policy: &mut dyn Policy,
 ) -> Result<ExitCode, Error> {

@@ -5,7 +5,7 @@ use msk::compiler::compile;
 use msk::compiler::diagnostics::Style;
 use msk::runtime::body::sensors::Snapshot;
 use msk::runtime::draw::{Options, svg};
-use msk::runtime::episode::{Episode, EpisodeKey};
+use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::policy;
 use std::error::Error;
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let bound = library.stage(&task.body, &task.scene)?;
 
     // One episode under computed muscle control, until the time has come or the episode has ended.
-    let mut episode = Episode::new(bound.model.clone(), bound.body.clone(), task.clone())?;
+    let mut episode = Environment::new(bound.model.clone(), bound.body.clone(), task.clone())?;
     let mut policy = policy::create("posture")?;
     episode.reset(EpisodeKey { seed: 1, episode: 0 });
     policy.reset(&episode.context())?;

@@ -12,7 +12,7 @@ use msk::physics::model::{ElasticTendons, Integrator, Model};
 use msk::physics::{State, Workspace, step};
 use msk::runtime::{
     bodies,
-    episode::{Episode, EpisodeKey},
+    episode::{Environment, Episode, EpisodeKey},
     library::{BodyLibrary, FileLoader},
 };
 use std::path::Path;
@@ -85,6 +85,9 @@ fn a_step_of_no_model_asks_for_memory() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
+/// What an episode may take beside those that are already there.
+const MOST_BYTES: usize = 64 << 10;
+
 /// Sensors, observation, reward, ends and success of every task, with their scenes, and the physics between.
 #[test]
 fn a_control_step_of_no_task_asks_for_memory() {
@@ -92,9 +95,13 @@ fn a_control_step_of_no_task_asks_for_memory() {
     let mut found = Vec::new();
     for task in compile(&repository("tasks.msk"), &FileLoader, &bodies).unwrap().tasks {
         let staged = bodies.stage(&task.body, &task.scene).unwrap();
-        let mut episode = Episode::new(staged.model, staged.body, task).unwrap();
+        let mut episode = Environment::new(staged.model, staged.body, task).unwrap();
         episode.reset(EpisodeKey { seed: 1, episode: 0 });
         let start = episode.snapshot();
+        // One episode more costs its data and no scratch.
+        let bytes = measure(|| drop(episode.snapshot())).bytes_total as usize + size_of::<Episode>();
+        println!("{}: {bytes} bytes", episode.task().name);
+        assert!(bytes < MOST_BYTES, "an episode of {} takes {bytes} bytes", episode.task().name);
         let action = vec![-0.9; episode.context().body.muscles.len()];
         let mut steps = 0;
         while steps < 10 && episode.ending().is_none() {
@@ -121,7 +128,7 @@ fn two_hundred_control_steps_of_standing_ask_for_no_memory() {
     let task = compile(&repository("tasks.msk"), &FileLoader, &bodies).unwrap().tasks[0].clone();
     let staged = bodies.stage(&task.body, &task.scene).unwrap();
     let (mut state, mut report) = Default::default();
-    let episode = Episode::new(staged.model, staged.body, task.clone()).unwrap();
+    let episode = Environment::new(staged.model, staged.body, task.clone()).unwrap();
     let (frame, weights) = (episode.frame().to_vec(), task.weights());
     let mut observation = vec![0.0; task.observation_size()];
     task.reset(&frame, &mut msk::compiler::Middle, &mut state).unwrap();

@@ -49,7 +49,8 @@ fn crates_depend_in_one_direction() {
         let manifest: Manifest = toml::from_str(&read(folder)).unwrap();
         let name = manifest.package.name.as_str();
         let may = allowed.remove(name).unwrap_or_else(|| panic!("`{name}` is not in the table of directions"));
-        let found: BTreeSet<&str> = manifest.dependencies.keys().map(String::as_str).filter(|key| key.starts_with("msk")).collect();
+        let found: BTreeSet<&str> =
+            manifest.dependencies.keys().map(String::as_str).filter(|key| key.starts_with("msk")).collect();
         assert_eq!(found, may, "dependencies of `{name}`");
     }
     assert!(allowed.is_empty(), "no such crates: {allowed:?}");

@@ -5,10 +5,11 @@ use msk::compiler::compile;
 use msk::compiler::files::{LoadError, Loader};
 use msk::physics;
 use msk::physics::model::JointKind;
-use msk::runtime::episode::{Ending, Episode, EpisodeError, EpisodeKey, Fault};
+use msk::runtime::episode::{Ending, Environment, EpisodeError, EpisodeKey, Fault, Stream, VectorEnvironment};
 use msk::runtime::library::{BodyLibrary, BoundBody};
 use msk::runtime::policy;
 use msk::runtime::scene::ground::Ground;
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -22,7 +23,7 @@ impl Loader for Text {
 }
 
 /// A task on the human body; `parts` replaces a line of the usual one by another.
-fn episode(parts: &[(&str, &str)]) -> Episode {
+fn episode(parts: &[(&str, &str)]) -> Environment {
     let mut text = "
 task balance {
     body    human
@@ -53,13 +54,13 @@ task balance {
     let compilation = compile(Path::new("task.msk"), &Text(text), bodies).unwrap_or_else(|report| panic!("{report}"));
     let task = compilation.tasks[0].clone();
     let BoundBody { model, body, .. } = bodies.stage(&task.body, &task.scene).unwrap();
-    Episode::new(model, body, task).unwrap()
+    Environment::new(model, body, task).unwrap()
 }
 
 const KEY: EpisodeKey = EpisodeKey { seed: 4, episode: 2 };
 
 /// Steps with the policy `random` until the end, or as often as said.
-fn advance(episode: &mut Episode, steps: usize) {
+fn advance(episode: &mut Environment, steps: usize) {
     let mut policy = policy::create("random").unwrap();
     let mut action = vec![0.0; episode.context().body.muscles.len()];
     for _ in 0..steps {
@@ -389,4 +390,52 @@ fn support_and_muscles_are_measured() {
     assert!((-0.08..-0.02).contains(&arm), "{arm}");
     assert!((fibre + tendon - length).abs() < 1e-9 && fibre > 0.0 && tendon > 0.0);
     assert!(force >= 0.0 && (weight - 84.26998825710956 * 9.81).abs() < 1e-9);
+}
+
+#[test]
+fn many_episodes_have_the_bits_of_each_by_itself_on_any_number_of_threads() {
+    const EPISODES: usize = 5;
+    let mut alone = episode(&[]);
+    let muscles = alone.engine().body().muscles.len();
+    let mut noise = Stream::new(KEY, "actions");
+    let steps: Vec<Vec<f64>> = (0..3).map(|_| (0..EPISODES * muscles).map(|_| noise.normal()).collect()).collect();
+    let mut expected = Vec::new();
+    for index in 0..EPISODES {
+        alone.reset(EpisodeKey { seed: 9, episode: index as u64 });
+        for actions in &steps {
+            alone.step(&actions[muscles * index..muscles * (index + 1)]).unwrap();
+        }
+        expected.push(alone.snapshot());
+    }
+    for threads in [1, 2, 8] {
+        let [count, threads] = [EPISODES, threads].map(|number| NonZeroUsize::new(number).unwrap());
+        let mut many = VectorEnvironment::new(alone.engine().clone(), count, threads).unwrap();
+        many.reset(9);
+        for actions in &steps {
+            many.step(actions).unwrap();
+        }
+        assert!(many.episodes().eq(&expected), "{threads} threads");
+
+        // The next episode of one slot leaves the others alone.
+        many.reset_where(&[false, true]);
+        let begun: Vec<EpisodeKey> = many.episodes().map(|episode| episode.key()).collect();
+        let expected_key = |index: usize| EpisodeKey { seed: 9, episode: if index == 1 { 6 } else { index as u64 } };
+        assert_eq!(begun, (0..EPISODES).map(expected_key).collect::<Vec<_>>());
+        assert!(many.episodes().zip(&expected).enumerate().all(|(index, (one, other))| (one == other) == (index != 1)));
+    }
+}
+
+#[test]
+fn many_episodes_refuse_actions_of_the_wrong_length_and_leave_ended_ones_alone() {
+    let engine = episode(&[("early when step > 100", "early when step > 1")]).engine().clone();
+    let muscles = engine.body().muscles.len();
+    let two = NonZeroUsize::new(2).unwrap();
+    let mut many = VectorEnvironment::new(engine, two, NonZeroUsize::MIN).unwrap();
+    let error = many.step(&vec![0.0; muscles]).unwrap_err();
+    assert_eq!(error, EpisodeError::ActionSize { expected: 2 * muscles, found: muscles });
+    assert!(many.episodes().all(|episode| episode.steps() == 0));
+    for _ in 0..4 {
+        many.step(&vec![0.0; 2 * muscles]).unwrap();
+    }
+    assert!(many.episodes().all(|episode| episode.steps() == 2 && episode.ending().is_some()));
 }

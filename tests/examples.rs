@@ -5,7 +5,7 @@
 use msk::compiler::diagnostics::SourceMap;
 use msk::compiler::format::format;
 use msk::compiler::{self, Compilation};
-use msk::runtime::episode::{Ending, Episode, EpisodeKey};
+use msk::runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::library::{BodyLibrary, FileLoader};
 use std::path::{Path, PathBuf};
 use std::{fs, sync::OnceLock};
@@ -46,7 +46,7 @@ fn every_example_begins_soundly_and_runs() {
         for task in compiled(&file).tasks {
             let name = format!("{}, {}", file.display(), task.name);
             let staged = bodies().stage(&task.body, &task.scene).unwrap_or_else(|error| panic!("{name}: {error:?}"));
-            let mut episode = Episode::new(staged.model, staged.body, task).unwrap();
+            let mut episode = Environment::new(staged.model, staged.body, task).unwrap();
             let start = episode.inspect_start(EpisodeKey { seed: 0, episode: 0 }).unwrap();
             assert!(start.penetrations.is_empty() && start.residuals.is_empty(), "{name}: {start:?}");
             episode.reset(EpisodeKey { seed: 0, episode: 0 });

@@ -8,13 +8,13 @@ use crate::support;
 use hand::{Outcome, Sums, TASKS};
 use msk::compiler::{Middle, compile, task::StepReport};
 use msk::runtime::{
-    episode::{Episode, EpisodeKey},
+    episode::{Environment, EpisodeKey},
     library::{BodyLibrary, FileLoader},
 };
 use support::{SplitMix, repository};
 
 /// Records of an episode, and of the same with every number shaken: no body could be like that, but all thresholds are crossed.
-fn frames(episode: &mut Episode, random: &mut SplitMix) -> Vec<Vec<f64>> {
+fn frames(episode: &mut Environment, random: &mut SplitMix) -> Vec<Vec<f64>> {
     let muscles = episode.context().body.muscles.len();
     episode.reset(EpisodeKey { seed: 3, episode: 0 });
     let mut frames = vec![episode.frame().to_vec()];
@@ -40,7 +40,7 @@ fn by_hand_and_compiled_come_to_the_same() {
     for ((file, by_hand), sums) in TASKS.into_iter().flat_map(|task| [Sums::Chain, Sums::Columns].map(|sums| (task, sums))) {
         let task = compile(&repository(file), &FileLoader, &bodies).unwrap().tasks[0].clone();
         let staged = bodies.stage(&task.body, &task.scene).unwrap();
-        let mut episode = Episode::new(staged.model, staged.body, task.clone()).unwrap();
+        let mut episode = Environment::new(staged.model, staged.body, task.clone()).unwrap();
         let frames = frames(&mut episode, &mut SplitMix(17));
         let (weights, mut hand) = (task.weights(), by_hand(&task, sums));
         let (mut state, mut report, mut outcome) = (Default::default(), StepReport::default(), Outcome::default());

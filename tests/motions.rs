@@ -4,7 +4,7 @@
 
 use msk_compiler::compile;
 use msk_compiler::files::{LoadError, Loader};
-use msk_runtime::episode::{Episode, EpisodeKey};
+use msk_runtime::episode::{Environment, EpisodeKey};
 use msk_runtime::library::{BodyLibrary, BoundBody};
 use std::path::Path;
 
@@ -58,17 +58,17 @@ impl Loader for Texts {
     }
 }
 
-fn episode(start: &str) -> Episode {
+fn episode(start: &str) -> Environment {
     let library = BodyLibrary::default();
     let texts = Texts(TASK.replace("START", start));
     let compilation = compile(Path::new("task.msk"), &texts, &library).unwrap_or_else(|report| panic!("{report}"));
     let task = compilation.tasks[0].clone();
     let BoundBody { model, body, .. } = library.stage(&task.body, &task.scene).unwrap();
-    Episode::new(model, body, task).unwrap()
+    Environment::new(model, body, task).unwrap()
 }
 
 /// A channel of the observation.
-fn channel<'a>(episode: &'a Episode, name: &str) -> &'a [f64] {
+fn channel<'a>(episode: &'a Environment, name: &str) -> &'a [f64] {
     let channel = episode.task().channels.iter().find(|channel| channel.name == name).unwrap();
     &episode.observation()[channel.offset..channel.offset + channel.size]
 }
@@ -78,7 +78,7 @@ fn is_small(values: &[f64], limit: f64) -> bool {
 }
 
 /// Everything that is read of the motion agrees with where the body is and how fast.
-fn begins_as_the_motion(episode: &Episode) {
+fn begins_as_the_motion(episode: &Environment) {
     let (wanted, found) = (channel(episode, "q"), channel(episode, "joints"));
     assert!(wanted.iter().zip(found).all(|(a, b)| (a - b).abs() < 1e-12), "{wanted:?} {found:?}");
     // The model's pelvis is turned against its root by 0.8 mrad.

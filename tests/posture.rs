@@ -3,7 +3,7 @@
 
 use msk_compiler::compile;
 use msk_runtime::{
-    episode::{Episode, EpisodeKey},
+    episode::{Environment, EpisodeKey},
     evaluate::{self, EpisodeRecord, Trial},
     library::{BodyLibrary, FileLoader},
     policy,
@@ -44,7 +44,7 @@ fn posture_stands_for_the_whole_task_and_rest_falls() {
 
 /// How far hips, knees and ankles are from where the reference has them, and how far they would be in the pose of the beginning:
 /// rad, root mean square.
-fn errors(episode: &Episode, begun: f64) -> [f64; 2] {
+fn errors(episode: &Environment, begun: f64) -> [f64; 2] {
     let context = episode.context();
     let (followed, time) = context.task.followed(context.progress).unwrap();
     let legs = ["hip_flexion", "knee_angle", "ankle_angle"];

@@ -3,7 +3,7 @@
 
 use msk::compiler::compile;
 use msk::compiler::files::{LoadError, Loader};
-use msk::runtime::episode::{Episode, EpisodeKey};
+use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::library::BodyLibrary;
 use nalgebra::Vector3;
 use std::path::Path;
@@ -18,7 +18,7 @@ impl Loader for Text {
 }
 
 /// A task whose scene, beginning and observations are these.
-fn episode(scene: &str, init: &str, observe: &str, more: &str) -> Episode {
+fn episode(scene: &str, init: &str, observe: &str, more: &str) -> Environment {
     let text = format!(
         "task among_things {{
     body    human
@@ -40,10 +40,10 @@ fn episode(scene: &str, init: &str, observe: &str, more: &str) -> Episode {
     let compilation = compile(Path::new("task.msk"), &Text(text), bodies).unwrap_or_else(|report| panic!("{report}"));
     let task = compilation.tasks[0].clone();
     let bound = bodies.stage(&task.body, &task.scene).unwrap();
-    Episode::new(bound.model, bound.body, task).unwrap()
+    Environment::new(bound.model, bound.body, task).unwrap()
 }
 
-fn advance(episode: &mut Episode, steps: usize) {
+fn advance(episode: &mut Environment, steps: usize) {
     let action = vec![-1.0; episode.context().body.muscles.len()];
     for _ in 0..steps {
         episode.step(&action).unwrap();
@@ -52,12 +52,12 @@ fn advance(episode: &mut Episode, steps: usize) {
 }
 
 /// The three numbers of a channel.
-fn vector(episode: &Episode, channel: &str) -> Vector3<f64> {
+fn vector(episode: &Environment, channel: &str) -> Vector3<f64> {
     let channel = episode.task().channels.iter().find(|known| known.name == channel).expect("the channel is observed");
     Vector3::from_column_slice(&episode.observation()[channel.offset..channel.offset + 3])
 }
 
-fn number(episode: &Episode, channel: &str) -> f64 {
+fn number(episode: &Environment, channel: &str) -> f64 {
     let channel = episode.task().channels.iter().find(|known| known.name == channel).expect("the channel is observed");
     episode.observation()[channel.offset]
 }
@@ -143,7 +143,7 @@ fn what_overlaps_at_the_beginning_is_told_with_its_depth() {
 #[test]
 fn a_push_changes_the_momentum_by_force_times_time() {
     let fall = |more: &str| episode("", "root { height 5 m }", "com.velocity", more);
-    let velocity = |mut episode: Episode, steps: usize| {
+    let velocity = |mut episode: Environment, steps: usize| {
         advance(&mut episode, steps);
         vector(&episode, "com.velocity")
     };

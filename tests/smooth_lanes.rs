@@ -181,7 +181,7 @@ fn lanes_give_the_bits_of_single_episodes() {
         let mut random = SplitMix(17);
         for _ in 0..40 {
             let states = [draw(&model, &mut random), draw(&model, &mut random)];
-            physics::smooth(&model, &together(&model, &states), &mut lanes);
+            physics::smooth::smooth(&model, &together(&model, &states), &mut lanes);
             let paired = results(&lanes);
             for (lane, state) in states.iter().enumerate() {
                 physics::smooth(&model, state, &mut alone);

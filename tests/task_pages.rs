@@ -6,7 +6,7 @@ use msk::compiler::compile;
 use msk::compiler::explain::{Account, EndAccount, Options as Telling, account};
 use msk::compiler::task::CompiledTask;
 use msk::runtime::draw::{Options, View, svg};
-use msk::runtime::episode::Episode;
+use msk::runtime::episode::Environment;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ fn tasks_of(file: &str, bodies: &BodyLibrary) -> (Vec<Arc<CompiledTask>>, Vec<Ar
 /// The first moment of a task, from the right and from behind or in front, wherever more of it is seen.
 fn picture(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> String {
     let staged = bodies.stage(&task.body, &task.scene).unwrap();
-    let episode = Episode::new(staged.model, staged.body, task.clone()).unwrap();
+    let episode = Environment::new(staged.model, staged.body, task.clone()).unwrap();
     assert!(episode.ending().is_none(), "{}: {:?}", task.name, episode.ending());
     let mean = task.scene.objects.iter().map(|object| object.position[0]).sum::<f64>();
     let views = vec![View::Side, if mean > 0.0 { View::Back } else { View::Front }];

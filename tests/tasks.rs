@@ -3,7 +3,7 @@
 
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile};
-use msk::runtime::episode::{Ending, Episode, EpisodeKey};
+use msk::runtime::episode::{Ending, Environment, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::testing;
 use std::fmt::Write;
@@ -26,7 +26,7 @@ fn compiled(file: &str) -> Compilation {
     compile(&path, &FileLoader, bodies()).unwrap_or_else(|report| panic!("{file}:\n{report}"))
 }
 
-fn episodes() -> Vec<Episode> {
+fn episodes() -> Vec<Environment> {
     // Of the further files those in their suites: tasks that these are made of begin as they do.
     let further = FURTHER.iter().map(|file| compiled(file)).flat_map(|compilation| {
         let named: Vec<String> =
@@ -36,7 +36,7 @@ fn episodes() -> Vec<Episode> {
     let tasks = compiled(FILE).tasks.into_iter().chain(further);
     let begin = |task: Arc<CompiledTask>| {
         let staged = bodies().stage(&task.body, &task.scene).unwrap_or_else(|error| panic!("{}: {error:?}", task.name));
-        Episode::new(staged.model, staged.body, task).unwrap()
+        Environment::new(staged.model, staged.body, task).unwrap()
     };
     tasks.map(begin).collect()
 }

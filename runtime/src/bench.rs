@@ -6,7 +6,7 @@
 use crate::scene::ground::Ground;
 use msk_physics::model::{GeomKind, JointKind, Model};
 use msk_physics::scalar::Real;
-use msk_physics::{Fault, State, Workspace, constrained, inertia, kinematics, smooth, stepping, tendons};
+use msk_physics::{Fault, STAGES, State, Workspace, kinematics, step_by_stage};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -82,10 +82,6 @@ pub struct Report {
     /// Steps that could not be taken; the body started again.
     pub faults: usize,
 }
-
-/// Names of the stages, in the order of the step.
-const STAGES: [&str; 9] =
-    ["kinematics", "inertia", "tendons", "contacts", "velocities", "rows", "muscles", "solver", "integrator"];
 
 /// What one thread counts.
 #[derive(Default)]
@@ -175,7 +171,7 @@ fn work(model: &Model, protocol: Protocol, seed: u64, deadline: Instant) -> Tall
     tally
 }
 
-/// [`stepping::step`] with a clock after each stage.
+/// [`step_by_stage`] with a clock after each stage.
 fn step(
     model: &Model,
     state: &mut State<f64>,
@@ -184,33 +180,13 @@ fn step(
 ) -> Result<(), Fault> {
     let mut clock = Instant::now();
     let mut stages = stages.iter_mut();
-    let mut lap = || {
+    step_by_stage(model, state, workspace, &mut || {
         let now = Instant::now();
         if let Some(stage) = stages.next() {
             *stage += now - clock;
         }
         clock = now;
-    };
-    stepping::check(model, state)?;
-    kinematics::update(model, state, &mut workspace.kinematics);
-    lap();
-    inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
-    lap();
-    tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
-    lap();
-    constrained::contacts(model, workspace);
-    lap();
-    smooth::motions(model, state, workspace);
-    lap();
-    constrained::rows(model, state, workspace);
-    lap();
-    smooth::inputs(model, state, workspace);
-    lap();
-    constrained::solve(model, state, workspace)?;
-    lap();
-    stepping::integrate(model, state, workspace)?;
-    lap();
-    Ok(())
+    })
 }
 
 /// The reference configuration; for [`Protocol::Standing`] with the lowest shape on the ground.

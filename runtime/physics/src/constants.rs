@@ -30,7 +30,7 @@ pub fn derive(model: &mut Model) -> Result<(), String> {
     let mut kinematics = Kinematics::new(model);
     let mut inertia = Inertia::new(model);
     let mut tendons = TendonPaths::new(model);
-    kinematics::update(model, &state, &mut kinematics);
+    kinematics::update_lanes(model, &state, &mut kinematics);
     inertia::update(model, &kinematics, &mut inertia);
     invertible(model, &inertia.factor)?;
     tendons::update(&state, &kinematics, &mut tendons);
@@ -86,7 +86,7 @@ fn resting_lengths(
             state.position[joints.position_address[joint]] = joints.spring_reference[joint];
         }
     }
-    kinematics::update(model, &state, kinematics);
+    kinematics::update_lanes(model, &state, kinematics);
     tendons::update(&state, kinematics, &mut tendons);
     tendons.length
 }
@@ -122,7 +122,7 @@ pub fn settle_springs(model: &mut Model, wanted: &[(usize, [f64; 2])]) {
     let state = State::<f64>::new(model);
     let mut kinematics = Kinematics::new(model);
     let mut inertia = Inertia::new(model);
-    kinematics::update(model, &state, &mut kinematics);
+    kinematics::update_lanes(model, &state, &mut kinematics);
     inertia::update(model, &kinematics, &mut inertia);
     let weights = dof_weights(model, &inertia.factor);
     for &(joint, [time, ratio]) in wanted {

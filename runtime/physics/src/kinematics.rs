@@ -118,7 +118,13 @@ impl<T: Real> Kinematics<T> {
 }
 
 /// Fills all frames from the positions of `state`, then the centres of mass and motion axes.
-pub fn update<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>) {
+#[inline(never)]
+pub fn update(model: &Model, state: &State<f64>, out: &mut Kinematics<f64>) {
+    update_lanes(model, state, out);
+}
+
+/// [`update`] over any scalar.
+pub fn update_lanes<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>) {
     for body in 1..model.bodies.parent.len() {
         place_body(model, state, out, body);
     }

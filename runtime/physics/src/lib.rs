@@ -51,6 +51,7 @@ pub mod model;
 pub mod rotation;
 pub mod scalar;
 pub mod sensors;
+mod single;
 pub mod smooth;
 pub mod solver;
 pub mod spatial;
@@ -63,9 +64,8 @@ pub mod workspace;
 
 pub use fault::Fault;
 pub use jacobian::{center_of_mass_jacobian, point_jacobian};
-pub use smooth::smooth;
+pub use single::{STAGES, excite, forward, integrate, motion, smooth, step, step_by_stage};
 pub use state::State;
-pub use stepping::{forward, integrate, motion, step};
 pub use tendons::{moment_arm, moment_arms};
 pub use workspace::Workspace;
 

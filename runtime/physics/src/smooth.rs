@@ -12,7 +12,7 @@ pub fn smooth<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspac
 
 /// Stages that depend on positions alone: frames, the mass matrix and its factor, tendon lengths.
 pub fn positions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    kinematics::update(model, state, &mut workspace.kinematics);
+    kinematics::update_lanes(model, state, &mut workspace.kinematics);
     inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
     tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
 }

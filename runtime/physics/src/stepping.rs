@@ -34,7 +34,7 @@ pub fn forward<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspa
 /// A state that is not finite.
 pub fn motion<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     check(model, state)?;
-    kinematics::update(model, state, &mut workspace.kinematics);
+    kinematics::update_lanes(model, state, &mut workspace.kinematics);
     constrained::contacts(model, workspace);
     velocities::update(model, state, &workspace.kinematics, &mut workspace.velocities);
     Ok(())

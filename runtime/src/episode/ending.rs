@@ -103,6 +103,14 @@ pub enum EpisodeError {
         /// Entries given.
         found: usize,
     },
+    /// The weights have the wrong length.
+    #[error("there are {found} weights; the task has {expected} reward terms")]
+    Weights {
+        /// Number of reward terms.
+        expected: usize,
+        /// Weights given.
+        found: usize,
+    },
     /// The episode has ended; only a reset or a restored snapshot leads on.
     #[error("the episode has ended: reset it or restore a snapshot")]
     Ended,

@@ -2,7 +2,7 @@
 //!
 //! A step sets all coordinates; velocities are the differences over the step; a forward pass gives contacts and forces.
 
-use super::{Ending, Episode, EpisodeError, EpisodeKey, Fault, beginning};
+use super::{Ending, Environment, Episode, EpisodeError, EpisodeKey, Fault, Player, beginning};
 use crate::body::Body;
 use crate::episode::excitation;
 use msk_compiler::frame::Sensor;
@@ -15,16 +15,9 @@ use nalgebra::Vector3;
 /// all muscles.
 pub type Placing<'a> = dyn FnMut(&Model, &Body, &mut State<f64>, &mut Workspace<f64>) -> f64 + 'a;
 
-impl Episode {
-    /// The same episode for scripts alone: where the task's frame has no sensor of a force, steps that a script shows leave out what
-    /// only forces need, and their numbers stay the same. Physics must not take over.
-    pub fn for_scripts(mut self) -> Self {
-        self.forces = self.task.frame.entries().iter().any(|(sensor, _)| sensor.needs_forces());
-        self
-    }
-
+impl Environment {
     /// Begins the episode `key` with what a script shows first. Randoms that are `given` (place, value) are not drawn.
-    /// `prepare` is told what was drawn before anything is placed.
+    /// `prepare` learns what was drawn before anything is placed.
     pub fn reset_playing(
         &mut self,
         key: EpisodeKey,
@@ -32,75 +25,31 @@ impl Episode {
         prepare: &mut dyn FnMut(&TaskState),
         place: &mut Placing<'_>,
     ) {
-        self.clear(key);
-        if let Err(fault) = self.start_playing(given, prepare, place) {
-            self.present.ending = Some(Ending::Fault(fault));
+        let mut player = self.player();
+        player.clear(key);
+        if let Err(fault) = player.start_playing(given, prepare, place) {
+            player.episode.ending = Some(Ending::Fault(fault));
         }
-    }
-
-    fn start_playing(
-        &mut self,
-        given: &[(usize, Vec<f64>)],
-        prepare: &mut dyn FnMut(&TaskState),
-        place: &mut Placing<'_>,
-    ) -> Result<(), Fault> {
-        let present = &mut self.present;
-        self.task.begin_given(&mut present.streams, &mut present.task, given)?;
-        prepare(&present.task);
-        let activation = place(&self.model, &self.body, &mut present.state, &mut self.workspace);
-        self.activate(activation);
-        let state = &mut self.present.state;
-        beginning::hold(&self.model, &self.body, state, &mut self.workspace);
-        physics::forward(&self.model, state, &mut self.workspace)?;
-        self.measure(0.0);
-        let present = &mut self.present;
-        self.task.reset_given(&present.frame, &mut present.streams, &mut present.task, given)?;
-        self.task.report(&present.frame, &self.weights, &present.task, &mut present.report);
-        self.observe();
-        Ok(())
     }
 
     /// Begins the episode `key` in a state that `put` writes, whatever the task says of its beginning: everything counts, speeds and
     /// activations, too. A state that the physics or the task refuses ends the episode with a fault.
-    pub fn appear(&mut self, key: EpisodeKey, put: &mut dyn FnMut(&mut State<f64>)) {
-        self.clear(key);
-        let appeared = || -> Result<(), Fault> {
-            let present = &mut self.present;
-            self.task.begin(&mut present.streams, &mut present.task)?;
-            put(&mut present.state);
-            physics::forward(&self.model, &present.state, &mut self.workspace)?;
-            self.measure(0.0);
-            let present = &mut self.present;
-            self.task.reset(&present.frame, &mut present.streams, &mut present.task)?;
-            self.task.report(&present.frame, &self.weights, &present.task, &mut present.report);
-            Ok(())
-        };
-        if let Err(fault) = { appeared }() {
-            self.present.ending = Some(Ending::Fault(fault));
+    pub fn reset_to(&mut self, key: EpisodeKey, put: &mut dyn FnMut(&mut State<f64>)) {
+        let mut player = self.player();
+        player.clear(key);
+        if let Err(fault) = player.start_at(put) {
+            player.episode.ending = Some(Ending::Fault(fault));
         }
     }
 
-    /// Takes one control step to where the script has everything. A fault ends the episode as in [`step`](Self::step).
+    /// Takes one control step to where the script has everything: a kinematic step. A fault ends the episode as in
+    /// [`step`](Self::step).
     ///
     /// # Errors
     /// An episode that has ended.
-    pub fn show(&mut self, place: &mut Placing<'_>) -> Result<&StepReport, EpisodeError> {
-        self.played(|episode| {
-            let before = episode.present.state.position.clone();
-            let state = &mut episode.present.state;
-            let activation = place(&episode.model, &episode.body, state, &mut episode.workspace);
-            episode.activate(activation);
-            let period = episode.control_period();
-            let state = &mut episode.present.state;
-            differences(&episode.body, &before, state, period);
-            state.time = f64::from(episode.present.task.step + 1) * period;
-            match episode.forces {
-                true => physics::forward(&episode.model, state, &mut episode.workspace)?,
-                false => physics::motion(&episode.model, state, &mut episode.workspace)?,
-            }
-            episode.measure(period);
-            Ok(())
-        })
+    pub fn step_to(&mut self, place: &mut Placing<'_>) -> Result<&StepReport, EpisodeError> {
+        self.player().play(|player| player.show(place))?;
+        Ok(&self.episode.report)
     }
 
     /// Takes one control step in which nothing moves, after two or more that showed the same: only time passes.
@@ -108,48 +57,106 @@ impl Episode {
     /// # Errors
     /// An episode that has ended.
     pub fn hold(&mut self) -> Result<&StepReport, EpisodeError> {
-        self.played(|episode| {
-            let time = f64::from(episode.present.task.step + 1) * episode.control_period();
-            episode.present.state.time = time;
-            for &(sensor, offset) in episode.task.frame.entries() {
-                if sensor == Sensor::Time {
-                    episode.present.frame[offset] = time;
-                }
-            }
+        self.player().play(|player| {
+            player.wait();
             Ok(())
-        })
+        })?;
+        Ok(&self.episode.report)
     }
 
-    fn played(&mut self, measure: impl FnOnce(&mut Self) -> Result<(), Fault>) -> Result<&StepReport, EpisodeError> {
-        if self.present.ending.is_some() {
+    /// Writes the observation of what the script has shown last, for a policy that takes over.
+    pub fn end_script(&mut self) {
+        self.player().observe();
+    }
+}
+
+impl Player<'_> {
+    fn start_playing(
+        &mut self,
+        given: &[(usize, Vec<f64>)],
+        prepare: &mut dyn FnMut(&TaskState),
+        place: &mut Placing<'_>,
+    ) -> Result<(), Fault> {
+        let (model, body, task) = (&self.engine.model, &self.engine.body, &self.engine.task);
+        let episode = &mut *self.episode;
+        task.begin_given(&mut episode.streams, &mut episode.task, given)?;
+        prepare(&episode.task);
+        let activation = place(model, body, &mut episode.state, &mut self.scratch.workspace);
+        self.activate(activation);
+        let state = &mut self.episode.state;
+        beginning::hold(model, body, state, &mut self.scratch.workspace);
+        self.scratch.pass(model, state)?;
+        self.measure(0.0);
+        self.take_first_snapshot(given)?;
+        self.observe();
+        Ok(())
+    }
+
+    fn start_at(&mut self, put: &mut dyn FnMut(&mut State<f64>)) -> Result<(), Fault> {
+        let episode = &mut *self.episode;
+        self.engine.task.begin(&mut episode.streams, &mut episode.task)?;
+        put(&mut episode.state);
+        self.scratch.pass(&self.engine.model, &episode.state)?;
+        self.measure(0.0);
+        self.take_first_snapshot(&[])
+    }
+
+    /// The snapshot of the reset, reported, with values that randoms have whatever chance says.
+    fn take_first_snapshot(&mut self, given: &[(usize, Vec<f64>)]) -> Result<(), Fault> {
+        let Episode { frame, streams, task, .. } = &mut *self.episode;
+        self.engine.task.reset_given(frame, streams, task, given)?;
+        self.report();
+        Ok(())
+    }
+
+    /// Puts everything where the script has it, and measures.
+    fn show(&mut self, place: &mut Placing<'_>) -> Result<(), Fault> {
+        let (model, body) = (&self.engine.model, &self.engine.body);
+        let before = self.episode.state.position.clone();
+        self.scratch.forget();
+        let activation = place(model, body, &mut self.episode.state, &mut self.scratch.workspace);
+        self.activate(activation);
+        let period = self.engine.control_period();
+        let state = &mut self.episode.state;
+        differences(body, &before, state, period);
+        state.time = f64::from(self.episode.task.step + 1) * period;
+        match self.engine.forces {
+            true => self.scratch.pass(model, state)?,
+            false => physics::motion(model, state, &mut self.scratch.workspace)?,
+        }
+        self.measure(period);
+        Ok(())
+    }
+
+    /// Lets time pass, and nothing else.
+    fn wait(&mut self) {
+        let time = f64::from(self.episode.task.step + 1) * self.engine.control_period();
+        self.episode.state.time = time;
+        for &(sensor, offset) in self.engine.task.frame.entries() {
+            if sensor == Sensor::Time {
+                self.episode.frame[offset] = time;
+            }
+        }
+    }
+
+    /// Takes one control step whose snapshot `measure` takes.
+    fn play(&mut self, measure: impl FnOnce(&mut Self) -> Result<(), Fault>) -> Result<(), EpisodeError> {
+        if self.episode.ending.is_some() {
             return Err(EpisodeError::Ended);
         }
-        let steps = self.steps();
-        let outcome = measure(self).and_then(|()| {
-            let present = &mut self.present;
-            self.task.step(&present.frame, &self.weights, &mut present.streams, &mut present.task, &mut present.report)?;
-            self.present.ending = self.judge();
-            self.release()
-        });
-        if let Err(fault) = outcome {
-            self.present.task.step = steps;
-            self.present.report = StepReport::default();
-            self.present.ending = Some(Ending::Fault(fault));
+        let steps = self.episode.steps();
+        if let Err(fault) = measure(self).and_then(|()| self.evaluate()) {
+            self.end_with(fault, steps);
         }
-        Ok(&self.present.report)
-    }
-
-    /// Lets a policy see what the script has shown last.
-    pub fn end_script(&mut self) {
-        self.observe();
+        Ok(())
     }
 
     /// Gives all muscles one activation, its excitation, and the action that asks for it.
     fn activate(&mut self, activation: f64) {
-        let present = &mut self.present;
-        present.state.activation.fill(activation);
-        present.state.control.fill(activation);
-        present.action.fill(excitation::action(self.body.excitation, activation));
+        let episode = &mut *self.episode;
+        episode.state.activation.fill(activation);
+        episode.state.control.fill(activation);
+        episode.action.fill(excitation::action(self.engine.body.excitation, activation));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Weights that may change while an evaluation runs, and playing an episode again as it was.
 
 use super::{ByTerm, EpisodeRecord, EvaluationError, Trial, play};
-use crate::episode::{Episode, EpisodeKey};
+use crate::episode::{Environment, EpisodeKey};
 use crate::policy;
 use msk_compiler::task::CompiledTask;
 use std::sync::atomic::AtomicBool;
@@ -23,7 +23,7 @@ pub struct Fed {
 
 impl Fed {
     /// Has the next episode paid by these weights.
-    pub fn pay(&self, episode: &mut Episode) {
+    pub fn pay(&self, episode: &mut Environment) {
         for (weight, fed) in episode.weights_mut().iter_mut().zip(&self.weights) {
             *weight = *fed;
         }

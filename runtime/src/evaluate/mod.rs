@@ -26,7 +26,7 @@ pub use statistics::{Spread, wilson_interval};
 pub use summary::{GroupSummary, MetricSummary, Summary, TaskSummary, TermSummary};
 pub use to_horizon::{ToHorizon, play_to_horizon};
 
-use crate::episode::{Episode, EpisodeError, EpisodeKey, REST};
+use crate::episode::{Environment, EpisodeError, EpisodeKey, REST};
 use crate::library::BoundBody;
 use crate::policy::{self, Policy, PolicyError};
 use msk_compiler::task::CompiledTask;
@@ -170,7 +170,7 @@ pub fn run_fed(
 /// The policy cannot act.
 pub fn play(
     trial: &Trial,
-    episode: &mut Episode,
+    episode: &mut Environment,
     key: EpisodeKey,
     policy: &mut dyn Policy,
     stop: &AtomicBool,
@@ -256,7 +256,7 @@ impl Crew<'_> {
 
     fn play_jobs(&self, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
         let mut policy = policy::create(&self.plan.policy)?;
-        let mut present: Option<(usize, Episode)> = None;
+        let mut present: Option<(usize, Environment)> = None;
         while let Some(&(trial, index)) = self.jobs.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             if self.failed.load(Ordering::Relaxed) || self.stop.load(Ordering::Relaxed) {
                 break;
@@ -318,8 +318,8 @@ impl Trial {
     ///
     /// # Errors
     /// A task that does not fit the body.
-    pub fn episode(&self) -> Result<Episode, EpisodeError> {
-        let episode = Episode::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())?;
+    pub fn episode(&self) -> Result<Environment, EpisodeError> {
+        let episode = Environment::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())?;
         Ok(match &self.body.condition.fatigue {
             Some(fatigue) => episode.with_fatigue(Some(fatigue.clone())),
             None => episode,

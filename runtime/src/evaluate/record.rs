@@ -1,7 +1,7 @@
 //! What is kept of an episode: one line of the journal.
 
 use crate::condition::MuscleCondition;
-use crate::episode::{Ending, Episode};
+use crate::episode::{Ending, Environment};
 use msk_compiler::task::CompiledTask;
 use msk_physics::scalar::Real;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -125,7 +125,7 @@ impl Tally {
     }
 
     /// Adds the present step of `episode`. A step that met a fault has no values and adds nothing.
-    pub fn add(&mut self, episode: &Episode) {
+    pub fn add(&mut self, episode: &Environment) {
         let report = episode.report();
         self.total += report.reward;
         let sums = self.pay.iter_mut().zip(&mut self.values);
@@ -150,7 +150,7 @@ impl Tally {
     }
 
     /// The record of `episode`, which has ended.
-    pub fn record(self, episode: &Episode, policy: &str, model_hash: &str, wall_time: f64) -> EpisodeRecord {
+    pub fn record(self, episode: &Environment, policy: &str, model_hash: &str, wall_time: f64) -> EpisodeRecord {
         let task = episode.task();
         let by_term = |sums: Vec<f64>| ByTerm(task.terms.iter().map(|term| term.name.clone()).zip(sums).collect());
         let fault = match episode.ending() {

@@ -1,7 +1,7 @@
 //! An episode beyond its ends: whether the physics goes on for the whole horizon, whatever the body does by then.
 
 use super::EvaluationError;
-use crate::episode::{Ending, Episode, EpisodeKey, REST};
+use crate::episode::{Ending, Environment, EpisodeKey, REST};
 use crate::policy::Policy;
 use msk_physics::scalar::Real;
 
@@ -24,14 +24,18 @@ pub struct ToHorizon {
 ///
 /// # Errors
 /// The policy cannot act.
-pub fn play_to_horizon(episode: &mut Episode, key: EpisodeKey, policy: &mut dyn Policy) -> Result<ToHorizon, EvaluationError> {
+pub fn play_to_horizon(
+    episode: &mut Environment,
+    key: EpisodeKey,
+    policy: &mut dyn Policy,
+) -> Result<ToHorizon, EvaluationError> {
     episode.reset(key);
     let mut found = ToHorizon { first: None, steps: 0, fault: None, deepest: 0.0, fastest: 0.0 };
     if episode.ending().is_none() {
         policy.reset(&episode.context())?;
     }
     let mut action = vec![REST; episode.context().body.muscles.len()];
-    while episode.pass_end() {
+    while episode.ignore_termination() {
         policy.act(&episode.context(), &mut action)?;
         episode.step(&action)?;
         found.look(episode);
@@ -44,7 +48,7 @@ pub fn play_to_horizon(episode: &mut Episode, key: EpisodeKey, policy: &mut dyn 
 }
 
 impl ToHorizon {
-    fn look(&mut self, episode: &Episode) {
+    fn look(&mut self, episode: &Environment) {
         if let (None, Some(ending)) = (&self.first, episode.ending().filter(|ending| ending.is_of_task())) {
             self.first = Some((episode.steps(), ending.clone()));
         }

@@ -2,7 +2,7 @@
 
 use super::at;
 use super::poses::Room;
-use crate::episode::{Ending, Episode, EpisodeKey, Penetration, REST, Residual};
+use crate::episode::{Ending, Environment, EpisodeKey, Penetration, REST, Residual};
 use crate::library::{BodyLibrary, BoundBody, in_words};
 
 use msk_compiler::diagnostics::codes::{lints, probing};
@@ -31,7 +31,7 @@ const HIGHEST: f64 = 0.01;
 /// A task that can begin.
 pub(super) struct Begun {
     pub staged: BoundBody,
-    pub episode: Episode,
+    pub episode: Environment,
     /// Where the first seed begins.
     pub state: State<f64>,
     /// The sensor records of all beginnings.
@@ -134,7 +134,8 @@ pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, told: &mut Vec<Diagnost
 
 fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally), String> {
     let staged = bodies.stage(&task.body, &task.scene).map_err(|error| in_words(&error))?;
-    let mut episode = Episode::new(staged.model.clone(), staged.body.clone(), task.clone()).map_err(|error| in_words(&error))?;
+    let mut episode =
+        Environment::new(staged.model.clone(), staged.body.clone(), task.clone()).map_err(|error| in_words(&error))?;
     let rest = vec![REST; episode.context().body.muscles.len()];
     let mut found =
         Tally { terminations: vec![0; task.terminations.len()], finishes: vec![0; task.finishes.len()], ..Tally::default() };

@@ -4,7 +4,7 @@
 //! `posture` holds the pose for as many steps: a task in which resting is paid more per step pays for giving up.
 
 use super::at;
-use crate::episode::{Ending, Episode, EpisodeKey, REST};
+use crate::episode::{Ending, Environment, EpisodeKey, REST};
 use crate::library::BodyLibrary;
 use crate::policy::{Policy, Posture, Zero};
 use msk_compiler::diagnostics::codes::probing;
@@ -60,7 +60,7 @@ impl Played {
 /// Looks at one task; `None` if it cannot be played.
 fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diagnostic>) -> Option<()> {
     let staged = bodies.stage(&task.body, &task.scene).ok()?;
-    let mut episode = Episode::new(staged.model, staged.body, task.clone()).ok()?;
+    let mut episode = Environment::new(staged.model, staged.body, task.clone()).ok()?;
     let rest = play(&mut episode, &mut Zero, MOST_STEPS)?;
     if rest.success {
         let message = format!("doing nothing succeeds: so does the policy `zero` in `{}`", task.name);
@@ -88,7 +88,7 @@ fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diag
 }
 
 /// Plays at most so many steps of the first episode; `None` if the policy cannot act, or a fault ends it.
-fn play(episode: &mut Episode, policy: &mut dyn Policy, most: u32) -> Option<Played> {
+fn play(episode: &mut Environment, policy: &mut dyn Policy, most: u32) -> Option<Played> {
     episode.reset(EpisodeKey::default());
     let mut action = vec![REST; episode.context().body.muscles.len()];
     let mut terms = vec![0.0; episode.task().terms.len()];

@@ -4,7 +4,7 @@ use super::at;
 use super::mirror::Mirror;
 use super::poses::Room;
 use super::search::Shown;
-use crate::episode::{Episode, EpisodeKey, Stream};
+use crate::episode::{Environment, EpisodeKey, Stream};
 use msk_compiler::diagnostics::Diagnostic;
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::numbers::{beside, for_people};
@@ -25,7 +25,7 @@ const PRESSED: f64 = 3e-3;
 const SPEED: f64 = 0.5;
 
 /// Compares states with their mirror images; a sequence and a scene with two unlike sides are left alone.
-pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], episode: &Episode) -> Vec<Diagnostic> {
+pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], episode: &Environment) -> Vec<Diagnostic> {
     let (true, 1, Some(survey)) = (task.symmetric, Survey::phases(task), Survey::new(task, 0)) else { return Vec::new() };
     let Some(mirror) = Mirror::new(room.model, room.body, &room.begins) else { return Vec::new() };
     let mut episode = episode.clone();
@@ -92,7 +92,7 @@ fn moving(room: &Room<'_>, chance: &mut Stream) -> State<f64> {
 }
 
 /// What the task says of a state; `None` if the physics or the task cannot.
-fn looked(episode: &mut Episode, state: &State<f64>) -> Option<StepReport> {
-    episode.appear(EpisodeKey::default(), &mut |present| present.copy_from(state));
+fn looked(episode: &mut Environment, state: &State<f64>) -> Option<StepReport> {
+    episode.reset_to(EpisodeKey::default(), &mut |present| present.copy_from(state));
     episode.ending().is_none().then(|| episode.report().clone())
 }

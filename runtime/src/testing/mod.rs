@@ -19,7 +19,7 @@ pub use report::{Failure, TestReport, Told};
 pub use returns::{DISCOUNT, Demonstration, Measure, Ranking, Returns, TermReturn};
 pub use script::Script;
 
-use crate::episode::{Episode, EpisodeError};
+use crate::episode::{Environment, EpisodeError};
 use crate::library::BoundBody;
 use crate::policy::PolicyError;
 use msk_compiler::testing::TaskTests;
@@ -44,7 +44,7 @@ type Shown = Arc<OnceLock<Option<Demonstration>>>;
 /// Plays tests of one task. One value serves one thread.
 pub struct Stage<'a> {
     tests: &'a TaskTests,
-    episode: Episode,
+    episode: Environment,
     shown: Shown,
 }
 
@@ -59,7 +59,7 @@ impl<'a> Stage<'a> {
 
     /// One of several for the same tests: the demonstration is played by the first that needs it.
     fn beside(tests: &'a TaskTests, body: &BoundBody, shown: Shown) -> Result<Self, TestError> {
-        let episode = Episode::new(body.model.clone(), body.body.clone(), tests.task.clone())?;
+        let episode = Environment::new(body.model.clone(), body.body.clone(), tests.task.clone())?;
         Ok(Self { tests, episode, shown })
     }
 

@@ -4,7 +4,7 @@
 //! exploit must each stay below the demonstration's: the return and the mean reward of a step, without discount and with [`DISCOUNT`].
 
 use super::report::{Failure, Told};
-use crate::episode::{Ending, Episode};
+use crate::episode::{Ending, Environment};
 use msk_compiler::numbers::{for_people, told_apart};
 use msk_compiler::task::CompiledTask;
 use msk_compiler::testing::TaskTest;
@@ -101,7 +101,7 @@ impl Tally {
     }
 
     /// Adds the step that was just taken.
-    pub(super) fn add(&mut self, episode: &Episode) {
+    pub(super) fn add(&mut self, episode: &Environment) {
         let values = episode.report().terms.iter().zip(episode.weights());
         for (term, (value, weight)) in values.enumerate() {
             self.plain[term] += weight * value;
@@ -111,7 +111,7 @@ impl Tally {
     }
 
     /// The returns of an episode that has come so far.
-    pub(super) fn finish(self, episode: &Episode) -> Returns {
+    pub(super) fn finish(self, episode: &Environment) -> Returns {
         let task = episode.task();
         let terms = task.terms.iter().zip(self.plain.into_iter().zip(self.discounted));
         let terms = terms.map(|(term, (plain, discounted))| TermReturn { name: term.name.clone(), plain, discounted });

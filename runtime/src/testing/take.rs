@@ -2,7 +2,7 @@
 
 use super::returns::{Returns, Tally};
 use super::{Script, TestError};
-use crate::episode::{Ending, Episode, EpisodeKey, REST};
+use crate::episode::{Ending, Environment, EpisodeKey, REST};
 use crate::policy;
 use msk_compiler::task::TaskState;
 use msk_compiler::testing::Take;
@@ -45,7 +45,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    fn now(episode: &Episode) -> Self {
+    fn now(episode: &Environment) -> Self {
         let report = episode.report();
         Self { phase: report.phase as usize, metrics: report.metrics.clone() }
     }
@@ -74,7 +74,7 @@ impl Played {
 
 /// Plays a take; metrics are kept at the `wanted` steps. What is told of its end is that of the time that it says, however far it
 /// is played.
-pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>, extent: Extent) -> Result<Played, TestError> {
+pub(super) fn play(episode: &mut Environment, take: &Take, wanted: BTreeSet<u32>, extent: Extent) -> Result<Played, TestError> {
     if let Some(count) = take.resets {
         return Ok(reset(episode, take, count));
     }
@@ -93,7 +93,7 @@ pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>, ex
         match &script {
             // Two steps after the last keyframe nothing changes any more but time.
             Some(script) if next <= script.last() + 2 => {
-                episode.show(&mut |model, body, state, workspace| script.place(next, model, body, state, workspace))?;
+                episode.step_to(&mut |model, body, state, workspace| script.place(next, model, body, state, workspace))?;
             }
             _ => {
                 episode.hold()?;
@@ -117,7 +117,7 @@ pub(super) fn play(episode: &mut Episode, take: &Take, wanted: BTreeSet<u32>, ex
 }
 
 /// Resets the first episodes of seed 0, up to one that meets a fault.
-fn reset(episode: &mut Episode, take: &Take, count: u32) -> Played {
+fn reset(episode: &mut Environment, take: &Take, count: u32) -> Played {
     let mut resets = Vec::new();
     for number in 0..count {
         episode.reset_given(EpisodeKey { episode: number.into(), ..EpisodeKey::default() }, &take.given);
@@ -144,7 +144,7 @@ struct Watch {
 }
 
 impl Watch {
-    fn step(&mut self, episode: &Episode) {
+    fn step(&mut self, episode: &Environment) {
         self.tally.add(episode);
         if self.wanted.contains(&episode.steps()) && !episode.report().metrics.is_empty() {
             self.kept.push((episode.steps(), Seen::now(episode)));
@@ -155,12 +155,12 @@ impl Watch {
     }
 }
 
-fn over(episode: &Episode) -> (Seen, u32, Option<Ending>) {
+fn over(episode: &Environment) -> (Seen, u32, Option<Ending>) {
     (Seen::now(episode), episode.steps(), episode.ending().cloned())
 }
 
 /// Begins with the script, or as the task does where there is none.
-pub(super) fn begin(episode: &mut Episode, take: &Take, key: EpisodeKey) -> Option<Script> {
+pub(super) fn begin(episode: &mut Environment, take: &Take, key: EpisodeKey) -> Option<Script> {
     if take.script.is_empty() {
         episode.reset_given(key, &take.given);
         return None;

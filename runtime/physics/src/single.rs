@@ -1,0 +1,91 @@
+//! The simulator of one episode in `f64`.
+//!
+//! The stages are generic over [`Real`](crate::scalar::Real), so a crate that called them with `f64` would compile the whole simulator once
+//! more. These functions are compiled here, once, and only linked elsewhere.
+
+use crate::{Fault, State, Workspace, constrained, inertia, kinematics, model::Model, smooth, stepping, tendons};
+
+/// [`stepping::forward`] of one episode.
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn forward(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) -> Result<(), Fault> {
+    stepping::forward(model, state, workspace)
+}
+
+/// [`stepping::motion`] of one episode.
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn motion(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) -> Result<(), Fault> {
+    stepping::motion(model, state, workspace)
+}
+
+/// [`stepping::integrate`] of one episode.
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn integrate(model: &Model, state: &mut State<f64>, workspace: &mut Workspace<f64>) -> Result<(), Fault> {
+    stepping::integrate(model, state, workspace)
+}
+
+/// [`stepping::step`] of one episode.
+///
+/// # Errors
+/// As there.
+pub fn step(model: &Model, state: &mut State<f64>, workspace: &mut Workspace<f64>) -> Result<(), Fault> {
+    forward(model, state, workspace)?;
+    integrate(model, state, workspace)
+}
+
+/// [`smooth::smooth`] of one episode.
+#[inline(never)]
+pub fn smooth(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) {
+    smooth::smooth(model, state, workspace);
+}
+
+/// [`smooth::excite`] of one episode.
+#[inline(never)]
+pub fn excite(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) {
+    smooth::excite(model, state, workspace);
+}
+
+/// Names of the stages of [`step_by_stage`], in their order.
+pub const STAGES: [&str; 9] =
+    ["kinematics", "inertia", "tendons", "contacts", "velocities", "rows", "muscles", "solver", "integrator"];
+
+/// [`step`] with a call of `lap` after each of the [`STAGES`]: for clocks.
+///
+/// # Errors
+/// As for [`step`].
+#[inline(never)]
+pub fn step_by_stage(
+    model: &Model,
+    state: &mut State<f64>,
+    workspace: &mut Workspace<f64>,
+    lap: &mut dyn FnMut(),
+) -> Result<(), Fault> {
+    stepping::check(model, state)?;
+    kinematics::update(model, state, &mut workspace.kinematics);
+    lap();
+    inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
+    lap();
+    tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
+    lap();
+    constrained::contacts(model, workspace);
+    lap();
+    smooth::motions(model, state, workspace);
+    lap();
+    constrained::rows(model, state, workspace);
+    lap();
+    smooth::inputs(model, state, workspace);
+    lap();
+    constrained::solve(model, state, workspace)?;
+    lap();
+    integrate(model, state, workspace)?;
+    lap();
+    Ok(())
+}

@@ -1,0 +1,172 @@
+//! What episodes of a task are played with: everything that does not change while they are, and the scratch of a worker.
+
+use super::{Episode, EpisodeError, EpisodeKey, Player, REST};
+use crate::body::{Body, sensors};
+use crate::condition::Fatigue;
+use msk_compiler::task::{CompiledTask, StepReport, TaskState};
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State, Workspace};
+use std::sync::Arc;
+
+/// A task on a body: immutable, shared by all episodes and all workers.
+#[derive(Clone)]
+pub struct Engine {
+    pub(super) model: Arc<Model>,
+    pub(super) body: Arc<Body>,
+    pub(super) task: Arc<CompiledTask>,
+    /// Physics steps per control step.
+    pub(super) substeps: u32,
+    pub(super) fatigue: Option<Fatigue>,
+    /// Whether steps that a script shows end with the whole forward pass; else with what of it knows no forces.
+    pub(super) forces: bool,
+}
+
+/// The memory of one worker: the forward pass of the episode that it played last.
+///
+/// It decides nothing. An episode that comes to another worker, or after another episode, is passed forward anew and goes on
+/// with the same bits.
+#[derive(Debug, Clone)]
+pub struct Scratch {
+    pub(super) workspace: Workspace<f64>,
+    /// The state whose whole forward pass `workspace` holds.
+    passed: State<f64>,
+    holds: bool,
+}
+
+impl Scratch {
+    /// Whether the forward pass is that of `state`.
+    fn is_of(&self, state: &State<f64>) -> bool {
+        self.holds && self.passed == *state
+    }
+
+    /// Notes that the forward pass is that of `state`.
+    pub(super) fn note(&mut self, state: &State<f64>) {
+        self.passed.copy_from(state);
+        self.holds = true;
+    }
+
+    /// Notes that the forward pass is of no state that an episode goes on from.
+    pub(super) fn forget(&mut self) {
+        self.holds = false;
+    }
+
+    /// Passes forward, unless that has been done.
+    ///
+    /// # Errors
+    /// Those of the physics.
+    pub(super) fn pass(&mut self, model: &Model, state: &State<f64>) -> Result<(), physics::Fault> {
+        if !self.is_of(state) {
+            self.forget();
+            physics::forward(model, state, &mut self.workspace)?;
+            self.note(state);
+        }
+        Ok(())
+    }
+}
+
+impl Engine {
+    /// The task on its body.
+    ///
+    /// # Errors
+    /// A task for another body, or a control step that is not a whole number of physics steps.
+    pub fn new(model: Arc<Model>, body: Arc<Body>, task: Arc<CompiledTask>) -> Result<Self, EpisodeError> {
+        if task.body.name != body.name {
+            let (expected, found) = (task.body.name.clone(), body.name.clone());
+            return Err(EpisodeError::Body { task: task.name.clone(), expected, found });
+        }
+        Ok(Self { substeps: substeps(&task, model.options.timestep)?, fatigue: None, forces: true, model, body, task })
+    }
+
+    /// The same with muscles that tire.
+    pub fn with_fatigue(self, fatigue: Option<Fatigue>) -> Self {
+        Self { fatigue, ..self }
+    }
+
+    /// The same for scripts alone: where the task's frame has no sensor of a force, steps that a script shows leave out what
+    /// only forces need, and their numbers stay the same. Physics must not take over.
+    pub fn for_scripts(self) -> Self {
+        let forces = self.task.frame.entries().iter().any(|(sensor, _)| sensor.needs_forces());
+        Self { forces, ..self }
+    }
+
+    /// Memory for a worker.
+    pub fn scratch(&self) -> Scratch {
+        Scratch { workspace: Workspace::new(&self.model), passed: State::new(&self.model), holds: false }
+    }
+
+    /// Memory for an episode, which must be [`reset`](Self::reset) before it is played.
+    pub fn episode(&self) -> Episode {
+        Episode {
+            key: EpisodeKey::default(),
+            state: State::new(&self.model),
+            pushes: Vec::new(),
+            task: TaskState::default(),
+            streams: super::Streams::default(),
+            memory: sensors::Memory::default(),
+            compartments: None,
+            action: vec![REST; self.body.muscles.len()],
+            frame: vec![0.0; self.task.frame.size()],
+            observation: vec![0.0; self.task.observation_size()],
+            report: StepReport::default(),
+            ending: None,
+        }
+    }
+
+    /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
+    pub fn reset(&self, key: EpisodeKey, episode: &mut Episode, scratch: &mut Scratch) {
+        self.player(episode, &[], scratch).reset(key, &[]);
+    }
+
+    /// Takes one control step with `action`, one entry in [-1, 1] per muscle, rewarded by `weights`, one per term.
+    ///
+    /// # Errors
+    /// An action or weights of the wrong length, or an episode that has ended.
+    pub fn step(
+        &self,
+        episode: &mut Episode,
+        action: &[f64],
+        weights: &[f64],
+        scratch: &mut Scratch,
+    ) -> Result<(), EpisodeError> {
+        let (expected, found) = (self.task.terms.len(), weights.len());
+        if expected != found {
+            return Err(EpisodeError::Weights { expected, found });
+        }
+        self.player(episode, weights, scratch).step(action)
+    }
+
+    pub(super) fn player<'a>(&'a self, episode: &'a mut Episode, weights: &'a [f64], scratch: &'a mut Scratch) -> Player<'a> {
+        Player { engine: self, episode, weights, scratch }
+    }
+
+    /// The task.
+    pub fn task(&self) -> &Arc<CompiledTask> {
+        &self.task
+    }
+
+    /// The body.
+    pub fn body(&self) -> &Arc<Body> {
+        &self.body
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// Length of a control step, s.
+    pub fn control_period(&self) -> f64 {
+        1.0 / self.task.control_frequency
+    }
+}
+
+/// Physics steps per control step.
+fn substeps(task: &CompiledTask, timestep: f64) -> Result<u32, EpisodeError> {
+    let substeps = 1.0 / (task.control_frequency * timestep);
+    let whole = substeps.round();
+    if (1.0..=1e6).contains(&whole) && (substeps - whole).abs() <= 1e-9 * whole {
+        return Ok(whole as u32);
+    }
+    let (task, frequency) = (task.name.clone(), task.control_frequency);
+    Err(EpisodeError::Substeps { task, frequency, timestep, substeps })
+}

@@ -1,0 +1,273 @@
+//! One episode after the other, with everything that playing it takes.
+
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Player, Scratch, StartReport};
+use crate::body::Body;
+use crate::condition::{Compartments, Fatigue};
+use crate::policy::PolicyContext;
+use msk_compiler::task::{CompiledTask, Disturbance, StepReport, TaskState};
+use msk_physics::model::Model;
+use msk_physics::{self as physics, State};
+use std::sync::Arc;
+
+/// A task on a body that a policy acts on: an engine, the present episode, the weights that reward it, and scratch.
+#[derive(Clone)]
+pub struct Environment {
+    pub(super) engine: Engine,
+    pub(super) weights: Vec<f64>,
+    pub(super) episode: Episode,
+    pub(super) scratch: Scratch,
+}
+
+/// A reward term of the present step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TermReward {
+    /// Unweighted value.
+    pub value: f64,
+    /// Weight in force.
+    pub weight: f64,
+}
+
+impl TermReward {
+    /// What the term adds to the reward.
+    pub fn contribution(self) -> f64 {
+        self.weight * self.value
+    }
+}
+
+/// The reward of the present step, term by term.
+#[derive(Debug, Clone, Copy)]
+pub struct Reward<'a> {
+    environment: &'a Environment,
+}
+
+impl Reward<'_> {
+    /// Sum over all terms of weight times value.
+    pub fn total(&self) -> f64 {
+        self.environment.episode.report.reward
+    }
+
+    /// The term of that name; `None` if the task has no such term.
+    pub fn term(&self, name: &str) -> Option<TermReward> {
+        let index = self.environment.engine.task.terms.iter().position(|term| term.name == name)?;
+        let value = *self.environment.episode.report.terms.get(index)?;
+        Some(TermReward { value, weight: self.environment.weights[index] })
+    }
+}
+
+impl core::fmt::Debug for Environment {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Environment")
+            .field("task", &self.engine.task.name)
+            .field("episode", &self.episode)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Environment {
+    /// Episode 0 of seed 0, reset.
+    ///
+    /// # Errors
+    /// A task for another body, or a control step that is not a whole number of physics steps.
+    pub fn new(model: Arc<Model>, body: Arc<Body>, task: Arc<CompiledTask>) -> Result<Self, EpisodeError> {
+        Ok(Self::of(Engine::new(model, body, task)?))
+    }
+
+    /// Episode 0 of seed 0, reset.
+    pub fn of(engine: Engine) -> Self {
+        let (episode, scratch, weights) = (engine.episode(), engine.scratch(), engine.task.weights());
+        let mut environment = Self { engine, weights, episode, scratch };
+        environment.reset(EpisodeKey::default());
+        environment
+    }
+
+    /// The same environment with muscles that tire, reset: fresh ones begin it.
+    pub fn with_fatigue(mut self, fatigue: Option<Fatigue>) -> Self {
+        self.engine = self.engine.with_fatigue(fatigue);
+        self.reset(self.episode.key);
+        self
+    }
+
+    /// The same environment for scripts alone: see [`Engine::for_scripts`].
+    pub fn for_scripts(mut self) -> Self {
+        self.engine = self.engine.for_scripts();
+        self
+    }
+
+    pub(super) fn player(&mut self) -> Player<'_> {
+        self.engine.player(&mut self.episode, &self.weights, &mut self.scratch)
+    }
+
+    /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
+    pub fn reset(&mut self, key: EpisodeKey) {
+        self.player().reset(key, &[]);
+    }
+
+    /// The same with randoms that are `given` (place, value) and not drawn. The report holds what the task computes before
+    /// anything moves.
+    pub fn reset_given(&mut self, key: EpisodeKey, given: &[(usize, Vec<f64>)]) {
+        let mut player = self.player();
+        player.reset(key, given);
+        if player.episode.ending.is_none() {
+            player.report();
+        }
+    }
+
+    /// What does not fit when the episode `key` begins, before anything settles.
+    ///
+    /// # Errors
+    /// A beginning from which the physics cannot start.
+    pub fn inspect_start(&self, key: EpisodeKey) -> Result<StartReport, Fault> {
+        let mut other = self.clone();
+        let Episode { state, task, streams, .. } = &mut other.episode;
+        *state = State::new(&self.engine.model);
+        *task = TaskState::default();
+        streams.start(key, &self.engine.task.randoms);
+        self.engine.task.begin(streams, task)?;
+        other.player().place(key);
+        physics::forward(&self.engine.model, &other.episode.state, &mut other.scratch.workspace)?;
+        Ok(StartReport::of(&self.engine.model, &other.scratch.workspace))
+    }
+
+    /// Adds a push, as an evaluation does: it begins with the next control step and lasts `steps`. Force (N) and torque (N m)
+    /// act on a landmark (an index into the body's) in world axes. The next reset takes it away.
+    pub fn push(&mut self, landmark: usize, [force, torque]: [[f64; 3]; 2], steps: u32) {
+        let start = self.steps();
+        self.episode.pushes.push(Disturbance { landmark, force, torque, start, steps });
+    }
+
+    /// Takes one control step with `action`, one entry in [-1, 1] per muscle; what lies outside is clipped.
+    ///
+    /// A step that meets a fault is rewarded with 0, is not counted, and ends the episode.
+    ///
+    /// # Errors
+    /// An action of the wrong length, or an episode that has ended.
+    pub fn step(&mut self, action: &[f64]) -> Result<&StepReport, EpisodeError> {
+        self.player().step(action)?;
+        Ok(&self.episode.report)
+    }
+
+    /// Lets an episode that its task has ended go on, as if it had not: what the task measures is measured as ever, and the next
+    /// step may end it again. Says whether it goes on; neither a fault nor the horizon can be passed.
+    pub fn ignore_termination(&mut self) -> bool {
+        let passes = self.episode.ending.as_ref().is_none_or(Ending::is_of_task) && self.steps() < self.engine.task.horizon;
+        if passes {
+            self.episode.ending = None;
+        }
+        passes
+    }
+
+    /// The present episode: all that is needed to go on from here bit for bit. A clone is a snapshot.
+    pub fn episode(&self) -> &Episode {
+        &self.episode
+    }
+
+    /// A copy of the present episode.
+    pub fn snapshot(&self) -> Episode {
+        self.episode.clone()
+    }
+
+    /// Goes back (or forth) to an episode of the same task, as it was when it was cloned. Weights are settings and stay as they are.
+    pub fn restore(&mut self, episode: &Episode) {
+        self.episode.clone_from(episode);
+        // The forward pass is a function of the state, so a fault here is the one that the episode already ended with.
+        let _ = self.scratch.pass(&self.engine.model, &self.episode.state);
+    }
+
+    /// What does not change while episodes are played.
+    pub fn engine(&self) -> &Engine {
+        &self.engine
+    }
+
+    /// The task.
+    pub fn task(&self) -> &Arc<CompiledTask> {
+        &self.engine.task
+    }
+
+    /// Which episode of which seed.
+    pub fn key(&self) -> EpisodeKey {
+        self.episode.key
+    }
+
+    /// Control steps since reset.
+    pub fn steps(&self) -> u32 {
+        self.episode.task.step
+    }
+
+    /// Length of a control step, s.
+    pub fn control_period(&self) -> f64 {
+        self.engine.control_period()
+    }
+
+    /// Active, resting and fatigued units of the muscles, if they tire.
+    pub fn compartments(&self) -> Option<&Compartments> {
+        self.episode.compartments.as_ref()
+    }
+
+    /// The physical state.
+    pub fn state(&self) -> &State<f64> {
+        &self.episode.state
+    }
+
+    /// The sensor record of the present snapshot, laid out as the task's `frame` says.
+    pub fn frame(&self) -> &[f64] {
+        &self.episode.frame
+    }
+
+    /// The present observation, in the order and units of the task's channels.
+    pub fn observation(&self) -> &[f64] {
+        &self.episode.observation
+    }
+
+    /// What the task said of the last step.
+    pub fn report(&self) -> &StepReport {
+        &self.episode.report
+    }
+
+    /// The last step's reward by terms.
+    pub fn reward(&self) -> Reward<'_> {
+        Reward { environment: self }
+    }
+
+    /// The weights in force, one per term.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The weights in force, one per term; changing them never recompiles.
+    pub fn weights_mut(&mut self) -> &mut [f64] {
+        &mut self.weights
+    }
+
+    /// How the episode has ended, if it has.
+    pub fn ending(&self) -> Option<&Ending> {
+        self.episode.ending.as_ref()
+    }
+
+    /// Whether the task's success holds at the last step. An episode that ended in a fault has not succeeded.
+    pub fn success(&self) -> bool {
+        self.episode.report.success
+    }
+
+    /// Where the task's markers are now: names and world positions, m.
+    pub fn markers(&self) -> Vec<(String, [f64; 3])> {
+        let place = |index: usize| self.engine.task.marker(index, &self.episode.frame, &self.episode.task);
+        let names = self.engine.task.markers.iter().enumerate();
+        names.filter_map(|(index, name)| Some((name.clone(), place(index)?))).collect()
+    }
+
+    /// What a policy may look at.
+    pub fn context(&self) -> PolicyContext<'_> {
+        PolicyContext {
+            task: &self.engine.task,
+            body: &self.engine.body,
+            model: &self.engine.model,
+            key: self.episode.key,
+            step: self.steps(),
+            substeps: self.engine.substeps,
+            progress: &self.episode.task,
+            observation: &self.episode.observation,
+            state: &self.episode.state,
+            workspace: &self.scratch.workspace,
+        }
+    }
+}
