@@ -138,8 +138,8 @@ fn compare_keyframes(name: &str, model: &Model, golden: &Value) {
             ("qvel", state.velocity.clone()),
             ("act", state.activation.clone()),
             ("ctrl", state.control.clone()),
-            ("mocap_pos", state.placed_position.iter().flatten().copied().collect()),
-            ("mocap_quat", state.placed_orientation.concat()),
+            ("mocap_pos", state.mocap_position.iter().flatten().copied().collect()),
+            ("mocap_quat", state.mocap_orientation.concat()),
             ("xpos", workspace.kinematics.body_position.iter().flatten().copied().collect()),
             ("qacc", workspace.acceleration.clone()),
         ];
@@ -179,7 +179,7 @@ fn sensors_read_what_mujocos_read() {
         state.position[..3].copy_from_slice(&[0.0, 0.0, 0.05 + 0.2 * random.unit()]);
         state.time = number as f64;
         physics::forward(&model, &state, &mut workspace).expect("a sound state");
-        let contacts = workspace.episodes[0].constraints.contacts.len() as u64;
+        let contacts = workspace.lanes[0].constraints.contacts.len() as u64;
         assert_eq!(Some(contacts), expected["contacts"].as_u64(), "state {number}: contacts");
         let (found, expected) = (readings(&model, &state, &workspace), numbers(&expected["sensordata"]));
         assert_eq!(found.len(), expected.len());

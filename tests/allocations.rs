@@ -31,7 +31,7 @@ fn asked(model: &Model, steps: usize) -> u64 {
                 state.control.fill_with(|| random.unit());
             }
             step(model, state, &mut workspace).unwrap();
-            contacts = contacts.max(workspace.episodes[0].constraints.contacts.len());
+            contacts = contacts.max(workspace.lanes[0].constraints.contacts.len());
         }
     };
     run(&mut state);

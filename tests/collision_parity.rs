@@ -76,7 +76,7 @@ fn errors(pair: &Value) -> Errors {
         constrained::contacts(&model, &mut workspace);
         let theirs: Vec<Theirs> =
             case.as_array().unwrap().iter().map(|numbers| Theirs::new(&support::numbers(numbers))).collect();
-        let ours = &workspace.episodes[0].constraints.contacts;
+        let ours = &workspace.lanes[0].constraints.contacts;
         let [first, second] = [0, 1].map(|geom| Placed::of(&model, &workspace.kinematics, 0, geom));
         let verdict = judge([&first, &second], ours, &theirs, 1e-5);
         errors.add(verdict);

@@ -34,7 +34,7 @@ fn a_tendon_that_nothing_moves_is_not_constrained() {
         let mut state = State::new(&model);
         state.position[0] = 0.4;
         forward(&model, &state, &mut workspace).unwrap();
-        assert_eq!(workspace.episodes[0].constraints.rows.len(), rows, "{far}");
+        assert_eq!(workspace.lanes[0].constraints.rows.len(), rows, "{far}");
     }
 }
 
@@ -97,7 +97,7 @@ fn the_whole_body_falls_and_comes_to_lie() {
     run(&mut state, &mut workspace, 3000);
     let mass = human().bodies.subtree_mass[0];
     let lift: f64 =
-        workspace.episodes[0].constraints.contacts.iter().filter(|contact| contact.geoms[0] == 0).map(|c| c.force[0]).sum();
+        workspace.lanes[0].constraints.contacts.iter().filter(|contact| contact.geoms[0] == 0).map(|c| c.force[0]).sum();
     assert!(state.position[2] > 0.0 && state.position[2] < 0.5, "the pelvis is {} m high", state.position[2]);
     assert!((lift / (mass * 9.81) - 1.0).abs() < 0.2, "the ground carries {lift} N of {} N", mass * 9.81);
 }
@@ -139,7 +139,7 @@ proptest! {
         let state = on_the_ground(seed);
         let mut workspace = Workspace::new(model);
         forward(model, &state, &mut workspace).unwrap();
-        let constraints = &workspace.episodes[0].constraints;
+        let constraints = &workspace.lanes[0].constraints;
         let rows = &constraints.rows;
         let mut left = vec![0.0; model.nv];
         inertia::multiply(model, &workspace.inertia.matrix, &workspace.acceleration, &mut left);

@@ -23,17 +23,17 @@ type Quantity = (&'static str, Tolerance, Tolerance, fn(&Model, &Workspace<f64>)
 use Tolerance::{Absolute, Relative};
 
 const QUANTITIES: [Quantity; 7] = [
-    ("position", Absolute(1e-9), Absolute(1e-9), |_, w| w.episodes[0].constraints.rows.position.clone()),
-    ("velocity", Absolute(1e-9), Absolute(1e-4), |_, w| w.episodes[0].constraints.rows.velocity.clone()),
-    ("reference", Relative(1e-9), Relative(1e-5), |_, w| w.episodes[0].constraints.rows.reference.clone()),
+    ("position", Absolute(1e-9), Absolute(1e-9), |_, w| w.lanes[0].constraints.rows.position.clone()),
+    ("velocity", Absolute(1e-9), Absolute(1e-4), |_, w| w.lanes[0].constraints.rows.velocity.clone()),
+    ("reference", Relative(1e-9), Relative(1e-5), |_, w| w.lanes[0].constraints.rows.reference.clone()),
     ("logweight", Absolute(1e-9), Absolute(1e-8), |_, w| {
-        w.episodes[0].constraints.rows.weight.iter().map(|weight| weight.ln()).collect()
+        w.lanes[0].constraints.rows.weight.iter().map(|weight| weight.ln()).collect()
     }),
     ("jacobian", Absolute(1e-9), Absolute(1e-4), |m, w| {
-        let constraints = &w.episodes[0].constraints;
+        let constraints = &w.lanes[0].constraints;
         (0..constraints.rows.len()).flat_map(|row| constraints.jacobian_row(m, row)).collect()
     }),
-    ("force", Relative(1e-6), Relative(2e-5), |_, w| w.episodes[0].constraints.rows.force.clone()),
+    ("force", Relative(1e-6), Relative(2e-5), |_, w| w.lanes[0].constraints.rows.force.clone()),
     ("qacc", Relative(1e-6), Relative(2e-5), |m, w| {
         let inertia = m.dofs.row.iter().map(|row| w.inertia.matrix[row.end - 1]);
         w.acceleration.iter().zip(inertia).map(|(acceleration, inertia)| acceleration * inertia.sqrt()).collect()
@@ -67,9 +67,9 @@ fn draw(model: &Model, random: &mut SplitMix, violated: bool) -> State<f64> {
         let leader = model.couplings.leader[coupling];
         let x = leader.map_or(0.0, |leader| state.position[address(leader)] - model.reference_position[address(leader)]);
         let [a0, a1, a2, a3, a4] = model.couplings.polynomial[coupling];
-        let slave = address(model.couplings.joint[coupling]);
+        let dependent = address(model.couplings.joint[coupling]);
         let wanted = a0 + x * (a1 + x * (a2 + x * (a3 + x * a4)));
-        state.position[slave] = model.reference_position[slave] + wanted + random.between(-1e-3, 1e-3);
+        state.position[dependent] = model.reference_position[dependent] + wanted + random.between(-1e-3, 1e-3);
     }
     state.velocity.fill_with(|| random.between(-1.5, 1.5));
     state.activation.fill_with(|| random.unit());
@@ -119,7 +119,7 @@ fn compare(model: &Model, name: &str) {
             state.position[2] = height;
         }
         forward(model, &state, &mut workspace).unwrap();
-        let constraints = &workspace.episodes[0].constraints;
+        let constraints = &workspace.lanes[0].constraints;
         let what = format!("{name}, state {number}");
         let contacts = expected["contacts"].as_array().expect("contacts");
         assert_eq!(constraints.contacts.len(), contacts.len(), "{what}: contacts");

@@ -45,8 +45,8 @@ fn numbers(state: &mut State<f64>) -> Vec<&mut f64> {
     all.extend(&mut state.control);
     all.extend(&mut state.applied_force);
     all.extend(state.body_force.iter_mut().flatten().flatten());
-    all.extend(state.placed_position.iter_mut().flatten());
-    all.extend(state.placed_orientation.iter_mut().flatten());
+    all.extend(state.mocap_position.iter_mut().flatten());
+    all.extend(state.mocap_orientation.iter_mut().flatten());
     all.extend(&mut state.warm_start);
     all
 }
@@ -182,7 +182,7 @@ fn a_spring_too_stiff_for_the_step_ends_in_a_fault_at_its_joint() {
 fn what_is_placed_from_outside_must_be_somewhere() {
     let model = models().remove(2);
     let mut state = State::new(&model);
-    state.placed_position[0].y = f64::NAN;
+    state.mocap_position[0].y = f64::NAN;
     let fault = run(&model, &mut state, &mut Workspace::new(&model), 1).expect("a fault");
     assert_eq!(fault.to_string(), "at 0 s the pose given to body `hand` is not finite");
 }

@@ -132,7 +132,7 @@ fn in_no_pose_is_the_body_inside_itself_or_the_ground() {
     for pose in human().body.poses.iter().map(|pose| pose.name.clone()) {
         let posed = posed(&pose);
         let names = &posed.human.model.geoms.name;
-        for contact in &posed.workspace.episodes[0].constraints.contacts {
+        for contact in &posed.workspace.lanes[0].constraints.contacts {
             let [first, second] = contact.geoms.map(|geom| &names[geom]);
             assert!(contact.distance > -1e-3, "{pose}: {first} is {} m inside {second}", -contact.distance);
         }
@@ -143,7 +143,7 @@ fn in_no_pose_is_the_body_inside_itself_or_the_ground() {
 fn poses_satisfy_the_couplings() {
     for pose in human().body.poses.iter().map(|pose| pose.name.clone()) {
         let posed = posed(&pose);
-        let rows = &posed.workspace.episodes[0].constraints.rows;
+        let rows = &posed.workspace.lanes[0].constraints.rows;
         let couplings = posed.human.model.couplings.joint.len();
         for row in 0..couplings {
             assert!(rows.position[row].abs() < 1e-12, "{pose}: coupling {row} is off by {}", rows.position[row]);

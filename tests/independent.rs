@@ -75,7 +75,7 @@ fn contacts_with_ellipsoids_are_where_parry_finds_them() {
                 state.position[coordinate] *= 0.2;
             }
             physics::forward(&model, &state, &mut workspace).expect("a sound state");
-            let contacts = &workspace.episodes[0].constraints.contacts;
+            let contacts = &workspace.lanes[0].constraints.contacts;
             let Some(theirs) = parry_distance(&model, &state) else { continue };
             assert_eq!(contacts.len(), 1, "case {case}: {theirs} m apart by parry");
             let ours = contacts[0].distance;
@@ -112,7 +112,7 @@ fn the_constrained_acceleration_solves_the_dense_system() {
         let mut state = support::draw(&model, &mut random);
         state.position[2] = 0.2 + 0.05 * f64::from(case);
         physics::forward(&model, &state, &mut workspace).expect("a sound state");
-        let constraints = &workspace.episodes[0].constraints;
+        let constraints = &workspace.lanes[0].constraints;
         let rows = &constraints.rows;
         contacts += constraints.contacts.len();
 
@@ -164,7 +164,7 @@ fn cores_that_barely_miss_each_other_do_not_overlap() {
         let shift: [f64; 3] = std::array::from_fn(|_| random.between(-3e-6, 3e-6));
         state.position.iter_mut().zip(shift).for_each(|(place, shift)| *place += shift);
         physics::forward(&model, &state, &mut workspace).expect("a state of two shapes");
-        let contacts = &workspace.episodes[0].constraints.contacts;
+        let contacts = &workspace.lanes[0].constraints.contacts;
         let way = shift.iter().map(|part| part * part).sum::<f64>().sqrt();
         let deepest = contacts.iter().map(|contact| contact.distance).fold(0.0, f64::min);
         assert!((deepest - exact).abs() < way + 1e-7, "case {case}: {deepest} m, not {exact} m");

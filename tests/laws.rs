@@ -253,7 +253,7 @@ fn numbering_does_not_matter() {
         state.activation.iter_mut().zip(&model.actuators.name).for_each(|(a, name)| *a = name.len() as f64 * 0.2);
         let mut workspace = Workspace::new(&model);
         forward(&model, &state, &mut workspace).unwrap();
-        assert!(workspace.episodes[0].constraints.contacts.len() >= 2, "feet touch the ground");
+        assert!(workspace.lanes[0].constraints.contacts.len() >= 2, "feet touch the ground");
         let mut named: Vec<(String, f64)> = (0..model.nv)
             .map(|dof| {
                 let joint = model.dofs.joint[dof];

@@ -4,7 +4,7 @@
 use crate::support;
 
 use core::ops::Range;
-use msk_physics::model::{GeomKind, Model, Muscle, PathPoint, Quaternion, Softness, rotation};
+use msk_physics::model::{GeomKind, Model, Muscle, PathPoint, Quaternion, SolverParameters, rotation};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use support::{golden, numbers, repository};
@@ -79,7 +79,7 @@ fn ranges(ranges: &[Option<[f64; 2]>]) -> Vec<f64> {
     ranges.iter().flat_map(|range| range.unwrap_or_default()).collect()
 }
 
-fn softness(softness: &Softness) -> Vec<f64> {
+fn softness(softness: &SolverParameters) -> Vec<f64> {
     softness.reference.iter().chain(&softness.impedance).copied().collect()
 }
 

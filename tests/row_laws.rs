@@ -42,7 +42,7 @@ fn nearby(model: &Model, random: &mut SplitMix) -> State<f64> {
 /// The deformation y = J a - a_ref + R f of every row. With K the set that a force f may come from, f in K and y in its dual
 /// are at right angles: the conditions of Karush, Kuhn and Tucker of the problem that MuJoCo's manual poses.
 fn deformations(model: &Model, workspace: &Workspace<f64>) -> Vec<f64> {
-    let constraints = &workspace.episodes[0].constraints;
+    let constraints = &workspace.lanes[0].constraints;
     let rows = &constraints.rows;
     let deformation = |row: usize| {
         let jacobian = constraints.jacobian_row(model, row);
@@ -89,7 +89,7 @@ fn every_solution_is_the_optimum() {
             let state = nearby(&model, &mut random);
             forward(&model, &state, &mut workspace).unwrap();
             let what = format!("{name}, state {number}");
-            let constraints = &workspace.episodes[0].constraints;
+            let constraints = &workspace.lanes[0].constraints;
             let rows = &constraints.rows;
             let mut balance = vec![0.0; model.nv];
             inertia::multiply(&model, &workspace.inertia.matrix, &workspace.acceleration, &mut balance);
@@ -174,7 +174,7 @@ fn a_released_weld_lets_go_and_can_hold_again() {
     assert!((held - 1.0).abs() < 0.02 && state.velocity.iter().all(|v| v.abs() < 1e-2), "held at {held}: {:?}", state.velocity);
     state.active[0] = 0.0;
     forward(&model, &state, &mut workspace).unwrap();
-    assert!(workspace.episodes[0].constraints.rows.is_empty());
+    assert!(workspace.lanes[0].constraints.rows.is_empty());
     run(&mut state, &mut workspace, 0.5);
     let fallen = held - state.position[load];
     assert!((fallen - 0.5 * 9.81 * 0.25).abs() < 0.01, "fell {fallen} m in half a second");
@@ -233,7 +233,7 @@ proptest! {
             let finite = state.position.iter().chain(&state.velocity).chain(&workspace.acceleration).all(|value| value.is_finite());
             prop_assert!(finite, "{text}");
         }
-        prop_assert!(workspace.episodes[0].newton.iterations <= model.options.iterations);
+        prop_assert!(workspace.lanes[0].newton.iterations <= model.options.iterations);
     }
 }
 

@@ -156,7 +156,7 @@ fn compare(name: &str, scene: &SceneDescription) {
         state.position = numbers(&case["qpos"]);
         state.velocity = numbers(&case["qvel"]);
         forward(&model, &state, &mut workspace).unwrap();
-        let constraints = &workspace.episodes[0].constraints;
+        let constraints = &workspace.lanes[0].constraints;
         let what = format!("{name}, state {index}");
         assert_eq!(constraints.contacts.len(), case["contacts"].as_array().unwrap().len(), "{what}: contacts");
         assert_eq!(constraints.rows.len() as u64, case["rows"].as_u64().unwrap(), "{what}: rows");

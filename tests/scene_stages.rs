@@ -132,7 +132,7 @@ fn scenes_are_written_as_mujoco_read_them() {
 
 /// Where shapes meet, and what leads there: the names of `tests/oracle/rows.py`.
 fn stages(workspace: &Workspace<f64>) -> Vec<(&'static str, f64, Vec<f64>)> {
-    let contacts = &workspace.episodes[0].constraints.contacts;
+    let contacts = &workspace.lanes[0].constraints.contacts;
     let flat = |values: &dyn Fn(&msk_physics::collision::Contact) -> Vec<f64>| contacts.iter().flat_map(values).collect();
     vec![
         ("geom_xpos", 1e-12, workspace.kinematics.geom_position.iter().flatten().copied().collect()),

@@ -7,7 +7,7 @@ use msk_physics::model::Model;
 use msk_physics::{
     self as physics, State, Workspace, forces, inertia,
     spatial::pair,
-    tendons::{Obstacle, WrapShape, bend, path},
+    tendons::{WrapShape, WrappingSurface, bend, path},
 };
 use nalgebra::{Matrix3, Vector3};
 use support::{SplitMix, draw, repository};
@@ -171,7 +171,7 @@ fn free_motion_keeps_its_energy() {
 fn wrap_length_is_continuous_in_its_end() {
     let mut random = SplitMix(9);
     for case in 0..60 {
-        let obstacle = Obstacle {
+        let obstacle = WrappingSurface {
             shape: if case % 2 == 0 { WrapShape::Sphere } else { WrapShape::Cylinder },
             position: Vector3::zeros(),
             rotation: Matrix3::identity(),

@@ -7,7 +7,7 @@ use msk_physics::model::Model;
 use msk_physics::{
     self as physics, Workspace,
     spatial::norm,
-    tendons::{Obstacle, WrapShape, bend},
+    tendons::{WrapShape, WrappingSurface, bend},
 };
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
@@ -169,8 +169,8 @@ fn wraps_bend_as_mujocos() {
     }
 }
 
-fn obstacle(case: &Value) -> Obstacle<f64> {
-    Obstacle {
+fn obstacle(case: &Value) -> WrappingSurface<f64> {
+    WrappingSurface {
         shape: if case["shape"] == "sphere" { WrapShape::Sphere } else { WrapShape::Cylinder },
         position: Vector3::from_column_slice(&numbers(&case["position"])),
         rotation: Matrix3::from_row_slice(&numbers(&case["rotation"])),

@@ -65,7 +65,7 @@ fn readable(report: &MotionReport, limits: &MotionLimits, faults: &[String]) -> 
     let (deep, slides) = (1e3 * limits.penetration, 1e3 * limits.sliding);
     let _ = writeln!(
         out,
-        "\nlimits: feet {deep} mm deep, sliding {slides} mm; joints within their ranges, slaved ones on their couplings"
+        "\nlimits: feet {deep} mm deep, sliding {slides} mm; joints within their ranges, coupled ones on their couplings"
     );
     if let Some(seam) = report.seam {
         let _ = writeln!(out, "seam: the sharpest bend there is {seam:.2} of the sharpest elsewhere");

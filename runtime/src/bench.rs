@@ -162,7 +162,7 @@ fn work(model: &Model, protocol: Protocol, seed: u64, deadline: Instant) -> Tall
                 break;
             }
             tally.steps += 1;
-            let episode = &workspace.episodes[0];
+            let episode = &workspace.lanes[0];
             count(&mut tally.rows, episode.constraints.rows.len());
             count(&mut tally.contacts, episode.constraints.contacts.len());
             count(&mut tally.iterations, episode.newton.iterations);

@@ -34,7 +34,7 @@ fn draw(model: &Model, random: &mut SplitMix, number: usize) -> State<f64> {
 
 /// What is compared: name, tolerance relative to the largest entry of the same state or to one unit.
 fn quantities(model: &Model, workspace: &Workspace<f64>) -> [(&'static str, f64, Vec<f64>); 11] {
-    let constraints = &workspace.episodes[0].constraints;
+    let constraints = &workspace.lanes[0].constraints;
     let rows = &constraints.rows;
     let weighted = |row: usize| {
         let dense = constraints.jacobian_row(model, row);

@@ -115,7 +115,7 @@ fn derive_attachments(model: &mut Model, kinematics: &Kinematics<f64>) {
 
 /// Gives joints the spring and damper that have the wanted time constant t (s) and damping ratio z with the inertia
 /// m that the joint feels at the reference configuration, as a constraint with these figures would: stiffness m / (t z)², damping 2 m / t.
-pub fn settle_springs(model: &mut Model, wanted: &[(usize, [f64; 2])]) {
+pub fn resolve_spring_damper(model: &mut Model, wanted: &[(usize, [f64; 2])]) {
     if wanted.is_empty() {
         return;
     }

@@ -76,7 +76,7 @@ pub enum Fault {
 const LARGEST: f64 = 1e10;
 
 /// Whether a value is finite and of a size that means something.
-pub(super) fn is_sound(value: f64) -> bool {
+pub(super) fn is_valid(value: f64) -> bool {
     value.abs() <= LARGEST
 }
 
@@ -105,7 +105,7 @@ impl Fault {
     }
 
     /// The fault of the body that is the `index`-th to be placed from outside.
-    pub(super) fn of_placed(model: &Model, time: f64, index: usize) -> Self {
+    pub(super) fn of_mocap(model: &Model, time: f64, index: usize) -> Self {
         let mut placed = (0..model.bodies.mocap.len()).filter(|&body| model.bodies.mocap[body]);
         let body = placed.nth(index).map_or_else(String::new, |body| model.bodies.name[body].clone());
         Self::Placed { time, body }

@@ -146,8 +146,8 @@ fn place_body<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>,
         out.joint_anchor[joints.start] = position;
         out.joint_axis[joints.start] = constant(&model.joints.axis[joints.start]);
     } else if let Some(index) = out.local.placed[body] {
-        position = state.placed_position[index];
-        orientation = normalize(&state.placed_orientation[index]);
+        position = state.mocap_position[index];
+        orientation = normalize(&state.mocap_orientation[index]);
     } else {
         let parent = bodies.parent[body];
         position = out.point(parent, &constant(&bodies.position[body]));

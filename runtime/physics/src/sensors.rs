@@ -93,15 +93,15 @@ fn outside(model: &Model, state: &State<f64>, workspace: &Workspace<f64>) -> Vec
     for (body, [push, turn]) in state.body_force.iter().enumerate() {
         apply(body, kinematics.inertial_position[body], *push, *turn, 1.0);
     }
-    for contact in workspace.episodes.iter().take(1).flat_map(|episode| &episode.constraints.contacts) {
+    for contact in workspace.lanes.iter().take(1).flat_map(|lane| &lane.constraints.contacts) {
         let [f, g, h, t, u, v] = contact.force;
         let (push, turn) = (contact.frame.tr_mul(&Vector3::new(f, g, h)), contact.frame.tr_mul(&Vector3::new(t, u, v)));
         let [first, second] = contact.geoms.map(|geom| model.geoms.body[geom]);
         apply(first, contact.position, push, turn, -1.0);
         apply(second, contact.position, push, turn, 1.0);
     }
-    for episode in workspace.episodes.iter().take(1) {
-        hold(model, workspace, &episode.constraints, &mut force);
+    for lane in workspace.lanes.iter().take(1) {
+        hold(model, workspace, &lane.constraints, &mut force);
     }
     super::forces::pull_tendons(model, workspace, &mut force);
     force
@@ -307,7 +307,7 @@ impl View<'_> {
         let zone = Placed { kind: shape, position, rotation, size, asset: Asset::None };
         let body = self.model.sites.body[site];
         let mut sum = 0.0;
-        for contact in self.workspace.episodes.iter().take(1).flat_map(|episode| &episode.constraints.contacts) {
+        for contact in self.workspace.lanes.iter().take(1).flat_map(|lane| &lane.constraints.contacts) {
             let bodies = contact.geoms.map(|geom| self.model.geoms.body[geom]);
             let normal: Vector3<f64> = contact.frame.row(0).transpose();
             // From the contact into the other body: where the skin of the sensor's own body should be.

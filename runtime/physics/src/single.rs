@@ -3,7 +3,7 @@
 //! The stages are generic over [`Real`](crate::scalar::Real), so a crate that called them with `f64` would compile the whole simulator once
 //! more. These functions are compiled here, once, and only linked elsewhere.
 
-use crate::{Fault, State, Workspace, constrained, inertia, kinematics, model::Model, smooth, stepping, tendons};
+use crate::{Fault, State, Workspace, constrained, inertia, kinematics, model::Model, stepping, tendons};
 
 /// [`stepping::forward`] of one episode.
 ///
@@ -44,13 +44,13 @@ pub fn step(model: &Model, state: &mut State<f64>, workspace: &mut Workspace<f64
 /// [`smooth::smooth`] of one episode.
 #[inline(never)]
 pub fn smooth(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) {
-    smooth::smooth(model, state, workspace);
+    crate::smooth::smooth(model, state, workspace);
 }
 
 /// [`smooth::excite`] of one episode.
 #[inline(never)]
 pub fn excite(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) {
-    smooth::excite(model, state, workspace);
+    crate::smooth::excite(model, state, workspace);
 }
 
 /// Names of the stages of [`step_by_stage`], in their order.
@@ -77,11 +77,11 @@ pub fn step_by_stage(
     lap();
     constrained::contacts(model, workspace);
     lap();
-    smooth::motions(model, state, workspace);
+    crate::smooth::forward_velocity(model, state, workspace);
     lap();
     constrained::rows(model, state, workspace);
     lap();
-    smooth::inputs(model, state, workspace);
+    crate::smooth::forward_actuation(model, state, workspace);
     lap();
     constrained::solve(model, state, workspace)?;
     lap();

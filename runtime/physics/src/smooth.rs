@@ -5,20 +5,20 @@ use crate::{model::Model, scalar::Real};
 
 /// Everything up to the acceleration without constraints, stage by stage.
 pub fn smooth<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    positions(model, state, workspace);
-    motions(model, state, workspace);
-    inputs(model, state, workspace);
+    forward_position(model, state, workspace);
+    forward_velocity(model, state, workspace);
+    forward_actuation(model, state, workspace);
 }
 
 /// Stages that depend on positions alone: frames, the mass matrix and its factor, tendon lengths.
-pub fn positions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+pub fn forward_position<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
     kinematics::update_lanes(model, state, &mut workspace.kinematics);
     inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
     tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
 }
 
 /// Stages that depend on positions and velocities: velocities of bodies and tendons, bias and passive forces.
-pub fn motions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+pub fn forward_velocity<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
     let Workspace { kinematics, inertia, tendons, velocities, forces, .. } = workspace;
     velocities::update(model, state, kinematics, velocities);
     tendons::update_velocities(state, velocities, tendons);
@@ -28,13 +28,13 @@ pub fn motions<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspa
 
 /// Lengths, velocities, activation rates and forces of all actuators. Needs positions, motions and contacts.
 pub fn excite<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    let Workspace { kinematics, tendons, actuation, episodes, .. } = workspace;
-    actuation::update(model, state, kinematics, tendons, episodes, actuation);
+    let Workspace { kinematics, tendons, actuation, lanes, .. } = workspace;
+    actuation::update(model, state, kinematics, tendons, lanes, actuation);
 }
 
 /// Stages that depend on excitations, activations and applied forces too: actuators, total force, acceleration. An actuator
 /// that draws a body to what it touches acts on the contacts that were detected last.
-pub fn inputs<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+pub fn forward_actuation<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
     excite(model, state, workspace);
     let Workspace { kinematics, inertia, tendons, actuation, forces, .. } = workspace;
     let Forces { compensation, body_force, actuator, .. } = forces;

@@ -31,9 +31,9 @@ pub struct State<T: Real> {
     /// Force (N) and torque (N m) applied from outside at each body's centre of mass, world axes.
     pub body_force: Vec<[Vector3<T>; 2]>,
     /// Positions of the bodies that are placed from outside (`mocap_pos`), m, world frame, in the order of the bodies.
-    pub placed_position: Vec<Vector3<T>>,
+    pub mocap_position: Vec<Vector3<T>>,
     /// Their orientations w x y z (`mocap_quat`).
-    pub placed_orientation: Vec<[T; 4]>,
+    pub mocap_orientation: Vec<[T; 4]>,
     /// For each equality of the model whether it holds: 1 if it does, 0 if it is released.
     pub active: Vec<T>,
     /// For each equality of the model where the second frame of a connection or weld stands in its body, position (m) and
@@ -58,8 +58,8 @@ impl<T: Real> State<T> {
         self.held.copy_from_slice(&other.held);
         self.applied_force.copy_from_slice(&other.applied_force);
         self.body_force.copy_from_slice(&other.body_force);
-        self.placed_position.copy_from_slice(&other.placed_position);
-        self.placed_orientation.copy_from_slice(&other.placed_orientation);
+        self.mocap_position.copy_from_slice(&other.mocap_position);
+        self.mocap_orientation.copy_from_slice(&other.mocap_orientation);
         self.warm_start.copy_from_slice(&other.warm_start);
     }
 
@@ -79,8 +79,8 @@ impl<T: Real> State<T> {
             control: vec![zero; model.actuators.name.len()],
             applied_force: vec![zero; model.nv],
             body_force: vec![[Vector3::from_element(zero); 2]; model.bodies.parent.len()],
-            placed_position: placed.clone().map(|body| constant(&model.bodies.position[body])).collect(),
-            placed_orientation: placed.map(|body| constant_quaternion(&model.bodies.orientation[body])).collect(),
+            mocap_position: placed.clone().map(|body| constant(&model.bodies.position[body])).collect(),
+            mocap_orientation: placed.map(|body| constant_quaternion(&model.bodies.orientation[body])).collect(),
             active: model.equalities.active.iter().map(|&active| T::splat(f64::from(u8::from(active)))).collect(),
             held: model.equalities.kind.iter().map(second_frame).collect(),
             warm_start: vec![zero; model.nv],

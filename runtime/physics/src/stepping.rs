@@ -2,10 +2,10 @@
 
 use super::{
     Workspace, constrained,
-    fault::{Fault, Quantity, is_sound},
+    fault::{Fault, Quantity, is_valid},
     integrator::{self, implicit, runge_kutta},
     kinematics,
-    smooth::{inputs, motions, positions},
+    smooth::{forward_actuation, forward_position, forward_velocity},
     state::State,
     velocities,
 };
@@ -20,11 +20,11 @@ use crate::{
 /// A state or acceleration that is not finite, or a constraint problem without solution, with its body, joint and time.
 pub fn forward<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     check(model, state)?;
-    positions(model, state, workspace);
+    forward_position(model, state, workspace);
     constrained::contacts(model, workspace);
-    motions(model, state, workspace);
+    forward_velocity(model, state, workspace);
     constrained::rows(model, state, workspace);
-    inputs(model, state, workspace);
+    forward_actuation(model, state, workspace);
     constrained::solve(model, state, workspace)
 }
 
@@ -63,46 +63,46 @@ pub fn integrate<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut W
 
 /// Refuses states and inputs that are not finite.
 pub fn check<T: Real>(model: &Model, state: &State<T>) -> Result<(), Fault> {
-    if let Some((coordinate, value)) = unsound(&state.position) {
+    if let Some((coordinate, value)) = invalid(&state.position) {
         return Err(Fault::of_coordinate(model, state.time, coordinate, value));
     }
-    if let Some((dof, value)) = unsound(&state.velocity) {
+    if let Some((dof, value)) = invalid(&state.velocity) {
         return Err(Fault::of_dof(model, state.time, Quantity::Velocity, dof, value));
     }
-    if let Some((slot, value)) = unsound(&state.activation) {
+    if let Some((slot, value)) = invalid(&state.activation) {
         let owner = model.actuators.activation.iter().position(|activation| *activation == Some(slot));
         return Err(Fault::of_input(model, state.time, "activation", owner.unwrap_or(0), value));
     }
-    if let Some((actuator, value)) = unsound(&state.control) {
+    if let Some((actuator, value)) = invalid(&state.control) {
         return Err(Fault::of_input(model, state.time, "excitation", actuator, value));
     }
     for (input, fibres) in [("fibre length", &state.fibre_length), ("fibre velocity", &state.fibre_velocity)] {
-        if let Some((actuator, value)) = unsound(fibres) {
+        if let Some((actuator, value)) = invalid(fibres) {
             return Err(Fault::of_input(model, state.time, input, actuator, value));
         }
     }
-    let placed = state.placed_position.iter().zip(&state.placed_orientation);
+    let placed = state.mocap_position.iter().zip(&state.mocap_orientation);
     for (index, (position, orientation)) in placed.enumerate() {
-        if unsound(position.as_slice()).or(unsound(orientation)).is_some() {
-            return Err(Fault::of_placed(model, state.time, index));
+        if invalid(position.as_slice()).or(invalid(orientation)).is_some() {
+            return Err(Fault::of_mocap(model, state.time, index));
         }
     }
     Ok(())
 }
 
 /// The first value that is not finite or too large, and its index.
-fn unsound<T: Real>(values: &[T]) -> Option<(usize, f64)> {
+fn invalid<T: Real>(values: &[T]) -> Option<(usize, f64)> {
     let lanes = |(index, value): (usize, &T)| (0..T::LANES).map(move |lane| (index, value.lane(lane))).collect::<Vec<_>>();
     // Only a faulty state pays for finding out where.
-    if values.iter().all(all_sound) {
+    if values.iter().all(all_valid) {
         return None;
     }
-    values.iter().enumerate().flat_map(lanes).find(|(_, value)| !is_sound(*value))
+    values.iter().enumerate().flat_map(lanes).find(|(_, value)| !is_valid(*value))
 }
 
 /// Whether a value is sound in every lane.
-fn all_sound<T: Real>(value: &T) -> bool {
-    (0..T::LANES).all(|lane| is_sound(value.lane(lane)))
+fn all_valid<T: Real>(value: &T) -> bool {
+    (0..T::LANES).all(|lane| is_valid(value.lane(lane)))
 }
 
 /// Refuses a step that would end in a state that is not sound, from the accelerations, the rates of positions and the
@@ -115,17 +115,17 @@ pub(super) fn check_end<T: Real>(
     mut activations: impl Iterator<Item = (usize, T)>,
 ) -> Result<(), Fault> {
     let step = T::splat(model.options.timestep);
-    let beyond = |(actuator, after): (usize, T)| unsound(&[after]).map(|(_, value)| (actuator, value));
+    let beyond = |(actuator, after): (usize, T)| invalid(&[after]).map(|(_, value)| (actuator, value));
     if let Some((actuator, value)) = activations.find_map(beyond) {
         return Err(Fault::of_input(model, state.time, "activation", actuator, value));
     }
-    if let Some((dof, value)) = unsound(accelerations) {
+    if let Some((dof, value)) = invalid(accelerations) {
         return Err(Fault::of_dof(model, state.time, Quantity::Acceleration, dof, value));
     }
     let joints = &model.joints;
     for (dof, (&velocity, &acceleration)) in state.velocity.iter().zip(accelerations).enumerate() {
         let after = velocity + step * acceleration;
-        if let Some((_, value)) = unsound(&[after]) {
+        if let Some((_, value)) = invalid(&[after]) {
             return Err(Fault::of_dof(model, state.time, Quantity::Velocity, dof, value));
         }
         let joint = model.dofs.joint[dof];
@@ -138,7 +138,7 @@ pub(super) fn check_end<T: Real>(
         if moves {
             let coordinate = joints.position_address[joint] + axis;
             let rate = rates.map_or(after, |rates| rates[dof]);
-            if let Some((_, value)) = unsound(&[state.position[coordinate] + step * rate]) {
+            if let Some((_, value)) = invalid(&[state.position[coordinate] + step * rate]) {
                 return Err(Fault::of_coordinate(model, state.time, coordinate, value));
             }
         }

@@ -2,8 +2,8 @@
 
 use super::integrator::{implicit::Implicit, runge_kutta::RungeKutta};
 use super::{
-    actuation::Actuation, constrained::Episode, forces::Forces, inertia::Inertia, kinematics::Kinematics, tendons::TendonPaths,
-    velocities::Velocities,
+    actuation::Actuation, constrained::ConstraintState, forces::Forces, inertia::Inertia, kinematics::Kinematics,
+    tendons::TendonPaths, velocities::Velocities,
 };
 use crate::{
     model::{Integrator, Model},
@@ -18,7 +18,7 @@ pub struct Workspace<T: Real> {
     pub kinematics: Kinematics<T>,
     /// The mass matrix and its factor.
     pub inertia: Inertia<T>,
-    /// Tendon lengths and velocities and the lines of force between bodies.
+    /// Tendon lengths and velocities and the lines of action between bodies.
     pub tendons: TendonPaths<T>,
     /// Body velocities.
     pub velocities: Velocities<T>,
@@ -26,8 +26,8 @@ pub struct Workspace<T: Real> {
     pub actuation: Actuation<T>,
     /// Generalised forces and the acceleration that they cause without constraints.
     pub forces: Forces<T>,
-    /// Contacts, constraint rows and solver of each episode: one per lane of `T`.
-    pub episodes: Vec<Episode>,
+    /// Contacts, constraint rows and solver: one per lane of `T`.
+    pub lanes: Vec<ConstraintState>,
     /// Generalised acceleration, constraints included, `nv` entries (`qacc`): m/s² and rad/s².
     pub acceleration: Vec<T>,
     /// Generalised force of all constraints, `nv` entries (`qfrc_constraint`): N and N m.
@@ -50,7 +50,7 @@ impl<T: Real> Workspace<T> {
             velocities: Velocities::new(model),
             actuation: Actuation::new(model),
             forces: Forces::new(model),
-            episodes: vec![Episode::new(model); T::LANES],
+            lanes: vec![ConstraintState::new(model); T::LANES],
             acceleration: vec![T::splat(0.0); model.nv],
             constraint_force: vec![T::splat(0.0); model.nv],
             damped_acceleration: vec![T::splat(0.0); model.nv],

@@ -107,7 +107,7 @@ pub enum Problem {
     },
     /// A pose that sets a joint which follows another.
     #[error("pose `{pose}` sets `{joint}`, which follows another joint by a coupling")]
-    Slaved {
+    Coupled {
         /// The pose.
         pose: String,
         /// The joint.
@@ -397,7 +397,7 @@ impl Binder<'_> {
         let (pose, name) = (pose.to_owned(), joint.name.clone());
         let [low, high] = joint.range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         if !joint.independent {
-            self.problems.push(Problem::Slaved { pose, joint: name });
+            self.problems.push(Problem::Coupled { pose, joint: name });
         } else if !(value.is_finite() && low <= value && value <= high) {
             let dimension = if joint.kind == JointKind::Hinge { Dimension::ANGLE } else { Dimension::LENGTH };
             let unit = SpokenUnit::of(dimension);

@@ -20,7 +20,7 @@ impl Snapshot<'_> {
     /// The contacts of the body with anything that is not the body, where forces act.
     pub fn external_contacts(&self) -> impl Iterator<Item = External> + Clone + '_ {
         // One episode has one lane.
-        let constraints = self.workspace.episodes.first().map(|episode| &episode.constraints);
+        let constraints = self.workspace.lanes.first().map(|lane| &lane.constraints);
         let owns = |geom: usize| self.body.owns(self.model.geoms.body[geom]);
         constraints.into_iter().flat_map(move |constraints| {
             constraints.contacts.iter().filter_map(move |contact| {

@@ -1,4 +1,4 @@
-//! Slaved joints: q₁ = q₁₀ + p(q₂ - q₂₀), where p is the coupling's polynomial and q₁₀, q₂₀ the reference coordinates.
+//! Coupled joints: q₁ = q₁₀ + p(q₂ - q₂₀), where p is the coupling's polynomial and q₁₀, q₂₀ the reference coordinates.
 
 use msk_physics::model::Model;
 
@@ -12,11 +12,11 @@ pub(crate) fn order(model: &Model) -> Result<Vec<usize>, Vec<String>> {
     let mut waiting: Vec<usize> = (0..couplings.joint.len()).filter(holds).collect();
     let mut sorted = Vec::with_capacity(waiting.len());
     while !waiting.is_empty() {
-        let slaved: Vec<usize> = waiting.iter().map(|&coupling| couplings.joint[coupling]).collect();
+        let coupled: Vec<usize> = waiting.iter().map(|&coupling| couplings.joint[coupling]).collect();
         let (blocked, ready): (Vec<usize>, Vec<usize>) =
-            waiting.iter().partition(|&&coupling| couplings.leader[coupling].is_some_and(|leader| slaved.contains(&leader)));
+            waiting.iter().partition(|&&coupling| couplings.leader[coupling].is_some_and(|leader| coupled.contains(&leader)));
         if ready.is_empty() {
-            return Err(slaved.into_iter().map(|joint| model.joints.name[joint].clone()).collect());
+            return Err(coupled.into_iter().map(|joint| model.joints.name[joint].clone()).collect());
         }
         sorted.extend(ready);
         waiting = blocked;
@@ -24,7 +24,7 @@ pub(crate) fn order(model: &Model) -> Result<Vec<usize>, Vec<String>> {
     Ok(sorted)
 }
 
-/// Sets the coordinates of all slaved joints in `position` (length `nq`) from their leaders, couplings in the given `order`.
+/// Sets the coordinates of all coupled joints in `position` (length `nq`) from their leaders, couplings in the given `order`.
 pub(crate) fn solve(model: &Model, order: &[usize], position: &mut [f64]) {
     let (couplings, address) = (&model.couplings, &model.joints.position_address);
     for &coupling in order {
@@ -33,12 +33,12 @@ pub(crate) fn solve(model: &Model, order: &[usize], position: &mut [f64]) {
             position[leader] - model.reference_position[leader]
         });
         let polynomial = couplings.polynomial[coupling].iter().rev().fold(0.0, |sum, c| sum * displacement + c);
-        let slaved = address[couplings.joint[coupling]];
-        position[slaved] = model.reference_position[slaved] + polynomial;
+        let coupled = address[couplings.joint[coupling]];
+        position[coupled] = model.reference_position[coupled] + polynomial;
     }
 }
 
-/// Sets the velocities of all slaved joints in `velocity` (length `nv`) from their leaders: q̇₁ = p'(q₂ - q₂₀) q̇₂.
+/// Sets the velocities of all coupled joints in `velocity` (length `nv`) from their leaders: q̇₁ = p'(q₂ - q₂₀) q̇₂.
 pub(crate) fn solve_velocities(model: &Model, order: &[usize], position: &[f64], velocity: &mut [f64]) {
     let (couplings, joints) = (&model.couplings, &model.joints);
     for &coupling in order {
@@ -65,7 +65,7 @@ mod tests {
         </equality></mujoco>"#;
 
     #[test]
-    fn slaved_velocities_are_the_rates_of_slaved_coordinates() {
+    fn coupled_velocities_are_the_rates_of_coupled_coordinates() {
         let model = Model::from_mjcf(CHAIN).unwrap();
         let order = order(&model).unwrap();
         let at = |angle: f64| {

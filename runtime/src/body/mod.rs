@@ -132,7 +132,7 @@ pub struct Joint {
     pub dof: usize,
     /// Range if limited, rad or m.
     pub range: Option<[f64; 2]>,
-    /// Whether no coupling slaves it to another joint.
+    /// Whether no coupling determines it to another joint.
     pub independent: bool,
     /// Whether it belongs to an object of the scene.
     pub of_scene: bool,
@@ -176,12 +176,12 @@ impl Body {
         self.poses.iter().find(|pose| pose.name == name).map(|pose| pose.coordinates.as_slice())
     }
 
-    /// Sets the coordinates of all slaved joints in `position` (length `nq`) from those that lead them.
+    /// Sets the coordinates of all coupled joints in `position` (length `nq`) from those that lead them.
     pub fn solve_couplings(&self, model: &Model, position: &mut [f64]) {
         coupling::solve(model, &self.couplings, position);
     }
 
-    /// Sets the velocities of all slaved joints in `velocity` (length `nv`) from those that lead them, at `position`.
+    /// Sets the velocities of all coupled joints in `velocity` (length `nv`) from those that lead them, at `position`.
     pub fn solve_coupled_velocities(&self, model: &Model, position: &[f64], velocity: &mut [f64]) {
         coupling::solve_velocities(model, &self.couplings, position, velocity);
     }

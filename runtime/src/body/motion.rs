@@ -7,7 +7,7 @@ use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
 
 impl Body {
-    /// Puts the body where a motion is at `time` (s): joints that it does not move stand as in the standing pose, slaved ones
+    /// Puts the body where a motion is at `time` (s): joints that it does not move stand as in the standing pose, coupled ones
     /// follow from their couplings. A motion without the root's height stands on the ground.
     pub fn follow(&self, model: &Model, motion: &Motion, time: f64, state: &mut State<f64>, workspace: &mut Workspace<f64>) {
         for (joint, neutral) in self.joints.iter().zip(self.neutral()) {

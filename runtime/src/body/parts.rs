@@ -58,7 +58,7 @@ impl Snapshot<'_> {
     /// The contacts of two parts, where forces act.
     fn meetings(&self, first: Part, second: Part) -> impl Iterator<Item = Meeting<'_>> {
         // One episode has one lane.
-        let constraints = self.workspace.episodes.first().map(|episode| &episode.constraints);
+        let constraints = self.workspace.lanes.first().map(|lane| &lane.constraints);
         let holds = move |part: Part, shape: usize| self.body.holds(self.model, part, shape);
         constraints.into_iter().flat_map(move |constraints| {
             constraints.contacts.iter().filter_map(move |contact| {

@@ -113,7 +113,7 @@ fn the_vocabulary_tells_the_compiler_what_exists() {
 }
 
 #[test]
-fn slaved_joints_follow_their_couplings_in_every_pose() {
+fn coupled_joints_follow_their_couplings_in_every_pose() {
     let model = model();
     let body = Body::bind(&description(), &model).unwrap();
     assert_eq!(body.pose("kick").unwrap(), [0.5, 0.1 + 2.0 * 0.5, 0.0, 0.1]);

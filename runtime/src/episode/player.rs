@@ -138,7 +138,7 @@ impl Player<'_> {
         if forces_change {
             pushes::apply(acting(), model, body, &workspace.kinematics, state);
         }
-        if forces_change || model.actuators.early.contains(&true) {
+        if forces_change || model.actuators.actearly.contains(&true) {
             physics::forward(model, state, workspace)?;
         } else {
             physics::excite(model, state, workspace);

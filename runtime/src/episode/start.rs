@@ -32,7 +32,7 @@ pub struct Penetration {
 /// Something that should hold and does not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Residual {
-    /// The slaved joint of a coupling, or the name of the connection.
+    /// The coupled joint of a coupling, or the name of the connection.
     pub name: String,
     /// What is missing: rad or m of a coupling, m between the ends of a connection.
     pub distance: f64,
@@ -44,7 +44,7 @@ impl StartReport {
     /// What does not fit in a forward pass.
     pub(super) fn of(model: &Model, workspace: &Workspace<f64>) -> Self {
         // One episode has one lane.
-        let Some(episode) = workspace.episodes.first() else { return Self::default() };
+        let Some(episode) = workspace.lanes.first() else { return Self::default() };
         let constraints = &episode.constraints;
         let name = |geom: usize| model.geoms.name[geom].clone();
         let overlapping = constraints.contacts.iter().filter(|contact| contact.distance < -DEEPEST_TOUCH);

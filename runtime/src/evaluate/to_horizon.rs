@@ -53,7 +53,7 @@ impl ToHorizon {
             self.first = Some((episode.steps(), ending.clone()));
         }
         let context = episode.context();
-        let contacts = context.workspace.episodes.first().map(|episode| &episode.constraints.contacts);
+        let contacts = context.workspace.lanes.first().map(|lane| &lane.constraints.contacts);
         let depths = contacts.into_iter().flatten().map(|contact| -contact.distance);
         self.deepest = depths.fold(self.deepest, Real::at_least);
         if let Some((_, dof)) = context.body.root.free {

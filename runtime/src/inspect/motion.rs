@@ -25,7 +25,7 @@ pub struct MotionLimits {
     pub penetration: f64,
     /// How far a standing foot may slide.
     pub sliding: f64,
-    /// How much a slaved joint may differ from its coupling, rad or m.
+    /// How much a coupled joint may differ from its coupling, rad or m.
     pub coupling: f64,
     /// How far a joint may leave its range, rad or m.
     pub range: f64,
@@ -78,7 +78,7 @@ pub struct MotionColumn {
     pub rate: f64,
     /// The joint's range, SI units.
     pub range: Option<[f64; 2]>,
-    /// Of a slaved joint: how much it differs from its coupling.
+    /// Of a coupled joint: how much it differs from its coupling.
     pub residual: Option<f64>,
 }
 
@@ -166,7 +166,7 @@ fn columns(model: &Model, body: &Body, motion: &Motion) -> Vec<MotionColumn> {
     motion.columns.iter().enumerate().map(column).collect()
 }
 
-/// For every column the largest difference of a slaved joint from its coupling, over the rows.
+/// For every column the largest difference of a coupled joint from its coupling, over the rows.
 fn residuals(model: &Model, body: &Body, motion: &Motion) -> Vec<f64> {
     let mut worst = vec![0.0_f64; motion.columns.len()];
     let mut position = State::<f64>::new(model).position;

@@ -269,7 +269,7 @@ impl Sweep<'_> {
 
     /// The obstacles of the path, touched or not.
     fn wraps(&self) -> Vec<Wrap> {
-        use msk_physics::model::PathPoint::Wrap as Obstacle;
+        use msk_physics::model::PathPoint::Wrap as WrappingSurface;
         let (model, vertices) = (self.model, self.path());
         let points = &model.tendons.path_points[model.tendons.path[self.tendon()].clone()];
         let mut touched = vertices.iter().filter_map(|vertex| match vertex.kind {
@@ -279,7 +279,7 @@ impl Sweep<'_> {
         let mut next = touched.next();
         let mut wraps = Vec::new();
         for point in points {
-            let Obstacle { geom, .. } = *point else { continue };
+            let WrappingSurface { geom, .. } = *point else { continue };
             // Obstacles are touched in their order, some not at all.
             let arc = next.filter(|(touched, _)| *touched == geom).map(|(_, arc)| arc);
             if arc.is_some() {

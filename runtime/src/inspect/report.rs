@@ -60,7 +60,7 @@ pub fn forward_report(model: &Model, state: &State<f64>, workspace: &Workspace<f
     put("qfrc_applied", json!(state.applied_force));
     put("qfrc_smooth", json!(workspace.forces.smooth));
     put("qacc_smooth", json!(workspace.forces.smooth_acceleration));
-    for episode in workspace.episodes.iter().take(1) {
+    for episode in workspace.lanes.iter().take(1) {
         let constraints = &episode.constraints;
         put("contact", contacts(model, constraints));
         for (name, values) in rows(constraints) {

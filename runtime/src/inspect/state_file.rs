@@ -74,15 +74,15 @@ pub enum StateError {
 impl StateFile {
     /// What has to be written of a state to draw it or to look into it; outside forces are left out.
     pub fn of(state: &State<f64>) -> Self {
-        let placed = !state.placed_position.is_empty();
+        let placed = !state.mocap_position.is_empty();
         Self {
             time: Some(state.time),
             qpos: Some(state.position.clone()),
             qvel: Some(state.velocity.clone()),
             act: Some(state.activation.clone()),
             ctrl: Some(state.control.clone()),
-            mocap_pos: placed.then(|| state.placed_position.iter().flatten().copied().collect()),
-            mocap_quat: placed.then(|| state.placed_orientation.concat()),
+            mocap_pos: placed.then(|| state.mocap_position.iter().flatten().copied().collect()),
+            mocap_quat: placed.then(|| state.mocap_orientation.concat()),
             eq_active: Some(state.active.iter().map(|active| *active != 0.0).collect()),
             fibre_length: Some(state.fibre_length.clone()).filter(|fibres| !fibres.is_empty()),
             fibre_velocity: Some(state.fibre_velocity.clone()).filter(|fibres| !fibres.is_empty()),
@@ -109,12 +109,12 @@ impl StateFile {
         take("fibre_velocity", &self.fibre_velocity, &mut state.fibre_velocity)?;
         take("qfrc_applied", &self.qfrc_applied, &mut state.applied_force)?;
         take("qacc_warmstart", &self.qacc_warmstart, &mut state.warm_start)?;
-        let mut places: Vec<f64> = state.placed_position.iter().flatten().copied().collect();
+        let mut places: Vec<f64> = state.mocap_position.iter().flatten().copied().collect();
         take("mocap_pos", &self.mocap_pos, &mut places)?;
-        state.placed_position = places.chunks_exact(3).map(Vector3::from_column_slice).collect();
-        let mut turns = state.placed_orientation.concat();
+        state.mocap_position = places.chunks_exact(3).map(Vector3::from_column_slice).collect();
+        let mut turns = state.mocap_orientation.concat();
         take("mocap_quat", &self.mocap_quat, &mut turns)?;
-        state.placed_orientation = turns.chunks_exact(4).map(|q| [q[0], q[1], q[2], q[3]]).collect();
+        state.mocap_orientation = turns.chunks_exact(4).map(|q| [q[0], q[1], q[2], q[3]]).collect();
         let mut wrenches = vec![0.0; 6 * state.body_force.len()];
         take("xfrc_applied", &self.xfrc_applied, &mut wrenches)?;
         for (wrench, slot) in wrenches.chunks_exact(6).zip(&mut state.body_force) {

@@ -1,6 +1,6 @@
 //! Poses to look at: drawn at random but always the same, put on the ground or on things, moved a little by those who search.
 //!
-//! A pose is a row of numbers ([`Pose`]); [`Room`] puts body and objects where it says. Joints stay in their ranges, slaved ones follow
+//! A pose is a row of numbers ([`Pose`]); [`Room`] puts body and objects where it says. Joints stay in their ranges, coupled ones follow
 //! their couplings. The body stands where its lowest point meets what is below it, or is a little above, as in a hop. A pose in which the
 //! body is inside scenery does not count.
 
@@ -347,7 +347,7 @@ impl<'a> Room<'a> {
 
     /// Whether a part of the body is inside scenery.
     fn is_inside(&self) -> bool {
-        let Some(episode) = self.workspace.episodes.first() else { return false };
+        let Some(episode) = self.workspace.lanes.first() else { return false };
         let owns = |geom: usize| self.body.members.contains(&self.model.geoms.body[geom]);
         episode.constraints.contacts.iter().any(|contact| {
             let [first, second] = contact.geoms;

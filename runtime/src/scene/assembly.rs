@@ -11,7 +11,7 @@ use msk_physics::constants;
 use msk_physics::model::inertia::MassProperties;
 use msk_physics::model::{
     Actuators, Attachment, AttachmentOrigin, Bias, Bodies, ContactPairs, Dofs, Equality, Gain, GeomKind, Geoms, HeightField,
-    JointKind, Joints, Model, PathPoint, Sites, Softness, Transmission, rotation, topology,
+    JointKind, Joints, Model, PathPoint, Sites, SolverParameters, Transmission, rotation, topology,
 };
 use nalgebra::Vector3;
 
@@ -359,8 +359,8 @@ fn push_joint(body: usize, joint: &NewJoint, into: &mut Joints, dofs: &mut Dofs)
     into.axis.push(axis);
     into.range.push(joint.range.filter(|_| !free));
     into.margin.push(0.0);
-    into.limit_softness.push(Softness::default());
-    into.friction_softness.push(Softness::default());
+    into.limit_softness.push(SolverParameters::default());
+    into.friction_softness.push(SolverParameters::default());
     into.stiffness.push(joint.stiffness);
     into.spring_reference.push(0.0);
     into.actuator_force_range.push(None);

@@ -1,7 +1,7 @@
 //! What a builder can add: bodies, joints, shapes, sites.
 
 use msk_physics::model::rotation::IDENTITY;
-use msk_physics::model::{GeomKind, HeightField, JointKind, Quaternion, Softness};
+use msk_physics::model::{GeomKind, HeightField, JointKind, Quaternion, SolverParameters};
 use nalgebra::Vector3;
 
 /// A body to be added.
@@ -84,8 +84,8 @@ pub struct NewGeom {
     pub contact_dimension: u8,
     /// Sliding, torsional (m) and rolling (m) friction.
     pub friction: [f64; 3],
-    /// Softness of contacts.
-    pub softness: Softness,
+    /// SolverParameters of contacts.
+    pub softness: SolverParameters,
 }
 
 impl Default for NewGeom {
@@ -102,7 +102,7 @@ impl Default for NewGeom {
             contact_affinity: 1,
             contact_dimension: 3,
             friction: [1.0, 0.005, 0.0001],
-            softness: Softness::default(),
+            softness: SolverParameters::default(),
         }
     }
 }
@@ -127,6 +127,6 @@ pub struct NewAttachment {
     pub sites: [usize; 2],
     /// Whether their axes are held together, too, not only their places.
     pub weld: bool,
-    /// Softness.
-    pub softness: Softness,
+    /// SolverParameters.
+    pub softness: SolverParameters,
 }

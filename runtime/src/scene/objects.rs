@@ -6,7 +6,7 @@ use super::elements::{NewAttachment, NewBody, NewGeom, NewJoint, NewSite};
 use super::terrain;
 use crate::body::Body;
 use msk_compiler::scene::{Connection, Motion, Object, ObjectJoint, ObjectJointKind, Parent, SceneDescription, Shape, Surface};
-use msk_physics::model::{GeomKind, JointKind, Model, Softness, rotation};
+use msk_physics::model::{GeomKind, JointKind, Model, SolverParameters, rotation};
 use nalgebra::Vector3;
 
 /// What is wrong with a scene.
@@ -99,7 +99,7 @@ fn connect(
         Ok(placed.builder.site(placed.bodies[object], site))
     };
     let sites = [end("from", &connection.from)?, end("to", &connection.to)?];
-    let softness = Softness::default();
+    let softness = SolverParameters::default();
     Ok(placed.builder.attach(NewAttachment { name, sites, weld: connection.weld, softness }))
 }
 

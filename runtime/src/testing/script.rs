@@ -1,7 +1,7 @@
 //! A script: what is shown when.
 //!
 //! Every number goes smoothly from keyframe to keyframe: a cubic between two, with the slopes of Fritsch and Carlson (1980), so that
-//! nothing overshoots, comes to rest where it turns round and at both ends. Slaved joints follow their couplings at every
+//! nothing overshoots, comes to rest where it turns round and at both ends. Coupled joints follow their couplings at every
 //! step. Between two keyframes on the ground the body stays on it; between two that meet the same places it keeps meeting them.
 //! Where a motion is played, its table says where joints and root are from one keyframe to the next.
 

@@ -14,7 +14,7 @@ mod muscle;
 mod transmission;
 
 use super::{
-    constrained::Episode,
+    constrained::ConstraintState,
     elastic::{Fibres, Paths},
     kinematics::Kinematics,
     spatial::{Spatial, spatial_zero},
@@ -87,7 +87,7 @@ struct Other {
     gear: f64,
     control_range: Option<[f64; 2]>,
     force_range: Option<[f64; 2]>,
-    early: bool,
+    actearly: bool,
     law: Law,
     /// Its entries among the moments.
     moment: Range<usize>,
@@ -184,7 +184,7 @@ impl Plan {
         for actuator in 0..actuators.name.len() {
             let (length_range, scale) = (actuators.length_range[actuator], actuators.acceleration_scale[actuator]);
             let unclamped = actuators.force_range[actuator].is_none() && actuators.activation_range[actuator].is_none();
-            if let Some(muscle) = actuators.muscle(actuator).filter(|_| unclamped && !actuators.early[actuator]) {
+            if let Some(muscle) = actuators.muscle(actuator).filter(|_| unclamped && !actuators.actearly[actuator]) {
                 plan.muscles.push(PlainMuscle {
                     actuator,
                     activation: muscle.activation,
@@ -214,7 +214,7 @@ impl Plan {
                 gear: actuators.gear[actuator][0],
                 control_range: actuators.control_range[actuator],
                 force_range: actuators.force_range[actuator],
-                early: actuators.early[actuator],
+                actearly: actuators.actearly[actuator],
                 law: Law::new(model, actuator),
                 moment: moments.add(model, actuator),
             });
@@ -243,7 +243,7 @@ pub fn update<T: Real>(
     state: &State<T>,
     kinematics: &Kinematics<T>,
     tendons: &TendonPaths<T>,
-    episodes: &[Episode],
+    lanes: &[ConstraintState],
     out: &mut Actuation<T>,
 ) {
     let plan = Arc::clone(&out.plan);
@@ -268,7 +268,7 @@ pub fn update<T: Real>(
     for other in &plan.others {
         let [length, velocity] = match other.tendon {
             Some(tendon) => [tendons.length[tendon], tendons.velocity[tendon]].map(|value| value * T::splat(other.gear)),
-            None => out.moments.update(model, state, kinematics, episodes, other.actuator, other.moment.clone()),
+            None => out.moments.update(model, state, kinematics, lanes, other.actuator, other.moment.clone()),
         };
         let [gain, bias, force] = other.forces(model, state, length, velocity, &mut out.activation_rate);
         out.length[other.actuator] = length;
@@ -302,7 +302,7 @@ impl Other {
     fn present_drive<T: Real>(&self, model: &Model, state: &State<T>, rates: &[T], length: T) -> T {
         let Some(slot) = self.activation else { return clamped(state.control[self.actuator], self.control_range) };
         let activation = state.activation[slot];
-        if self.early { self.law.next(activation, rates[slot], length, model.options.timestep) } else { activation }
+        if self.actearly { self.law.next(activation, rates[slot], length, model.options.timestep) } else { activation }
     }
 }
 

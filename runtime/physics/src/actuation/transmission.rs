@@ -8,7 +8,7 @@
 //! normal; it has no length.
 
 use crate::{
-    constrained::Episode,
+    constrained::ConstraintState,
     jacobian::last_dof,
     kinematics::Kinematics,
     model::{JointKind, Model, Transmission},
@@ -72,7 +72,7 @@ pub(super) fn measure<T: Real>(
     model: &Model,
     state: &State<T>,
     kinematics: &Kinematics<T>,
-    episodes: &[Episode],
+    lanes: &[ConstraintState],
     actuator: usize,
     sides: &[(usize, f64)],
     moment: &mut [T],
@@ -81,7 +81,7 @@ pub(super) fn measure<T: Real>(
     match model.actuators.transmission[actuator] {
         Transmission::Tendon(_) => T::splat(0.0),
         Transmission::Body(body) => {
-            draw_near(model, kinematics, episodes, body, moment);
+            adhesion_moment(model, kinematics, lanes, body, moment);
             T::splat(0.0)
         }
         Transmission::Joint(joint) => of_joint(model, state, joint, &gear, false, moment),
@@ -152,11 +152,11 @@ fn of_site<T: Real>(
 }
 
 /// The moment of an actuator that draws a body to what it touches.
-fn draw_near<T: Real>(model: &Model, kinematics: &Kinematics<T>, episodes: &[Episode], body: usize, moment: &mut [T]) {
+fn adhesion_moment<T: Real>(model: &Model, kinematics: &Kinematics<T>, lanes: &[ConstraintState], body: usize, moment: &mut [T]) {
     moment.fill(T::splat(0.0));
-    for (lane, episode) in episodes.iter().enumerate() {
+    for (lane, own) in lanes.iter().enumerate() {
         let own = |geom: usize| model.geoms.body[geom] == body;
-        let touching = || episode.constraints.contacts.iter().filter(|contact| contact.geoms.into_iter().any(own));
+        let touching = || own.constraints.contacts.iter().filter(|contact| contact.geoms.into_iter().any(own));
         let share = 1.0 / touching().count().max(1) as f64;
         for contact in touching() {
             let normal = contact.frame.row(0).transpose();
@@ -200,12 +200,12 @@ impl<T: Real> Moments<T> {
         model: &Model,
         state: &State<T>,
         kinematics: &Kinematics<T>,
-        episodes: &[Episode],
+        lanes: &[ConstraintState],
         actuator: usize,
         range: Range<usize>,
     ) -> [T; 2] {
         let (sides, values) = (&self.sides[range.clone()], &mut self.values[range.clone()]);
-        let length = measure(model, state, kinematics, episodes, actuator, sides, values);
+        let length = measure(model, state, kinematics, lanes, actuator, sides, values);
         let velocity = self.entries(range).fold(T::splat(0.0), |sum, (dof, entry)| sum + entry * state.velocity[dof]);
         [length, velocity]
     }

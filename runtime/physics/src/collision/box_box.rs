@@ -7,7 +7,7 @@
 //! 3. where two edges decide, they touch in one point. A direction across edges that nearly is a face's normal must win
 //!    clearly, since one point holds a box less well than the face would.
 
-use super::{Touch, frame_of, place::Placed, polygon::Polygon};
+use super::{ContactPoint, frame_of, place::Placed, polygon::Polygon};
 use crate::scalar::Real;
 use nalgebra::{Matrix3, Vector3};
 
@@ -26,7 +26,7 @@ enum Decider {
 }
 
 /// Box against box.
-pub(super) fn collide(first: &Placed<'_>, second: &Placed<'_>, reach: f64, polygon: &mut Polygon, found: &mut Vec<Touch>) {
+pub(super) fn collide(first: &Placed<'_>, second: &Placed<'_>, reach: f64, polygon: &mut Polygon, found: &mut Vec<ContactPoint>) {
     let between = second.position - first.position;
     // Overlap along a unit normal, and the normal turned from the first box to the second.
     let along = |normal: Vector3<f64>| {
@@ -73,7 +73,7 @@ pub(super) fn collide(first: &Placed<'_>, second: &Placed<'_>, reach: f64, polyg
     match decider {
         Decider::Edges(i, j) => {
             let position = crossing(first, i, second, j, normal);
-            found.push(Touch { distance: -overlap, position, frame: frame_of(normal, None) });
+            found.push(ContactPoint { distance: -overlap, position, frame: frame_of(normal, None) });
         }
         Decider::Face { of_first: true, axis } => faces([first, second], axis, normal, 1.0, reach, polygon, found),
         Decider::Face { of_first: false, axis } => faces([second, first], axis, -normal, -1.0, reach, polygon, found),
@@ -119,7 +119,7 @@ fn faces(
     sense: f64,
     reach: f64,
     polygon: &mut Polygon,
-    found: &mut Vec<Touch>,
+    found: &mut Vec<ContactPoint>,
 ) {
     facing(other, normal, polygon);
     let centre = one.position;
@@ -134,7 +134,7 @@ fn faces(
     for corner in &polygon.corners {
         let distance = normal.dot(corner) - surface;
         if distance <= reach {
-            found.push(Touch { distance, position: corner - normal * (distance / 2.0), frame });
+            found.push(ContactPoint { distance, position: corner - normal * (distance / 2.0), frame });
         }
     }
 }

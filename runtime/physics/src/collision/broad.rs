@@ -3,7 +3,7 @@
 //! Shapes that never move are sorted once along the axis of the world that spreads them most; a shape that moves looks up
 //! those near it on that axis. Pairs of moving shapes, planes and very large shapes are always looked at.
 
-use super::Candidate;
+use super::CollisionPair;
 use crate::model::{GeomKind, Model, rotation};
 use crate::scalar::Real;
 use nalgebra::Vector3;
@@ -38,7 +38,7 @@ struct Row {
 
 impl Broad {
     /// Sorts the resting shapes of a model.
-    pub fn new(model: &Model, candidates: &[Candidate]) -> Self {
+    pub fn new(model: &Model, candidates: &[CollisionPair]) -> Self {
         let rests = |geom: usize| model.bodies.weld[model.geoms.body[geom]] == 0;
         let mut groups: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
         let mut always = Vec::new();

@@ -4,7 +4,7 @@
 //! corner. A ball there gives the first contact. Where the segment runs on along the box from there, a second ball as far along
 //! as the box reaches gives the other, so that a capsule lying on a box rests on two points.
 
-use super::{Touch, place::Placed, round::ball_box, shapes::TINY};
+use super::{ContactPoint, place::Placed, round::ball_box, shapes::TINY};
 use crate::scalar::Real;
 use nalgebra::Vector3;
 
@@ -21,7 +21,7 @@ enum Nearest {
 }
 
 /// Capsule against box.
-pub(super) fn collide(capsule: &Placed<'_>, cuboid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn collide(capsule: &Placed<'_>, cuboid: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let (radius, half) = (capsule.size.x, capsule.size.y);
     let centre = cuboid.local(capsule.position);
     let arm = cuboid.rotation.tr_mul(&(capsule.axis() * half));

@@ -18,7 +18,7 @@
 //! * two ellipsoids: Newton's method on the sphere, from several starts when they overlap.
 
 use super::{
-    Placed, Touch,
+    ContactPoint, Placed,
     convex::{self, Scratch, support::SupportShape},
     frame_of,
 };
@@ -152,9 +152,15 @@ pub(super) fn separate(shape: &Placed<'_>, ellipsoid: &Placed<'_>, scratch: &mut
 }
 
 /// A sphere, capsule or ellipsoid against an ellipsoid.
-pub(super) fn collide(shape: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, scratch: &mut Scratch, found: &mut Vec<Touch>) {
+pub(super) fn collide(
+    shape: &Placed<'_>,
+    ellipsoid: &Placed<'_>,
+    reach: f64,
+    scratch: &mut Scratch,
+    found: &mut Vec<ContactPoint>,
+) {
     let near = separate(shape, ellipsoid, scratch).filter(|stand| stand.distance <= reach);
-    found.extend(near.map(|stand| Touch {
+    found.extend(near.map(|stand| ContactPoint {
         distance: stand.distance,
         position: stand.middle,
         frame: frame_of(stand.normal, None),

@@ -1,7 +1,7 @@
 //! Height fields against convex shapes: one prism of the solid below each triangle of the surface.
 
 use super::{
-    Touch,
+    ContactPoint,
     convex::{
         self, Scratch, Separation,
         support::{Core, SupportShape},
@@ -18,11 +18,11 @@ use nalgebra::{Matrix3, Vector3};
 const MOST_CONTACTS: usize = 50;
 
 /// A height field against a convex shape.
-pub(super) fn collide(field: &Placed<'_>, shape: &Placed<'_>, reach: f64, scratch: &mut Scratch, found: &mut Vec<Touch>) {
+pub(super) fn collide(field: &Placed<'_>, shape: &Placed<'_>, reach: f64, scratch: &mut Scratch, found: &mut Vec<ContactPoint>) {
     let start = found.len();
     each_prism(field, shape, reach, scratch, |separation, _| {
         let position = (separation.points[0] + separation.points[1]) * 0.5;
-        found.push(Touch { distance: separation.distance, position, frame: frame_of(separation.normal, None) });
+        found.push(ContactPoint { distance: separation.distance, position, frame: frame_of(separation.normal, None) });
         found.len() - start < MOST_CONTACTS
     });
     for touch in &mut found[start..] {

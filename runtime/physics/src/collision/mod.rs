@@ -26,7 +26,7 @@ mod shapes;
 
 pub use convex::Scratch;
 pub use convex::support::{Core, SupportShape};
-pub use parameters::Candidate;
+pub use parameters::CollisionPair;
 pub use place::{Asset, Placed};
 
 use crate::model::{GeomKind, Model};
@@ -34,7 +34,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// What a collider finds.
 #[derive(Debug, Clone, Copy)]
-struct Touch {
+struct ContactPoint {
     distance: f64,
     position: Vector3<f64>,
     frame: Matrix3<f64>,
@@ -61,7 +61,7 @@ pub struct Contact {
 #[derive(Debug, Clone, Default)]
 pub struct Memory {
     chosen: Vec<usize>,
-    found: Vec<Touch>,
+    found: Vec<ContactPoint>,
     scratch: Scratch,
 }
 
@@ -69,8 +69,8 @@ pub struct Memory {
 #[derive(Debug, Clone, Default)]
 pub struct Plan {
     /// Pairs in MuJoCo's order: by body pair, then as declared.
-    pub candidates: Vec<Candidate>,
-    /// Dofs that move one body of a pair against the other, ascending; [`Candidate::columns`] points into it.
+    pub candidates: Vec<CollisionPair>,
+    /// Dofs that move one body of a pair against the other, ascending; [`CollisionPair::columns`] points into it.
     pub(super) columns: Vec<usize>,
     broad: broad::Broad,
     /// For each column: whether the dof moves the pair's second body (1) or its first (-1).
@@ -110,7 +110,7 @@ impl Plan {
             }
             let place = |geom: usize| Placed::new(model, geom, position(geom), rotation(geom));
             collide(candidate, &place(first), &place(second), scratch, found);
-            contacts.extend(found.drain(..).map(|touch: Touch| Contact {
+            contacts.extend(found.drain(..).map(|point: ContactPoint| Contact {
                 candidate: index,
                 geoms: candidate.geoms,
                 position: touch.position,
@@ -123,7 +123,13 @@ impl Plan {
 }
 
 /// Calls the collider for a pair of kinds, the first not after the second in [`GeomKind`]'s order.
-fn collide(candidate: &Candidate, first: &Placed<'_>, second: &Placed<'_>, scratch: &mut Scratch, found: &mut Vec<Touch>) {
+fn collide(
+    candidate: &CollisionPair,
+    first: &Placed<'_>,
+    second: &Placed<'_>,
+    scratch: &mut Scratch,
+    found: &mut Vec<ContactPoint>,
+) {
     use GeomKind::{Box, Capsule, Cylinder, Ellipsoid, HeightField, Mesh, Plane, Sphere};
     let reach = candidate.margin + candidate.gap;
     let closed_form = match candidate.kinds {

@@ -1,14 +1,14 @@
 //! Which pairs can meet, and the parameters of their contacts.
 
 use super::{Plan, broad::Broad, can_meet};
-use crate::model::{GeomKind, Model, Softness};
+use crate::model::{GeomKind, Model, SolverParameters};
 use crate::scalar::Real;
 use core::ops::Range;
 use std::collections::BTreeSet;
 
 /// A pair of geoms that can meet, with the parameters of its contacts mixed.
 #[derive(Debug, Clone)]
-pub struct Candidate {
+pub struct CollisionPair {
     /// The two geoms, ordered by kind as MuJoCo orders them.
     pub geoms: [usize; 2],
     /// Their kinds.
@@ -25,9 +25,9 @@ pub struct Candidate {
     pub dimension: usize,
     /// Two sliding, one torsional, two rolling coefficients.
     pub friction: [f64; 5],
-    /// Softness of the contact.
-    pub softness: Softness,
-    /// Softness reference of an elliptic cone's friction rows; both zero takes that of `softness`.
+    /// SolverParameters of the contact.
+    pub softness: SolverParameters,
+    /// SolverParameters reference of an elliptic cone's friction rows; both zero takes that of `softness`.
     pub friction_reference: [f64; 2],
     /// Inverse weight of both bodies at the reference configuration: translation, rotation.
     pub inverse_weight: [f64; 2],
@@ -64,7 +64,7 @@ impl Plan {
         };
         let radius: f64 = geoms.iter().map(|&geom| model.geoms.bounding_radius[geom]).sum();
         let weight = |k: usize| bodies.iter().map(|&body| model.bodies.inverse_weight[body][k]).sum();
-        self.candidates.push(Candidate {
+        self.candidates.push(CollisionPair {
             geoms,
             kinds,
             bodies,
@@ -154,7 +154,7 @@ struct Mixed {
     gap: f64,
     dimension: usize,
     friction: [f64; 5],
-    softness: Softness,
+    softness: SolverParameters,
     friction_reference: [f64; 2],
 }
 
@@ -216,12 +216,12 @@ fn mix_weight(first: f64, second: f64) -> f64 {
     }
 }
 
-fn average_softness(first: Softness, second: Softness, weight: f64) -> Softness {
+fn average_softness(first: SolverParameters, second: SolverParameters, weight: f64) -> SolverParameters {
     let average = |a: f64, b: f64| weight * a + (1.0 - weight) * b;
     let standard = first.reference[0] > 0.0 && second.reference[0] > 0.0;
     let reference = core::array::from_fn(|k| {
         let (a, b) = (first.reference[k], second.reference[k]);
         if standard { average(a, b) } else { a.at_most(b) }
     });
-    Softness { reference, impedance: core::array::from_fn(|k| average(first.impedance[k], second.impedance[k])) }
+    SolverParameters { reference, impedance: core::array::from_fn(|k| average(first.impedance[k], second.impedance[k])) }
 }

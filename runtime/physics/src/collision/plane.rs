@@ -3,7 +3,7 @@
 //! Each function appends what MuJoCo's collider of the same pair finds, in its order; the normal points up from the plane.
 
 use super::{
-    Touch, frame_of,
+    ContactPoint, frame_of,
     place::{Asset, Placed},
     polygon::widest_four,
     shapes::TINY,
@@ -15,38 +15,38 @@ use nalgebra::Vector3;
 const MOST_CONTACTS: usize = 4;
 
 /// A point of a surface that is `distance` above the plane.
-fn touch(point: Vector3<f64>, normal: Vector3<f64>, distance: f64) -> Touch {
-    Touch { distance, position: point - normal * (distance / 2.0), frame: frame_of(normal, None) }
+fn touch(point: Vector3<f64>, normal: Vector3<f64>, distance: f64) -> ContactPoint {
+    ContactPoint { distance, position: point - normal * (distance / 2.0), frame: frame_of(normal, None) }
 }
 
 /// Sphere of `radius` at `centre` against the plane.
-fn ball(plane: &Placed<'_>, centre: Vector3<f64>, radius: f64, reach: f64) -> Option<Touch> {
+fn ball(plane: &Placed<'_>, centre: Vector3<f64>, radius: f64, reach: f64) -> Option<ContactPoint> {
     let normal = plane.axis();
     let height = (centre - plane.position).dot(&normal);
     if height > reach + radius {
         return None;
     }
     let distance = height - radius;
-    Some(Touch { distance, position: centre - normal * (distance / 2.0 + radius), frame: frame_of(normal, None) })
+    Some(ContactPoint { distance, position: centre - normal * (distance / 2.0 + radius), frame: frame_of(normal, None) })
 }
 
 /// Plane against sphere.
-pub(super) fn sphere(plane: &Placed<'_>, sphere: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn sphere(plane: &Placed<'_>, sphere: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     found.extend(ball(plane, sphere.position, sphere.size.x, reach));
 }
 
 /// Plane against capsule: each end as a sphere, the first tangent along the capsule.
-pub(super) fn capsule(plane: &Placed<'_>, capsule: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn capsule(plane: &Placed<'_>, capsule: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let axis = capsule.axis();
     for end in [capsule.size.y, -capsule.size.y] {
         if let Some(touch) = ball(plane, capsule.position + axis * end, capsule.size.x, reach) {
-            found.push(Touch { frame: frame_of(plane.axis(), Some(axis)), ..touch });
+            found.push(ContactPoint { frame: frame_of(plane.axis(), Some(axis)), ..touch });
         }
     }
 }
 
 /// Plane against ellipsoid: the ellipsoid's lowest point.
-pub(super) fn ellipsoid(plane: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn ellipsoid(plane: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let normal = plane.axis();
     let scaled = ellipsoid.rotation.tr_mul(&normal).component_mul(&ellipsoid.size);
     let lowest = ellipsoid.position - ellipsoid.rotation * ellipsoid.size.component_mul(&scaled) / scaled.norm().at_least(TINY);
@@ -57,7 +57,7 @@ pub(super) fn ellipsoid(plane: &Placed<'_>, ellipsoid: &Placed<'_>, reach: f64, 
 }
 
 /// Plane against box: corners of the lower half, the first four of them that are near.
-pub(super) fn cuboid(plane: &Placed<'_>, cuboid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn cuboid(plane: &Placed<'_>, cuboid: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let normal = plane.axis();
     let height = (cuboid.position - plane.position).dot(&normal);
     let mut count = 0;
@@ -77,7 +77,7 @@ pub(super) fn cuboid(plane: &Placed<'_>, cuboid: &Placed<'_>, reach: f64, found:
 }
 
 /// Plane against cylinder: the lowest points of both caps, and two more on the lower cap, a third of a turn to either side.
-pub(super) fn cylinder(plane: &Placed<'_>, cylinder: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn cylinder(plane: &Placed<'_>, cylinder: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let normal = plane.axis();
     let [radius, half] = [cylinder.size.x, cylinder.size.y];
     let upright = cylinder.axis();
@@ -105,7 +105,7 @@ pub(super) fn cylinder(plane: &Placed<'_>, cylinder: &Placed<'_>, reach: f64, fo
 
 /// Plane against mesh: of the face around the lowest corner that looks down most, up to four corners far apart, those not
 /// above the mesh's centre.
-pub(super) fn mesh(plane: &Placed<'_>, shape: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn mesh(plane: &Placed<'_>, shape: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let Asset::Mesh(mesh) = shape.asset else { return };
     let (hull, normal) = (&mesh.hull, plane.axis());
     let down = shape.rotation.tr_mul(&-normal);

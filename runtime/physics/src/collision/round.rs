@@ -1,16 +1,16 @@
 //! Spheres against boxes and cylinders, in closed form.
 
-use super::{Touch, frame_of, place::Placed, shapes::TINY};
+use super::{ContactPoint, frame_of, place::Placed, shapes::TINY};
 use crate::scalar::Real;
 use nalgebra::Vector3;
 
 /// Sphere against box.
-pub(super) fn sphere_box(sphere: &Placed<'_>, cuboid: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn sphere_box(sphere: &Placed<'_>, cuboid: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     found.extend(ball_box(sphere.position, sphere.size.x, cuboid, reach));
 }
 
 /// A ball against a box: the nearest point of the box decides, or its nearest face where the ball's centre is inside.
-pub(super) fn ball_box(centre: Vector3<f64>, radius: f64, cuboid: &Placed<'_>, reach: f64) -> Option<Touch> {
+pub(super) fn ball_box(centre: Vector3<f64>, radius: f64, cuboid: &Placed<'_>, reach: f64) -> Option<ContactPoint> {
     let local = cuboid.local(centre);
     let nearest = local.zip_map(&cuboid.size, |x, half| x.clip(-half, half));
     let away = nearest - local;
@@ -34,11 +34,11 @@ pub(super) fn ball_box(centre: Vector3<f64>, radius: f64, cuboid: &Placed<'_>, r
     };
     let distance = core - radius;
     let position = cuboid.position + cuboid.rotation * middle;
-    (distance <= reach).then(|| Touch { distance, position, frame: frame_of(cuboid.rotation * normal, None) })
+    (distance <= reach).then(|| ContactPoint { distance, position, frame: frame_of(cuboid.rotation * normal, None) })
 }
 
 /// Sphere against cylinder: its side, a cap or a rim is nearest.
-pub(super) fn sphere_cylinder(sphere: &Placed<'_>, cylinder: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn sphere_cylinder(sphere: &Placed<'_>, cylinder: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let (axis, radius) = (cylinder.axis(), sphere.size.x);
     let [across, half] = [cylinder.size.x, cylinder.size.y];
     let from = sphere.position - cylinder.position;
@@ -63,6 +63,6 @@ pub(super) fn sphere_cylinder(sphere: &Placed<'_>, cylinder: &Placed<'_>, reach:
     let distance = core - radius;
     if distance <= reach {
         let position = sphere.position - normal * (radius + distance / 2.0);
-        found.push(Touch { distance, position, frame: frame_of(-normal, None) });
+        found.push(ContactPoint { distance, position, frame: frame_of(-normal, None) });
     }
 }

@@ -3,7 +3,7 @@
 //! Each function appends what MuJoCo's collider of the same pair finds, in its order; the normal points from the first
 //! shape to the second, the position lies half way between the two surfaces.
 
-use super::{Placed, Touch, frame_of};
+use super::{ContactPoint, Placed, frame_of};
 use crate::scalar::Real;
 use nalgebra::Vector3;
 
@@ -11,7 +11,13 @@ use nalgebra::Vector3;
 pub(super) const TINY: f64 = 1e-15;
 
 /// Two spheres given by their centres; `fallback` is the normal of concentric ones.
-fn points(first: Vector3<f64>, radii: [f64; 2], second: Vector3<f64>, reach: f64, fallback: Vector3<f64>) -> Option<Touch> {
+fn points(
+    first: Vector3<f64>,
+    radii: [f64; 2],
+    second: Vector3<f64>,
+    reach: f64,
+    fallback: Vector3<f64>,
+) -> Option<ContactPoint> {
     let between = second - first;
     let centres = between.norm();
     let distance = centres - radii[0] - radii[1];
@@ -19,7 +25,7 @@ fn points(first: Vector3<f64>, radii: [f64; 2], second: Vector3<f64>, reach: f64
         return None;
     }
     let normal = if centres < TINY { fallback } else { between / centres };
-    Some(Touch { distance, position: first + normal * (radii[0] + distance / 2.0), frame: frame_of(normal, None) })
+    Some(ContactPoint { distance, position: first + normal * (radii[0] + distance / 2.0), frame: frame_of(normal, None) })
 }
 
 /// Normal of two shapes whose centres coincide: across both axes.
@@ -28,13 +34,13 @@ fn concentric_normal(first: &Placed<'_>, second: &Placed<'_>) -> Vector3<f64> {
 }
 
 /// Sphere against sphere.
-pub(super) fn sphere_sphere(first: &Placed<'_>, second: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn sphere_sphere(first: &Placed<'_>, second: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let radii = [first.size.x, second.size.x];
     found.extend(points(first.position, radii, second.position, reach, concentric_normal(first, second)));
 }
 
 /// Sphere against capsule: the nearest point of the capsule's segment as a sphere.
-pub(super) fn sphere_capsule(sphere: &Placed<'_>, capsule: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn sphere_capsule(sphere: &Placed<'_>, capsule: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let axis = capsule.axis();
     let along = axis.dot(&(sphere.position - capsule.position)).clip(-capsule.size.y, capsule.size.y);
     let radii = [sphere.size.x, capsule.size.x];
@@ -43,7 +49,7 @@ pub(super) fn sphere_capsule(sphere: &Placed<'_>, capsule: &Placed<'_>, reach: f
 }
 
 /// Capsule against capsule: the nearest points of the two segments as spheres; parallel capsules touch at up to two places.
-pub(super) fn capsule_capsule(first: &Placed<'_>, second: &Placed<'_>, reach: f64, found: &mut Vec<Touch>) {
+pub(super) fn capsule_capsule(first: &Placed<'_>, second: &Placed<'_>, reach: f64, found: &mut Vec<ContactPoint>) {
     let radii = [first.size.x, second.size.x];
     let fallback = concentric_normal(first, second);
     let (half_first, half_second) = (first.axis() * first.size.y, second.axis() * second.size.y);

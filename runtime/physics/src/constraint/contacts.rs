@@ -1,7 +1,7 @@
 //! Rows of contacts: the edges of a friction pyramid, the axes of an elliptic cone, or the normal alone.
 
 use super::{
-    Bridge, Constraints, RowKind,
+    Constraints, CrossCoupling, RowKind,
     cone::Cone,
     impedance::SpringDamper,
     jacobian::Shape,
@@ -10,8 +10,8 @@ use super::{
 };
 use crate::{
     Workspace,
-    collision::Candidate,
-    model::{self, Model, Softness},
+    collision::CollisionPair,
+    model::{self, Model, SolverParameters},
     scalar::Real,
 };
 
@@ -26,9 +26,9 @@ impl Constraints {
             }
             let columns = &self.plan.columns[candidate.columns.clone()];
             let sides = &self.plan.sides[candidate.columns.clone()];
-            let bridge = Bridge::Contact(contact.candidate);
-            if candidate.bridges_chains && self.bridges.last() != Some(&bridge) {
-                self.bridges.push(bridge);
+            let coupling = CrossCoupling::Contact(contact.candidate);
+            if candidate.bridges_chains && self.cross_couplings.last() != Some(&coupling) {
+                self.cross_couplings.push(coupling);
             }
             let shape = match (candidate.dimension, model.options.cone) {
                 (1, _) => Shape::Plain,
@@ -61,7 +61,7 @@ impl Constraints {
 }
 
 /// Two rows per friction direction, J_normal ± μ J_tangent.
-fn add_edges(model: &Model, candidate: &Candidate, kind: RowKind, place: Place, rows: &mut Rows) {
+fn add_edges(model: &Model, candidate: &CollisionPair, kind: RowKind, place: Place, rows: &mut Rows) {
     let [translation, rotation] = candidate.inverse_weight;
     let first = rows.len();
     for direction in 0..candidate.dimension - 1 {
@@ -81,13 +81,13 @@ fn add_edges(model: &Model, candidate: &Candidate, kind: RowKind, place: Place, 
 ///
 /// The regularisation of the first friction direction is that of the normal divided by `impratio`; those of the others keep
 /// R_j μ_j² the same, so that the cone stays round in scaled coordinates.
-fn add_axes(model: &Model, candidate: &Candidate, kind: RowKind, place: Place, rows: &mut Rows) -> Cone {
+fn add_axes(model: &Model, candidate: &CollisionPair, kind: RowKind, place: Place, rows: &mut Rows) -> Cone {
     let first = rows.len();
     let bounds = [0.0; 2];
     rows.push(kind, Place { bounds, ..place }, candidate.inverse_weight[0]);
     let own = candidate.friction_reference != [0.0; 2];
     let reference = if own { candidate.friction_reference } else { candidate.softness.reference };
-    let damping = spring(model, &Softness { reference, ..candidate.softness }, 0.0).damping;
+    let damping = spring(model, &SolverParameters { reference, ..candidate.softness }, 0.0).damping;
     let spring = SpringDamper { stiffness: 0.0, damping, ..place.spring };
     for _ in 1..candidate.dimension {
         rows.push(kind, Place { position: 0.0, margin: 0.0, spring, bounds }, candidate.inverse_weight[0]);

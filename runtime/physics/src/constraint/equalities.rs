@@ -14,7 +14,7 @@
 //! with the bodies' accelerations a and α as they are then, and products of quaternions. (MuJoCo's manual, chapter Computation, "Constraint model, Equality".)
 
 use super::{
-    Bridge, Constraints, RowKind,
+    Constraints, CrossCoupling, RowKind,
     jacobian::{MOST_BASE_ROWS, Shape},
     rows::{BOTH_WAYS, Place},
     spring,
@@ -52,8 +52,8 @@ impl Constraints {
                 }
             }
             let columns = &self.fixed.equalities[equality];
-            if columns.bridges {
-                self.bridges.push(Bridge::Equality(equality));
+            if columns.cross_couplings {
+                self.cross_couplings.push(CrossCoupling::Equality(equality));
             }
         }
     }
@@ -64,20 +64,20 @@ impl Constraints {
             let address = joints.position_address[joint];
             position(address) - model.reference_position[address]
         };
-        let slave = couplings.joint[coupling];
-        let slave_dof = joints.dof_address[slave];
-        let mut approximate = model.dofs.inverse_weight[slave_dof];
+        let dependent = couplings.joint[coupling];
+        let dependent_dof = joints.dof_address[dependent];
+        let mut approximate = model.dofs.inverse_weight[dependent_dof];
         let wanted = if let Some(leader) = couplings.leader[coupling] {
             let [wanted, slope] = polynomial(&couplings.polynomial[coupling], displacement(leader));
             let leader_dof = joints.dof_address[leader];
-            self.jacobian.push_row(&mut [(slave_dof, 1.0), (leader_dof, -slope)]);
+            self.jacobian.push_row(&mut [(dependent_dof, 1.0), (leader_dof, -slope)]);
             approximate += model.dofs.inverse_weight[leader_dof];
             wanted
         } else {
-            self.jacobian.push_row(&mut [(slave_dof, 1.0)]);
+            self.jacobian.push_row(&mut [(dependent_dof, 1.0)]);
             couplings.polynomial[coupling][0]
         };
-        let residual = displacement(slave) - wanted;
+        let residual = displacement(dependent) - wanted;
         self.push_equality(model, couplings.equality[coupling], residual, residual, approximate);
     }
 

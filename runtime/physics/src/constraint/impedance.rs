@@ -1,6 +1,6 @@
 //! How soft a constraint is: MuJoCo's impedance d(r), stiffness k, damping b ("Solver parameters" in its manual).
 
-use crate::model::Softness;
+use crate::model::SolverParameters;
 use crate::scalar::Real;
 
 /// Impedances stay in this range, MuJoCo's `mjMINIMP` and `mjMAXIMP`.
@@ -21,7 +21,7 @@ pub(super) struct SpringDamper {
 
 /// Evaluates `softness` at the violation `residual` (position minus margin); time constants are at least `shortest` seconds,
 /// two steps where the model asks for safety (MuJoCo's `refsafe`): a shorter one would be unstable.
-pub(super) fn spring_damper(softness: &Softness, residual: f64, shortest: f64) -> SpringDamper {
+pub(super) fn spring_damper(softness: &SolverParameters, residual: f64, shortest: f64) -> SpringDamper {
     let [low, high] = IMPEDANCE_RANGE;
     let [start, end, width, midpoint, power] = softness.impedance;
     let (start, end, midpoint) = (start.clip(low, high), end.clip(low, high), midpoint.clip(low, high));
@@ -41,9 +41,9 @@ pub(super) fn spring_damper(softness: &Softness, residual: f64, shortest: f64) -
 }
 
 /// Both numbers positive, or both not; anything else means nothing and counts as not given, as in MuJoCo.
-fn reference(softness: &Softness) -> [f64; 2] {
+fn reference(softness: &SolverParameters) -> [f64; 2] {
     let [first, second] = softness.reference;
-    if (first > 0.0) == (second > 0.0) { softness.reference } else { Softness::default().reference }
+    if (first > 0.0) == (second > 0.0) { softness.reference } else { SolverParameters::default().reference }
 }
 
 /// The polynomial sigmoid from 0 at x = 0 to 1 at x = 1 with its inflection at `midpoint`.
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn impedance_grows_from_its_start_to_its_end_across_the_width() {
-        let softness = Softness::default();
+        let softness = SolverParameters::default();
         let at = |residual: f64| spring_damper(&softness, residual, 0.002).impedance;
         assert_eq!(at(0.0), 0.9);
         assert!((at(-0.0005) - 0.925).abs() < 1e-15);
@@ -78,14 +78,14 @@ mod tests {
 
     #[test]
     fn a_time_constant_below_the_shortest_is_raised_to_it() {
-        let softness = Softness { reference: [0.001, 1.0], ..Softness::default() };
+        let softness = SolverParameters { reference: [0.001, 1.0], ..SolverParameters::default() };
         let stiff = spring_damper(&softness, 0.0, 0.02);
         assert!((stiff.damping - 2.0 / (0.95 * 0.02)).abs() < 1e-12);
     }
 
     #[test]
     fn negative_references_are_stiffness_and_damping() {
-        let softness = Softness { reference: [-1000.0, -20.0], ..Softness::default() };
+        let softness = SolverParameters { reference: [-1000.0, -20.0], ..SolverParameters::default() };
         let direct = spring_damper(&softness, 0.0, 0.001);
         assert!((direct.stiffness - 1000.0 / (0.95 * 0.95)).abs() < 1e-9 && (direct.damping - 20.0 / 0.95).abs() < 1e-12);
     }

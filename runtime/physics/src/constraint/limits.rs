@@ -1,14 +1,14 @@
 //! Friction losses and limits of joints and tendons.
 
 use super::{
-    Bridge, Constraints, RowKind,
+    Constraints, CrossCoupling, RowKind,
     impedance::SpringDamper,
     rows::{ONE_WAY, Place},
     spring,
 };
 use crate::{
     Workspace,
-    model::{JointKind, Model, Softness},
+    model::{JointKind, Model, SolverParameters},
     scalar::Real,
 };
 use nalgebra::Vector3;
@@ -16,8 +16,8 @@ use nalgebra::Vector3;
 impl Constraints {
     /// Dry friction: a force against the motion of up to the loss. It has no position, so it only damps.
     pub(super) fn add_friction_losses<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
-        for index in 0..self.fixed.rubbing_dofs.len() {
-            let dof = self.fixed.rubbing_dofs[index];
+        for index in 0..self.fixed.friction_loss_dofs.len() {
+            let dof = self.fixed.friction_loss_dofs[index];
             self.jacobian.push_row(&mut [(dof, 1.0)]);
             let softness = &model.joints.friction_softness[model.dofs.joint[dof]];
             let place = friction(model, softness, model.dofs.friction_loss[dof]);
@@ -95,21 +95,21 @@ impl Constraints {
         if self.fixed.columns_of(columns).iter().all(|&dof| self.arms[dof].abs() < 1e-14) {
             return false;
         }
-        let bridge = Bridge::Tendon(tendon);
-        if columns.bridges && !self.bridges.contains(&bridge) {
-            self.bridges.push(bridge);
+        let coupling = CrossCoupling::Tendon(tendon);
+        if columns.cross_couplings && !self.cross_couplings.contains(&coupling) {
+            self.cross_couplings.push(coupling);
         }
         self.jacobian.push_over(self.fixed.columns_of(columns), |dof| self.arms[dof]);
         true
     }
 }
 
-fn friction(model: &Model, softness: &Softness, loss: f64) -> Place {
+fn friction(model: &Model, softness: &SolverParameters, loss: f64) -> Place {
     let spring = SpringDamper { stiffness: 0.0, ..spring(model, softness, 0.0) };
     Place { position: 0.0, margin: 0.0, spring, bounds: [-loss, loss] }
 }
 
-fn limit(model: &Model, softness: &Softness, distance: f64, margin: f64) -> Place {
+fn limit(model: &Model, softness: &SolverParameters, distance: f64, margin: f64) -> Place {
     Place { position: distance, margin, spring: spring(model, softness, distance - margin), bounds: ONE_WAY }
 }
 

@@ -32,7 +32,7 @@ pub use rows::{RowKind, Rows};
 
 use super::{Workspace, collision, state::State, tendons::each_moment_arm};
 use crate::{
-    model::{Model, Softness},
+    model::{Model, SolverParameters},
     scalar::Real,
 };
 use cone::Cone;
@@ -42,7 +42,7 @@ use plan::RowPlan;
 
 /// What couples dofs that do not lie on one root path, so that the solver's pattern needs room for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Bridge {
+pub(crate) enum CrossCoupling {
     /// An equality, by its index.
     Equality(usize),
     /// A tendon with a friction or limit row, by its index.
@@ -65,7 +65,7 @@ pub struct Constraints {
     /// Elliptic friction cones, in the order of their rows.
     pub(crate) cones: Vec<Cone>,
     /// What couples several chains, in the order of the rows: what the solver's pattern depends on.
-    pub(crate) bridges: Vec<Bridge>,
+    pub(crate) cross_couplings: Vec<CrossCoupling>,
     fixed: RowPlan,
     velocity: Vec<f64>,
     memory: collision::Memory,
@@ -102,12 +102,12 @@ impl Constraints {
         }
     }
 
-    /// The dofs that a bridge couples, ascending.
-    pub(crate) fn columns_of(&self, bridge: Bridge) -> &[usize] {
-        match bridge {
-            Bridge::Equality(equality) => self.fixed.columns_of(&self.fixed.equalities[equality]),
-            Bridge::Tendon(tendon) => self.fixed.columns_of(&self.fixed.tendons[tendon]),
-            Bridge::Contact(candidate) => self.plan.columns_of(candidate),
+    /// The dofs that a coupling couples, ascending.
+    pub(crate) fn columns_of(&self, coupling: CrossCoupling) -> &[usize] {
+        match coupling {
+            CrossCoupling::Equality(equality) => self.fixed.columns_of(&self.fixed.equalities[equality]),
+            CrossCoupling::Tendon(tendon) => self.fixed.columns_of(&self.fixed.tendons[tendon]),
+            CrossCoupling::Contact(candidate) => self.plan.columns_of(candidate),
         }
     }
 
@@ -140,7 +140,7 @@ impl Constraints {
         self.rows.clear();
         self.jacobian.clear();
         self.cones.clear();
-        self.bridges.clear();
+        self.cross_couplings.clear();
         let switches = model.options.switches;
         if switches.equality {
             self.add_equalities(model, state, workspace, lane);
@@ -180,7 +180,7 @@ impl Constraints {
 }
 
 /// The spring and damper of a constraint at its violation.
-fn spring(model: &Model, softness: &Softness, violation: f64) -> SpringDamper {
+fn spring(model: &Model, softness: &SolverParameters, violation: f64) -> SpringDamper {
     let shortest = if model.options.switches.safe_reference { 2.0 * model.options.timestep } else { 0.0 };
     spring_damper(softness, violation, shortest)
 }

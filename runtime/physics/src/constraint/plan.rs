@@ -14,7 +14,7 @@ pub(super) struct Columns {
     /// Where they stand in [`RowPlan::columns`].
     pub range: Range<usize>,
     /// Whether they lie on more than one root path: its rows then couple chains.
-    pub bridges: bool,
+    pub cross_couplings: bool,
 }
 
 /// Fixed topology of all rows but those of contacts.
@@ -29,7 +29,7 @@ pub(super) struct RowPlan {
     /// For each column of an attachment, whether the dof moves its first and its second body: 1 or 0.
     pub moves: Vec<[f64; 2]>,
     /// Dofs with friction loss.
-    pub rubbing_dofs: Vec<usize>,
+    pub friction_loss_dofs: Vec<usize>,
     /// Tendons with friction loss.
     pub rubbing_tendons: Vec<usize>,
     /// Tendons with limits.
@@ -41,7 +41,7 @@ impl RowPlan {
         let tendons = &model.tendons;
         let count = tendons.path.len();
         let mut plan = Self {
-            rubbing_dofs: (0..model.nv).filter(|&dof| model.dofs.friction_loss[dof] > 0.0).collect(),
+            friction_loss_dofs: (0..model.nv).filter(|&dof| model.dofs.friction_loss[dof] > 0.0).collect(),
             rubbing_tendons: (0..count).filter(|&tendon| tendons.friction_loss[tendon] > 0.0).collect(),
             limited_tendons: (0..count).filter(|&tendon| tendons.range[tendon].is_some()).collect(),
             ..Self::default()
@@ -81,10 +81,10 @@ impl RowPlan {
     fn add(&mut self, model: &Model, columns: Vec<usize>, moves: impl Fn(usize) -> [f64; 2]) -> Columns {
         let start = self.columns.len();
         let path: BTreeSet<usize> = path_to_root(model, columns.last().copied()).collect();
-        let bridges = columns.iter().any(|dof| !path.contains(dof));
+        let cross_couplings = columns.iter().any(|dof| !path.contains(dof));
         self.moves.extend(columns.iter().map(|&dof| moves(dof)));
         self.columns.extend(columns);
-        Columns { range: start..self.columns.len(), bridges }
+        Columns { range: start..self.columns.len(), cross_couplings }
     }
 
     /// The dofs of an element.

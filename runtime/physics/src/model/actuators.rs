@@ -80,7 +80,7 @@ pub struct Actuators {
     /// Where its activation stands in the activation vector.
     pub activation: Vec<Option<usize>>,
     /// Whether the force already sees the activation at the end of the step.
-    pub early: Vec<bool>,
+    pub actearly: Vec<bool>,
     /// Range that the control is clamped to.
     pub control_range: Vec<Option<[f64; 2]>>,
     /// Range that the force is clamped to, N or N m.

@@ -1,6 +1,6 @@
 //! The kinematic tree: bodies, their joints and degrees of freedom.
 
-use super::{Quaternion, Softness};
+use super::{Quaternion, SolverParameters};
 use core::ops::Range;
 use nalgebra::Vector3;
 
@@ -77,10 +77,10 @@ pub struct Joints {
     pub range: Vec<Option<[f64; 2]>>,
     /// Distance to a limit at which its constraint appears.
     pub margin: Vec<f64>,
-    /// Softness of the limit.
-    pub limit_softness: Vec<Softness>,
-    /// Softness of the friction loss.
-    pub friction_softness: Vec<Softness>,
+    /// SolverParameters of the limit.
+    pub limit_softness: Vec<SolverParameters>,
+    /// SolverParameters of the friction loss.
+    pub friction_softness: Vec<SolverParameters>,
     /// Spring stiffness, N m/rad or N/m.
     pub stiffness: Vec<f64>,
     /// Spring reference coordinate.

@@ -5,14 +5,14 @@ use nalgebra::Vector3;
 
 /// Parameters of a soft constraint: MuJoCo's `solref` and `solimp`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Softness {
+pub struct SolverParameters {
     /// Time constant and damping ratio, or negative stiffness and damping.
     pub reference: [f64; 2],
     /// Impedance: d0, dmax, width, midpoint, power.
     pub impedance: [f64; 5],
 }
 
-impl Default for Softness {
+impl Default for SolverParameters {
     fn default() -> Self {
         Self { reference: [0.02, 1.0], impedance: [0.9, 0.95, 0.001, 0.5, 2.0] }
     }
@@ -27,8 +27,8 @@ pub struct Equalities {
     pub kind: Vec<Equality>,
     /// Whether it holds when an episode begins; each state may change that.
     pub active: Vec<bool>,
-    /// Softness.
-    pub softness: Vec<Softness>,
+    /// SolverParameters.
+    pub softness: Vec<SolverParameters>,
 }
 
 /// What an equality holds together.
@@ -52,9 +52,9 @@ pub enum Equality {
 /// Tendon lengths l1 - l1₀ = p(l2 - l2₀), with the lengths at the reference configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TendonCoupling {
-    /// The slaved tendon.
+    /// The coupled tendon.
     pub tendon: usize,
-    /// The tendon that leads; `None` fixes the slaved tendon at the constant coefficient.
+    /// The tendon that leads; `None` fixes the coupled tendon at the constant coefficient.
     pub leader: Option<usize>,
     /// Coefficients of degree 0 to 4.
     pub polynomial: [f64; 5],
@@ -87,9 +87,9 @@ pub enum AttachmentOrigin {
 /// Polynomial couplings of joints q1 - q1₀ = p(q2 - q2₀), one entry each per array.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Couplings {
-    /// The slaved joint.
+    /// The coupled joint.
     pub joint: Vec<usize>,
-    /// The joint that leads; `None` fixes the slaved joint at the constant coefficient.
+    /// The joint that leads; `None` fixes the coupled joint at the constant coefficient.
     pub leader: Vec<Option<usize>>,
     /// Coefficients of degree 0 to 4.
     pub polynomial: Vec<[f64; 5]>,
@@ -104,9 +104,9 @@ pub struct ContactPairs {
     pub geoms: Vec<[usize; 2]>,
     /// Contact dimension.
     pub dimension: Vec<u8>,
-    /// Softness.
-    pub softness: Vec<Softness>,
-    /// Softness reference of the friction directions; both zero takes `softness`.
+    /// SolverParameters.
+    pub softness: Vec<SolverParameters>,
+    /// SolverParameters reference of the friction directions; both zero takes `softness`.
     pub friction_reference: Vec<[f64; 2]>,
     /// Friction: two sliding, torsional, two rolling.
     pub friction: Vec<[f64; 5]>,

@@ -1,6 +1,6 @@
 //! Shapes and marked points that bodies carry.
 
-use super::{Quaternion, Softness};
+use super::{Quaternion, SolverParameters};
 use crate::scalar::Real;
 use nalgebra::Vector3;
 
@@ -79,8 +79,8 @@ pub struct Geoms {
     pub priority: Vec<i32>,
     /// Weight in the mixing of softness.
     pub softness_mix: Vec<f64>,
-    /// Softness of contacts.
-    pub softness: Vec<Softness>,
+    /// SolverParameters of contacts.
+    pub softness: Vec<SolverParameters>,
     /// Sliding, torsional, rolling friction.
     pub friction: Vec<[f64; 3]>,
     /// Distance at which contacts are detected, m.

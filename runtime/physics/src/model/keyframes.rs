@@ -20,9 +20,9 @@ pub struct Keyframe {
     /// Controls, one per actuator.
     pub control: Vec<f64>,
     /// Positions of the bodies that are placed from outside, m, world frame.
-    pub placed_position: Vec<Vector3<f64>>,
+    pub mocap_position: Vec<Vector3<f64>>,
     /// Their orientations.
-    pub placed_orientation: Vec<Quaternion>,
+    pub mocap_orientation: Vec<Quaternion>,
 }
 
 impl Keyframe {
@@ -36,8 +36,8 @@ impl Keyframe {
             velocity: vec![0.0; model.nv],
             activation: vec![0.0; model.na],
             control: vec![0.0; model.actuators.name.len()],
-            placed_position: placed.clone().map(|body| model.bodies.position[body]).collect(),
-            placed_orientation: placed.map(|body| model.bodies.orientation[body]).collect(),
+            mocap_position: placed.clone().map(|body| model.bodies.position[body]).collect(),
+            mocap_orientation: placed.map(|body| model.bodies.orientation[body]).collect(),
         }
     }
 
@@ -52,8 +52,8 @@ impl Keyframe {
         begin(&mut state.velocity, &self.velocity);
         begin(&mut state.activation, &self.activation);
         begin(&mut state.control, &self.control);
-        begin(&mut state.placed_position, &self.placed_position);
-        begin(&mut state.placed_orientation, &self.placed_orientation);
+        begin(&mut state.mocap_position, &self.mocap_position);
+        begin(&mut state.mocap_orientation, &self.mocap_orientation);
         state
     }
 }

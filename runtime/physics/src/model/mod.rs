@@ -31,7 +31,9 @@ pub mod topology;
 
 pub use actuators::{Actuators, Bias, Dynamics, Gain, Muscle, Transmission};
 pub use bodies::{Bodies, Dofs, JointKind, Joints};
-pub use constraints::{Attachment, AttachmentOrigin, ContactPairs, Couplings, Equalities, Equality, Softness, TendonCoupling};
+pub use constraints::{
+    Attachment, AttachmentOrigin, ContactPairs, Couplings, Equalities, Equality, SolverParameters, TendonCoupling,
+};
 #[cfg(feature = "disk")]
 pub use disk::DiskFiles;
 pub use elastic::{ElasticError, ElasticTendons, FibreCurves};

@@ -1,6 +1,6 @@
 //! Tendons.
 
-use super::Softness;
+use super::SolverParameters;
 use core::ops::Range;
 
 /// One entry of a tendon's path. A fixed tendon's path consists of joints, a spatial one's of everything else.
@@ -39,14 +39,14 @@ pub struct Tendons {
     pub range: Vec<Option<[f64; 2]>>,
     /// Distance to a limit at which its constraint appears, m.
     pub margin: Vec<f64>,
-    /// Softness of the limit.
-    pub limit_softness: Vec<Softness>,
+    /// SolverParameters of the limit.
+    pub limit_softness: Vec<SolverParameters>,
     /// Inertia of a change of length, kg: of fixed tendons whose joints lie on one path to the root.
     pub armature: Vec<f64>,
     /// Dry friction, N.
     pub friction_loss: Vec<f64>,
-    /// Softness of the dry friction.
-    pub friction_softness: Vec<Softness>,
+    /// SolverParameters of the dry friction.
+    pub friction_softness: Vec<SolverParameters>,
     /// Stiffness, N/m.
     pub stiffness: Vec<f64>,
     /// Damping, N s/m.

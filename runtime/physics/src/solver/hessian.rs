@@ -1,4 +1,4 @@
-//! The Hessian M + J'WJ of the rows that pull: assembled and factored on its pattern, brought up to date, mended where
+//! The Hessian M + J'WJ of the active set: assembled and factored on its pattern, brought up to date, mended where
 //! rounding has spoilt it.
 
 use super::{Newton, Parts, path_matrix::PathPattern};
@@ -21,7 +21,7 @@ impl Newton {
         self.damping <= last
     }
 
-    /// Factors M + J'DJ of the pulling rows, with as much of its diagonal added as that takes.
+    /// Factors M + J'DJ of the rows of the active set, with as much of its diagonal added as that takes.
     pub(super) fn factor_all(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) -> Result<(), usize> {
         loop {
             self.assemble(model, mass, parts);
@@ -33,9 +33,9 @@ impl Newton {
         }
     }
 
-    /// Writes M + J'DJ of the pulling rows over the factor.
+    /// Writes M + J'DJ of the rows of the active set over the factor.
     fn assemble(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) {
-        let Self { pattern, factor, pulling, .. } = self;
+        let Self { pattern, factor, active, .. } = self;
         for dof in 0..model.nv {
             let entries = &mass[model.dofs.row[dof].clone()];
             let row = &mut factor[pattern.row[dof].clone()];
@@ -50,8 +50,8 @@ impl Newton {
         }
         let Parts { jacobian, rows, cones } = parts;
         for block in &jacobian.blocks {
-            if pulling[block.rows.clone()].iter().any(|weight| *weight != 0.0) {
-                add_block(pattern, factor, jacobian, block, &jacobian.base_weight(block, pulling));
+            if active[block.rows.clone()].iter().any(|weight| *weight != 0.0) {
+                add_block(pattern, factor, jacobian, block, &jacobian.base_weight(block, active));
             } else if let Shape::Cone(cone) = block.shape
                 && cones[cone].zone(&self.residual) == Zone::Sliding
             {
@@ -63,11 +63,11 @@ impl Newton {
                 factor[row.end - 1] *= 1.0 + self.damping;
             }
         }
-        self.factored.clone_from(&self.pulling);
+        self.factored.clone_from(&self.active);
         self.sliding[1] = self.sliding[0];
     }
 
-    /// Brings the factor up to date with the rows that began or ceased to pull.
+    /// Brings the factor up to date with the rows that entered or left the active set.
     pub(super) fn refresh_factor(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) -> Result<(), usize> {
         if self.sliding != [false; 2] || self.damping > 0.0 {
             return self.factor_all(model, mass, parts);
@@ -76,13 +76,13 @@ impl Newton {
         let last_dof = |row: usize| jacobian.columns_of(jacobian.block_of(row)).last().copied().unwrap_or(0);
         // An update passes over the path once with two operations per entry of a triangle, and with shorter vectors.
         let update = |row: usize| (self.pattern.depth(last_dof(row)) + 2).pow(2);
-        let changes = self.factored.iter().zip(&self.pulling).enumerate().filter(|(_, (before, now))| before != now);
+        let changes = self.factored.iter().zip(&self.active).enumerate().filter(|(_, (before, now))| before != now);
         let cost: usize = changes.map(|(row, _)| update(row)).sum();
         if 2 * cost > self.pattern.factor_cost() {
             return self.factor_all(model, mass, parts);
         }
-        for row in 0..self.pulling.len() {
-            if self.factored[row] == self.pulling[row] {
+        for row in 0..self.active.len() {
+            if self.factored[row] == self.active[row] {
                 continue;
             }
             let dof = last_dof(row);
@@ -91,13 +91,13 @@ impl Newton {
             for (column, value) in jacobian.row_values(jacobian.block_of(row), row) {
                 vector[self.pattern.depth(column)] = value;
             }
-            let change = self.pulling[row] - self.factored[row];
+            let change = self.active[row] - self.factored[row];
             if self.pattern.update(&mut self.factor, dof, vector, change).is_err() {
                 // Cancellation in a down-date; a fresh factorisation is exact.
                 return self.factor_all(model, mass, parts);
             }
         }
-        self.factored.clone_from(&self.pulling);
+        self.factored.clone_from(&self.active);
         Ok(())
     }
 }

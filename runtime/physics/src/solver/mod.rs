@@ -11,9 +11,9 @@
 //! the same optimum from this one.
 //!
 //! 1. start from the last step's acceleration or the unconstrained one, whichever costs less;
-//! 2. factor the Hessian M + J'DJ of the rows that pull, on the tree's own sparsity (`path_matrix`);
+//! 2. factor the Hessian M + J'DJ of the active set, on the tree's own sparsity (`path_matrix`);
 //! 3. step along Newton's direction to the exact minimum (`line_search`);
-//! 4. rows that began or ceased to pull change the factor by rank-one updates where that is cheaper than factoring again;
+//! 4. rows that entered or left the active set change the factor by rank-one updates where that is cheaper than factoring again;
 //!    contacts that slide on elliptic cones change their weight at every step, and the matrix is then factored anew.
 //!
 //! It ends when the improvement, the gradient or the predicted improvement (Newton's decrement), divided by the trace of M,
@@ -32,7 +32,7 @@ pub(crate) mod path_matrix;
 
 use super::{
     constraint::{
-        Bridge, Constraints, Rows,
+        Constraints, CrossCoupling, Rows,
         cone::{Cone, Zone},
         jacobian::Jacobian,
     },
@@ -70,7 +70,7 @@ pub struct Newton {
     /// Dofs of the joints that couplings join, ascending.
     coupled: Vec<[usize; 2]>,
     /// What the pattern was built for.
-    bridges: Option<Vec<Bridge>>,
+    cross_couplings: Option<Vec<CrossCoupling>>,
     factor: Vec<f64>,
     /// M a.
     momentum: Vec<f64>,
@@ -80,8 +80,8 @@ pub struct Newton {
     search: Vec<f64>,
     search_momentum: Vec<f64>,
     search_rate: Vec<f64>,
-    /// D of the rows that pull, zero for the others.
-    pulling: Vec<f64>,
+    /// D of the active set, zero for the others.
+    active: Vec<f64>,
     /// The same when the factor was last changed.
     factored: Vec<f64>,
     /// Whether a contact slides on its elliptic cone now, and did when the factor was last changed.
@@ -96,8 +96,8 @@ impl Newton {
     pub fn new(model: &Model) -> Self {
         let zeros = vec![0.0; model.nv];
         let leaders = model.couplings.joint.iter().zip(&model.couplings.leader);
-        let coupled = leaders.filter_map(|(&slave, &leader)| {
-            let [a, b] = [slave, leader?].map(|joint| model.joints.dof_address[joint]);
+        let coupled = leaders.filter_map(|(&dependent, &leader)| {
+            let [a, b] = [dependent, leader?].map(|joint| model.joints.dof_address[joint]);
             Some([a.min(b), a.max(b)])
         });
         Self {
@@ -130,7 +130,7 @@ impl Newton {
         let parts = &mut Parts { jacobian, rows, cones };
         let scale = 1.0 / trace(model, problem.mass).at_least(1e-15);
         let mut cost = self.start(model, problem, parts);
-        self.push_back(problem, parts);
+        self.update_forces_and_gradient(problem, parts);
         self.damping = 0.0;
         self.factor_all(model, problem.mass, parts)?;
         let tolerance = model.options.tolerance;
@@ -154,7 +154,7 @@ impl Newton {
             self.iterations += 1;
             let improvement = cost - self.cost(problem, parts);
             cost -= improvement;
-            self.push_back(problem, parts);
+            self.update_forces_and_gradient(problem, parts);
             self.gradient_norm = scale * norm(&self.gradient);
             if last || scale * improvement < tolerance || self.gradient_norm < tolerance {
                 break;
@@ -166,18 +166,18 @@ impl Newton {
 
     /// Sizes the row arrays and, if other chains are coupled than last time, lays out the Hessian's pattern anew.
     fn prepare(&mut self, model: &Model, constraints: &Constraints) {
-        for array in [&mut self.residual, &mut self.search_rate, &mut self.pulling] {
+        for array in [&mut self.residual, &mut self.search_rate, &mut self.active] {
             array.clear();
             array.resize(constraints.rows.len(), 0.0);
         }
-        if self.bridges.as_ref() == Some(&constraints.bridges) {
+        if self.cross_couplings.as_ref() == Some(&constraints.cross_couplings) {
             return;
         }
-        let bridges = constraints.bridges.iter().map(|&bridge| constraints.columns_of(bridge));
-        self.pattern.rebuild(&model.dofs.parent, self.coupled.iter().map(|pair| &pair[..]).chain(bridges));
+        let cross_couplings = constraints.cross_couplings.iter().map(|&coupling| constraints.columns_of(coupling));
+        self.pattern.rebuild(&model.dofs.parent, self.coupled.iter().map(|pair| &pair[..]).chain(cross_couplings));
         self.factor.clear();
         self.factor.resize(self.pattern.column.len(), 0.0);
-        self.bridges.get_or_insert_default().clone_from(&constraints.bridges);
+        self.cross_couplings.get_or_insert_default().clone_from(&constraints.cross_couplings);
     }
 
     /// Chooses where to start and returns its cost.
@@ -208,20 +208,20 @@ impl Newton {
         0.5 * inertial + constraint_cost(parts, &self.residual)
     }
 
-    /// Forces, pulling rows and gradient at the current acceleration.
-    fn push_back(&mut self, problem: &Problem<'_>, parts: &mut Parts<'_>) {
+    /// Forces, rows of the active set and gradient at the current acceleration.
+    fn update_forces_and_gradient(&mut self, problem: &Problem<'_>, parts: &mut Parts<'_>) {
         let Parts { jacobian, rows, cones } = parts;
         for row in 0..rows.len() {
             let force = row_force(rows, row, self.residual[row]);
             rows.force[row] = force;
-            self.pulling[row] = if force > rows.lower[row] && force < rows.upper[row] { rows.weight[row] } else { 0.0 };
+            self.active[row] = if force > rows.lower[row] && force < rows.upper[row] { rows.weight[row] } else { 0.0 };
         }
         self.sliding[0] = false;
         for cone in cones.iter() {
             let zone = cone.push(&self.residual, &rows.weight, &mut rows.force);
             self.sliding[0] |= zone == Zone::Sliding;
             if zone == Zone::Sticking {
-                self.pulling[cone.rows.clone()].copy_from_slice(&rows.weight[cone.rows.clone()]);
+                self.active[cone.rows.clone()].copy_from_slice(&rows.weight[cone.rows.clone()]);
             }
         }
         self.constraint_force.fill(0.0);

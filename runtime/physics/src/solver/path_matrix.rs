@@ -94,8 +94,8 @@ impl PathPattern {
     /// The first dof whose pivot is not positive and finite.
     pub fn factor(&self, values: &mut [f64]) -> Result<(), usize> {
         self.layout().factor(values);
-        let unsound = |row: &Range<usize>| !(values[row.end - 1] > 0.0 && values[row.end - 1].is_finite());
-        self.row.iter().position(unsound).map_or(Ok(()), Err)
+        let invalid = |row: &Range<usize>| !(values[row.end - 1] > 0.0 && values[row.end - 1].is_finite());
+        self.row.iter().position(invalid).map_or(Ok(()), Err)
     }
 
     /// Changes the factors of H into those of H + `weight` w w' where w is nonzero only on the path of `dof`: `vector` holds

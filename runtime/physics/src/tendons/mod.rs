@@ -2,7 +2,7 @@
 //!
 //! The length of a path is a sum of straight segments and arcs. Only segments that join two different bodies change with the
 //! configuration at first order: an arc lies on one body and its tangent points move along it at no cost. Such a segment is
-//! a *line of force* l = (moment about the tree's centre of mass, unit direction), the same for both of its bodies, so that
+//! a *line of action* l = (moment about the tree's centre of mass, unit direction), the same for both of its bodies, so that
 //!
 //! * the lengthening velocity of the tendon is the sum of l . (velocity of the second body - velocity of the first),
 //! * its tension pulls the first body with +l and the second with -l,
@@ -27,9 +27,9 @@ use plan::{Plan, Segment, Side, Wrap};
 use std::sync::Arc;
 
 pub use path::{PathVertex, VertexKind, path};
-pub use wrap::{Bend, Obstacle, WrapShape, bend};
+pub use wrap::{WrapPath, WrapShape, WrappingSurface, bend};
 
-/// Lengths, velocities and lines of force of all tendons.
+/// Lengths, velocities and lines of action of all tendons.
 #[derive(Debug, Clone)]
 pub struct TendonPaths<T: Real> {
     /// Length, m (`ten_length`).
@@ -38,7 +38,7 @@ pub struct TendonPaths<T: Real> {
     pub velocity: Vec<T>,
     /// World positions of the sites that segments join, m.
     point: Vec<Vector3<T>>,
-    /// Lines of force: moment about the tree's centre of mass and unit direction.
+    /// lines of action: moment about the tree's centre of mass and unit direction.
     line: Vec<Spatial<T>>,
     plan: Arc<Plan>,
 }
@@ -100,7 +100,7 @@ impl<T: Real> TendonPaths<T> {
     }
 }
 
-/// Fills lengths and lines of force.
+/// Fills lengths and lines of action.
 pub fn update<T: Real>(state: &State<T>, kinematics: &Kinematics<T>, out: &mut TendonPaths<T>) {
     let plan = Arc::clone(&out.plan);
     for (position, point) in out.point.iter_mut().zip(&plan.points) {
@@ -135,7 +135,7 @@ fn lay_wrap<T: Real>(kinematics: &Kinematics<T>, plan: &Plan, wrap: &Wrap, out: 
         Side::Fixed(local) => Some(constant(local)),
         Side::Moving(point) => Some(super::spatial::rotate_back(&rotation, &(out.point[*point] - position))),
     };
-    let obstacle = Obstacle { shape: wrap.shape, position, rotation, radius: T::splat(wrap.radius), side };
+    let obstacle = WrappingSurface { shape: wrap.shape, position, rotation, radius: T::splat(wrap.radius), side };
     let (mut length, direction) = straight(&start, &end);
     let mut directions = [direction; 2];
     if let Some(bend) = bend(&start, &end, &obstacle) {

@@ -1,6 +1,6 @@
 //! The path of one tendon point by point, for drawing and inspection; the step does not need it.
 
-use super::wrap::{Obstacle, WrapShape, bend};
+use super::wrap::{WrapShape, WrappingSurface, bend};
 use crate::{
     kinematics::Kinematics,
     model::{GeomKind, Model, PathPoint},
@@ -69,10 +69,10 @@ pub fn path<T: Real>(model: &Model, kinematics: &Kinematics<T>, tendon: usize) -
 }
 
 /// The obstacle that `geom` is at the configuration of `kinematics`, with the site `side`.
-fn obstacle<T: Real>(model: &Model, kinematics: &Kinematics<T>, geom: usize, side: Option<usize>) -> Obstacle<T> {
+fn obstacle<T: Real>(model: &Model, kinematics: &Kinematics<T>, geom: usize, side: Option<usize>) -> WrappingSurface<T> {
     let (position, rotation) = (kinematics.geom_position[geom], kinematics.geom_rotation[geom]);
     let local = |site| rotate_back(&rotation, &(kinematics.site_position(model, site) - position));
-    Obstacle {
+    WrappingSurface {
         shape: if model.geoms.kind[geom] == GeomKind::Sphere { WrapShape::Sphere } else { WrapShape::Cylinder },
         position,
         rotation,

@@ -5,7 +5,7 @@
 //! force it can exert. The number of lines is fixed: a wrap that is not touched lays the same straight line into both of
 //! its slots, and the obstacle's body feels it twice with opposite signs.
 
-use super::wrap::{Obstacle, WrapShape, bend};
+use super::wrap::{WrapShape, WrappingSurface, bend};
 use crate::{
     kinematics::{self, Kinematics},
     model::{GeomKind, Model, PathPoint},
@@ -66,7 +66,7 @@ pub(super) struct JointTerm {
     pub coefficient: f64,
 }
 
-/// The bodies that a line of force pulls together.
+/// The bodies that a line of action pulls together.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub from: usize,
@@ -189,7 +189,7 @@ impl Planner<'_> {
             Side::Fixed(local) => Some(*local),
             Side::Moving(_) => return None,
         };
-        let obstacle = Obstacle {
+        let obstacle = WrappingSurface {
             shape,
             position: self.reference.geom_position[geom],
             rotation: self.reference.geom_rotation[geom],

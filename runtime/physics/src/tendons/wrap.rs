@@ -30,7 +30,7 @@ pub enum WrapShape {
 
 /// What a tendon wraps around.
 #[derive(Debug, Clone)]
-pub struct Obstacle<T: Real> {
+pub struct WrappingSurface<T: Real> {
     /// Its shape.
     pub shape: WrapShape,
     /// Its centre, world, m.
@@ -45,7 +45,7 @@ pub struct Obstacle<T: Real> {
 
 /// The bend of a path at an obstacle.
 #[derive(Debug, Clone)]
-pub struct Bend<T: Real> {
+pub struct WrapPath<T: Real> {
     /// Whether the path touches the obstacle at all; elsewhere it is straight and the other fields mean nothing.
     pub touches: T::Mask,
     /// Where it meets the obstacle, world, m.
@@ -65,7 +65,7 @@ struct PlanarBend<T: Real> {
 }
 
 /// How the path from `start` to `end` (world, m) bends at `obstacle`; `None` if it is straight in every lane.
-pub fn bend<T: Real>(start: &Vector3<T>, end: &Vector3<T>, obstacle: &Obstacle<T>) -> Option<Bend<T>> {
+pub fn bend<T: Real>(start: &Vector3<T>, end: &Vector3<T>, obstacle: &WrappingSurface<T>) -> Option<WrapPath<T>> {
     let to_local = |point: &Vector3<T>| rotate_back(&obstacle.rotation, &(point - obstacle.position));
     let (start, end) = (to_local(start), to_local(end));
     let [x, y] = plane(obstacle.shape, &start, &end);
@@ -87,7 +87,7 @@ pub fn bend<T: Real>(start: &Vector3<T>, end: &Vector3<T>, obstacle: &Obstacle<T
         arc = (arc * arc + height * height).sqrt();
     }
     let to_world = |point: &Vector3<T>| rotate(&obstacle.rotation, point) + obstacle.position;
-    Some(Bend { touches: planar.touches, first: to_world(&first), second: to_world(&second), arc })
+    Some(WrapPath { touches: planar.touches, first: to_world(&first), second: to_world(&second), arc })
 }
 
 /// Axes of the wrapping plane in the obstacle's frame.

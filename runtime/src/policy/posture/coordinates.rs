@@ -1,6 +1,6 @@
-//! Independent coordinates: the degrees of freedom that no coupling slaves.
+//! Independent coordinates: the degrees of freedom that no coupling determines.
 //!
-//! A slaved joint follows q₁ = p(q₂), so that q̇₁ = p' q̇₂ and q̈₁ = p' q̈₂ + p'' q̇₂². With P the matrix of these slopes,
+//! A coupled joint follows q₁ = p(q₂), so that q̇₁ = p' q̇₂ and q̈₁ = p' q̈₂ + p'' q̇₂². With P the matrix of these slopes,
 //! v = P w and v̇ = P ẇ + d, and because the couplings' forces do no work along P they drop out of the projected equations of
 //! motion P'M P ẇ + P'(M d + bias) = P'force.
 
@@ -27,11 +27,11 @@ impl Coordinates {
     pub fn new(model: &Model) -> Self {
         let couplings = &model.couplings;
         let dof = |joint: usize| model.joints.dof_address[joint];
-        let mut slaved = vec![false; model.nv];
+        let mut coupled = vec![false; model.nv];
         for &joint in &couplings.joint {
-            slaved[dof(joint)] = true;
+            coupled[dof(joint)] = true;
         }
-        let dofs: Vec<usize> = (0..model.nv).filter(|&dof| !slaved[dof]).collect();
+        let dofs: Vec<usize> = (0..model.nv).filter(|&dof| !coupled[dof]).collect();
         let mut column = vec![None; model.nv];
         for (index, &dof) in dofs.iter().enumerate() {
             column[dof] = Some(index);
@@ -40,13 +40,13 @@ impl Coordinates {
         let mut order = Vec::with_capacity(couplings.joint.len());
         let mut waiting: Vec<usize> = (0..couplings.joint.len()).collect();
         loop {
-            let ready = |&coupling: &usize| couplings.leader[coupling].is_none_or(|leader| !slaved[dof(leader)]);
+            let ready = |&coupling: &usize| couplings.leader[coupling].is_none_or(|leader| !coupled[dof(leader)]);
             let (now, later): (Vec<usize>, Vec<usize>) = waiting.iter().partition(|coupling| ready(coupling));
             if now.is_empty() {
                 break;
             }
             for &coupling in &now {
-                slaved[dof(couplings.joint[coupling])] = false;
+                coupled[dof(couplings.joint[coupling])] = false;
                 column[dof(couplings.joint[coupling])] = couplings.leader[coupling].and_then(|leader| column[dof(leader)]);
             }
             order.extend(now);

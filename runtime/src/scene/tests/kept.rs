@@ -62,7 +62,7 @@ fn sensors_and_key_frames_mean_the_same_in_a_scene() {
         let read = |model: &Model, frame: &msk_physics::model::Keyframe| {
             let (state, mut workspace) = (frame.state(model), Workspace::new(model));
             forward(model, &state, &mut workspace).unwrap();
-            (state.time, state.control.clone(), state.placed_position.clone(), readings(model, &state, &workspace))
+            (state.time, state.control.clone(), state.mocap_position.clone(), readings(model, &state, &workspace))
         };
         let (alone, among) = (read(&base, alone), read(&staged, among));
         assert_eq!((alone.0, alone.1, alone.2), (among.0, among.1, among.2));

@@ -58,13 +58,13 @@ pub(super) fn depth(first: &SupportShape<'_>, second: &SupportShape<'_>, polytop
         if gain <= PRECISION * scale || polytope.vertices.len() >= MOST_VERTICES {
             return deepest(first, second, polytope.depth_at(face, scale));
         }
-        if !polytope.grow(face, vertex) {
+        if !polytope.expand(face, vertex) {
             if gain <= LEVEL * scale {
                 return deepest(first, second, polytope.depth_at(face, scale));
             }
             // A needle, whose normal is mere rounding: it looks where its neighbours do, or what lies there is theirs.
             let beyond = support_point(first, second, polytope.around(face));
-            if !polytope.grow(face, beyond) {
+            if !polytope.expand(face, beyond) {
                 polytope.faces[face].offset = f64::INFINITY;
             }
         }
@@ -158,7 +158,7 @@ impl Polytope {
     }
 
     /// Whether a face looks towards a point: 1 towards it, 0 along itself, -1 away.
-    fn looks(&self, face: usize, point: &Vector3<f64>) -> i8 {
+    fn visibility(&self, face: usize, point: &Vector3<f64>) -> i8 {
         let exact = |point: &Vector3<f64>| Coord3D { x: point.x, y: point.y, z: point.z };
         let [a, b, c] = self.faces[face].corners.map(|corner| exact(&self.vertices[corner].point));
         let side = orient3d(a, b, c, exact(point));
@@ -167,8 +167,8 @@ impl Polytope {
 
     /// Takes in a corner beyond `face`: the faces around it that see the corner, even along themselves, give way to faces
     /// between it and their rim. Leaves everything as it was and returns false where the corner is not beyond the face.
-    fn grow(&mut self, face: usize, vertex: Vertex) -> bool {
-        if self.looks(face, &vertex.point) < 1 {
+    fn expand(&mut self, face: usize, vertex: Vertex) -> bool {
+        if self.visibility(face, &vertex.point) < 1 {
             return false;
         }
         self.seen.clear();
@@ -184,7 +184,7 @@ impl Polytope {
                 if self.seen.contains(&across) {
                     continue;
                 }
-                if self.looks(across, &vertex.point) >= 0 {
+                if self.visibility(across, &vertex.point) >= 0 {
                     self.seen.push(across);
                 } else {
                     self.horizon.push([from, to]);

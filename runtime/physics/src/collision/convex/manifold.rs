@@ -5,7 +5,7 @@
 //! an edge nearly lies on a face, both ends of the part over it do. The contacts then share the face's normal. Limits and
 //! choices are those that MuJoCo 4.0.0 shows with its `multiccd`.
 
-use super::super::{Touch, frame_of, polygon::widest_four};
+use super::super::{ContactPoint, frame_of, polygon::widest_four};
 use super::{
     Scratch,
     features::Facing,
@@ -28,7 +28,7 @@ pub(in super::super) fn collide(
     origin: Vector3<f64>,
     reach: f64,
     scratch: &mut Scratch,
-    found: &mut Vec<Touch>,
+    found: &mut Vec<ContactPoint>,
 ) {
     let Some(separation) = separate(first, second, reach, scratch) else { return };
     let start = found.len();
@@ -37,7 +37,7 @@ pub(in super::super) fn collide(
     }
     if found.len() == start {
         let position = (separation.points[0] + separation.points[1]) * 0.5;
-        found.push(Touch { distance: separation.distance, position, frame: frame_of(separation.normal, None) });
+        found.push(ContactPoint { distance: separation.distance, position, frame: frame_of(separation.normal, None) });
     }
     for touch in &mut found[start..] {
         touch.position += origin;
@@ -51,7 +51,7 @@ fn several(
     normal: Vector3<f64>,
     reach: f64,
     scratch: &mut Scratch,
-    found: &mut Vec<Touch>,
+    found: &mut Vec<ContactPoint>,
 ) {
     let faces = [first.facings(normal), second.facings(-normal)];
     let [ones, twos] = faces.each_ref().map(|faces| faces.iter().flatten());
@@ -88,7 +88,7 @@ fn faces_meet(
     [one, two]: [&Facing; 2],
     reach: f64,
     scratch: &mut Scratch,
-    found: &mut Vec<Touch>,
+    found: &mut Vec<ContactPoint>,
 ) {
     let Scratch { polygon, outline, .. } = scratch;
     first.outline(one, &mut polygon.corners);
@@ -104,7 +104,7 @@ fn faces_meet(
     let frame = frame_of(normal, None);
     let mut add = |corner: Vector3<f64>| {
         let distance = surface - corner.dot(&normal);
-        found.push(Touch { distance, position: corner + normal * (distance / 2.0), frame });
+        found.push(ContactPoint { distance, position: corner + normal * (distance / 2.0), frame });
     };
     let corners = &polygon.corners;
     if corners.len() <= MOST_CONTACTS {
@@ -122,7 +122,7 @@ fn edge_meets(
     (sense, corner): (f64, bool),
     reach: f64,
     scratch: &mut Scratch,
-    found: &mut Vec<Touch>,
+    found: &mut Vec<ContactPoint>,
 ) {
     let outline = &mut scratch.outline;
     carrier.outline(face, outline);
@@ -142,7 +142,7 @@ fn edge_meets(
     let place = |share: f64| {
         let point = from + (to - from) * share;
         let distance = point.dot(&face.normal) - surface;
-        (distance <= reach).then(|| Touch { distance, position: point - face.normal * (distance / 2.0), frame })
+        (distance <= reach).then(|| ContactPoint { distance, position: point - face.normal * (distance / 2.0), frame })
     };
     match [place(enter), place(leave)] {
         [Some(a), Some(b)] => found.extend([a, b]),

@@ -47,7 +47,7 @@ impl Compiler<'_> {
         actuators.gain.push(gain);
         actuators.bias.push(bias);
         actuators.activation.push(activation);
-        actuators.early.push(element.flag("actearly")?.unwrap_or(false));
+        actuators.actearly.push(element.flag("actearly")?.unwrap_or(false));
         actuators.control_range.push(control_range);
         actuators.force_range.push(force_range);
         actuators.activation_range.push(activation_range);

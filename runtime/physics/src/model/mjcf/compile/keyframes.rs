@@ -15,8 +15,7 @@ impl Compiler<'_> {
     pub(super) fn read_keyframes(&mut self) -> Result<(), ModelError> {
         let document = self.document;
         let standard = Keyframe::of_reference(&self.model);
-        let size =
-            1 + self.model.nq + self.model.nv + self.model.na + standard.control.len() + 7 * standard.placed_position.len();
+        let size = 1 + self.model.nq + self.model.nv + self.model.na + standard.control.len() + 7 * standard.mocap_position.len();
         for element in section(&document.root, "keyframe") {
             let index = self.model.keyframes.len();
             if index.saturating_mul(size) > MOST_NUMBERS {
@@ -28,12 +27,12 @@ impl Compiler<'_> {
             fill(element, "qvel", &mut frame.velocity)?;
             fill(element, "act", &mut frame.activation)?;
             fill(element, "ctrl", &mut frame.control)?;
-            let mut places: Vec<f64> = frame.placed_position.iter().flatten().copied().collect();
+            let mut places: Vec<f64> = frame.mocap_position.iter().flatten().copied().collect();
             fill(element, "mpos", &mut places)?;
-            let mut turns = frame.placed_orientation.concat();
+            let mut turns = frame.mocap_orientation.concat();
             fill(element, "mquat", &mut turns)?;
-            frame.placed_position = places.chunks_exact(3).map(Vector3::from_column_slice).collect();
-            for (slot, quaternion) in frame.placed_orientation.iter_mut().zip(turns.chunks_exact_mut(4)) {
+            frame.mocap_position = places.chunks_exact(3).map(Vector3::from_column_slice).collect();
+            for (slot, quaternion) in frame.mocap_orientation.iter_mut().zip(turns.chunks_exact_mut(4)) {
                 normalize(element, quaternion)?;
                 slot.copy_from_slice(quaternion);
             }

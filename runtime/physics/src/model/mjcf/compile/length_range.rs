@@ -198,7 +198,7 @@ impl LengthRanges {
         let decay = libm::exp(-model.options.timestep / self.time_constant.at_least(0.01));
         while state.time < self.total {
             state.velocity.iter_mut().for_each(|velocity| *velocity *= decay);
-            smooth::positions(model, &state, &mut workspace);
+            smooth::forward_position(model, &state, &mut workspace);
             actuation::moment(model, &state, &workspace.kinematics, &workspace.tendons, 0, &mut row);
             state.applied_force.copy_from_slice(&row);
             inertia::solve(model, &workspace.inertia.factor, &mut row);
@@ -243,7 +243,7 @@ fn silent(all: &Actuators, actuator: usize) -> Actuators {
         gain: vec![Gain::Fixed(0.0)],
         bias: vec![Bias::None],
         activation: vec![None],
-        early: vec![false],
+        actearly: vec![false],
         control_range: vec![None],
         force_range: vec![None],
         activation_range: vec![None],

@@ -90,7 +90,7 @@ pub(super) fn compile(mut document: Document<'_>) -> Result<Model, ModelError> {
     compiler.scale_masses();
     topology::complete(&mut compiler.model).map_err(|message| root.invalid(message))?;
     compiler.read_keyframes()?;
-    constants::settle_springs(&mut compiler.model, &compiler.springs);
+    constants::resolve_spring_damper(&mut compiler.model, &compiler.springs);
     constants::derive(&mut compiler.model).map_err(|message| root.invalid(message))?;
     let actuators: Vec<&Element> = section(root, "actuator").collect();
     compiler.settings.length_ranges.complete(&mut compiler.model, &actuators)?;

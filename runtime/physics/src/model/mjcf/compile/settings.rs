@@ -3,7 +3,7 @@
 use super::length_range::LengthRanges;
 use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
-use crate::model::{Cone, Integrator, Options, Quaternion, Softness, Switches, rotation};
+use crate::model::{Cone, Integrator, Options, Quaternion, SolverParameters, Switches, rotation};
 use nalgebra::Vector3;
 
 /// When a body's inertia comes from its geoms.
@@ -221,10 +221,10 @@ fn count(element: &Element, attribute: &str, otherwise: usize) -> Result<usize, 
     Ok(usize::try_from(number).unwrap_or(otherwise))
 }
 
-/// Softness from a pair of attributes.
-pub(super) fn softness(element: &Element, reference: &str, impedance: &str) -> Result<Softness, ModelError> {
-    let standard = Softness::default();
-    Ok(Softness {
+/// SolverParameters from a pair of attributes.
+pub(super) fn softness(element: &Element, reference: &str, impedance: &str) -> Result<SolverParameters, ModelError> {
+    let standard = SolverParameters::default();
+    Ok(SolverParameters {
         reference: element.numbers_over(reference, standard.reference)?,
         impedance: element.numbers_over(impedance, standard.impedance)?,
     })

@@ -18,7 +18,7 @@ pub(in crate::model::mjcf) fn read(path: &Path, bytes: &[u8]) -> Result<Source, 
         "msh" => (msh(bytes), "an MSH file of MuJoCo's older form"),
         _ => return Err(wrong(path, "meshes are read from binary STL, OBJ and MSH files; convert it to one of them")),
     };
-    source.filter(Source::is_sound).ok_or_else(|| wrong(path, &format!("not {kind}")))
+    source.filter(Source::is_valid).ok_or_else(|| wrong(path, &format!("not {kind}")))
 }
 
 /// A number of a binary file; none where it is not finite.
@@ -112,7 +112,7 @@ mod tests {
         let source = obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n# a square\nf 1/1/1 2 3//2 -1\n").unwrap();
         assert_eq!(source.triangles, [[0, 1, 2], [0, 2, 3]]);
         assert!(obj("v 0 0\n").is_none());
-        assert!(!obj("v 0 0 0\nf 1 2 3\n").unwrap().is_sound());
+        assert!(!obj("v 0 0 0\nf 1 2 3\n").unwrap().is_valid());
     }
 
     #[test]

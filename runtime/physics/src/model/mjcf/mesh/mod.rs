@@ -43,7 +43,7 @@ impl Source {
     }
 
     /// Whether every index names a corner.
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         self.triangles.iter().flatten().all(|&corner| corner < self.vertices.len())
     }
 }

@@ -4,7 +4,7 @@ use super::super::compile::GEOM_KINDS;
 use super::{JointKind, Model, PathPoint};
 use crate::model::{
     Attachment, AttachmentOrigin, Bias, Cone, Dynamics, Equality, Gain, GeomKind, HeightField, Integrator, Keyframe, Measure,
-    Mesh, Options, Quaternion, Softness, Transmission, rotation,
+    Mesh, Options, Quaternion, SolverParameters, Transmission, rotation,
 };
 use nalgebra::Vector3;
 
@@ -76,7 +76,7 @@ impl Row {
         }
     }
 
-    fn softness(self, kind: &str, names: [&'static str; 2], value: &Softness) -> Self {
+    fn softness(self, kind: &str, names: [&'static str; 2], value: &SolverParameters) -> Self {
         self.unless_standard(kind, names[0], value.reference).unless_standard(kind, names[1], value.impedance)
     }
 }
@@ -416,11 +416,11 @@ pub(super) fn keyframe(model: &Model, frame: &Keyframe) -> Row {
     for (name, values, _) in arrays.into_iter().filter(|(_, values, standard)| values != standard) {
         row = row.numbers(name, values.iter().copied());
     }
-    if frame.placed_position != standard.placed_position {
-        row = row.numbers("mpos", frame.placed_position.iter().flatten().copied());
+    if frame.mocap_position != standard.mocap_position {
+        row = row.numbers("mpos", frame.mocap_position.iter().flatten().copied());
     }
-    if frame.placed_orientation != standard.placed_orientation {
-        row = row.numbers("mquat", frame.placed_orientation.iter().flatten().copied());
+    if frame.mocap_orientation != standard.mocap_orientation {
+        row = row.numbers("mquat", frame.mocap_orientation.iter().flatten().copied());
     }
     row
 }
@@ -458,7 +458,7 @@ pub(super) fn actuator(model: &Model, actuator: usize) -> Row {
     for (name, word) in words.into_iter().filter(|(name, word)| standard("general", name) != *word) {
         row = row.word(name, word);
     }
-    if actuators.early[actuator] {
+    if actuators.actearly[actuator] {
         row = row.word("actearly", "true");
     }
     row = row
