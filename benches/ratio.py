@@ -4,7 +4,7 @@
 
 Both run one thread of the same model from the same start, muscles excited at random anew every ten milliseconds. MuJoCo steps
 in C (`mj_step` with nstep), ten steps a call, so Python costs it less than a thousandth. Prints the steps per second of every
-round and the ratio of the medians; with --cpu, per second of processor time instead of wall-clock time, which is fairer on a
+round and the ratio of the medians; with --cpu, per second of CPU time instead of wall-clock time, which is fairer on a
 machine that does other things.
 """
 
@@ -55,7 +55,7 @@ def steps_per_second_of_mujoco(model, protocol, seconds, clock, random):
 
 
 def run_msk(program, path, protocol, seconds):
-    """The report of `msk physics bench` and the processor time that it took."""
+    """The report of `msk physics bench` and the CPU time that it took."""
     command = [program, "physics", "bench", "--model", path, "--protocol", protocol, "--seconds", str(seconds), "--json"]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
@@ -78,7 +78,7 @@ def main():
     parser.add_argument("--protocol", choices=["falling", "standing"], default="falling")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=2.0)
-    parser.add_argument("--cpu", action="store_true", help="count processor time")
+    parser.add_argument("--cpu", action="store_true", help="count CPU time")
     arguments = parser.parse_args()
     model = mujoco.MjModel.from_xml_path(arguments.model)
     random = np.random.default_rng(0)

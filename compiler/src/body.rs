@@ -34,7 +34,7 @@ pub struct BodyDescription {
     pub landmark_groups: Vec<(String, Vec<String>)>,
     /// Recruitment families: (printed name, muscles); every muscle is in exactly one.
     pub families: Vec<(String, Vec<String>)>,
-    /// Named poses: (name, [(joint, coordinate in rad or m)]); joints not named stay at zero, slaved joints are solved.
+    /// Named poses: (name, [(joint, coordinate in rad or m)]); joints not named stay at zero, coupled joints are solved.
     pub poses: Vec<(String, Vec<(String, f64)>)>,
     /// What a task changes on the body: `body human with core.peak_force *= 3`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

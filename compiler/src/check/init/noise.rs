@@ -87,7 +87,7 @@ impl<'a> Checker<'a> {
         if joints.is_empty() {
             let diagnostic = self
                 .diagnostic(codes::tasks::SLAVED, noise.target.span, "none of these joints can have this noise")
-                .help("noise goes on independent joints of its unit: slaved ones follow, and the root keeps its place");
+                .help("noise goes on independent joints of its unit: coupled ones follow, and the root keeps its place");
             return Err(self.report(diagnostic));
         }
         Ok(Target { joints, velocities })
@@ -114,7 +114,7 @@ impl<'a> Checker<'a> {
                 let diagnostic = self
                     .diagnostic(codes::tasks::UNKNOWN_SETTING, target.span, "noise cannot be put on this")
                     .expected("`noise joints ...`, `noise velocities ...`, or `noise` on joints by name or group")
-                    .help("noise goes on independent joints: slaved ones follow, and the root keeps its place");
+                    .help("noise goes on independent joints: coupled ones follow, and the root keeps its place");
                 Err(self.report(diagnostic))
             }
         }
