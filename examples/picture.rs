@@ -3,8 +3,8 @@
 
 use msk::compiler::compile;
 use msk::compiler::diagnostics::Style;
+use msk::draw::{Options, svg};
 use msk::runtime::body::sensors::Snapshot;
-use msk::runtime::draw::{Options, svg};
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::policy;

@@ -5,7 +5,7 @@
 use msk::compiler::compile;
 use msk::compiler::explain::{Account, EndAccount, Options as Telling, account};
 use msk::compiler::task::CompiledTask;
-use msk::runtime::draw::{Options, View, svg};
+use msk::draw::{Options, View, svg};
 use msk::runtime::episode::Environment;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use std::fmt::Write;

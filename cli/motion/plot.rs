@@ -2,7 +2,7 @@
 
 use super::Start;
 use crate::error::{Context, Error};
-use msk::runtime::draw::motion;
+use msk::draw::motion;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;

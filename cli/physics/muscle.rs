@@ -3,7 +3,7 @@
 use super::Start;
 use crate::error::{Context, Error};
 use core::fmt::Write as _;
-use msk_runtime::draw::chart::{self, Band, Chart, Panel};
+use msk_draw::chart::{self, Band, Chart, Panel};
 use msk_runtime::inspect::{MuscleSweep, Sample, sweep_muscle};
 use std::io::{self, Write};
 use std::path::PathBuf;

@@ -7,8 +7,6 @@ pub mod bench;
 pub mod bodies;
 pub mod body;
 pub mod condition;
-#[allow(clippy::disallowed_methods, reason = "pictures need not agree to the last bit")]
-pub mod draw;
 pub mod episode;
 pub mod evaluate;
 pub mod files;

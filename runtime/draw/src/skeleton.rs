@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::panel::{Item, Panel};
 use super::path::Path;
-use crate::body::sensors::Snapshot;
+use msk_runtime::body::sensors::Snapshot;
 use nalgebra::Vector2;
 
 /// Shorter ones (bodies that only carry a further axis of a joint) are not drawn, m.

@@ -103,8 +103,8 @@ fn hull(mut points: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::shape::support;
-    use crate::draw::camera::View;
+    use crate::camera::View;
+    use msk_runtime::body::shape::support;
     use nalgebra::Rotation3;
 
     #[test]

@@ -3,9 +3,9 @@
 use super::camera::Camera;
 use super::panel::{Item, Panel};
 use super::path::Path;
-use crate::body::sensors::Snapshot;
 use msk_physics::model::GeomKind;
 use msk_physics::tendons::{PathVertex, VertexKind, path};
+use msk_runtime::body::sensors::Snapshot;
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// Width of the belly of a muscle of 1 N, mm: cross sections are proportional to forces, so widths to their square roots.

@@ -23,11 +23,11 @@ mod skeleton;
 
 pub use camera::View;
 
-use crate::body::sensors::Snapshot;
 use camera::Camera;
 use core::fmt::Write;
 use forces::Arrow;
 use msk_physics::model::GeomKind;
+use msk_runtime::body::sensors::Snapshot;
 use nalgebra::Vector2;
 use panel::Panel;
 use path::{Bounds, number};

@@ -1,10 +1,10 @@
 use super::*;
-use crate::bodies;
-use crate::body::Body;
 use msk_compiler::body::{Axis, BodyDescription};
 use msk_compiler::task::RootPlacement;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
+use msk_runtime::bodies;
+use msk_runtime::body::Body;
 use std::path::Path;
 
 /// The full body with its knees bent, its muscles at different activations.

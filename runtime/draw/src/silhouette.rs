@@ -4,9 +4,9 @@ use super::camera::Camera;
 use super::outline::Shape;
 use super::panel::{Item, Panel};
 use super::path::Path;
-use crate::body::sensors::Snapshot;
-use crate::body::shape::support;
 use msk_physics::model::{GeomKind, Model};
+use msk_runtime::body::sensors::Snapshot;
+use msk_runtime::body::shape::support;
 
 /// Parts lighter than this share of the body are no limbs of their own.
 const SMALLEST_LIMB: f64 = 0.02;

@@ -5,13 +5,13 @@ use super::chart::{self, Chart};
 use super::panel::Panel;
 use super::path::number;
 use super::{STYLE, escape, silhouette};
-use crate::body::Body;
-use crate::body::sensors::Snapshot;
 use core::fmt::Write;
 use msk_compiler::motion::{Motion, RootPart, Target};
 use msk_compiler::quantity::dimension::Dimension;
 use msk_physics::model::Model;
 use msk_physics::{State, Workspace};
+use msk_runtime::body::Body;
+use msk_runtime::body::sensors::Snapshot;
 
 /// Width of the whole picture and height of the strip of bodies, as in charts.
 const WIDTH: f64 = 1000.0;

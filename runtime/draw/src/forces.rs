@@ -3,8 +3,8 @@
 use super::camera::Camera;
 use super::path::{Bounds, Path, number};
 use super::silhouette::limbs;
-use crate::body::sensors::Snapshot;
 use core::fmt::Write;
+use msk_runtime::body::sensors::Snapshot;
 use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeMap;
 
