@@ -257,9 +257,9 @@ fn the_reward_can_be_read_by_terms_and_reweighted_without_compiling() {
     let mut episode = episode(&[]);
     advance(&mut episode, 1);
     let upright = episode.reward().term("upright").unwrap();
-    assert!(upright.value > 0.9 && upright.pay() == 2.0 * upright.value);
+    assert!(upright.value > 0.9 && upright.contribution() == 2.0 * upright.value);
     let change = episode.reward().term("change").unwrap();
-    assert_eq!(episode.reward().total(), upright.pay() + change.pay());
+    assert_eq!(episode.reward().total(), upright.contribution() + change.contribution());
     assert_eq!(episode.reward().term("upside"), None);
     let before = episode.snapshot();
     episode.reset(KEY);
@@ -353,7 +353,7 @@ fn a_finish_is_no_failure_and_all_reasons_are_told() {
 #[test]
 fn a_task_changes_its_own_body_only() {
     let (changed, plain) = (episode(&CHANCE), episode(&[]));
-    let of = |episode: &Episode| {
+    let of = |episode: &Environment| {
         let context = episode.context();
         let knee = context.body.joints.iter().find(|joint| joint.name == "knee_angle_r").unwrap();
         (

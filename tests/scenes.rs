@@ -97,7 +97,7 @@ fn hands_hold_a_bar_where_they_stand_until_they_let_go() {
             capsule shaft { along [0, 1, 0], length 1.2 m, radius 1 cm, mass 5 kg } }
         weld palm_l to bar here release when t > 0.1 s
         weld palm_r to bar here release when t > 0.1 s";
-    let offset = |episode: &Episode| {
+    let offset = |episode: &Environment| {
         let [palm, bar] = ["palm_l.position", "bar.position"].map(|channel| vector(episode, channel));
         (palm - bar).norm()
     };

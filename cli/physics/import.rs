@@ -1,7 +1,7 @@
 //! `msk physics import`: somebody else's model as one flat file of figures.
 
 use crate::error::{Context, Error};
-use msk_physics::model::import;
+use msk_physics::model::{Model, import};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -21,7 +21,7 @@ pub struct Args {
 /// # Errors
 /// A model that cannot be read or uses unsupported features, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let model = import::import(&args.model)?;
+    let model = import::import(Model::from_file(&args.model)?);
     let text = import::to_file_text(&model, &args.model);
     std::fs::write(&args.out, text).context(|| format!("cannot write {}", args.out.display()))?;
     eprintln!(

@@ -154,9 +154,9 @@ fn of_site<T: Real>(
 /// The moment of an actuator that draws a body to what it touches.
 fn adhesion_moment<T: Real>(model: &Model, kinematics: &Kinematics<T>, lanes: &[ConstraintState], body: usize, moment: &mut [T]) {
     moment.fill(T::splat(0.0));
-    for (lane, own) in lanes.iter().enumerate() {
+    for (lane, constrained) in lanes.iter().enumerate() {
         let own = |geom: usize| model.geoms.body[geom] == body;
-        let touching = || own.constraints.contacts.iter().filter(|contact| contact.geoms.into_iter().any(own));
+        let touching = || constrained.constraints.contacts.iter().filter(|contact| contact.geoms.into_iter().any(own));
         let share = 1.0 / touching().count().max(1) as f64;
         for contact in touching() {
             let normal = contact.frame.row(0).transpose();

@@ -113,9 +113,9 @@ impl Plan {
             contacts.extend(found.drain(..).map(|point: ContactPoint| Contact {
                 candidate: index,
                 geoms: candidate.geoms,
-                position: touch.position,
-                frame: touch.frame,
-                distance: touch.distance,
+                position: point.position,
+                frame: point.frame,
+                distance: point.distance,
                 force: [0.0; 6],
             }));
         }

@@ -1,21 +1,16 @@
 //! Importing a model: what the simulator needs of somebody else's files, in one flat file of figures.
 
-use super::{Model, ModelError, PathPoint, Sensors};
+use super::{Model, PathPoint, Sensors};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Reads a model with everything it includes and prunes what has no part in the physics.
-///
-/// # Errors
-///
-/// Those of [`Model::from_file`].
-pub fn import(path: &Path) -> Result<Model, ModelError> {
-    let mut model = Model::from_file(path)?;
+/// Prunes what has no part in the physics.
+pub fn import(mut model: Model) -> Model {
     drop_ornaments(&mut model);
     model.keyframes.clear();
     model.sensors = Sensors::default();
     name_collision_shapes(&mut model);
-    Ok(model)
+    model
 }
 
 /// The model as the text of a file, with a comment that says where it comes from and what was changed.
