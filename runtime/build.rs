@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 const EMBEDDED: [(&str, &str); 2] = [("", "msk"), ("models", "xml")];
 
 /// What decides results, relative to this crate.
-const DECISIVE: [&str; 9] = [
+const DECISIVE: &[&str] = &[
     "Cargo.toml",
     "src",
     "storage/Cargo.toml",
