@@ -6,7 +6,7 @@ use crate::interrupt::Interrupt;
 use crate::levels::LevelArgs;
 use crate::overlays::Overlays;
 use crate::progress::Progress;
-use crate::project::{Project, Settings};
+use crate::project::{Project, Settings, policy_name};
 use msk::runtime::evaluate::{self, Journal, JournalError, Plan, Protocol, RunSettings, Summary, report};
 use msk_storage::{Folder, StorageError};
 use std::io::{self, Write};
@@ -32,10 +32,10 @@ pub struct Args {
     /// Run this task only
     #[arg(long)]
     task: Option<String>,
-    /// What acts: posture (computed muscle control along the task's reference motion, or of the beginning
-    /// pose), witness (the same along the script of the task's first test that succeeds), zero (every
+    /// What acts: cmc (computed muscle control along the task's reference motion, or of the beginning
+    /// pose), demonstration (the same along the script of the task's first test that succeeds), zero (every
     /// muscle at rest), random (every action uniform in -1..1)
-    #[arg(long, default_value = "posture")]
+    #[arg(long, default_value = "cmc", value_parser = policy_name)]
     policy: String,
     #[command(flatten)]
     condition: Condition,
@@ -214,7 +214,7 @@ pub fn explain(error: JournalError) -> Error {
         }
         JournalError::OtherRun { .. } => "choose another folder with `--out DIR`, or repeat that run's settings",
         JournalError::Unclaimed { .. } => "put its `run.json` back, or choose another folder with `--out DIR`",
-        JournalError::Empty { .. } => "name a folder of results, such as results/tasks-posture-1",
+        JournalError::Empty { .. } => "name a folder of results, such as results/tasks-cmc-1",
         JournalError::Damaged { .. } | JournalError::Foreign { .. } => {
             "take out the line or put the file back, or choose another folder with `--out DIR`; nothing was changed"
         }

@@ -3,7 +3,7 @@
 use crate::condition::Condition;
 use crate::error::{Context, Error};
 use crate::overlays::Overlays;
-use crate::project::{Project, Settings};
+use crate::project::{Project, Settings, policy_name};
 use msk::compiler::numbers::{exact, for_people};
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, play_to_horizon, replay, report};
@@ -20,10 +20,10 @@ use std::sync::atomic::AtomicBool;
 pub struct Args {
     /// Name of a task in tasks.msk, or a file with one task
     task: String,
-    /// What acts: posture (computed muscle control along the task's reference motion, or of the beginning
-    /// pose), witness (the same along the script of the task's first test that succeeds), zero (every
+    /// What acts: cmc (computed muscle control along the task's reference motion, or of the beginning
+    /// pose), demonstration (the same along the script of the task's first test that succeeds), zero (every
     /// muscle at rest), random (every action uniform in -1..1)
-    #[arg(long, default_value = "posture")]
+    #[arg(long, default_value = "cmc", value_parser = policy_name)]
     policy: String,
     #[command(flatten)]
     condition: Condition,

@@ -4,7 +4,7 @@ use crate::condition::Condition;
 use crate::error::{Error, FAILURE};
 use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
-use crate::project::{Project, Settings as Parameters};
+use crate::project::{Project, Settings as Parameters, policy_name};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use msk::compiler::numbers::{beside, for_people};
 use msk::runtime::evaluate::EpisodeRecord;
@@ -31,8 +31,8 @@ pub struct Args {
     /// (command, environment) or kind = "rules"
     #[arg(long, default_value = "rules", value_name = "rules | FILE")]
     reasoner: String,
-    /// What acts: posture, witness, zero, random
-    #[arg(long, default_value = "posture")]
+    /// What acts: cmc, demonstration, zero, random
+    #[arg(long, default_value = "cmc", value_parser = policy_name)]
     policy: String,
     #[command(flatten)]
     condition: Condition,

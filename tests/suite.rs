@@ -3,6 +3,7 @@
 
 mod advisories;
 mod cli;
+mod cmc;
 mod conditions;
 mod directions;
 mod draw;
@@ -17,7 +18,6 @@ mod muscle_sweep;
 mod mutation;
 mod paper;
 mod physics_doors;
-mod posture;
 mod registered;
 mod scenes;
 mod support;

@@ -43,7 +43,7 @@ impl TaskTests {
     }
 
     /// The first script that moves and after which the task is expected to have succeeded.
-    pub fn witness(&self) -> Option<&[Keyframe]> {
+    pub fn demonstration(&self) -> Option<&[Keyframe]> {
         self.tests.iter().filter(|test| !test.cheat).find_map(|test| {
             let success = |expectation: &&Expectation| expectation.source == "success";
             let take = test.expectations.iter().filter(success).find_map(|expectation| {

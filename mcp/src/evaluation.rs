@@ -37,7 +37,7 @@ pub struct Evaluate {
     pub file: Option<String>,
     /// Weights file to lay over it.
     pub overlay: Option<String>,
-    /// What acts: posture, witness, zero or random; posture if it is left out.
+    /// What acts: cmc, demonstration, zero or random; cmc if it is left out.
     pub policy: Option<String>,
     /// Episodes, at most 100; 5 if it is left out.
     pub episodes: Option<u64>,
@@ -69,7 +69,7 @@ pub fn evaluate(project: &Project, asked: &Evaluate, cancelled: &dyn Fn() -> boo
     let episodes = asked.episodes.unwrap_or(5).clamp(1, EPISODES);
     let most = asked.max_steps.unwrap_or(20_000).clamp(1, STEPS);
     let seconds = asked.max_seconds.filter(|seconds| seconds.is_finite()).unwrap_or(60.0).clip(0.1, SECONDS);
-    let mut policy = policy::create(asked.policy.as_deref().unwrap_or("posture"))?;
+    let mut policy = policy::create(asked.policy.as_deref().unwrap_or("cmc"))?;
     let mut episode = trial.episode()?;
     let (start, stop, steps) = (Instant::now(), AtomicBool::new(false), std::sync::atomic::AtomicU64::new(0));
     let limit = Duration::from_secs_f64(seconds);

@@ -109,7 +109,7 @@ fn what_rest_is_paid_is_told_with_the_term_that_pays_it_most() {
     let told = played(statements);
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(told[0].message.contains("most of all by the term `calm`"), "{}", told[0].message);
-    assert!(told[0].expected.as_ref().unwrap().contains("as `posture` earns"), "{told:?}");
+    assert!(told[0].expected.as_ref().unwrap().contains("as `cmc` earns"), "{told:?}");
 }
 
 #[test]

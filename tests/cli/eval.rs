@@ -64,7 +64,7 @@ fn half_shown() -> Project {
 #[test]
 fn a_task_that_the_policy_cannot_act_on_is_skipped_with_its_reason() {
     let project = half_shown();
-    let arguments = ["eval", "tasks.msk", "--policy", "witness", "--episodes", "2", "--out", "out"];
+    let arguments = ["eval", "tasks.msk", "--policy", "demonstration", "--episodes", "2", "--out", "out"];
     let done = project.msk(&arguments).succeeded();
     let reason = "skipped: no test of `lean` plays a script up to `expect success`";
     for text in [&done.err, &project.read("out/report.md")] {
@@ -86,9 +86,9 @@ fn a_task_that_the_policy_cannot_act_on_is_skipped_with_its_reason() {
 #[test]
 fn a_policy_that_can_act_on_no_task_fails() {
     let project = half_shown();
-    let done = project.msk(&["eval", "lean.msk", "--policy", "witness", "--episodes", "2", "--out", "out"]);
+    let done = project.msk(&["eval", "lean.msk", "--policy", "demonstration", "--episodes", "2", "--out", "out"]);
     assert!(done.out.contains("skipped: no test of `lean`"), "{}", done.out);
-    done.failed(1, &["policy `witness` can act on none of the tasks", "hint:"]);
+    done.failed(1, &["policy `demonstration` can act on none of the tasks", "hint:"]);
 }
 
 #[test]
@@ -222,7 +222,7 @@ fn an_episode_that_cannot_go_on_is_a_result_and_the_others_go_on() {
     project.write("flung.msk", &fault);
     let suite = "use \"lean.msk\"\nuse \"flung.msk\"\nsuite both { family one { flung, lean } }\n";
     project.write("tasks.msk", suite);
-    for policy in ["posture", "random"] {
+    for policy in ["cmc", "random"] {
         let arguments = ["eval", "tasks.msk", "--policy", policy, "--episodes", "2", "--out", policy];
         let done = project.msk(&arguments).succeeded();
         assert!(done.out.contains("Fault in `flung`, episode 0: at 0 s"), "{}", done.out);

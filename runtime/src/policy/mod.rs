@@ -3,11 +3,11 @@
 //! A policy gives one number in [-1, 1] per muscle and control step; the body file's excitation map makes excitations of
 //! them. Learned policies look at the observation only; model-based ones may read body, state and the forward pass.
 
-pub mod posture;
+pub mod cmc;
 mod random;
 mod zero;
 
-pub use posture::Posture;
+pub use cmc::ComputedMuscleControl;
 pub use random::Random;
 pub use zero::Zero;
 
@@ -74,6 +74,14 @@ pub enum PolicyError {
     /// No policy of that name.
     #[error("there is no policy `{0}`; choose one of: {names}", names = NAMES.join(", "))]
     Unknown(String),
+    /// A policy that has another name today.
+    #[error("the policy `{former}` is now called `{present}`")]
+    Renamed {
+        /// Its name once.
+        former: &'static str,
+        /// Its name.
+        present: &'static str,
+    },
     /// The policy cannot act on this body or task.
     #[error("policy `{policy}` cannot act: {reason}")]
     Unable {
@@ -85,18 +93,24 @@ pub enum PolicyError {
 }
 
 /// The built-in policies.
-pub const NAMES: &[&str] = &["zero", "random", "posture", "witness"];
+pub const NAMES: &[&str] = &["zero", "random", "cmc", "demonstration"];
+
+/// The name under which results know a policy, given that or a former one that still works.
+pub fn present_name(name: &str) -> &str {
+    if name == "posture" { "cmc" } else { name }
+}
 
 /// A new policy of that name.
 ///
 /// # Errors
 /// An unknown name.
 pub fn create(name: &str) -> Result<Box<dyn Policy>, PolicyError> {
-    match name {
+    match present_name(name) {
         "zero" => Ok(Box::new(Zero)),
         "random" => Ok(Box::new(Random)),
-        "posture" => Ok(Box::<Posture>::default()),
-        "witness" => Ok(Box::new(Posture::witness())),
+        "cmc" => Ok(Box::<ComputedMuscleControl>::default()),
+        "demonstration" => Ok(Box::new(ComputedMuscleControl::demonstration())),
+        "witness" => Err(PolicyError::Renamed { former: "witness", present: "demonstration" }),
         unknown => Err(PolicyError::Unknown(unknown.into())),
     }
 }
@@ -110,6 +124,13 @@ mod tests {
         for name in NAMES {
             assert!(create(name).is_ok(), "{name}");
         }
+    }
+
+    #[test]
+    fn former_names_lead_to_the_present_ones() {
+        assert_eq!(create("posture").map(|policy| policy.name().to_owned()), Ok("cmc".to_owned()));
+        let message = create("witness").err().map(|error| error.to_string());
+        assert_eq!(message.as_deref(), Some("the policy `witness` is now called `demonstration`"));
     }
 
     #[test]

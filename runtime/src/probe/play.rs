@@ -1,12 +1,12 @@
 //! An episode of doing nothing: a task whose reward or success `zero` gets is not learnt.
 //!
 //! The policy `zero` leaves every muscle at rest and plays one episode, to its end or for [`MOST_STEPS`]. It must not succeed. The policy
-//! `posture` holds the pose for as many steps: a task in which resting is paid more per step pays for giving up.
+//! `cmc` holds the pose for as many steps: a task in which resting is paid more per step pays for giving up.
 
 use super::at;
 use crate::episode::{Ending, Environment, EpisodeKey, REST};
 use crate::library::BodyLibrary;
-use crate::policy::{Policy, Posture, Zero};
+use crate::policy::{ComputedMuscleControl, Policy, Zero};
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Allowance, Diagnostic, Stage};
 use msk_compiler::numbers::for_people;
@@ -70,7 +70,7 @@ fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diag
         warnings.push(diagnostic);
     }
     // A policy that cannot act sets no measure.
-    let Some(held) = play(&mut episode, &mut Posture::default(), rest.steps) else { return Some(()) };
+    let Some(held) = play(&mut episode, &mut ComputedMuscleControl::default(), rest.steps) else { return Some(()) };
     let (resting, holding) = (rest.mean(), held.mean());
     if resting > holding + MARGIN * holding.abs() {
         let gain = |index: usize| rest.per_step(rest.terms[index]) - held.per_step(held.terms[index]);
@@ -79,7 +79,7 @@ fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diag
         let message =
             format!("in `{}` doing nothing is paid more than holding the pose, most of all by the term `{name}`", task.name);
         let diagnostic = at(probing::REST_PAYS, *task.places.terms.get(most)?, message)
-            .expected(format!("at rest less than {} per step, as `posture` earns over {} steps", for_people(holding), held.steps))
+            .expected(format!("at rest less than {} per step, as `cmc` earns over {} steps", for_people(holding), held.steps))
             .found(format!("{} per step, {} more by `{name}`", for_people(resting), for_people(gain(most))))
             .help("pay for what a fall ends, or charge the end; if holding the pose is not asked, say `allow rest_pays \"...\"`");
         warnings.push(diagnostic);

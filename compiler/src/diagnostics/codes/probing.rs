@@ -78,7 +78,7 @@ codes! {
     }
     REST_PAYS = "W0539" lint rest_pays Play {
         title: "a task that pays doing nothing more than holding the pose",
-        explanation: "In an episode in which every muscle stays at rest (policy `zero`) the task paid over 5 % more per step than to `posture`, \
+        explanation: "In an episode in which every muscle stays at rest (policy `zero`) the task paid over 5 % more per step than to `cmc`, \
             which holds the pose of the beginning or follows the reference, over the same number of steps: giving up is what is learnt first. The \
             warning stands at the term that pays rest most.",
         example: "horizon 200 steps\nreward { 1 calm = exp(-50 * mean(muscles.activation)) }\n\

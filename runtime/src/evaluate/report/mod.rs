@@ -194,7 +194,7 @@ mod tests {
     }
 
     fn summary(tasks: Vec<TaskSummary>) -> Summary {
-        Summary::new("posture".into(), Protocol { episodes: 50, seed: 0 }, tasks)
+        Summary::new("cmc".into(), Protocol { episodes: 50, seed: 0 }, tasks)
     }
 
     #[test]
@@ -245,7 +245,7 @@ mod tests {
         let weak = TaskSummary { condition: weak, ..task("sit", "stabilization", 25) };
         let tasks = vec![task("single_leg_stand", "stabilization", 47), skipped, faulty, weak];
         insta::assert_snapshot!(overview(&summary(tasks)), @r"
-        Policy `posture`, 50 episodes per task, seed 0
+        Policy `cmc`, 50 episodes per task, seed 0
 
         task                 success [95 %]  return  horizon  ended by
         stabilization                  72 %             97 %
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn the_overview_of_a_single_task_is_its_row() {
         insta::assert_snapshot!(overview(&summary(vec![task("stand", "", 50)])), @r"
-        Policy `posture`, 50 episodes per task, seed 0
+        Policy `cmc`, 50 episodes per task, seed 0
 
         task    success [95 %]  return  horizon  ended by
         stand  100 % [93, 100]   38123     97 %  horizon 40, other 10

@@ -31,7 +31,7 @@ fn play(trial: &Trial, policy: &str) -> EpisodeRecord {
 #[test]
 fn posture_stands_for_the_whole_task_and_rest_falls() {
     let trial = trial("stand");
-    let standing = play(&trial, "posture");
+    let standing = play(&trial, "cmc");
     assert!(standing.success, "{standing:?}");
     assert_eq!(standing.steps, trial.task.horizon);
     // Of 50 that could be paid per step.
@@ -64,7 +64,7 @@ fn errors(episode: &Environment, begun: f64) -> [f64; 2] {
 #[test]
 fn posture_follows_the_reference_of_the_task() {
     let trial = trial("walk");
-    let mut policy = policy::create("posture").unwrap();
+    let mut policy = policy::create("cmc").unwrap();
     let mut episode = trial.episode().unwrap();
     policy.reset(&episode.context()).unwrap();
     let (_, begun) = episode.task().followed(episode.context().progress).unwrap();
@@ -82,7 +82,7 @@ fn posture_follows_the_reference_of_the_task() {
 #[test]
 fn a_witness_follows_the_script_of_the_tests() {
     let trial = trial("squat");
-    let mut policy = policy::create("witness").unwrap();
+    let mut policy = policy::create("demonstration").unwrap();
     let mut episode = trial.episode().unwrap();
     policy.reset(&episode.context()).unwrap();
     let mut action = vec![0.0; episode.context().body.muscles.len()];

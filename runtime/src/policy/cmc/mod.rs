@@ -50,10 +50,10 @@ use sparse::Columns;
 use std::sync::Arc;
 use support::{Point, Support};
 
-/// Follows the reference motion of the task, or the script of its witness; without one it holds the posture that an episode begins
+/// Follows the reference motion of the task, or the script of its demonstration; without one it holds the posture that an episode begins
 /// with.
 #[derive(Debug, Clone, Default)]
-pub struct Posture {
+pub struct ComputedMuscleControl {
     controller: Option<Controller>,
     along: Along,
     /// The phase of the task whose reference is followed, and the step at which it began.
@@ -67,20 +67,20 @@ enum Along {
     #[default]
     Reference,
     /// The first script among the task's tests that ends in success.
-    Witness,
+    Demonstration,
 }
 
-impl Posture {
+impl ComputedMuscleControl {
     /// Follows the schedule of poses with which the task's own tests show that it can succeed.
-    pub fn witness() -> Self {
-        Self { along: Along::Witness, ..Self::default() }
+    pub fn demonstration() -> Self {
+        Self { along: Along::Demonstration, ..Self::default() }
     }
 
     /// The script to follow.
     fn schedule(context: &PolicyContext<'_>) -> Result<Course, PolicyError> {
         let tests = context.task.tests.as_ref();
-        let keyframes = tests.and_then(|tests| tests.witness()).ok_or_else(|| PolicyError::Unable {
-            policy: "witness",
+        let keyframes = tests.and_then(|tests| tests.demonstration()).ok_or_else(|| PolicyError::Unable {
+            policy: "demonstration",
             reason: format!("no test of `{}` plays a script up to `expect success`", context.task.name),
         })?;
         let mut scratch = Workspace::new(context.model);
@@ -89,11 +89,11 @@ impl Posture {
     }
 }
 
-impl Policy for Posture {
+impl Policy for ComputedMuscleControl {
     fn name(&self) -> &str {
         match self.along {
-            Along::Reference => "posture",
-            Along::Witness => "witness",
+            Along::Reference => "cmc",
+            Along::Demonstration => "demonstration",
         }
     }
 
@@ -102,7 +102,7 @@ impl Policy for Posture {
         let init = context.task.beginning(context.progress);
         let present = Present::new(context);
         let mut controller = Controller::new(&present, &init.coordinates, hold)?;
-        if self.along == Along::Witness {
+        if self.along == Along::Demonstration {
             controller.follow(Some(Self::schedule(context)?), context.progress.step, &present);
         }
         self.controller = Some(controller);
@@ -131,7 +131,7 @@ impl Policy for Posture {
 }
 
 fn unable(reason: impl Into<String>) -> PolicyError {
-    PolicyError::Unable { policy: "posture", reason: reason.into() }
+    PolicyError::Unable { policy: "cmc", reason: reason.into() }
 }
 
 /// Cost of full activation of one muscle, in units of the error's (J/s²).
