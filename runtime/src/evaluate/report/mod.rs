@@ -69,7 +69,7 @@ fn faults(task: &TaskSummary, text: &mut String) {
 
 /// The terms of one episode or task alone, as a table.
 pub fn terms(terms: &[TermSummary]) -> String {
-    let mut table = Table::new(&["term", "weight", "value per step", "pay per step", "share"]);
+    let mut table = Table::new(&["term", "weight", "value per step", "reward per step", "share"]);
     for term in terms {
         table.row(term_row(term));
     }
