@@ -1,7 +1,9 @@
 //! Which crate may depend on which: the compiler knows no physics, the physics knows no language, and nothing knows the program.
-#![allow(clippy::unwrap_used, reason = "tests")]
+//! `docs/architecture/crates.md` draws it: `MSK_UPDATE=1 cargo test --test suite directions` writes the page anew.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
@@ -27,6 +29,7 @@ struct Manifest {
 #[derive(serde::Deserialize)]
 struct Package {
     name: String,
+    description: String,
 }
 
 #[derive(serde::Deserialize)]
@@ -39,20 +42,72 @@ struct Workspace {
     members: Vec<String>,
 }
 
-#[test]
-fn crates_depend_in_one_direction() {
+/// Folder and manifest of every crate, those first on which others depend.
+fn crates() -> Vec<(String, Manifest)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read = |folder: &str| fs::read_to_string(root.join(folder).join("Cargo.toml")).unwrap();
     let members: Root = toml::from_str(&read(".")).unwrap();
+    let folders = members.workspace.members.into_iter().chain([".".to_owned()]);
+    let mut found: Vec<(String, Manifest)> =
+        folders.map(|folder| (folder.clone(), toml::from_str(&read(&folder)).unwrap())).collect();
+    let place = |name: &str| ALLOWED.iter().position(|(known, _)| *known == name);
+    found.sort_by_key(|(_, manifest)| place(&manifest.package.name));
+    found
+}
+
+impl Manifest {
+    /// The crates of the workspace that it depends on.
+    fn own(&self) -> BTreeSet<&str> {
+        self.dependencies.keys().map(String::as_str).filter(|key| key.starts_with("msk")).collect()
+    }
+}
+
+#[test]
+fn crates_depend_in_one_direction() {
     let mut allowed: BTreeMap<&str, BTreeSet<&str>> =
         ALLOWED.map(|(name, others)| (name, others.iter().copied().collect())).into();
-    for folder in members.workspace.members.iter().map(String::as_str).chain(["."]) {
-        let manifest: Manifest = toml::from_str(&read(folder)).unwrap();
+    for (_, manifest) in crates() {
         let name = manifest.package.name.as_str();
         let may = allowed.remove(name).unwrap_or_else(|| panic!("`{name}` is not in the table of directions"));
-        let found: BTreeSet<&str> =
-            manifest.dependencies.keys().map(String::as_str).filter(|key| key.starts_with("msk")).collect();
-        assert_eq!(found, may, "dependencies of `{name}`");
+        assert_eq!(manifest.own(), may, "dependencies of `{name}`");
     }
     assert!(allowed.is_empty(), "no such crates: {allowed:?}");
+    // The table itself goes one way: each crate names only those above it.
+    for (place, (name, others)) in ALLOWED.iter().enumerate() {
+        let above: BTreeSet<&str> = ALLOWED[..place].iter().map(|(name, _)| *name).collect();
+        assert!(others.iter().all(|other| above.contains(other)), "`{name}` depends on a crate below it");
+    }
+}
+
+/// Dependencies of a crate that none of its other dependencies has: the arrows of the picture.
+fn direct<'a>(manifest: &'a Manifest, all: &'a [(String, Manifest)]) -> BTreeSet<&'a str> {
+    let of = |name: &str| all.iter().find(|(_, other)| other.package.name == name).map(|(_, other)| other.own());
+    let behind: BTreeSet<&str> = manifest.own().iter().filter_map(|name| of(name)).flatten().collect();
+    manifest.own().into_iter().filter(|name| !behind.contains(name)).collect()
+}
+
+#[test]
+fn the_picture_of_the_crates_is_that_of_the_manifests() {
+    let all = crates();
+    let mut page = "# The crates\n\nDrawn from the manifests by `MSK_UPDATE=1 cargo test --test suite directions`. An arrow leads from a crate to one that it \
+        depends on;\nwhat follows from other arrows is left out.\n\n```mermaid\ngraph BT\n"
+        .to_owned();
+    for (_, manifest) in &all {
+        let name = &manifest.package.name;
+        let _ = writeln!(page, "    {name}[{name}]");
+        for other in direct(manifest, &all) {
+            let _ = writeln!(page, "    {name} --> {other}");
+        }
+    }
+    page += "```\n\n| crate | folder | is |\n|---|---|---|\n";
+    for (folder, manifest) in &all {
+        let Package { name, description } = &manifest.package;
+        let place = if folder == "." { "cli" } else { folder };
+        let _ = writeln!(page, "| `{name}` | [`{place}/`](../../{place}) | {description} |");
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/architecture/crates.md");
+    if std::env::var_os("MSK_UPDATE").is_some() {
+        fs::write(&path, &page).unwrap();
+    }
+    assert_eq!(fs::read_to_string(&path).unwrap_or_default(), page, "MSK_UPDATE=1 writes the page anew");
 }
