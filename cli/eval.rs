@@ -193,8 +193,7 @@ fn name(plan: &Plan, file: &Path) -> String {
 /// A folder that cannot be made.
 pub fn fresh_folder(name: &str) -> Result<PathBuf, Error> {
     let results = Path::new("results");
-    let hint = "choose a folder that can be written with `--out DIR`";
-    let cannot = |error: StorageError| Error::from(error).hint(hint);
+    let cannot = |source: StorageError| explain(JournalError::Unusable { folder: results.into(), source });
     Folder::create(results).map_err(cannot)?;
     for number in 1_u64.. {
         let folder = results.join(format!("{name}-{number}"));
