@@ -10,11 +10,11 @@
 //!     <joint type="hinge" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0 0 -1" size="0.05"/>
 //! </body></worldbody></mujoco>"#)?;
 //! let (mut state, mut workspace) = (State::<f64>::new(&model), Workspace::new(&model));
-//! state.qpos[0] = 0.3;
+//! state.position[0] = 0.3;
 //! for _ in 0..500 {
 //!     step(&model, &mut state, &mut workspace)?;
 //! }
-//! assert!(state.qpos[0].abs() <= 0.3);
+//! assert!(state.position[0].abs() <= 0.3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
