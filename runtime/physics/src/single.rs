@@ -41,13 +41,13 @@ pub fn step(model: &Model, state: &mut State<f64>, workspace: &mut Workspace<f64
     integrate(model, state, workspace)
 }
 
-/// [`smooth::smooth`] of one episode.
+/// [`smooth::smooth`](mod@crate::smooth) of one episode.
 #[inline(never)]
 pub fn smooth(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) {
     crate::smooth::smooth(model, state, workspace);
 }
 
-/// [`smooth::excite`] of one episode.
+/// [`smooth::excite`](mod@crate::smooth) of one episode.
 #[inline(never)]
 pub fn excite(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) {
     crate::smooth::excite(model, state, workspace);
