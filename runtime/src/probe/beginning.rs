@@ -4,7 +4,6 @@ use super::at;
 use super::poses::Room;
 use crate::episode::{Ending, Environment, EpisodeKey, Penetration, REST, Residual};
 use crate::library::{BodyLibrary, BoundBody, in_words};
-
 use msk_compiler::diagnostics::codes::{lints, probing};
 use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
 use msk_compiler::lint::DEAD;
