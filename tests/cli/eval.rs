@@ -16,9 +16,9 @@ fn a_suite_is_evaluated_by_its_own_protocol() {
         assert!(done.out.contains(part), "no `{part}` in {}", done.out);
     }
     assert!(done.out.lines().all(|line| line.chars().count() <= 80), "{}", done.out);
-    assert!(!done.out.contains("value per step"), "terms stand in the report: {}", done.out);
+    assert!(!done.out.contains("value / step"), "terms stand in the report: {}", done.out);
     let report = project.read("out/report.md");
-    for column in ["success [95 %]", "return", "steps", "ended by", "value per step", "share"] {
+    for column in ["success [95 %]", "return", "steps", "ended by", "value / step", "share"] {
         assert!(report.contains(column), "no `{column}` in {report}");
     }
     assert!(report.lines().all(|line| line.chars().count() <= 100), "{report}");

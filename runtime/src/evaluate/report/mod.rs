@@ -69,7 +69,7 @@ fn faults(task: &TaskSummary, text: &mut String) {
 
 /// The terms of one episode or task alone, as a table.
 pub fn terms(terms: &[TermSummary]) -> String {
-    let mut table = Table::new(&["term", "weight", "value per step", "reward per step", "share"]);
+    let mut table = Table::new(&["term", "weight", "value / step", "reward / step", "share"]);
     for term in terms {
         table.row(term_row(term));
     }
@@ -226,7 +226,7 @@ mod tests {
         );
         assert!(text.contains("\nFault in `single_leg_stand`, episode 31: at 0.2 s the velocity of joint `knee`"), "{text}");
         assert!(text.contains("| lean   |  rad |  0.5 |          - |"), "{text}");
-        assert!(text.contains("| pose |     10 |           0.93 |          9.3 | 25.00 % |"), "{text}");
+        assert!(text.contains("| pose |     10 |         0.93 |           9.3 | 25.00 % |"), "{text}");
     }
 
     #[test]
