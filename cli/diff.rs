@@ -74,10 +74,11 @@ struct Side {
 
 impl Side {
     fn difference(&self, after: &Self) -> Difference {
-        let told = Difference::between(&self.snapshot, &after.snapshot, false);
+        let difference = Difference::between(&self.snapshot, &after.snapshot, false);
         match (&self.task, &after.task) {
-            (Some(before), Some(after)) => told.with_names(before, after),
-            _ => told,
+            (Some(before), Some(after)) => difference.with_names(before, after).with_units(after),
+            (Some(task), None) | (None, Some(task)) => difference.with_units(task),
+            (None, None) => difference,
         }
     }
 }

@@ -4,11 +4,13 @@ use crate::error::{Context, Error, FAILURE};
 use crate::project::{self, Settings, compiled};
 use msk::compiler::difference::Difference;
 use msk::compiler::snapshot::Snapshot;
+use msk::compiler::task::CompiledTask;
 use msk_storage::{Folder, read_text_file};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Write down what tasks mean, or check that they still mean what was written down
 ///
@@ -36,14 +38,14 @@ pub struct Args {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let whole = args.files.is_empty();
     let files = if whole { vec![project::SUITE.to_owned()] } else { args.files };
-    let mut tasks: Vec<Snapshot> = Vec::new();
+    let mut tasks: Vec<(Snapshot, Arc<CompiledTask>)> = Vec::new();
     for file in &files {
         for task in compiled(file, &args.settings.settings)? {
-            if tasks.iter().any(|known| known.task() == task.name) {
+            if tasks.iter().any(|(known, _)| known.task() == task.name) {
                 let message = format!("two of the files hold a task called `{}`", task.name);
                 return Err(Error::usage(message).hint("write their snapshots to folders of their own: --out DIR"));
             }
-            tasks.push(task.snapshot());
+            tasks.push((task.snapshot(), task));
         }
     }
     if args.check { check(&tasks, &args.out, whole) } else { write(&tasks, &args.out) }
@@ -56,12 +58,12 @@ fn name(task: &str) -> PathBuf {
     format!("{task}.snapshot").into()
 }
 
-fn write(tasks: &[Snapshot], folder: &Path) -> Result<ExitCode, Error> {
+fn write(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path) -> Result<ExitCode, Error> {
     // A folder from somebody else may hold links in place of snapshots: nothing is written through them.
     let opened = Folder::create(folder)?;
     let mut out = io::stdout().lock();
-    for task in tasks {
-        let (name, text) = (name(task.task()), task.to_string());
+    for (snapshot, task) in tasks {
+        let (name, text) = (name(snapshot.task()), snapshot.to_string());
         // What cannot be read as a snapshot has nothing to be compared with.
         let known = opened.read_text(&name, LARGEST).ok().flatten();
         if known.as_deref() == Some(&text) {
@@ -69,7 +71,7 @@ fn write(tasks: &[Snapshot], folder: &Path) -> Result<ExitCode, Error> {
         }
         // What changes is told while it is written, so that nobody accepts it unseen.
         if let Some(Ok(before)) = known.map(|known| known.parse::<Snapshot>()) {
-            let difference = Difference::between(&before, task, true);
+            let difference = Difference::between(&before, snapshot, true).with_units(task);
             if !difference.is_empty() {
                 write!(out, "{difference}")?;
             }
@@ -80,19 +82,19 @@ fn write(tasks: &[Snapshot], folder: &Path) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn check(tasks: &[Snapshot], folder: &Path, whole: bool) -> Result<ExitCode, Error> {
+fn check(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path, whole: bool) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     let mut sound = true;
-    for task in tasks {
-        let path = folder.join(name(task.task()));
+    for (snapshot, task) in tasks {
+        let path = folder.join(name(snapshot.task()));
         if !path.exists() {
-            writeln!(out, "{}\n  has no snapshot yet: write it with `msk snapshot`", task.task())?;
+            writeln!(out, "{}\n  has no snapshot yet: write it with `msk snapshot`", snapshot.task())?;
             sound = false;
             continue;
         }
         let text = read_text_file(&path, LARGEST)?;
         let before: Snapshot = text.parse().context(|| format!("cannot read `{}`", path.display()))?;
-        let difference = Difference::between(&before, task, true);
+        let difference = Difference::between(&before, snapshot, true).with_units(task);
         if !difference.is_empty() {
             write!(out, "{difference}")?;
             sound = false;
@@ -115,7 +117,7 @@ fn check(tasks: &[Snapshot], folder: &Path, whole: bool) -> Result<ExitCode, Err
 }
 
 /// Tasks that have a snapshot and are not there.
-fn left_over(tasks: &[Snapshot], folder: &Path) -> Result<Vec<String>, Error> {
+fn left_over(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path) -> Result<Vec<String>, Error> {
     let mut left = Vec::new();
     if !folder.exists() {
         return Ok(left);
@@ -124,7 +126,8 @@ fn left_over(tasks: &[Snapshot], folder: &Path) -> Result<Vec<String>, Error> {
     for entry in fs::read_dir(folder).context(cannot)? {
         let path = entry.context(cannot)?.path();
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if path.extension().is_some_and(|extension| extension == "snapshot") && !tasks.iter().any(|task| task.task() == name) {
+        if path.extension().is_some_and(|extension| extension == "snapshot") && !tasks.iter().any(|(task, _)| task.task() == name)
+        {
             left.push(name);
         }
     }

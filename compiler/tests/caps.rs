@@ -200,6 +200,16 @@ fn errors_of_a_file_are_capped_and_the_others_are_counted() {
 }
 
 #[test]
+fn warnings_of_a_file_are_capped_and_the_others_are_counted() {
+    let unread: String = (0..600).map(|number| format!("let spare_{number} = com.height\n")).collect();
+    let warnings = compile_text(&complete(&unread), &[]).unwrap_or_else(|report| panic!("{report}")).warnings;
+    assert_eq!(warnings.len(), 501);
+    let last = &warnings[500];
+    assert_eq!(last.code.id, "W0514");
+    assert!(last.message.ends_with(" more warnings in this file: at most 500 are shown"), "{}", last.message);
+}
+
+#[test]
 fn what_tasks_inherit_is_bounded() {
     let line = |count: usize| -> String { (1..count).map(|n| format!("task t{n} extends t{} {{ }}\n", n - 1)).collect() };
     let base = complete("reward { 1 a = torso.up.z }").replace("task example", "task t0");

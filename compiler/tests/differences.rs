@@ -144,6 +144,34 @@ fn a_name_that_means_something_else_is_told_as_it_is_typed() {
 }
 
 #[test]
+fn what_a_snapshot_holds_in_bare_numbers_is_shown_with_units_and_angles_in_degrees() {
+    let init = |knee: &str, noise: &str| {
+        format!(
+            "{BEFORE}
+            init {{
+                pose neutral {{ knee_angle_r = {knee} }}
+                noise [knee_angle_r, hip_flexion_r] normal(0, {noise})
+                root {{ height on ground, heading {knee} }}
+            }}"
+        )
+    };
+    let (before, after) = (task(&init("40 deg", "0.5 deg")), task(&init("50 deg", "1 deg")));
+    let difference = Difference::between(&before.snapshot(), &after.snapshot(), true).with_units(&after);
+    insta::assert_snapshot!(difference, @r"
+    example
+      ~ root
+          orientation heading 40 deg, pitch 0 deg, roll 0 deg -> heading 50 deg, pitch 0 deg, roll 0 deg (+25 %)
+      ~ pose
+          knee_angle_r 40 deg -> 50 deg (+25 %)
+      ~ noise on coordinates
+          normal 0.5 deg -> normal 1 deg (+100 %): hip_flexion_r, knee_angle_r
+    ");
+    // Programs read SI units, now with their names.
+    let mut fields = difference.changes.iter().flat_map(|change| &change.fields);
+    assert!(fields.any(|field| field.after.as_deref() == Some("0.8726646259971648 rad")));
+}
+
+#[test]
 fn a_change_of_one_term_changes_its_section_only() {
     let (before, after) = (snapshot(BEFORE), snapshot(&BEFORE.replace("-10 s/m", "-12 s/m")));
     let differing: Vec<String> = before

@@ -311,7 +311,8 @@ impl Server {
             let file = asked.other_file.as_deref().or(asked.file.as_deref());
             let other = project.task(file, asked.other_task.as_deref().unwrap_or(&asked.task), asked.other_overlay.as_deref())?;
             let named = asked.other_task.is_none();
-            let difference = Difference::between(&one.snapshot(), &other.snapshot(), named).with_names(&one, &other);
+            let difference =
+                Difference::between(&one.snapshot(), &other.snapshot(), named).with_names(&one, &other).with_units(&other);
             Ok(json!({ "same": difference.is_empty(), "changes": difference.changes, "text": difference.to_string() }))
         })
         .await

@@ -58,8 +58,9 @@ impl Collector<'_> {
         };
         for above in &placed.allowed {
             // The weight stands in the line of the override, the formula where it was written first.
-            for line in line.into_iter().chain([above.line]) {
-                let scope = Scope::Line(Some((placed.file, line)));
+            let formula = line.map(|line| (placed.file, line));
+            for line in formula.into_iter().chain([(above.file, above.line)]) {
+                let scope = Scope::Line(Some(line));
                 self.found.extend(allowance(&above.allow, above.file, scope, self.diagnostics));
             }
         }

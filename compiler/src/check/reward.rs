@@ -5,7 +5,7 @@ use super::dimension::Dimension;
 use super::functions::divide_by;
 use super::types::{ElementType, Type};
 use super::value::TypedValue;
-use crate::diagnostics::{FileId, Span, codes};
+use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::graph::operation::Binary;
 use crate::graph::{NodeId, events};
 use crate::hir::{ExprId, Resolution};
@@ -18,8 +18,8 @@ use crate::weights::{LARGEST, may_be};
 pub(crate) struct PaidTerm<'a> {
     pub name: String,
     pub weight: f64,
-    /// Where the weight stands.
-    pub weight_at: Span,
+    /// Where the weight stands, which may be in another file than the formula.
+    pub weight_at: (FileId, Span),
     pub range: Option<[f64; 2]>,
     pub fixed: bool,
     pub formula: &'a Expr,
@@ -79,7 +79,7 @@ impl<'a> Checker<'a> {
         Ok(PaidTerm {
             name: term.name.text.clone(),
             weight,
-            weight_at: term.weight.as_ref().map_or(term.name.span, |weight| weight.span),
+            weight_at: term.weight.as_ref().map_or((self.place.file, term.name.span), |weight| (weight.file, weight.span)),
             range,
             fixed,
             formula,
@@ -135,7 +135,7 @@ impl<'a> Checker<'a> {
         let ends = if let Bounds::Range { low, high, .. } = weight.bounds { [low, high] } else { [weight.value; 2] };
         if ![weight.value, ends[0], ends[1]].into_iter().all(may_be) {
             let message = format!("the weight of `{}` is larger than any weight may be", term.name.text);
-            let diagnostic = self.diagnostic(codes::tasks::WEIGHT, weight.span, message);
+            let diagnostic = Diagnostic::new(codes::tasks::WEIGHT, weight.file, weight.span, message);
             let most = for_people(LARGEST);
             return Err(self.report(diagnostic.expected(format!("a number from -{most} to {most}, and such a range"))));
         }
@@ -148,17 +148,16 @@ impl<'a> Checker<'a> {
                 }
                 if low > high {
                     let message = format!("the range of `{}` is empty: its lower end lies above its upper", term.name.text);
-                    let diagnostic = self.diagnostic(codes::tasks::WEIGHT, span, message);
+                    let diagnostic = Diagnostic::new(codes::tasks::WEIGHT, weight.file, span, message);
                     let swapped = format!("({}..{})", exact(high), exact(low));
                     return Err(self.report(diagnostic.suggest(format!("write `{swapped}`"), span, swapped)));
                 }
                 let message = format!("the weight of `{}` lies outside its own range", term.name.text);
                 let shown = told_apart(&[low, high, weight.value]);
-                let diagnostic = self
-                    .diagnostic(codes::tasks::WEIGHT, weight.span, message)
+                let diagnostic = Diagnostic::new(codes::tasks::WEIGHT, weight.file, weight.span, message)
                     .expected(format!("{} .. {}", shown[0], shown[1]))
                     .found(&*shown[2])
-                    .label(self.place.file, span, "the range");
+                    .label(weight.file, span, "the range");
                 Err(self.report(diagnostic))
             }
         }

@@ -153,16 +153,29 @@ impl Diagnostic {
 
     /// Offers to replace `span` of the main file: a change that surely is what was meant.
     pub fn fix(self, title: impl Into<String>, span: Span, replacement: impl Into<String>) -> Self {
-        self.offer(title, span, replacement, true)
+        let place = (self.file(), span);
+        self.offer(title, place, replacement, true)
     }
 
     /// Offers a change that may be what was meant, such as the nearest name.
     pub fn suggest(self, title: impl Into<String>, span: Span, replacement: impl Into<String>) -> Self {
-        self.offer(title, span, replacement, false)
+        let place = (self.file(), span);
+        self.offer(title, place, replacement, false)
     }
 
-    fn offer(mut self, title: impl Into<String>, span: Span, replacement: impl Into<String>, automatic: bool) -> Self {
-        let edit = Edit { file: self.file(), span, replacement: replacement.into() };
+    /// Offers to replace a place of another file than the main one.
+    pub fn suggest_at(self, title: impl Into<String>, place: (FileId, Span), replacement: impl Into<String>) -> Self {
+        self.offer(title, place, replacement, false)
+    }
+
+    fn offer(
+        mut self,
+        title: impl Into<String>,
+        (file, span): (FileId, Span),
+        replacement: impl Into<String>,
+        automatic: bool,
+    ) -> Self {
+        let edit = Edit { file, span, replacement: replacement.into() };
         self.fixes.push(Fix { title: title.into(), edits: vec![edit], automatic });
         self
     }

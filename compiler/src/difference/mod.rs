@@ -7,6 +7,7 @@ mod constants;
 mod names;
 mod people;
 mod text;
+mod units;
 
 use crate::snapshot::{Section, Snapshot};
 use crate::task::CompiledTask;
@@ -134,6 +135,14 @@ impl Difference {
         for formula in formulas.filter(|formula| formula.before == formula.after) {
             formula.names = names::unlike(&formula.after, before, after);
         }
+        self
+    }
+
+    /// The same with the units of what a snapshot writes in bare SI numbers (poses, velocities and noise of joints), which `task`
+    /// knows: either of the two.
+    #[must_use]
+    pub fn with_units(mut self, task: &CompiledTask) -> Self {
+        units::write(&mut self.changes, &task.vocabulary.joints);
         self
     }
 

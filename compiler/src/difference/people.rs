@@ -35,6 +35,38 @@ pub(super) fn one(text: &str) -> String {
     written(&pieces(text), None)
 }
 
+/// A text in SI units with its angles in degrees: `0.5 rad`, `-0.1 rad..0.1 rad`, `[0.0, 1.0] rad/s`; powers (`rad^2`) stay.
+pub(super) fn degrees(text: &str) -> String {
+    let pieces = pieces(text);
+    let (mut written, mut in_degrees) = (String::new(), false);
+    for (place, piece) in pieces.iter().enumerate() {
+        match piece {
+            Piece::Number(value) => {
+                in_degrees = in_radians(&pieces[place + 1..]);
+                written += &exact(if in_degrees { rounded_degrees(*value) } else { *value });
+            }
+            Piece::Text(text) if in_degrees => written += &text.replacen("rad", "deg", 1),
+            Piece::Text(text) => written += text,
+        }
+    }
+    written
+}
+
+/// Whether the unit behind a number, or behind the list that it belongs to, is that of an angle or of its rate.
+fn in_radians(behind: &[Piece<'_>]) -> bool {
+    let unit = behind.iter().find_map(|piece| match piece {
+        Piece::Text(", ") | Piece::Number(_) => None,
+        Piece::Text(text) => Some(*text),
+    });
+    let rest = unit.and_then(|text| text.strip_prefix(']').unwrap_or(text).strip_prefix(" rad"));
+    rest.is_some_and(|rest| !rest.starts_with(|next: char| next == '^' || next.is_alphanumeric()))
+}
+
+/// To a billionth of a degree, so that 40 deg, kept as radians, is 40 deg again.
+fn rounded_degrees(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e9).round() / 1e9
+}
+
 /// By how much a number became larger or smaller; nothing where its sign changed or it was nothing.
 fn percent(old: f64, new: f64) -> String {
     let change = 100.0 * (new / old - 1.0);
@@ -145,6 +177,14 @@ mod tests {
         assert_eq!(in_words("0.6981317007977318", "0.7853981633974483"), "0.6981 -> 0.7854 (+12.5 %)");
         assert_eq!(in_words("0.3000001", "0.3000002"), "0.3000001 -> 0.3000002 (+3.333e-5 %)");
         assert_eq!(one("[-3.0, 0.1250000001, 0.5] m, 100000 steps"), "[-3, 0.125, 0.5] m, 100000 steps");
+    }
+
+    #[test]
+    fn angles_are_shown_in_degrees() {
+        assert_eq!(degrees("heading 0.6981317007977318 rad, pitch 0.0 rad"), "heading 40 deg, pitch 0 deg");
+        assert_eq!(degrees("[0.0, 3.141592653589793] rad/s"), "[0, 180] deg/s");
+        assert_eq!(degrees("uniform -0.1 rad..0.1 rad"), "uniform -5.729577951 deg..5.729577951 deg");
+        assert_eq!(degrees("[1.5, 2.0] m, 3.0 m/s, 2.0 rad^2, 4.0 radius"), "[1.5, 2] m, 3 m/s, 2 rad^2, 4 radius");
     }
 
     #[test]

@@ -38,9 +38,13 @@ impl Display for Change {
             return self.one_sided(f);
         }
         writeln!(f)?;
+        if self.section == "noise" {
+            self.spreads(f)?;
+            return self.formula.iter().try_for_each(|formula| write!(f, "{formula}"));
+        }
         for FieldChange { field, before, after } in &self.fields {
-            let told = |value: &Option<String>| value.clone().unwrap_or_else(|| "not said".to_owned());
-            let (before, after, ratio) = people::told(&told(before), &told(after));
+            let shown = |value: &Option<String>| value.as_deref().map_or_else(|| "none".to_owned(), people::degrees);
+            let (before, after, ratio) = people::told(&shown(before), &shown(after));
             match field.as_str() {
                 "order" => writeln!(f, "      {before} -> {after}")?,
                 _ => writeln!(f, "      {field} {before} -> {after}{ratio}")?,
@@ -51,11 +55,42 @@ impl Display for Change {
 }
 
 impl Change {
+    /// Noise, whose fields are distributions with the joints that they belong to: joints that only have another distribution are
+    /// listed once.
+    fn spreads(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let moved_to = |change: &FieldChange| {
+            self.fields.iter().find(|other| change.after.is_none() && other.before.is_none() && other.after == change.before)
+        };
+        for change in &self.fields {
+            let FieldChange { field, before, after } = change;
+            let spread = people::degrees(field);
+            match (before, after) {
+                (Some(joints), None) => match moved_to(change) {
+                    Some(now) => {
+                        let (old, new, ratio) = people::told(&spread, &people::degrees(&now.field));
+                        writeln!(f, "      {old} -> {new}{ratio}: {joints}")?;
+                    }
+                    None => writeln!(f, "      {} -> none: {joints}", people::one(&spread))?,
+                },
+                (None, Some(_)) if self.fields.iter().any(|other| moved_to(other) == Some(change)) => {}
+                (None, Some(joints)) => writeln!(f, "      none -> {}: {joints}", people::one(&spread))?,
+                (Some(old), Some(new)) => writeln!(f, "      {}: {old} -> {new}", people::one(&spread))?,
+                (None, None) => {}
+            }
+        }
+        Ok(())
+    }
+
     /// What is added or removed, on one line.
     fn one_sided(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let value = |field: &FieldChange| field.after.clone().or_else(|| field.before.clone()).unwrap_or_default();
-        let fields: Vec<String> =
-            self.fields.iter().map(|field| format!("{} {}", field.field, people::one(&value(field)))).collect();
+        let fields: Vec<String> = self
+            .fields
+            .iter()
+            .map(|field| {
+                format!("{} {}", people::one(&people::degrees(&field.field)), people::one(&people::degrees(&value(field))))
+            })
+            .collect();
         let formula = self.formula.as_ref().map(|formula| format!("{}{}", formula.before, formula.after));
         match (fields.is_empty(), formula) {
             (true, None) => writeln!(f),

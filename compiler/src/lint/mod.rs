@@ -39,7 +39,7 @@ use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::{Binary, Memory, Operation};
 use crate::graph::{Graph, NodeId};
 use crate::hir::{Hir, Resolution};
-use crate::numbers::for_people;
+use crate::numbers::{exact, for_people};
 use crate::resolve::scope::Definition;
 use crate::syntax::tree::{BinaryOperator, Expr, ExprKind};
 use crate::task::RootPlacement;
@@ -110,6 +110,13 @@ fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Dia
 /// A warning about a term, at its formula.
 fn at(code: &'static Code, term: &PaidTerm<'_>, message: String) -> Diagnostic {
     Diagnostic::new(code, term.file, term.formula.span, message)
+}
+
+/// Offers another weight; one that stands in another file than the formula is pointed at.
+fn suggest_weight(diagnostic: Diagnostic, term: &PaidTerm<'_>, weight: f64) -> Diagnostic {
+    let (written, (file, span)) = (exact(weight), term.weight_at);
+    let diagnostic = if file == term.file { diagnostic } else { diagnostic.label(file, span, "the weight") };
+    diagnostic.suggest_at(format!("write the weight `{written}`"), term.weight_at, written)
 }
 
 /// Where a term names what is looked for: in its formula, or behind names and functions, each place once.

@@ -2,7 +2,7 @@
 
 use super::amount::Amount;
 use super::trend::{self, Trend};
-use super::{at, named_in};
+use super::{at, named_in, suggest_weight};
 use crate::check::context::Checker;
 use crate::check::reward::PaidTerm;
 use crate::check::task::CheckedTask;
@@ -12,7 +12,7 @@ use crate::graph::interval::Bounds;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
 use crate::hir::Resolution;
-use crate::numbers::{exact, for_people};
+use crate::numbers::for_people;
 use crate::signals::Read;
 
 /// Elements from which on a sum is looked at.
@@ -63,11 +63,9 @@ fn pays_effort(
     let message = format!("the term `{}` pays for effort: the harder all muscles work, the more it pays", term.name);
     let diagnostic = at(codes::incentive::PAYS_EFFORT, term, message);
     let diagnostic = if term.weight > 0.0 {
-        let negative = exact(-term.weight);
-        diagnostic
-            .found(format!("a weight of {}", for_people(term.weight)))
-            .help("effort is a cost: its weight is negative")
-            .suggest(format!("write the weight `{negative}`"), term.weight_at, negative)
+        let diagnostic =
+            diagnostic.found(format!("a weight of {}", for_people(term.weight))).help("effort is a cost: its weight is negative");
+        suggest_weight(diagnostic, term, -term.weight)
     } else {
         diagnostic.help("the formula falls with effort and its weight is negative: keep one of the two signs")
     };

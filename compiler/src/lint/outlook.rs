@@ -4,14 +4,14 @@
 //! can at any step.
 
 use super::amount::Amount;
-use super::at;
 use super::success::brings_success;
+use super::{at, suggest_weight};
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::graph::NodeId;
 use crate::graph::events::is_event;
 use crate::graph::interval::{self, Bounds, Ranges};
-use crate::numbers::{exact, for_people};
+use crate::numbers::for_people;
 use std::collections::BTreeSet;
 
 /// The part of what remains to the horizon that finishing with success must pay at least.
@@ -96,10 +96,9 @@ impl Outlook<'_, '_> {
                 for_people(going.high)
             );
             let diagnostic = at(codes::incentive::PAYS_FAILURE, term, message).label(end.file, end.span, "a failure");
-            let turned = exact(-term.weight);
             diagnostics.push(if term.condition {
                 let help = "a failure is charged by a negative weight, `not terminated` is paid by a positive one";
-                diagnostic.help(help).suggest(format!("write the weight `{turned}`"), term.weight_at, turned)
+                suggest_weight(diagnostic.help(help), term, -term.weight)
             } else {
                 diagnostic.help("a failure is charged: `-100 failed = terminated`")
             });

@@ -11,7 +11,7 @@ pub(super) fn weightless(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics
         // `dead_term` and `constant_term` warn of a formula that never changes.
         if term.weight == 0.0 && !tuned && amount.value.single().is_none() {
             let message = format!("the term `{}` has the weight 0: it pays nothing and is computed all the same", term.name);
-            let diagnostic = Diagnostic::new(codes::incentive::WEIGHTLESS, term.file, term.weight_at, message).help(
+            let diagnostic = Diagnostic::new(codes::incentive::WEIGHTLESS, term.weight_at.0, term.weight_at.1, message).help(
                 "a tuner may raise it within a range, `0 (0..10)`; what is only to be watched belongs in `metrics { ... }`",
             );
             diagnostics.push(diagnostic);

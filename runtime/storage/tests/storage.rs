@@ -32,6 +32,23 @@ fn a_file_is_read_within_its_limit() {
 }
 
 #[test]
+fn a_folder_is_created_once() {
+    let (place, _) = folder();
+    let new = place.path().join("run");
+    Folder::create_new(&new).unwrap().replace(path("a"), b"one").unwrap();
+    // Nobody else's folder is taken for one's own, nor what a link leads to.
+    assert!(Folder::create_new(&new).is_err());
+    assert_eq!(fs::read(new.join("a")).unwrap(), b"one");
+    #[cfg(unix)]
+    {
+        let link = place.path().join("link");
+        std::os::unix::fs::symlink(place.path().join("nowhere"), &link).unwrap();
+        assert!(Folder::create_new(&link).is_err());
+        assert!(!place.path().join("nowhere").exists());
+    }
+}
+
+#[test]
 fn a_file_is_replaced_and_nothing_is_left_beside_it() {
     let (place, folder) = folder();
     folder.replace(path("a"), b"one").unwrap();

@@ -164,7 +164,7 @@ impl Builder<'_> {
         } else {
             Bounds::Free
         };
-        Weight { value, span, bounds }
+        Weight { value, span, file: self.file, bounds }
     }
 
     fn signed_number(&mut self, pair: &Pair<'_>) -> (f64, crate::diagnostics::Span) {

@@ -274,6 +274,8 @@ pub struct Weight {
     pub value: f64,
     /// The sign and the digits, for edits that change nothing else.
     pub span: Span,
+    /// In which file: an override of the weight alone may stand in another than the formula.
+    pub file: FileId,
     /// What a tuner may do.
     pub bounds: Bounds,
 }
