@@ -1,5 +1,5 @@
-//! `msk help [COMMAND | CODE | LINT | lints | exit-codes]`: what a command does, what a code or a lint means, which lints there are, or
-//! what the program's exit codes say.
+//! `msk help [COMMAND | CODE | LINT | lints | policies | exit-codes]`: what a command does, what a code or a lint means, which lints
+//! there are, how a policy of one's own is written, or what the program's exit codes say.
 
 use crate::Cli;
 use crate::error::Error;
@@ -11,12 +11,15 @@ use std::process::ExitCode;
 /// What the exit codes mean, for people and scripts; `msk help exit-codes` prints it.
 const EXIT_CODES: &str = include_str!("../docs/exit-codes.md");
 
-/// Explain a command, an error code such as E0203, a lint such as dead_at_reset, or the exit codes; list all lints
+/// How policies are written; `msk help policies` prints it.
+const POLICIES: &str = include_str!("../docs/policies.md");
+
+/// Explain a command, an error code such as E0203, a lint such as dead_at_reset, policies, or the exit codes; list all lints
 #[derive(clap::Args)]
 pub struct Args {
-    /// A command, such as `eval`, a code, such as `E0203`, a lint, such as `dead_at_reset`, `lints` for the list of all, or
-    /// `exit-codes`; nothing for the list of commands
-    #[arg(value_name = "COMMAND | CODE | LINT | lints | exit-codes")]
+    /// A command, such as `eval`, a code, such as `E0203`, a lint, such as `dead_at_reset`, `lints` for the list of all,
+    /// `policies` for how to write one, or `exit-codes`; nothing for the list of commands
+    #[arg(value_name = "COMMAND | CODE | LINT | lints | policies | exit-codes")]
     topic: Vec<String>,
 }
 
@@ -29,6 +32,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     match args.topic.as_slice() {
         [topic] if has_page(topic) => write!(out, "{}", page_of(topic)?)?,
         [topic] if topic == "lints" => write!(out, "{}", table_of_lints())?,
+        [topic] if topic == "policies" => write!(out, "{POLICIES}")?,
         [topic] if topic == "exit-codes" => write!(out, "{EXIT_CODES}")?,
         names => write!(out, "{}", command_help(names)?)?,
     }

@@ -25,6 +25,7 @@ mod mutate;
 mod new;
 mod overlays;
 mod physics;
+mod policies;
 mod progress;
 mod project;
 mod ranking;

@@ -2,18 +2,21 @@
 
 use crate::condition::Condition;
 use crate::error::{Context, Error};
+use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
-use crate::project::{Project, Settings, policy_name};
+use crate::policies::{Limits, Recorder};
+use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
 use msk::runtime::episode::{Environment, EpisodeKey};
-use msk::runtime::evaluate::{EpisodeRecord, Journal, Plan, Protocol, Summary, Trial, play, play_to_horizon, replay, report};
+use msk::runtime::evaluate::{
+    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Summary, Trial, play, play_to_horizon, replay, report,
+};
 use msk::runtime::inspect::StateFile;
-use msk::runtime::policy::{self, Policy};
+use msk::runtime::policy::{Policy, PolicyError};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
 
 /// Run one episode of a task and print what each reward term paid
 #[derive(clap::Args)]
@@ -22,9 +25,15 @@ pub struct Args {
     task: String,
     /// What acts: cmc (computed muscle control along the task's reference motion, or of the beginning
     /// pose), demonstration (the same along the script of the task's first test that succeeds), zero (every
-    /// muscle at rest), random (every action uniform in -1..1)
-    #[arg(long, default_value = "cmc", value_parser = policy_name)]
+    /// muscle at rest), random (every action uniform in -1..1), "process COMMAND" (a program of your own: `msk help
+    /// policies` describes what it reads and writes), "replay FILE" (actions from a NumPy file, a row per step)
+    #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: String,
+    #[command(flatten)]
+    limits: Limits,
+    /// Write the actions to this NumPy file, as the policy `replay` reads them
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["replay", "ignore_terminations"])]
+    actions: Option<PathBuf>,
     #[command(flatten)]
     condition: Condition,
     /// Seed of all chance
@@ -64,15 +73,22 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         return replay_recorded(&args, &trial, folder);
     }
     args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
-    let mut policy = policy::create(&args.policy)?;
+    let source = args.limits.source(&args.policy)?;
+    let interrupt = Interrupt::listen()?;
+    let mut policy = Recorder::new(source.open(interrupt.stop())?);
     let mut episode = trial.episode()?;
     let key = EpisodeKey { seed: args.seed, episode: args.episode };
     if args.ignore_terminations {
-        return to_horizon(&args, &trial, &mut episode, key, policy.as_mut());
+        return to_horizon(&args, &trial, &mut episode, key, &mut policy);
     }
-    let stop = AtomicBool::new(false);
-    let record = play(&trial, &mut episode, key, policy.as_mut(), &stop, || {})?;
-    let Some(record) = record else { return Ok(ExitCode::SUCCESS) };
+    let record = match play(&trial, &mut episode, key, &mut policy, interrupt.stop(), || {}) {
+        Ok(Some(record)) => record,
+        Ok(None) | Err(EvaluationError::Policy(PolicyError::Interrupted)) => return Ok(interrupt.code()),
+        Err(error) => return Err(error.into()),
+    };
+    if let Some(path) = &args.actions {
+        policy.write(path)?;
+    }
     write_state(&args, &episode)?;
     let mut out = io::stdout().lock();
     if args.json {
@@ -82,7 +98,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     }
     let protocol = Protocol { episodes: 1, seed: args.seed };
     let time = f64::from(record.steps) / trial.task.control_frequency;
-    let plan = Plan { trials: vec![trial], policy: args.policy, protocol };
+    let plan = Plan { trials: vec![trial], policy: source, protocol };
     let summary = Summary::of(&plan, std::slice::from_ref(&record));
     writeln!(out, "{}", headline(&record, time))?;
     for task in &summary.tasks {

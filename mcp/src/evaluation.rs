@@ -5,7 +5,7 @@ use crate::project::{Failure, Project};
 use msk_physics::scalar::Real;
 use msk_runtime::episode::EpisodeKey;
 use msk_runtime::evaluate::{Plan, Protocol, Summary, play};
-use msk_runtime::policy;
+use msk_runtime::policy::{self, PolicySource};
 use msk_storage::Kind;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -96,7 +96,8 @@ pub fn evaluate(project: &Project, asked: &Evaluate, cancelled: &dyn Fn() -> boo
     if cancelled() {
         return Err("cancelled".into());
     }
-    let plan = Plan { policy: policy.name().to_owned(), trials: vec![trial], protocol: Protocol { episodes, seed } };
+    let plan =
+        Plan { policy: PolicySource::built_in(policy.name())?, trials: vec![trial], protocol: Protocol { episodes, seed } };
     let summary = Summary::of(&plan, &records);
     Ok(json!({
         "summary": serde_json::to_value(&summary)?,

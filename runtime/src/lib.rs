@@ -14,5 +14,6 @@ pub mod inspect;
 pub mod library;
 pub mod policy;
 pub mod probe;
+pub mod process_group;
 pub mod scene;
 pub mod testing;

@@ -17,6 +17,8 @@ mod mcp;
 mod motion;
 mod mutate;
 mod new;
+#[cfg(unix)]
+mod policies;
 mod project;
 mod run;
 mod special_files;

@@ -28,7 +28,7 @@ pub use to_horizon::{ToHorizon, play_to_horizon};
 
 use crate::episode::{Environment, EpisodeError, EpisodeKey, REST};
 use crate::library::BoundBody;
-use crate::policy::{self, Policy, PolicyError};
+use crate::policy::{Policy, PolicyError, PolicySource};
 use msk_compiler::task::CompiledTask;
 use record::Tally;
 use std::collections::{BTreeMap, BTreeSet};
@@ -51,8 +51,8 @@ pub struct Trial {
 pub struct Plan {
     /// The tasks, in the order of the report.
     pub trials: Vec<Trial>,
-    /// Name of the policy.
-    pub policy: String,
+    /// What acts.
+    pub policy: PolicySource,
     /// Episodes and seed.
     pub protocol: Protocol,
 }
@@ -255,7 +255,7 @@ impl Crew<'_> {
     }
 
     fn play_jobs(&self, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
-        let mut policy = policy::create(&self.plan.policy)?;
+        let mut policy = self.plan.policy.open(self.stop)?;
         let mut present: Option<(usize, Environment)> = None;
         while let Some(&(trial, index)) = self.jobs.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             if self.failed.load(Ordering::Relaxed) || self.stop.load(Ordering::Relaxed) {
@@ -277,7 +277,7 @@ impl Crew<'_> {
             }
             let mut record = match play(&self.plan.trials[trial], &mut episode, key, policy.as_mut(), self.stop, stepped) {
                 Ok(Some(record)) => record,
-                Ok(None) => break,
+                Ok(None) | Err(EvaluationError::Policy(PolicyError::Interrupted)) => break,
                 Err(EvaluationError::Policy(PolicyError::Unable { reason, .. })) => {
                     self.skip(trial, index, reason);
                     continue;

@@ -94,7 +94,7 @@ impl RunSettings {
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
             build: BUILD.into(),
-            policy: plan.policy.clone(),
+            policy: plan.policy.name().to_owned(),
             protocol: plan.protocol,
             tasks: tasks.collect(),
             live: None,

@@ -21,7 +21,7 @@ pub enum ExcitationsError {
     #[error("must hold doubles in rows (`<f8`, not in Fortran's order), found {0}")]
     Type(String),
     /// Another number of dimensions or columns.
-    #[error("must hold rows of {width} excitations, found the shape ({found})")]
+    #[error("must hold rows of {width} numbers, found the shape ({found})")]
     Shape {
         /// Numbers of a row that are needed.
         width: usize,
@@ -35,7 +35,7 @@ pub enum ExcitationsError {
         rows: u64,
     },
     /// A number that is none.
-    #[error("row {row}, column {column} (from 0) is {value}, which is no excitation")]
+    #[error("row {row}, column {column} (from 0) is {value}, which is no finite number")]
     NotFinite {
         /// Its row.
         row: usize,
@@ -172,12 +172,12 @@ mod tests {
         assert_eq!(told(&file(7, "", &[])), "is no NumPy array: its version is not 1, 2 or 3");
         assert_eq!(with("{}", &[]), "is no NumPy array: its header names no type or no order");
         for shape in ["2", "2,", "2, 3", "2, 2, 2", "-1, 2", "x, 2", ""] {
-            assert!(with(&header(shape), &[0.0; 8]).contains("must hold rows of 2 excitations"), "{shape}");
+            assert!(with(&header(shape), &[0.0; 8]).contains("must hold rows of 2 numbers"), "{shape}");
         }
         assert!(with(&header("1, 2").replace("<f8", "<f4"), &[0.0; 2]).contains("must hold doubles"));
         assert!(with(&header("1, 2").replace("False", "True"), &[0.0; 2]).contains("must hold doubles"));
         assert_eq!(with(&header("2, 2"), &[0.0; 3]), "promises 2 rows, but ends before the last of them");
-        assert_eq!(with(&header("1, 2"), &[0.0, f64::NAN]), "row 0, column 1 (from 0) is NaN, which is no excitation");
+        assert_eq!(with(&header("1, 2"), &[0.0, f64::NAN]), "row 0, column 1 (from 0) is NaN, which is no finite number");
     }
 
     #[test]

@@ -4,11 +4,14 @@
 //! them. Learned policies look at the observation only; model-based ones may read body, state and the forward pass.
 
 pub mod cmc;
+mod outside;
 mod random;
+mod source;
 mod zero;
 
 pub use cmc::ComputedMuscleControl;
 pub use random::Random;
+pub use source::{PolicySource, TIMEOUT};
 pub use zero::Zero;
 
 use crate::body::Body;
@@ -72,8 +75,24 @@ pub trait Policy: Send {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PolicyError {
     /// No policy of that name.
-    #[error("there is no policy `{0}`; choose one of: {names}", names = NAMES.join(", "))]
+    #[error("there is no policy `{0}`; choose one of: {names}, process COMMAND, replay FILE", names = NAMES.join(", "))]
     Unknown(String),
+    /// A policy from outside without what it is.
+    #[error("`{policy}` names no {}: write `{example}`", if *policy == "process" { "command" } else { "file" })]
+    Incomplete {
+        /// Its kind.
+        policy: &'static str,
+        /// A complete one.
+        example: &'static str,
+    },
+    /// A file that cannot be read.
+    #[error("cannot read `{path}`: {reason}")]
+    Unreadable {
+        /// As it was named.
+        path: String,
+        /// Why not.
+        reason: String,
+    },
     /// A policy that has another name today.
     #[error("the policy `{former}` is now called `{present}`")]
     Renamed {
@@ -86,10 +105,21 @@ pub enum PolicyError {
     #[error("policy `{policy}` cannot act: {reason}")]
     Unable {
         /// Its name.
-        policy: &'static str,
+        policy: String,
         /// What is missing.
         reason: String,
     },
+    /// A policy from outside broke down.
+    #[error("policy `{policy}` failed: {reason}")]
+    Failed {
+        /// Its name.
+        policy: String,
+        /// What happened, with what it wrote last.
+        reason: String,
+    },
+    /// The wait for a policy from outside was given up because the run is to stop.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 /// The built-in policies.
@@ -100,7 +130,7 @@ pub fn present_name(name: &str) -> &str {
     if name == "posture" { "cmc" } else { name }
 }
 
-/// A new policy of that name.
+/// A new built-in policy of that name. [`PolicySource`] names those from outside, too.
 ///
 /// # Errors
 /// An unknown name.

@@ -3,7 +3,6 @@
 //! A proposal is data and nothing else: a number for a name. It is read strictly, and what the rules of change make of it is
 //! not the reasoner's business.
 
-mod group;
 mod http;
 mod process;
 mod prompt;

@@ -1,7 +1,7 @@
 //! A reasoner that is a program: it gets the request as JSON on its standard input and answers on its standard output.
 
-use super::group::Group;
 use super::{GLANCE, Proposal, Reasoner, ReasonerError, Request, Secrets, prompt, read};
+use msk_runtime::process_group::ProcessGroup;
 use serde_json::json;
 use std::io::{self, Read, Write};
 use std::process::{Command, ExitStatus, Stdio};
@@ -98,14 +98,15 @@ impl Process {
         String::from_utf8(answer).map_err(|_| silent("its answer is not UTF-8 text".into()))
     }
 
-    fn start(&self) -> Result<Group, ReasonerError> {
+    fn start(&self) -> Result<ProcessGroup, ReasonerError> {
         let Some((program, arguments)) = self.command.split_first() else {
             return Err(ReasonerError::Refuses("no command is given".into()));
         };
         let mut command = Command::new(program);
         command.args(arguments).env_clear().envs(self.variables.iter().map(|(name, value)| (name, value)));
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        Group::start(&mut command).map_err(|error| ReasonerError::Refuses(format!("`{program}` cannot be started: {error}")))
+        ProcessGroup::start(&mut command)
+            .map_err(|error| ReasonerError::Refuses(format!("`{program}` cannot be started: {error}")))
     }
 
     fn failure(&self, status: ExitStatus, errors: &[u8]) -> String {

@@ -29,6 +29,7 @@ use log::{Log, LogError};
 use msk_compiler::weights::rules::{RuleError, Weight, normalized};
 use msk_compiler::weights::{Bounds, Problem};
 use msk_runtime::evaluate::{EpisodeRecord, EvaluationError, Journal, JournalError, Plan, Protocol, RunSettings, Trial};
+use msk_runtime::policy::PolicySource;
 use msk_storage::{Folder, StorageError};
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -153,7 +154,7 @@ impl Session {
         let first = settings.first_weights(&trial.task, &in_scope)?;
         let plan = Plan {
             trials: vec![trial.clone()],
-            policy: settings.policy.clone(),
+            policy: PolicySource::built_in(&settings.policy).map_err(EvaluationError::from)?,
             // How many episodes there will be is not known beforehand.
             protocol: Protocol { episodes: 0, seed: settings.seed },
         };

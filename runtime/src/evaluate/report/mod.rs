@@ -1,8 +1,10 @@
 //! The summary for people: Markdown whose tables are aligned, so that a terminal shows it well and a page renders it.
 
+mod comparison;
 mod overview;
 mod table;
 
+pub use comparison::comparison;
 pub use overview::overview;
 pub use table::Table;
 

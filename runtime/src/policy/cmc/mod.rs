@@ -80,7 +80,7 @@ impl ComputedMuscleControl {
     fn schedule(context: &PolicyContext<'_>) -> Result<Course, PolicyError> {
         let tests = context.task.tests.as_ref();
         let keyframes = tests.and_then(|tests| tests.demonstration()).ok_or_else(|| PolicyError::Unable {
-            policy: "demonstration",
+            policy: "demonstration".into(),
             reason: format!("no test of `{}` plays a script up to `expect success`", context.task.name),
         })?;
         let mut scratch = Workspace::new(context.model);
@@ -131,7 +131,7 @@ impl Policy for ComputedMuscleControl {
 }
 
 fn unable(reason: impl Into<String>) -> PolicyError {
-    PolicyError::Unable { policy: "cmc", reason: reason.into() }
+    PolicyError::Unable { policy: "cmc".into(), reason: reason.into() }
 }
 
 /// Cost of full activation of one muscle, in units of the error's (J/s²).

@@ -1,0 +1,69 @@
+//! Folders of results.
+
+use crate::error::Error;
+use msk::runtime::evaluate::{JournalError, Plan};
+use msk_storage::{Folder, StorageError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What a run is called: after its task or its file, and its policy.
+pub(super) fn name(plan: &Plan, file: &Path, policy: &str) -> String {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let name = if let [trial] = plan.trials.as_slice() { trial.task.name.clone() } else { stem.into_owned() };
+    format!("{name}-{}", in_path(policy))
+}
+
+/// A policy as a part of a path: `process python3 policy.py` is `process-python3-policy-py`.
+pub(super) fn in_path(policy: &str) -> String {
+    const LONGEST: usize = 40;
+    let words = policy.split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_').filter(|word| !word.is_empty());
+    let joined = words.collect::<Vec<_>>().join("-");
+    joined.chars().take(LONGEST).collect::<String>().trim_end_matches('-').to_owned()
+}
+
+/// Makes `results/NAME-1`, or the first that does not exist yet: nothing is ever overwritten. It is on the disk when this returns.
+///
+/// # Errors
+/// A folder that cannot be made.
+pub fn fresh(name: &str) -> Result<PathBuf, Error> {
+    let results = Path::new("results");
+    let cannot = |source: StorageError| explain(JournalError::Unusable { folder: results.into(), source });
+    Folder::create(results).map_err(cannot)?;
+    for number in 1_u64.. {
+        let folder = results.join(format!("{name}-{number}"));
+        match Folder::create_new(&folder) {
+            Err(StorageError::System { source, .. }) if source.kind() == io::ErrorKind::AlreadyExists => {}
+            made => return made.map(|_| folder).map_err(cannot),
+        }
+    }
+    Err(Error::new("`results` is full"))
+}
+
+/// Says what to do about a folder that cannot be used.
+pub fn explain(error: JournalError) -> Error {
+    let hint = match &error {
+        JournalError::Unusable { .. } => {
+            "make room or choose a folder that can be written with `--out DIR`; what has ended is kept"
+        }
+        JournalError::OtherRun { .. } => "choose another folder with `--out DIR`, or repeat that run's settings",
+        JournalError::Unclaimed { .. } => "put its `run.json` back, or choose another folder with `--out DIR`",
+        JournalError::Empty { .. } => "name a folder of results, such as results/tasks-cmc-1",
+        JournalError::Damaged { .. } | JournalError::Foreign { .. } => {
+            "take out the line or put the file back, or choose another folder with `--out DIR`; nothing was changed"
+        }
+        JournalError::Busy { .. } => "wait for it, or choose another folder with `--out DIR`",
+    };
+    Error::from(error).hint(hint)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn policies_are_named_in_paths_without_what_paths_cannot_hold() {
+        assert_eq!(in_path("cmc"), "cmc");
+        assert_eq!(in_path("process python3 ../policy.py"), "process-python3-policy-py");
+        assert_eq!(in_path(&"x/".repeat(100)).len(), 39);
+    }
+}

@@ -1,0 +1,201 @@
+//! `msk eval FILE`: every task of a file under a policy, some episodes of each, one table.
+
+mod folder;
+mod protocol;
+
+pub use folder::{explain, fresh as fresh_folder};
+
+use crate::condition::Condition;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::levels::LevelArgs;
+use crate::overlays::Overlays;
+use crate::policies::Limits;
+use crate::progress::Progress;
+use crate::project::{Project, Settings};
+use msk::runtime::evaluate::{self, Journal, Plan, RunSettings, Summary, report};
+use msk::runtime::policy::PolicySource;
+use msk::tuning::live::Live;
+use protocol::Chosen;
+use std::io::{self, Write};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Evaluate a policy: run episodes of every task, write results, print a table
+///
+/// How many episodes, and from which seed, is the first protocol of the suite, unless --protocol, --episodes or --seed say
+/// otherwise. Each task's row is shown as it ends, one table at the end. Results go to a folder: run.json (what was run),
+/// episodes.jsonl (a line per episode, written as it ends), summary.json and report.md (also terms and metrics). With --out, a
+/// folder that already holds part of the same run is continued; another run there is refused.
+///
+/// Several policies are evaluated one after the other, each in a folder of its own below that of the results.
+///
+/// A task that the policy cannot act on is skipped, with the reason in its row. Exit code 0 if all other episodes have ended,
+/// 1 if something failed or the policy can act on no task, 2 for a wrong command line; after SIGINT, SIGTERM or SIGHUP, which
+/// keep all ended episodes, 130, 143 or 129.
+#[derive(clap::Args)]
+pub struct Args {
+    /// File with tasks, or with a suite of them
+    #[arg(default_value = "tasks.msk")]
+    file: PathBuf,
+    /// Run this task only
+    #[arg(long)]
+    task: Option<String>,
+    /// What acts: cmc (computed muscle control along the task's reference motion, or of the beginning
+    /// pose), demonstration (the same along the script of the task's first test that succeeds), zero (every
+    /// muscle at rest), random (every action uniform in -1..1), "process COMMAND" (a program of your own: `msk help
+    /// policies` describes what it reads and writes), "replay FILE" (actions from a NumPy file, a row per step).
+    /// Several, each with its own `--policy`, are compared in one table
+    #[arg(long, default_value = "cmc", value_name = "POLICY")]
+    policy: Vec<String>,
+    #[command(flatten)]
+    limits: Limits,
+    #[command(flatten)]
+    condition: Condition,
+    /// Protocol of the suite, by name [default: its first]
+    #[arg(long, value_name = "NAME")]
+    protocol: Option<String>,
+    /// Episodes per task [default: the protocol's, else 50]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    episodes: Option<u64>,
+    /// Seed of all chance [default: the protocol's, else 0]
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Worker threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Folder for the results [default: a new one under results/]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    overlays: Overlays,
+    /// Read the file of --weights anew before every episode; each episode records the version that paid it
+    #[arg(long, requires = "weights")]
+    live: bool,
+    #[command(flatten)]
+    lints: LevelArgs,
+    #[command(flatten)]
+    settings: Settings,
+}
+
+/// Runs the evaluation.
+///
+/// # Errors
+/// Errors in the file, a folder that cannot be used, or a policy that cannot act.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let policies: Vec<PolicySource> =
+        args.policy.iter().map(|policy| args.limits.source(policy)).collect::<Result<_, Error>>()?;
+    let project = Project::open_at(&args.file, &args.settings.settings, &args.lints.levels)?;
+    let chosen = Chosen::of(&args, &project)?;
+    let mut trials = project.trials(args.task.as_deref())?;
+    args.condition.apply(&mut trials)?;
+    let live = match args.live {
+        true => Some(args.overlays.live(&project, &mut trials)?),
+        false => args.overlays.apply(&project, &mut trials).map(|()| None)?,
+    };
+    let plans: Vec<Plan> =
+        policies.into_iter().map(|policy| Plan { trials: trials.clone(), policy, protocol: chosen.protocol }).collect();
+    let names: Vec<&str> = plans.iter().map(|plan| plan.policy.name()).collect();
+    let Some(first) = plans.first() else { return Ok(ExitCode::SUCCESS) };
+    if let Some(twice) = names.iter().enumerate().find_map(|(place, name)| names[..place].contains(name).then_some(name)) {
+        return Err(Error::usage(format!("the policy `{twice}` is named twice")));
+    }
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None if names.len() == 1 => folder::fresh(&folder::name(first, &args.file, names[0]))?,
+        None => folder::fresh(&folder::name(first, &args.file, &format!("{} policies", names.len())))?,
+    };
+    let interrupt = Interrupt::listen()?;
+    writeln!(io::stderr(), "{}", chosen.heading(first, &names))?;
+    let evaluation = Evaluation { args: &args, interrupt: &interrupt, live: live.as_ref() };
+    let [plan] = plans.as_slice() else { return evaluation.several(&plans, &folder) };
+    let (summary, interrupted) = evaluation.one(plan, &folder)?;
+    let printed = print(&report::overview(&summary), &folder, "report.md has every term, episodes.jsonl a line per episode");
+    if interrupted {
+        return Ok(evaluation.leave(&[summary], plan.episodes(), &folder));
+    }
+    printed?;
+    acted(&[summary])
+}
+
+/// What all policies of an evaluation share.
+struct Evaluation<'a> {
+    args: &'a Args,
+    interrupt: &'a Interrupt,
+    live: Option<&'a Live>,
+}
+
+impl Evaluation<'_> {
+    /// Plays the missing episodes of one policy and writes its results; says whether it was interrupted.
+    fn one(&self, plan: &Plan, folder: &Path) -> Result<(Summary, bool), Error> {
+        let settings = RunSettings::of(plan);
+        let settings = if self.args.live { settings.live(self.args.overlays.file()) } else { settings };
+        let (journal, done) = Journal::open(folder, &settings).map_err(explain)?;
+        if !done.is_empty() {
+            let (there, all) = (done.len(), plan.episodes());
+            writeln!(io::stderr(), "continuing `{}`: {there} of {all} episodes are there", folder.display())?;
+        }
+        let asked = self.args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
+        let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+        let progress = Progress::new(plan, &done);
+        let feed = self.live.map(|live| live as &dyn evaluate::Feed);
+        let outcome = evaluate::run_fed(plan, done, &journal, threads, self.interrupt.stop(), &progress, feed).map_err(
+            |error| match error {
+                evaluate::EvaluationError::Journal(error) => explain(error),
+                error => error.into(),
+            },
+        )?;
+        progress.finish();
+        let summary = Summary::of(plan, &outcome.records).with_skipped(&outcome.skipped);
+        journal.write("summary.json", &summary.json()).map_err(explain)?;
+        journal.write("report.md", &report::markdown(&summary)).map_err(explain)?;
+        Ok((summary, outcome.interrupted))
+    }
+
+    /// Evaluates one policy after the other, each in a folder of its own, and compares them in one table.
+    fn several(&self, plans: &[Plan], folder: &Path) -> Result<ExitCode, Error> {
+        let mut summaries = Vec::new();
+        for (number, plan) in plans.iter().enumerate() {
+            let own = folder.join(format!("{}-{}", number + 1, folder::in_path(plan.policy.name())));
+            writeln!(io::stderr(), "\npolicy {}", plan.policy.name())?;
+            let (summary, interrupted) = self.one(plan, &own)?;
+            summaries.push(summary);
+            if interrupted {
+                let _ = print(&report::comparison(&summaries), folder, "a folder per policy");
+                let all = plans.iter().map(Plan::episodes).sum();
+                return Ok(self.leave(&summaries, all, folder));
+            }
+        }
+        print(&report::comparison(&summaries), folder, "a folder per policy, each with its report.md")?;
+        acted(&summaries)
+    }
+
+    /// The last words after a signal.
+    fn leave(&self, summaries: &[Summary], all: u64, folder: &Path) -> ExitCode {
+        let done: u64 = summaries.iter().flat_map(|summary| &summary.tasks).map(|task| task.episodes).sum();
+        let again = format!("the same command with `--out {}` continues", folder.display());
+        // The terminal may be what has gone; the results are in their folder.
+        let _ = writeln!(io::stderr(), "interrupted after {done} of {all} episodes; {again}");
+        self.interrupt.code()
+    }
+}
+
+/// Whether each policy can act on at least one task.
+fn acted(summaries: &[Summary]) -> Result<ExitCode, Error> {
+    match summaries.iter().find(|summary| summary.tasks.iter().all(|task| task.skipped.is_some())) {
+        Some(Summary { policy, .. }) => {
+            let message = format!("policy `{policy}` can act on none of the tasks");
+            Err(Error::new(message).hint("choose another with `--policy`; the rows above say why"))
+        }
+        None => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// The last screen: one table, and where the rest lies.
+fn print(table: &str, folder: &Path, rest: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    write!(out, "\n{table}")?;
+    writeln!(out, "Results: {}", folder.display())?;
+    writeln!(out, "         {rest}")
+}

@@ -1,0 +1,109 @@
+//! Policies as a command line names them: built in, or from outside.
+
+use super::outside::{Process, Replay};
+use super::{Policy, PolicyError, create, present_name};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// How long a policy from outside may take for a reply, unless it is set.
+pub const TIMEOUT: Duration = Duration::from_secs(30);
+
+/// What acts: the name of a built-in policy, `process COMMAND` or `replay FILE`.
+///
+/// The text of tasks, journals and requests of other programs name built-in policies only ([`create`]): a source with a command is
+/// made from what the user of a command line wrote.
+#[derive(Debug, Clone)]
+pub struct PolicySource {
+    name: String,
+    kind: Kind,
+    timeout: Duration,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    BuiltIn,
+    Process(Vec<String>),
+    Replay { path: PathBuf, bytes: Arc<[u8]> },
+}
+
+impl PolicySource {
+    /// A built-in policy.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn built_in(name: &str) -> Result<Self, PolicyError> {
+        create(name)?;
+        Ok(Self { name: present_name(name).to_owned(), kind: Kind::BuiltIn, timeout: TIMEOUT })
+    }
+
+    /// What a command line names. The file of a replay is read here, so that all episodes see the same.
+    ///
+    /// # Errors
+    /// An unknown name, `process` without a command, or a file that cannot be read.
+    pub fn parse(text: &str) -> Result<Self, PolicyError> {
+        let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+        let rest = rest.trim();
+        let (name, kind) = match word {
+            "process" => {
+                let command: Vec<String> = rest.split_whitespace().map(str::to_owned).collect();
+                if command.is_empty() {
+                    return Err(PolicyError::Incomplete { policy: "process", example: "process python3 policy.py" });
+                }
+                (format!("process {}", command.join(" ")), Kind::Process(command))
+            }
+            "replay" if rest.is_empty() => {
+                return Err(PolicyError::Incomplete { policy: "replay", example: "replay actions.npy" });
+            }
+            "replay" => {
+                let (path, bytes, digest) = Replay::read(rest)?;
+                // Results tell two files of one name apart.
+                (format!("replay {rest} ({digest})"), Kind::Replay { path, bytes })
+            }
+            _ => return Self::built_in(text),
+        };
+        Ok(Self { name, kind, timeout: TIMEOUT })
+    }
+
+    /// The same with another limit for each reply of a process.
+    #[must_use]
+    pub fn with_timeout(self, timeout: Duration) -> Self {
+        Self { timeout, ..self }
+    }
+
+    /// Its name in results.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// A policy of its own for one worker. One that waits for a process gives up when `stop` becomes true.
+    ///
+    /// # Errors
+    /// A process that cannot be started.
+    pub fn open<'a>(&self, stop: &'a AtomicBool) -> Result<Box<dyn Policy + 'a>, PolicyError> {
+        match &self.kind {
+            Kind::BuiltIn => create(&self.name).map(|policy| policy as Box<dyn Policy>),
+            Kind::Process(command) => Ok(Box::new(Process::start(&self.name, command, self.timeout, stop)?)),
+            Kind::Replay { path, bytes } => Ok(Box::new(Replay::new(&self.name, path, bytes.clone()))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_are_named_as_results_name_them() {
+        let name = |text: &str| PolicySource::parse(text).map(|source| source.name().to_owned());
+        assert_eq!(name("cmc"), Ok("cmc".to_owned()));
+        assert_eq!(name("posture"), Ok("cmc".to_owned()));
+        assert_eq!(name("process  python3   p.py"), Ok("process python3 p.py".to_owned()));
+        assert!(matches!(name("processes"), Err(PolicyError::Unknown(_))));
+        let message = |text: &str| name(text).err().map(|error| error.to_string()).unwrap_or_default();
+        assert_eq!(message("process "), "`process` names no command: write `process python3 policy.py`");
+        assert_eq!(message("replay"), "`replay` names no file: write `replay actions.npy`");
+        assert!(message("replay nothing.npy").starts_with("cannot read `nothing.npy`"), "{}", message("replay nothing.npy"));
+    }
+}
