@@ -23,7 +23,7 @@ impl Loader for Text {
 }
 
 /// A task on the human body; `parts` replaces a line of the usual one by another.
-fn episode(parts: &[(&str, &str)]) -> Environment {
+pub fn episode(parts: &[(&str, &str)]) -> Environment {
     let mut text = "
 task balance {
     body    human

@@ -25,4 +25,5 @@ mod task_pages;
 mod task_snapshots;
 mod task_tests;
 mod tasks;
+mod vector;
 mod vocabulary_fixture;

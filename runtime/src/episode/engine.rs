@@ -108,6 +108,8 @@ impl Engine {
             frame: vec![0.0; self.task.frame.size()],
             observation: vec![0.0; self.task.observation_size()],
             report: StepReport::default(),
+            total: 0.0,
+            totals: vec![0.0; self.task.terms.len()],
             ending: None,
         }
     }

@@ -30,7 +30,7 @@ pub use environment::{Environment, Reward, TermReward};
 pub use excitation::{REST, excitation};
 pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
-pub use vector::VectorEnvironment;
+pub use vector::{AutoresetMode, EpisodeEnd, VectorEnvironment, VectorStep};
 
 use crate::body::sensors;
 use crate::condition::Compartments;
@@ -59,6 +59,10 @@ pub struct Episode {
     frame: Vec<f64>,
     observation: Vec<f64>,
     report: StepReport,
+    /// Sum of the rewards since reset.
+    total: f64,
+    /// Sum of weight times value since reset, by term.
+    totals: Vec<f64>,
     ending: Option<Ending>,
 }
 
@@ -86,6 +90,16 @@ impl Episode {
     /// What the task reports of the last step.
     pub fn report(&self) -> &StepReport {
         &self.report
+    }
+
+    /// The return so far: the sum of the rewards since reset, without discount.
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// What each term has added to the return so far, in the task's order: weight times value, summed up.
+    pub fn totals(&self) -> &[f64] {
+        &self.totals
     }
 
     /// How the episode has ended, if it has.

@@ -44,6 +44,8 @@ impl Player<'_> {
         episode.compartments = engine.fatigue.as_ref().map(|_| Compartments::new(engine.body.muscles.len()));
         episode.action.fill(REST);
         episode.report = StepReport::default();
+        episode.total = 0.0;
+        episode.totals.fill(0.0);
         episode.ending = None;
         episode.streams.start(key, &engine.task.randoms);
         self.scratch.forget();
@@ -113,13 +115,19 @@ impl Player<'_> {
         Ok(())
     }
 
-    /// Advances the task by one snapshot, judges, and lets go.
+    /// Advances the task by one snapshot, judges, lets go, and adds up.
     pub fn evaluate(&mut self) -> Result<(), Fault> {
         let episode = &mut *self.episode;
         let Episode { frame, streams, task, report, .. } = episode;
         self.engine.task.step(frame, self.weights, streams, task, report)?;
         self.episode.ending = self.judge();
-        self.release()
+        self.release()?;
+        let Episode { report, total, totals, .. } = &mut *self.episode;
+        *total += report.reward;
+        for ((sum, value), weight) in totals.iter_mut().zip(&report.terms).zip(self.weights) {
+            *sum += weight * value;
+        }
+        Ok(())
     }
 
     /// Takes the physics steps of one control step; the scratch then holds the forward pass of the new state.

@@ -1,0 +1,252 @@
+//! Many episodes of one task side by side.
+
+mod step;
+
+pub use step::{EpisodeEnd, VectorStep};
+
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Scratch};
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use std::num::NonZeroUsize;
+
+/// When an episode that has ended gives way to the next one in its slot: Gymnasium's `AutoresetMode`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AutoresetMode {
+    /// In the step after its end, whose action is ignored and whose reward is 0.
+    NextStep,
+    /// In the step of its end: the observation is that of the next episode, the last one stands in the final observations.
+    SameStep,
+    /// When [`VectorEnvironment::reset_where`] chooses its slot. Until then steps leave it as it is.
+    #[default]
+    Disabled,
+}
+
+/// Many episodes of one task, stepped together by a few workers.
+///
+/// An episode costs its own data only; scratch belongs to the workers. Each episode depends on its seed, its index and its actions alone,
+/// so results have the same bits on any number of threads.
+///
+/// ```
+/// use msk_runtime::episode::{Engine, VectorEnvironment};
+/// use msk_runtime::library::{BodyLibrary, FileLoader};
+/// use std::num::NonZeroUsize;
+///
+/// let bodies = BodyLibrary::default();
+/// let compilation = msk_compiler::compile("../examples/crouch.msk".as_ref(), &FileLoader, &bodies)?;
+/// let task = compilation.tasks[0].clone();
+/// let stage = bodies.stage(&task.body, &task.scene)?;
+/// let engine = Engine::new(stage.model, stage.body, task)?;
+/// let (episodes, threads) = (NonZeroUsize::new(4).unwrap(), NonZeroUsize::MIN);
+/// let mut environment = VectorEnvironment::new(engine, episodes, threads)?;
+/// environment.reset(7);
+/// let actions = vec![-1.0; 4 * environment.engine().body().muscles.len()];
+/// let step = environment.step(&actions)?;
+/// assert_eq!(step.rewards.len(), 4);
+/// assert!(!step.ended.contains(&true));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct VectorEnvironment {
+    engine: Engine,
+    slots: Vec<Slot>,
+    /// One per worker.
+    scratch: Vec<Scratch>,
+    pool: ThreadPool,
+    autoreset: AutoresetMode,
+    step: VectorStep,
+}
+
+/// A place for one episode after the other.
+struct Slot {
+    episode: Episode,
+    weights: Vec<f64>,
+    /// The key of the next episode.
+    next: EpisodeKey,
+    /// Of the last step.
+    outcome: Outcome,
+}
+
+/// What a step did in a slot.
+#[derive(Default, Clone)]
+struct Outcome {
+    reward: f64,
+    /// The episode that ended, with its last observation.
+    end: Option<(EpisodeEnd, Vec<f64>)>,
+}
+
+impl VectorEnvironment {
+    /// `count` episodes on `threads` workers, reset with seed 0.
+    ///
+    /// # Errors
+    /// The operating system gives no threads.
+    pub fn new(engine: Engine, count: NonZeroUsize, threads: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads.get()).build()?;
+        let slot = Slot {
+            episode: engine.episode(),
+            weights: engine.task().weights(),
+            next: EpisodeKey::default(),
+            outcome: Outcome::default(),
+        };
+        let scratch = vec![engine.scratch(); threads.min(count).get()];
+        let slots = (0..count.get()).map(|_| slot.duplicate()).collect();
+        let step = VectorStep::new(count.get(), engine.task().observation_size());
+        let mut environment = Self { engine, slots, scratch, pool, autoreset: AutoresetMode::default(), step };
+        environment.reset(0);
+        Ok(environment)
+    }
+
+    /// The same with another mode of resetting: [`AutoresetMode::Disabled`] unless it is set.
+    #[must_use]
+    pub fn with_autoreset(self, autoreset: AutoresetMode) -> Self {
+        Self { autoreset, ..self }
+    }
+
+    /// Begins in slot i episode i of `seed`; the n-th episode after it will have the index i + n times the number of slots.
+    pub fn reset(&mut self, seed: u64) -> &VectorStep {
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            slot.next = EpisodeKey { seed, episode: index as u64 };
+        }
+        let every = vec![true; self.slots.len()];
+        self.reset_where(&every)
+    }
+
+    /// Begins the episodes `keys`, one per slot, as those that are to be played again; `None` leaves a slot as it is, and so does the
+    /// end of the list. The episodes after them follow as after [`reset`](Self::reset).
+    pub fn reset_to(&mut self, keys: &[Option<EpisodeKey>]) -> &VectorStep {
+        for (slot, key) in self.slots.iter_mut().zip(keys) {
+            slot.next = key.unwrap_or(slot.next);
+        }
+        let chosen: Vec<bool> = keys.iter().map(Option::is_some).collect();
+        self.reset_where(&chosen)
+    }
+
+    /// Begins the next episode in the slots for which `chosen` holds; slots beyond its end stay as they are.
+    pub fn reset_where(&mut self, chosen: &[bool]) -> &VectorStep {
+        let count = self.slots.len() as u64;
+        self.each(|index, engine, slot, scratch| {
+            slot.outcome = Outcome::default();
+            if chosen.get(index) == Some(&true) {
+                slot.begin(count, engine, scratch);
+            }
+        });
+        self.gather()
+    }
+
+    /// Takes one control step in every slot. `actions` holds one action after the other, one entry in [-1, 1] per muscle. What
+    /// happens to episodes that have ended is a matter of the [`AutoresetMode`].
+    ///
+    /// # Errors
+    /// Actions of the wrong length: nothing has been stepped then.
+    pub fn step(&mut self, actions: &[f64]) -> Result<&VectorStep, EpisodeError> {
+        let width = self.engine.body().muscles.len();
+        let expected = width * self.slots.len();
+        if actions.len() != expected {
+            return Err(EpisodeError::ActionSize { expected, found: actions.len() });
+        }
+        let (count, autoreset) = (self.slots.len() as u64, self.autoreset);
+        self.each(|index, engine, slot, scratch| {
+            slot.outcome = Outcome::default();
+            if slot.episode.ending.is_some() {
+                // With `SameStep` only an episode that could not begin is found ended; it gives way to the next one now.
+                if autoreset != AutoresetMode::Disabled {
+                    slot.begin(count, engine, scratch);
+                }
+                return;
+            }
+            let action = &actions[width * index..width * (index + 1)];
+            // The lengths are right and the episode goes on, so there is no error.
+            let _ = engine.step(&mut slot.episode, action, &slot.weights, scratch);
+            slot.outcome.reward = slot.episode.report.reward;
+            if let Some(end) = EpisodeEnd::of(index, &slot.episode) {
+                slot.outcome.end = Some((end, slot.episode.observation.clone()));
+                if autoreset == AutoresetMode::SameStep {
+                    slot.begin(count, engine, scratch);
+                }
+            }
+        });
+        Ok(self.gather())
+    }
+
+    /// Writes what has happened in the slots into the arrays of the step.
+    fn gather(&mut self) -> &VectorStep {
+        let (width, disabled) = (self.engine.task.observation_size(), self.autoreset == AutoresetMode::Disabled);
+        let step = &mut self.step;
+        step.ends.clear();
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            let row = width * index..width * (index + 1);
+            step.observations[row.clone()].copy_from_slice(&slot.episode.observation);
+            step.rewards[index] = slot.outcome.reward;
+            step.ended[index] = slot.outcome.end.is_some();
+            if let Some((end, observation)) = slot.outcome.end.take() {
+                step.final_observations[row].copy_from_slice(&observation);
+                (step.terminated[index], step.truncated[index]) = flags(Some(&end.ending));
+                step.ends.push(end);
+            } else {
+                // One that waits for its reset is still over.
+                (step.terminated[index], step.truncated[index]) = flags(slot.episode.ending.as_ref().filter(|_| disabled));
+            }
+        }
+        step
+    }
+
+    /// Does something with every slot, on all workers.
+    fn each(&mut self, act: impl Fn(usize, &Engine, &mut Slot, &mut Scratch) + Sync) {
+        let Self { engine, slots, scratch, pool, .. } = self;
+        let share = slots.len().div_ceil(scratch.len().max(1)).max(1);
+        pool.install(|| {
+            slots.par_chunks_mut(share).zip(scratch).enumerate().for_each(|(worker, (slots, scratch))| {
+                for (place, slot) in slots.iter_mut().enumerate() {
+                    act(worker * share + place, engine, slot, scratch);
+                }
+            });
+        });
+    }
+
+    /// What all episodes are played with.
+    pub fn engine(&self) -> &Engine {
+        &self.engine
+    }
+
+    /// What the last step or reset gave.
+    pub fn last(&self) -> &VectorStep {
+        &self.step
+    }
+
+    /// The episodes, slot by slot.
+    pub fn episodes(&self) -> impl ExactSizeIterator<Item = &Episode> {
+        self.slots.iter().map(|slot| &slot.episode)
+    }
+
+    /// The weights that reward the episode in a slot, one per term; `None` for a slot that does not exist.
+    pub fn weights_mut(&mut self, slot: usize) -> Option<&mut [f64]> {
+        self.slots.get_mut(slot).map(|slot| slot.weights.as_mut_slice())
+    }
+
+    /// Puts an episode of the same task into a slot; a slot that does not exist is left out. The arrays of the last step stay as they
+    /// are; the next step goes on from the episode bit for bit.
+    pub fn restore(&mut self, slot: usize, episode: &Episode) {
+        if let Some(slot) = self.slots.get_mut(slot) {
+            slot.episode.clone_from(episode);
+        }
+    }
+}
+
+impl Slot {
+    fn duplicate(&self) -> Self {
+        Self { episode: self.episode.clone(), weights: self.weights.clone(), next: self.next, outcome: Outcome::default() }
+    }
+
+    /// Begins the next episode, of `count` slots.
+    fn begin(&mut self, count: u64, engine: &Engine, scratch: &mut Scratch) {
+        engine.reset(self.next, &mut self.episode, scratch);
+        self.next.episode = self.next.episode.wrapping_add(count);
+    }
+}
+
+/// Whether an episode was terminated, and whether it was truncated.
+fn flags(ending: Option<&Ending>) -> (bool, bool) {
+    match ending {
+        None => (false, false),
+        Some(Ending::Terminated(_) | Ending::Finished(_)) => (true, false),
+        Some(Ending::Truncated | Ending::Fault(_)) => (false, true),
+    }
+}
