@@ -30,6 +30,8 @@ const DECISIVE: &[&str] = &[
     "physics/src",
     "../compiler/Cargo.toml",
     "../compiler/src",
+    "../compiler/program/Cargo.toml",
+    "../compiler/program/src",
     "../grammar/msk.pest",
     "../bodies",
     "../Cargo.lock",
@@ -54,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A hash of the sources of compiler, runtime and storage, of the grammar, the bodies and the versions of all libraries: 16 hexadecimal
+/// A hash of the sources of compiler, compiled tasks, runtime and storage, of the grammar, the bodies and the versions of all libraries: 16 hexadecimal
 /// digits. It depends on the names and bytes of these files alone, so the same sources have the same hash on every machine.
 fn build() -> Result<String, Box<dyn Error>> {
     let runtime = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk_compiler::diagnostics::FileId;
-use msk_compiler::motion::{Motion, RootPart};
+use msk_compiler::motion::{Motion, RootPart, problems, read};
 use msk_runtime::bodies;
 use msk_runtime::inspect::{MotionLimits, MotionReport, inspect_motion};
 use msk_runtime::library::{BodyLibrary, BoundBody, FileLoader};
@@ -24,9 +24,9 @@ fn body() -> &'static BoundBody {
 
 fn motion(name: &str) -> Motion {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("motions/{name}.csv"));
-    let motion = Motion::read(FileId::default(), &std::fs::read_to_string(path).unwrap()).unwrap();
+    let motion = read(FileId::default(), &std::fs::read_to_string(path).unwrap()).unwrap();
     let BoundBody { model, body, .. } = body();
-    assert_eq!(motion.problems(FileId::default(), &body.vocabulary(model)), []);
+    assert_eq!(problems(&motion, FileId::default(), &body.vocabulary(model)), []);
     motion
 }
 
@@ -93,7 +93,7 @@ fn stairs_climb_two_steps_a_turn_and_a_squat_comes_back() {
 fn a_gait_that_slides_or_sinks_is_told() {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("motions/walk.csv")).unwrap();
     let shortened = text.replace("# duration: 1.1 s", "# duration: 1.1 s\n# a remark");
-    assert_eq!(Motion::read(FileId::default(), &shortened).unwrap().digest(), motion("walk").digest());
+    assert_eq!(read(FileId::default(), &shortened).unwrap().digest(), motion("walk").digest());
     // A pelvis that goes on too slowly drags its feet; one that is too low pushes them into the ground.
     let change = |column: &str, change: fn(f64) -> f64| {
         let heading = text.lines().find(|line| line.starts_with("phase")).unwrap();
@@ -105,7 +105,7 @@ fn a_gait_that_slides_or_sinks_is_told() {
         };
         let lines =
             text.lines().map(|line| if line.starts_with(|c: char| c.is_ascii_digit()) { row(line) } else { format!("{line}\n") });
-        report(&Motion::read(FileId::default(), &lines.collect::<String>()).unwrap()).faults(&MotionLimits::default())
+        report(&read(FileId::default(), &lines.collect::<String>()).unwrap()).faults(&MotionLimits::default())
     };
     let slow = change("root.x", |x| 0.9 * x);
     assert!(slow.iter().any(|fault| fault.contains("slides by")), "{slow:?}");

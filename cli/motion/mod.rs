@@ -8,7 +8,7 @@ use crate::error::{Context, Error};
 use crate::project::style;
 use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::{LoadError, Loader};
-use msk::compiler::motion::Motion;
+use msk::compiler::motion::{self, Motion};
 use msk::runtime::library::{BodyLibrary, BoundBody, FileLoader};
 use std::io;
 use std::path::PathBuf;
@@ -59,14 +59,14 @@ impl Start {
         let mut sources = SourceMap::default();
         let file = sources.add(self.file.display().to_string(), text);
         let told = |sources: SourceMap, told| Error::told(Report::new(sources, told).render(style(&io::stderr())));
-        let motion = match Motion::read(file, sources.text(file)) {
+        let motion = match motion::read(file, sources.text(file)) {
             Ok(motion) => motion,
             Err(problems) => return Err(told(sources, problems)),
         };
         let library = BodyLibrary::default();
         let bound =
             library.bind(&describe(&self.body, &library)?).context(|| format!("the body `{}` cannot be used", self.body))?;
-        let problems = motion.problems(file, &bound.body.vocabulary(&bound.model));
+        let problems = motion::problems(&motion, file, &bound.body.vocabulary(&bound.model));
         if problems.is_empty() { Ok((motion, bound)) } else { Err(told(sources, problems)) }
     }
 }

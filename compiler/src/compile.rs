@@ -22,7 +22,7 @@ pub use reading::{MAXIMUM_BYTES, MAXIMUM_FILES};
 use crate::body::BodyDescription;
 use crate::check;
 use crate::check::uncalled::Cycles;
-use crate::diagnostics::{Allowance, Checked, Diagnostic, FileId, Report, Reported, SourceMap, Span, Stage, codes};
+use crate::diagnostics::{Checked, Diagnostic, FileId, Report, Reported, SourceMap, Span, Stage, allowance, codes};
 use crate::files::{BodySource, Loader, plain};
 use crate::resolve::Texts;
 use crate::resolve::scope::{FileInSight, Globals, Names};
@@ -137,7 +137,7 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     if Reported::among(&diagnostics).is_none() {
         // A task with errors may be the one that needs an `allow`.
         let allowances = tasks.iter().flat_map(|task: &Arc<CompiledTask>| &task.places.allowances);
-        diagnostics.extend(Allowance::unfulfilled(allowances, Stage::Compile));
+        diagnostics.extend(allowance::unfulfilled(allowances, Stage::Compile));
     }
     let report = Report::new(sources, diagnostics);
     let bodies = described.into_values().map(|body| body.description).collect();

@@ -7,22 +7,22 @@
 use crate::support;
 
 use msk_compiler::diagnostics::{FileId, Report, SourceMap, Style, codes};
-use msk_compiler::motion::{Motion, RootPart};
+use msk_compiler::motion::{Motion, RootPart, problems, read};
 use std::f64::consts::{PI, TAU};
 use support::compiling::vocabulary;
 
 const HEAD: &str = "# name: test\n# source: made up\n";
 
 fn motion(text: &str) -> Motion {
-    Motion::read(FileId::default(), text).unwrap()
+    read(FileId::default(), text).unwrap()
 }
 
 /// What is said of a text, as printed.
 fn said(text: &str) -> String {
     let mut sources = SourceMap::default();
     let file = sources.add("motion.csv", text);
-    let told = match Motion::read(file, text) {
-        Ok(motion) => motion.problems(file, &vocabulary()),
+    let told = match read(file, text) {
+        Ok(motion) => problems(&motion, file, &vocabulary()),
         Err(told) => told,
     };
     Report::new(sources, told).render(Style::Plain)

@@ -11,7 +11,7 @@ use msk_compiler::motion::Motion;
 fuzz_target!(|text: &str| {
     let mut sources = SourceMap::default();
     let file = sources.add("motion.csv", text);
-    let motion = match Motion::read(file, text) {
+    let motion = match motion::read(file, text) {
         Ok(motion) => motion,
         Err(told) => {
             assert!(!told.is_empty(), "refused without a word: {text:?}");

@@ -7,14 +7,14 @@ use crate::body::{BindError, Body, ChangeError};
 use crate::condition::MuscleCondition;
 use crate::files::{Fingerprints, Recorder};
 use crate::scene::{self, SceneError};
-use msk_compiler::body::{BodyDescription, TendonKind};
-use msk_compiler::digest::hexadecimal;
-use msk_compiler::files::BodySource;
-use msk_compiler::motion::Motion;
-use msk_compiler::scene::SceneDescription;
-use msk_compiler::vocabulary::Vocabulary;
 use msk_physics::model::DiskFiles;
 use msk_physics::model::{ElasticTendons, Model, ModelError, ModelFiles};
+use msk_program::body::{BodyDescription, TendonKind};
+use msk_program::digest::hexadecimal;
+use msk_program::files::BodySource;
+use msk_program::motion::Motion;
+use msk_program::scene::SceneDescription;
+use msk_program::vocabulary::Vocabulary;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -302,7 +302,7 @@ fn hash_of(description: &BodyDescription, model: &Model) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use msk_compiler::body::Axis;
+    use msk_program::body::Axis;
 
     #[test]
     fn the_human_can_be_found_without_any_file() {

@@ -99,7 +99,7 @@ fn allowance(allow: &Allow, file: FileId, scope: Scope, diagnostics: &mut Vec<Di
         && lint.name == name
         && lint.allowable()
     {
-        return Some(Allowance { code, lint, place: (file, allow.span), scope, fulfilled: false });
+        return Some(Allowance { code: code.id, place: (file, allow.span), scope, fulfilled: false });
     }
     let diagnostic = |message| Diagnostic::new(codes::tasks::UNKNOWN_SETTING, file, span, message);
     diagnostics.push(match found {

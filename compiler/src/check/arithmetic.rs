@@ -1,6 +1,6 @@
 //! Operators: which types meet, and what the error says when they do not.
 
-use super::context::{Checked, Checker, Compared, Reported};
+use super::context::{Checked, Checker, Reported};
 use super::dimension::{Dimension, Rational};
 use super::meeting::is_ordered;
 use super::observe::spoken_unit;
@@ -12,6 +12,7 @@ use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Unary};
 use crate::numbers::{exact, for_people};
 use crate::syntax::tree::{BinaryOperator, CompareOperator, Expr, ExprKind};
+use msk_program::debug::Compared;
 
 /// An operand with the expression it came from.
 pub(super) type Operand<'a> = (TypedValue, &'a Expr);

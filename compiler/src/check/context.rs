@@ -14,8 +14,8 @@ use crate::graph::{Graph, NodeId};
 use crate::hir::{DefinitionId, ExprId, Hir, Resolution, TypedFormulas};
 use crate::resolve::inherit::Placed;
 use crate::resolve::scope::{Declared, Names, Place};
-use crate::spoken::SpokenUnit;
 use crate::vocabulary::Vocabulary;
+use msk_program::debug::Compared;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -87,19 +87,6 @@ pub(crate) enum Ends {
     Busy,
     Known(Vec<End>),
     Broken(Reported),
-}
-
-/// A comparison as it stands in a text, for those who look whether anything reaches it.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Compared {
-    /// The condition.
-    pub node: NodeId,
-    /// What is compared, in the order of the text.
-    pub sides: [NodeId; 2],
-    pub file: FileId,
-    pub span: Span,
-    /// Of both sides.
-    pub unit: SpokenUnit,
 }
 
 /// A declared state or clock of the task.

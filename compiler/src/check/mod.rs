@@ -41,6 +41,6 @@ mod warn;
 pub(crate) use crate::hir::{types, value};
 pub(crate) use crate::quantity::{dimension, unit};
 pub(crate) use crate::signals;
-pub(crate) use context::{Compared, Timing};
+pub(crate) use context::Timing;
 pub(crate) use ranges::OperatingRange;
 pub(crate) use tests::CheckedTests;

@@ -9,7 +9,7 @@ use crate::graph::NodeId;
 use crate::graph::operation::Operation;
 use crate::resolve::scope::{Definition, Place};
 use crate::resolve::{Texts, label_of, summary, written};
-use crate::spoken::SpokenUnit;
+use crate::spoken::{self, SpokenUnit};
 use crate::syntax::tree::{Channel, Entry, Expr, ExprKind};
 
 /// A channel that the graph computes.
@@ -131,7 +131,7 @@ pub(crate) fn unit_of(kind: &Type) -> String {
 /// The unit in which values of this type are told where these formulas are read.
 pub(crate) fn spoken_unit<'a>(kind: &Type, formulas: impl IntoIterator<Item = &'a Expr>) -> SpokenUnit {
     match kind.dimension() {
-        Some(dimension) => SpokenUnit::written(dimension, formulas),
+        Some(dimension) => spoken::written(dimension, formulas),
         None => SpokenUnit::si(unit_of(kind)),
     }
 }

@@ -7,7 +7,7 @@ use super::types::{ElementType, Type};
 use super::value::{LiteralKind, TypedValue, Value};
 use crate::diagnostics::{FileId, Span, codes};
 use crate::resolve::scope::Place;
-use crate::spoken::SpokenUnit;
+use crate::spoken::{self, SpokenUnit};
 use crate::syntax::tree::{Expr, ExprKind, TaskParameter, TaskStatement, UnaryOperator};
 use crate::task::Parameter;
 
@@ -67,7 +67,7 @@ impl<'a> Checker<'a> {
             None => None,
             Some(range) => Some(self.parameter_range(range, dimension)?),
         };
-        let unit = SpokenUnit::written(dimension, [&parameter.value]);
+        let unit = spoken::written(dimension, [&parameter.value]);
         self.must_lie_within(default, range, &parameter.name.text, (parameter.value.span, &unit))?;
         let mut value = default;
         for (expr, origin) in &parameter.set {

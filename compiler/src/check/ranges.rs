@@ -1,10 +1,10 @@
 //! Between which bounds sensors stay: while an episode runs, and in the standing pose.
 
 use super::context::Timing;
-use crate::beginning::{Init, Setting, Spread};
 use crate::extremes::{maximum, minimum};
 use crate::frame::{Query, Sensor};
 use crate::graph::interval::{Bounds, Ranges};
+use crate::init::{Init, Setting, Spread};
 use crate::vocabulary::{Landmark, Vocabulary};
 
 /// Any state of an episode: joint ranges, unit vectors, activations.

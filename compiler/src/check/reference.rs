@@ -74,7 +74,7 @@ impl<'a> Checker<'a> {
     fn declare_reference(&mut self, reference: &'a Reference, file: FileId) -> Checked<KnownReference> {
         let start = self.start(reference);
         let table = self.table(file, &reference.motion)?;
-        let problems = table.motion.problems(table.file, self.vocabulary);
+        let problems = crate::motion::problems(&table.motion, table.file, self.vocabulary);
         let misfit = Reported::among(&problems);
         self.diagnostics.extend(problems);
         misfit.map_or(Ok(()), Err)?;

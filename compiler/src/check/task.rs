@@ -1,6 +1,6 @@
 //! A task: its statements in any order, from tree to [`CheckedTask`].
 
-use super::context::{Cell, Checked, Checker, Compared, End, Failures, ReadMode, Reported, Timing};
+use super::context::{Cell, Checked, Checker, End, Failures, ReadMode, Reported, Timing};
 use super::dimension::Dimension;
 use super::init::{Beginning, Layer};
 use super::observe::ObservedChannel;
@@ -24,6 +24,7 @@ use crate::scene::SceneDescription;
 use crate::syntax::tree::{BodyUse, Expr, StateDeclaration, TaskStatement, Test};
 use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
+use msk_program::debug::Compared;
 use std::sync::Arc;
 
 /// A task whose every formula is checked and in the graph.

@@ -4,7 +4,6 @@ use super::{SourceFile, plain};
 use crate::check::reference::{Table, Tables};
 use crate::diagnostics::{Checked, Diagnostic, FileId, SourceMap, codes};
 use crate::files::Loader;
-use crate::motion::Motion;
 use crate::syntax::tree::{Item, Played, Sequence, Task, TaskStatement, TestStatement, Text};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -36,7 +35,7 @@ pub(super) fn read(
 
 fn table(path: &Path, text: String, sources: &mut SourceMap, diagnostics: &mut Vec<Diagnostic>) -> Checked<Table> {
     let file = sources.add(path.display().to_string(), text);
-    Motion::read_into(file, sources.text(file), diagnostics).map(|motion| Table { file, motion: Arc::new(motion) })
+    crate::motion::read_into(file, sources.text(file), diagnostics).map(|motion| Table { file, motion: Arc::new(motion) })
 }
 
 fn cannot_read(file: FileId, named: &Text, problem: &str) -> Diagnostic {

@@ -6,13 +6,13 @@ use crate::body::BodyDescription;
 use crate::check::reference::{Motions, Tables};
 use crate::check::task::{Around, InSequence, Told, body_of};
 use crate::check::{self, CheckedTests};
-use crate::diagnostics::{Allowance, Checked, Diagnostic, Failures, FileId, Reported, Severity, codes};
+use crate::diagnostics::{Allowance, Checked, Diagnostic, Failures, FileId, Reported, Severity, allowance, codes};
 use crate::files::BodySource;
 use crate::frame::Query;
 use crate::hir::TypedFormulas;
+use crate::link::definitions;
+use crate::link::{CheckedPhase, Heading, Tested, finish};
 use crate::lint;
-use crate::lower::definitions;
-use crate::lower::{CheckedPhase, Heading, Tested, finish};
 use crate::motion::Motion;
 use crate::resolve::inherit::{self, Budget, Find, InFile, Placed, WholeTask};
 use crate::resolve::scope::{Globals, Names};
@@ -348,7 +348,7 @@ impl Compiler<'_> {
         allowances.extend(libraries.cloned());
         told.formulas.append(&mut of_scene);
         for told in [&mut told.formulas, &mut told.whole] {
-            Allowance::apply(&mut allowances, told);
+            allowance::apply(&mut allowances, told);
         }
         if unit.sequence.is_some() || !misnamed.is_empty() {
             // What an `allow` with a wrong name is to cover is not known. And a task is looked at by itself; as a phase it would only be told of again.

@@ -6,26 +6,25 @@
 //!
 //! The codes, with an explanation and an example for each, are one table: [`codes`].
 
-mod allowance;
+pub mod allowance;
 pub mod codes;
 mod fix;
 mod foreign;
 mod json;
 mod levels;
 mod lint;
-mod nearest;
 mod render;
 mod reported;
 mod source;
 mod synonyms;
 
-pub use allowance::{Allowance, Scope};
 pub use codes::Code;
 pub use fix::fixed;
 pub use foreign::{function_elsewhere, is_module, name_elsewhere};
 pub use levels::{Levels, Lints};
 pub use lint::{Level, Lint, Stage, find_lint, lints};
-pub use nearest::nearest;
+pub use msk_program::nearest::nearest;
+pub use msk_program::source::{Allowance, Scope};
 pub use render::Style;
 pub(crate) use reported::Failures;
 pub use reported::{Checked, Reported};

@@ -1,54 +1,8 @@
-//! Files and places in them.
+//! The files of a compilation.
 
 use std::sync::Arc;
 
-/// A file of a [`SourceMap`]. The default is the first.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FileId(u32);
-
-/// Bytes `start..end` of a file.
-#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Span {
-    /// First byte.
-    pub start: u32,
-    /// Byte after the last.
-    pub end: u32,
-}
-
-/// `12..34`: trees are full of spans.
-impl std::fmt::Debug for Span {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(formatter, "{}..{}", self.start, self.end)
-    }
-}
-
-impl Span {
-    /// Bytes `start..end`. Files are at most 256 kB, so that offsets fit.
-    pub fn new(start: usize, end: usize) -> Self {
-        let offset = |byte: usize| u32::try_from(byte).unwrap_or(u32::MAX);
-        Self { start: offset(start), end: offset(end.max(start)) }
-    }
-
-    /// The empty span before `byte`.
-    pub fn at(byte: usize) -> Self {
-        Self::new(byte, byte)
-    }
-
-    /// From the start of `self` to the end of `other`.
-    pub fn to(self, other: Span) -> Self {
-        Self { start: self.start.min(other.start), end: self.end.max(other.end) }
-    }
-
-    /// As a range of indices.
-    pub fn range(self) -> std::ops::Range<usize> {
-        self.start as usize..self.end as usize
-    }
-
-    /// The text it covers; empty if `text` is shorter, or if the ends are not between characters.
-    pub fn of(self, text: &str) -> &str {
-        text.get(self.range()).unwrap_or("")
-    }
-}
+pub use msk_program::source::{FileId, Span};
 
 /// The files of one compilation.
 #[derive(Debug, Clone, Default)]
@@ -70,7 +24,7 @@ impl SourceMap {
         let newlines = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let line_starts = std::iter::once(0).chain(newlines.map(|(index, _)| index + 1)).collect();
         self.files.push(SourceFile { path: path.into(), text, line_starts });
-        FileId(u32::try_from(self.files.len() - 1).unwrap_or(u32::MAX))
+        FileId::new(self.files.len() - 1)
     }
 
     /// What diagnostics print for a file.
@@ -102,10 +56,10 @@ impl SourceMap {
 
     /// All files, in the order in which they were added.
     pub fn files(&self) -> impl Iterator<Item = FileId> + use<> {
-        (0..u32::try_from(self.files.len()).unwrap_or(u32::MAX)).map(FileId)
+        (0..self.files.len()).map(FileId::new)
     }
 
     fn get(&self, file: FileId) -> Option<&SourceFile> {
-        self.files.get(file.0 as usize)
+        self.files.get(file.number())
     }
 }

@@ -1,8 +1,8 @@
 //! Which names of a formula mean something else, as their declarations are written.
 
 use super::NameChange;
-use crate::notation::mathematics;
-use crate::task::{CompiledTask, Definition};
+use crate::task::CompiledTask;
+use msk_program::debug::Definition;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The names that `formula` names, directly or through other names, whose declarations differ.
@@ -26,14 +26,14 @@ pub(super) fn unlike(formula: &str, before: &CompiledTask, after: &CompiledTask)
 /// What each declared name of a task is, as it is written; of several phases the first that declares it counts.
 fn declared(task: &CompiledTask) -> BTreeMap<&str, String> {
     let mut known = BTreeMap::new();
-    for definition in task.phases.iter().flat_map(|phase| &phase.meaning.definitions) {
+    for definition in task.phases.iter().flat_map(|phase| &phase.debug.definitions) {
         known.entry(definition.name.as_str()).or_insert_with(|| written(definition));
     }
     known
 }
 
 fn written(definition: &Definition) -> String {
-    let parts = definition.parts.iter().map(|(word, formula)| format!("{word} {}", mathematics(formula)).trim_start().to_owned());
+    let parts = definition.parts.iter().map(|(word, formula)| format!("{word} {}", formula.plain).trim_start().to_owned());
     parts.collect::<Vec<_>>().join(" ")
 }
 

@@ -1,13 +1,14 @@
 //! From a compiled task to its account.
 
 use super::account::*;
-use crate::evaluation::{Draws, Middle};
 use crate::graph::NodeId;
 use crate::graph::operation::{Memory, Operation};
-use crate::notation::{condition, formula, latex, mathematics, mathml, paid};
+use crate::notation::{latex, mathml};
 use crate::snapshot::names;
-use crate::syntax::tree::Expr;
-use crate::task::{CompiledTask, ConditionMeaning, Definition, Phase, StepReport, TaskState};
+use crate::task::{CompiledTask, Phase, StepReport, TaskState};
+use msk_program::debug::{ConditionDebug, Definition};
+use msk_program::evaluation::{Draws, Middle};
+use msk_program::formula::Notation;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -98,18 +99,13 @@ fn randoms(task: &CompiledTask) -> Vec<RandomAccount> {
 }
 
 /// A formula in all notations.
-fn told(expr: &Expr, source: &str, is_condition: bool) -> FormulaAccount {
-    let tree = paid(expr, is_condition);
-    FormulaAccount { source: source.to_owned(), text: mathematics(expr), latex: latex(&tree), mathml: mathml(&tree) }
-}
-
-/// A condition that is asked, and does not count as a number.
-fn asked(expr: &Expr, source: &str) -> FormulaAccount {
-    told(expr, source, false)
+fn told(formula: &Notation, source: &str) -> FormulaAccount {
+    let Notation { plain, tree } = formula;
+    FormulaAccount { source: source.to_owned(), text: plain.clone(), latex: latex(tree), mathml: mathml(tree) }
 }
 
 fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport>) -> PhaseAccount {
-    let meaning = &phase.meaning;
+    let meaning = &phase.debug;
     let terms = phase.terms.clone().zip(&meaning.terms).enumerate().map(|(own, (index, told_of))| {
         let term = &task.terms[index];
         let bounds =
@@ -121,17 +117,17 @@ fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepRepor
             weight_from: term.origin.to_string(),
             weight_range: term.weight_range,
             fixed: term.fixed,
-            formula: told(&told_of.formula, &term.source, told_of.condition),
+            formula: told(&told_of.formula, &term.source),
             docs: told_of.docs.clone(),
             per_second: told_of.per_second,
             condition: told_of.condition,
             bounds: bounds.map(|bound| bound.is_finite().then_some(bound)),
             reads: told_of.reads.clone(),
-            remembers: meaning.outputs.terms.get(own).map_or_else(Vec::new, |&node| memories(task, phase, node)),
+            remembers: phase.outputs.terms.get(own).map_or_else(Vec::new, |&node| memories(task, phase, node)),
             at_reset: at_reset.and_then(|report| report.terms.get(index).copied()),
         }
     });
-    let ends = |names: &[String], told_of: &[ConditionMeaning], holds: &[bool]| -> Vec<EndAccount> {
+    let ends = |names: &[String], told_of: &[ConditionDebug], holds: &[bool]| -> Vec<EndAccount> {
         let told = names.iter().zip(told_of).enumerate();
         told.map(|(index, (name, told))| end(name, told, holds.get(index).copied())).collect()
     };
@@ -142,12 +138,12 @@ fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepRepor
         name: metric.name.clone(),
         size: metric.size,
         unit: metric.unit.clone(),
-        formula: asked(&told_of.formula, ""),
+        formula: told(&told_of.formula, ""),
     });
     PhaseAccount {
         name: phase.name.clone(),
         horizon: phase.horizon,
-        until: meaning.until.as_ref().map(|until| asked(&until.formula, &until.source)),
+        until: meaning.until.as_ref().map(|until| told(&until.formula, &until.source)),
         terms: terms.collect(),
         terminations: ends(
             &task.terminations[phase.terminations.clone()],
@@ -165,10 +161,10 @@ fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepRepor
     }
 }
 
-fn end(name: &str, told_of: &ConditionMeaning, holds_at_reset: Option<bool>) -> EndAccount {
+fn end(name: &str, told_of: &ConditionDebug, holds_at_reset: Option<bool>) -> EndAccount {
     EndAccount {
         name: name.to_owned(),
-        condition: asked(&told_of.formula, &told_of.source),
+        condition: told(&told_of.formula, &told_of.source),
         after: told_of.after.clone(),
         docs: told_of.docs.clone(),
         holds_at_reset,
@@ -176,12 +172,7 @@ fn end(name: &str, told_of: &ConditionMeaning, holds_at_reset: Option<bool>) -> 
 }
 
 fn definition(definition: &Definition) -> DefinitionAccount {
-    // Whether a part is asked or computed does not show in it, but for what chance or a state waits for.
-    let part = |(word, expr): &(&'static str, Expr)| {
-        let tree = if matches!(*word, "when" | "where" | "redraw when") { strip(condition(expr)) } else { formula(expr) };
-        let told = FormulaAccount { source: String::new(), text: mathematics(expr), latex: latex(&tree), mathml: mathml(&tree) };
-        ((*word).to_owned(), told)
-    };
+    let part = |(word, formula): &(&'static str, Notation)| ((*word).to_owned(), told(formula, ""));
     DefinitionAccount {
         kind: definition.kind.to_owned(),
         name: definition.name.clone(),
@@ -191,19 +182,11 @@ fn definition(definition: &Definition) -> DefinitionAccount {
     }
 }
 
-/// A condition without the indicator around it.
-fn strip(formula: crate::notation::Formula) -> crate::notation::Formula {
-    match formula {
-        crate::notation::Formula::Fence(crate::notation::Fence::Indicator, inside) => *inside,
-        other => other,
-    }
-}
-
 fn observation(task: &CompiledTask) -> ObservationAccount {
     let channels = task.channels.iter().enumerate().map(|(place, channel)| {
         let told_of = task.phases.iter().find_map(|phase| {
             let own = phase.channels.get(place).copied().flatten()?;
-            phase.meaning.channels.get(own)
+            phase.debug.channels.get(own)
         });
         ChannelAccount {
             name: channel.name.clone(),
@@ -211,7 +194,7 @@ fn observation(task: &CompiledTask) -> ObservationAccount {
             size: channel.size,
             unit: channel.unit.clone(),
             block: told_of.map(|told_of| told_of.block.clone()).unwrap_or_default(),
-            formula: told_of.map(|told_of| asked(&told_of.formula, "")).unwrap_or_default(),
+            formula: told_of.map(|told_of| told(&told_of.formula, "")).unwrap_or_default(),
             docs: told_of.map(|told_of| told_of.docs.clone()).unwrap_or_default(),
         }
     });
@@ -220,7 +203,7 @@ fn observation(task: &CompiledTask) -> ObservationAccount {
 
 /// The memories that a node depends on, in words.
 fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
-    let graph = &phase.meaning.graph;
+    let graph = &phase.graph;
     let mut seen = BTreeSet::new();
     let told = graph.reachable([node]).into_iter().filter_map(|id| {
         let node = graph.node(id);
@@ -230,7 +213,7 @@ fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
             Operation::Memory(Memory::Delay(steps)) => format!("{}, {steps} steps ago", values(node.width)),
             Operation::Memory(memory) => format!("{}, {}", values(node.width), memory_in_words(*memory)),
             Operation::StateBefore(index) | Operation::StateAfter(index) => {
-                let name = phase.meaning.states.get(*index as usize);
+                let name = phase.debug.states.get(*index as usize);
                 format!("the state {}", name.map_or_else(|| index.to_string(), Clone::clone))
             }
             Operation::Drawn(index) | Operation::DrawnAfter(index) => {

@@ -1,6 +1,5 @@
 //! Lints on what is looked at: by the policy, by ends, by success, and on both sides of the body.
 
-use crate::beginning::{Init, ObjectStart, Setting};
 use crate::check::context::Checker;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
@@ -8,6 +7,7 @@ use crate::frame::{Sensor, Subject};
 use crate::graph::interval::Bounds;
 use crate::graph::operation::{Binary, Memory, Operation, Unary};
 use crate::graph::{Graph, NodeId};
+use crate::init::{Init, ObjectStart, Setting};
 use crate::quantity::dimension::Dimension;
 use crate::resolve::scope::Definition;
 use crate::scene::{Motion, Object, Parent, Part};

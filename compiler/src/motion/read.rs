@@ -1,7 +1,6 @@
 //! From a text of comma-separated values to a [`Motion`], with every error at its place.
 
-use super::curve::Curve;
-use super::{Column, Motion, RootPart, Target};
+use super::{Column, Motion, RootPart, Table, Target};
 use crate::diagnostics::{Checked, Code, Diagnostic, Failures, FileId, Reported, Span, codes, nearest};
 use crate::numbers::{for_people, told_apart};
 use crate::quantity::dimension::Dimension;
@@ -22,28 +21,26 @@ const LARGEST: f64 = 1e6;
 /// Rows that a cycle needs, and another motion.
 const FEWEST: [usize; 2] = [4, 2];
 
-impl Motion {
-    /// Reads a table. `file` is where diagnostics point.
-    ///
-    /// Lines that begin with `#` are the head: `# name: walk`, `# source: ...` (as often as there are sources), `# cycle: yes`,
-    /// `# duration: 1.1 s`, `# advances: root.x, root.height`; such a line without a colon is a remark. Then come the headings,
-    /// `time [s]` or `phase` and the columns with their units, and the rows.
-    ///
-    /// # Errors
-    /// Every error of the text.
-    pub fn read(file: FileId, text: &str) -> Result<Self, Vec<Diagnostic>> {
-        let mut diagnostics = Vec::new();
-        Self::read_into(file, text, &mut diagnostics).map_err(|_| diagnostics)
-    }
+/// Reads a table. `file` is where diagnostics point.
+///
+/// Lines that begin with `#` are the head: `# name: walk`, `# source: ...` (as often as there are sources), `# cycle: yes`,
+/// `# duration: 1.1 s`, `# advances: root.x, root.height`; such a line without a colon is a remark. Then come the headings,
+/// `time [s]` or `phase` and the columns with their units, and the rows.
+///
+/// # Errors
+/// Every error of the text.
+pub fn read(file: FileId, text: &str) -> Result<Motion, Vec<Diagnostic>> {
+    let mut diagnostics = Vec::new();
+    read_into(file, text, &mut diagnostics).map_err(|_| diagnostics)
+}
 
-    /// Reads a table; its errors go to `diagnostics`.
-    pub(crate) fn read_into(file: FileId, text: &str, diagnostics: &mut Vec<Diagnostic>) -> Checked<Self> {
-        let mut reader = Reader { file, diagnostics: Vec::new() };
-        let motion = reader.motion(text);
-        let broken = Reported::among(&reader.diagnostics);
-        diagnostics.append(&mut reader.diagnostics);
-        motion.and_then(|motion| broken.map_or(Ok(motion), Err))
-    }
+/// Reads a table; its errors go to `diagnostics`.
+pub(crate) fn read_into(file: FileId, text: &str, diagnostics: &mut Vec<Diagnostic>) -> Checked<Motion> {
+    let mut reader = Reader { file, diagnostics: Vec::new() };
+    let motion = reader.motion(text);
+    let broken = Reported::among(&reader.diagnostics);
+    diagnostics.append(&mut reader.diagnostics);
+    motion.and_then(|motion| broken.map_or(Ok(motion), Err))
 }
 
 /// A part of the text, trimmed, with the byte at which it begins.
@@ -158,9 +155,8 @@ impl Reader {
         if cycle {
             self.must_close(&columns, &lists, rows.last().map_or(headings.span(), |row| row.span()));
         }
-        let curves = lists.iter().map(|values| Curve::through(&times, values, cycle)).collect();
         let source = head.sources.join("\n");
-        Ok(Motion { name, source, cycle, duration, columns, times, curves, digest: String::new() }.identified())
+        Ok(Table { name, source, cycle, duration, columns, times, values: lists }.into())
     }
 
     fn head_line<'a>(&mut self, said: Part<'a>, head: &mut Head<'a>) {

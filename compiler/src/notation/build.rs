@@ -6,7 +6,7 @@ use crate::numbers::exact;
 use crate::syntax::tree::{Argument, BinaryOperator, CompareOperator, Expr, ExprKind, Quantity, UnaryOperator};
 
 /// A formula as mathematics.
-pub(crate) fn formula(expr: &Expr) -> Formula {
+pub(super) fn formula(expr: &Expr) -> Formula {
     match &expr.kind {
         ExprKind::Number(quantity) => number(quantity),
         ExprKind::Bool(truth) => Formula::Words(truth.to_string()),
@@ -61,17 +61,12 @@ pub(crate) fn formula(expr: &Expr) -> Formula {
 }
 
 /// A condition that counts 0 or 1.
-pub(crate) fn condition(expr: &Expr) -> Formula {
+pub(super) fn condition(expr: &Expr) -> Formula {
     fence(Fence::Indicator, formula(bare(expr)))
 }
 
-/// What a term pays for: a formula, or a condition that counts 0 or 1.
-pub(crate) fn paid(expr: &Expr, is_condition: bool) -> Formula {
-    if is_condition { condition(expr) } else { formula(expr) }
-}
-
 /// An expression without brackets around it.
-fn bare(expr: &Expr) -> &Expr {
+pub(super) fn bare(expr: &Expr) -> &Expr {
     match &expr.kind {
         ExprKind::Paren(inner) => bare(inner),
         _ => expr,

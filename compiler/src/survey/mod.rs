@@ -15,7 +15,6 @@ use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
 use crate::graph::operation::Operation;
 use crate::graph::{Graph, NodeId};
-use crate::lint::gated;
 use crate::spoken::SpokenUnit;
 use crate::task::{CompiledTask, Phase};
 use lack::Lack;
@@ -79,7 +78,7 @@ impl<'a> Survey<'a> {
     pub fn new(task: &'a CompiledTask, index: usize) -> Option<Self> {
         let phase = task.phases.get(index)?;
         let before = task.phases[..index].iter().fold(0_u32, |sum, phase| sum.saturating_add(phase.horizon));
-        let (graph, outputs) = (&phase.meaning.graph, &phase.meaning.outputs);
+        let (graph, outputs) = (&phase.graph, &phase.outputs);
         let ranges = OperatingRange {
             vocabulary: &task.vocabulary,
             timing: Timing { interval: 1.0 / task.control_frequency, horizon: phase.horizon, before },
@@ -111,7 +110,7 @@ impl<'a> Survey<'a> {
     }
 
     fn gather(&mut self, task: &CompiledTask, phase: &Phase, live: &[NodeId]) {
-        let outputs = &phase.meaning.outputs;
+        let outputs = &phase.outputs;
         let mut varies = vec![false; self.graph.nodes().len()];
         for &id in live {
             let node = self.graph.node(id);
@@ -121,18 +120,7 @@ impl<'a> Survey<'a> {
             };
         }
         let ends: BTreeSet<NodeId> = outputs.terminations.iter().chain(&outputs.finishes).copied().collect();
-        let gates: BTreeMap<usize, bool> = phase
-            .terms
-            .clone()
-            .zip(
-                phase
-                    .meaning
-                    .terms
-                    .iter()
-                    .zip(&outputs.terms)
-                    .map(|(term, &node)| term.condition || gated(&term.formula, self.graph, node)),
-            )
-            .collect();
+        let gates: BTreeMap<usize, bool> = phase.terms.clone().zip(phase.debug.terms.iter().map(|term| term.gated)).collect();
         let mut add = |about, at, node: NodeId, sides: Option<[NodeId; 2]>, unit: SpokenUnit| {
             let reached = self.graph.reachable([node]);
             let range = interval::of_scalar(&self.bounds, node);
@@ -178,7 +166,7 @@ impl<'a> Survey<'a> {
             add(About::Success, places.success, node, None, SpokenUnit::si(""));
         }
         let live: BTreeSet<NodeId> = live.iter().copied().collect();
-        for compared in phase.meaning.comparisons.iter().filter(|compared| live.contains(&compared.node)) {
+        for compared in phase.debug.comparisons.iter().filter(|compared| live.contains(&compared.node)) {
             let at = (compared.file, compared.span);
             add(About::Comparison, at, compared.node, Some(compared.sides), compared.unit.clone());
         }

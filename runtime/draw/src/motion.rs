@@ -6,10 +6,10 @@ use super::panel::Panel;
 use super::path::number;
 use super::{STYLE, escape, silhouette};
 use core::fmt::Write;
-use msk_compiler::motion::{Motion, RootPart, Target};
-use msk_compiler::quantity::dimension::Dimension;
 use msk_physics::model::Model;
 use msk_physics::{State, Workspace};
+use msk_program::motion::{Motion, RootPart, Target};
+use msk_program::quantity::dimension::Dimension;
 use msk_runtime::body::Body;
 use msk_runtime::body::sensors::Snapshot;
 

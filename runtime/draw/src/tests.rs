@@ -1,8 +1,8 @@
 use super::*;
-use msk_compiler::body::{Axis, BodyDescription};
-use msk_compiler::task::RootPlacement;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::body::{Axis, BodyDescription};
+use msk_program::task::RootPlacement;
 use msk_runtime::bodies;
 use msk_runtime::body::Body;
 use std::path::Path;

@@ -2,11 +2,11 @@
 
 use super::{Body, Joint, Landmark, Muscle, NEUTRAL, Root, anatomical_axes, coupling};
 use core::ops::Range;
-use msk_compiler::body::{BodyDescription, LandmarkDescription};
-use msk_compiler::quantity::dimension::Dimension;
-use msk_compiler::spoken::SpokenUnit;
-use msk_compiler::vocabulary::{Group, GroupKind, Pose};
 use msk_physics::model::{GeomKind, JointKind, Model};
+use msk_program::body::{BodyDescription, LandmarkDescription};
+use msk_program::quantity::dimension::Dimension;
+use msk_program::spoken::SpokenUnit;
+use msk_program::vocabulary::{Group, GroupKind, Pose};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 

@@ -1,8 +1,8 @@
 //! What a task changes on a body: `body human with core.peak_force *= 3`.
 
 use super::Body;
-use msk_compiler::body::{Change, Property};
 use msk_physics::model::{Bias, Gain, JointKind, Model};
+use msk_program::body::{Change, Property};
 
 /// Why a body cannot be changed as a task wants it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -27,9 +27,9 @@ pub use changes::ChangeError;
 pub use scaffold::{NoRoot, scaffold};
 
 use core::ops::Range;
-use msk_compiler::body::{Axis, ExcitationMap};
 use msk_physics::kinematics::Kinematics;
 use msk_physics::model::{JointKind, Model};
+use msk_program::body::{Axis, ExcitationMap};
 use nalgebra::{Matrix3, Vector3};
 
 /// A body file bound to a model.
@@ -54,9 +54,9 @@ pub struct Body {
     /// Muscles, in the order of the model.
     pub muscles: Vec<Muscle>,
     /// Named sets, in the order of the body file.
-    pub groups: Vec<msk_compiler::vocabulary::Group>,
+    pub groups: Vec<msk_program::vocabulary::Group>,
     /// Named poses with couplings solved, coordinates in the order of `joints`; one of them is `neutral`.
-    pub poses: Vec<msk_compiler::vocabulary::Pose>,
+    pub poses: Vec<msk_program::vocabulary::Pose>,
     /// The model's couplings, leaders before followers.
     pub couplings: Vec<usize>,
     /// Shapes of the body that can touch the ground.

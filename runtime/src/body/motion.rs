@@ -1,10 +1,10 @@
 //! A body in the frames of a motion.
 
 use super::Body;
-use msk_compiler::motion::{Motion, RootPart};
-use msk_compiler::task::RootPlacement;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::motion::{Motion, RootPart};
+use msk_program::task::RootPlacement;
 
 impl Body {
     /// Puts the body where a motion is at `time` (s): joints that it does not move stand as in the standing pose, coupled ones

@@ -3,10 +3,10 @@
 use super::Body;
 use super::sensors::Snapshot;
 use crate::scene::ground::Ground;
-use msk_compiler::scene::Part;
 use msk_physics::collision::{Contact, Placed, Scratch, distance};
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
+use msk_program::scene::Part;
 use nalgebra::Vector3;
 
 impl Body {

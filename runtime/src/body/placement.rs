@@ -2,10 +2,10 @@
 
 use super::Body;
 use crate::scene::ground::Ground;
-use msk_compiler::frame::Origin;
-use msk_compiler::task::{Init, RootPlacement};
 use msk_physics::model::{Model, rotation};
 use msk_physics::{self as physics, State, Workspace, kinematics::Kinematics};
+use msk_program::frame::Origin;
+use msk_program::task::{Init, RootPlacement};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 impl Body {

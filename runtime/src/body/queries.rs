@@ -3,8 +3,8 @@
 use super::sensors::Snapshot;
 use crate::scene::ground::Ground;
 use crate::scene::radar::Radar;
-use msk_compiler::frame::{Origin, Query};
 use msk_physics::collision::{Placed, SupportShape, ray};
+use msk_program::frame::{Origin, Query};
 use nalgebra::Vector3;
 
 impl Snapshot<'_> {

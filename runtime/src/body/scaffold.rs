@@ -1,10 +1,10 @@
 //! A body file to begin with, written from a model: every name in it exists, and it binds as it stands.
 
 use super::{NEUTRAL, subtree};
-use msk_compiler::numbers::exact;
 use msk_compiler::syntax::is_name;
 use msk_physics::model::{JointKind, Model};
 use msk_physics::{State, Workspace, kinematics};
+use msk_program::numbers::exact;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use crate::library::BodyLibrary;
     use msk_compiler::compile;
-    use msk_compiler::files::{LoadError, Loader};
+    use msk_program::files::{LoadError, Loader};
     use std::path::Path;
 
     const MODEL: &str = r#"<mujoco><compiler angle="radian"/><worldbody><geom type="plane" size="0 0 1"/>

@@ -5,10 +5,10 @@
 
 use super::Body;
 use crate::scene::ground::{ABYSS, Ground};
-use msk_compiler::frame::{FrameLayout, Sensor};
-use msk_compiler::scene::Part;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::frame::{FrameLayout, Sensor};
+use msk_program::scene::Part;
 use nalgebra::{Matrix3, Vector3};
 
 /// What the control loop knows and the physics does not.

@@ -1,8 +1,8 @@
 //! What holds the body up: where the ground's force acts, and how far the centre of mass is from the edge of support.
 
 use super::sensors::Snapshot;
-use msk_compiler::scene::Part;
 use msk_physics::scalar::Real;
+use msk_program::scene::Part;
 use nalgebra::{Vector2, Vector3};
 
 impl Snapshot<'_> {

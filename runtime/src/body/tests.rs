@@ -1,10 +1,10 @@
 use super::*;
 use crate::scene::ground::Ground;
-use msk_compiler::body::{BodyDescription, LandmarkDescription};
-use msk_compiler::task::RootPlacement;
-use msk_compiler::vocabulary::GroupKind;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::body::{BodyDescription, LandmarkDescription};
+use msk_program::task::RootPlacement;
+use msk_program::vocabulary::GroupKind;
 
 /// Two legs under a box that looks along -y; a door that is no part of the body; knees that follow the hips.
 const SCENE: &str = r#"

@@ -1,10 +1,10 @@
 //! What the compiler may know of a body.
 
 use super::Body;
-use msk_compiler::task::RootPlacement;
-use msk_compiler::vocabulary::{Joint, JointKind, Landmark, Muscle, Vocabulary};
 use msk_physics::model::{self, Model};
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::task::RootPlacement;
+use msk_program::vocabulary::{Joint, JointKind, Landmark, Muscle, Vocabulary};
 use nalgebra::Matrix3;
 
 impl Body {

@@ -12,9 +12,9 @@ pub use fatigue::{Compartments, Fatigue};
 
 use crate::body::Body;
 use crate::library::BoundBody;
-use msk_compiler::digest::hexadecimal;
-use msk_compiler::vocabulary::GroupKind;
 use msk_physics::model::Model;
+use msk_program::digest::hexadecimal;
+use msk_program::vocabulary::GroupKind;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fmt;

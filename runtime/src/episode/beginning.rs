@@ -2,10 +2,10 @@
 
 use super::streams::{EpisodeKey, Stream};
 use crate::body::Body;
-use msk_compiler::task::{Init, ObjectStart, Settle, Spread};
 use msk_physics::model::{Equality, Model, rotation};
 use msk_physics::scalar::Real;
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::task::{Init, ObjectStart, Settle, Spread};
 use nalgebra::Vector3;
 
 /// Puts `state` at the beginning of an episode: everything else in it is as after [`State::new`].

@@ -1,7 +1,7 @@
 //! How an episode ends, and what can go wrong within one.
 
-use msk_compiler::task::{CompiledTask, NonFiniteTerm, NotDrawn, TaskFault};
 use msk_physics as physics;
+use msk_program::task::{CompiledTask, NonFiniteTerm, NotDrawn, TaskFault};
 
 /// The end of an episode. A failure of the task, the horizon and a fault of the computation are three different things.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,9 +3,9 @@
 use super::{Episode, EpisodeError, EpisodeKey, Player, REST};
 use crate::body::{Body, sensors};
 use crate::condition::Fatigue;
-use msk_compiler::task::{CompiledTask, StepReport, TaskState};
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::task::{CompiledTask, StepReport, TaskState};
 use std::sync::Arc;
 
 /// A task on a body: immutable, shared by all episodes and all workers.

@@ -4,9 +4,9 @@ use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Player, Sc
 use crate::body::Body;
 use crate::condition::{Compartments, Fatigue};
 use crate::policy::PolicyContext;
-use msk_compiler::task::{CompiledTask, Disturbance, StepReport, TaskState};
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State};
+use msk_program::task::{CompiledTask, Disturbance, StepReport, TaskState};
 use std::sync::Arc;
 
 /// A task on a body that a policy acts on: an engine, the present episode, the weights that reward it, and scratch.

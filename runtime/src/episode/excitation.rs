@@ -1,7 +1,7 @@
 //! From a policy's action to muscle excitation.
 
-use msk_compiler::body::ExcitationMap;
 use msk_physics::scalar::Real;
+use msk_program::body::ExcitationMap;
 
 /// The action that asks least of a muscle, and the one in force before the first step.
 pub const REST: f64 = -1.0;

@@ -34,8 +34,8 @@ pub use vector::{AutoresetMode, EpisodeEnd, VectorEnvironment, VectorStep};
 
 use crate::body::sensors;
 use crate::condition::Compartments;
-use msk_compiler::task::{Disturbance, StepReport, TaskState};
 use msk_physics::State;
+use msk_program::task::{Disturbance, StepReport, TaskState};
 use player::Player;
 use streams::Streams;
 

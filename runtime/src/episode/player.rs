@@ -3,9 +3,9 @@
 use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, REST, Scratch, beginning, excitation, pushes};
 use crate::body::sensors;
 use crate::condition::Compartments;
-use msk_compiler::task::{StepReport, TaskState};
 use msk_physics::scalar::Real;
 use msk_physics::{self as physics, State};
+use msk_program::task::{StepReport, TaskState};
 use nalgebra::Vector3;
 
 /// An episode in the hands of a worker.

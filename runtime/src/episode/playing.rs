@@ -5,10 +5,10 @@
 use super::{Ending, Environment, Episode, EpisodeError, EpisodeKey, Fault, Player, beginning};
 use crate::body::Body;
 use crate::episode::excitation;
-use msk_compiler::frame::Sensor;
-use msk_compiler::task::{StepReport, TaskState};
 use msk_physics::model::{Model, Quaternion, rotation};
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::frame::Sensor;
+use msk_program::task::{StepReport, TaskState};
 use nalgebra::Vector3;
 
 /// Puts everything in its place at a time: coordinates of the state, with the scratch that this takes. Gives the activation of

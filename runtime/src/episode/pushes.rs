@@ -1,9 +1,9 @@
 //! Forces that disturb an episode: those of the task, and those that an evaluation adds.
 
 use crate::body::Body;
-use msk_compiler::task::Disturbance;
 use msk_physics::model::Model;
 use msk_physics::{State, kinematics::Kinematics};
+use msk_program::task::Disturbance;
 use nalgebra::Vector3;
 
 /// Whether a disturbance acts in the control step after `taken` ones.

@@ -3,8 +3,8 @@
 //! The key is hashed (SHA-256) into state and increment of a PCG generator (O'Neill 2014, pcg64), so streams of neighbouring
 //! seeds or episodes have nothing in common. Transcendentals come from `libm`, so a stream has the same bits on every machine.
 
-use msk_compiler::Draws;
-use msk_compiler::task::RandomValue;
+use msk_program::evaluation::Draws;
+use msk_program::task::RandomValue;
 use rand::Rng;
 use rand_pcg::Pcg64;
 use sha2::{Digest, Sha256};

@@ -3,7 +3,7 @@
 use super::{ByTerm, EpisodeRecord, EvaluationError, Trial, play};
 use crate::episode::{Environment, EpisodeKey};
 use crate::policy;
-use msk_compiler::task::CompiledTask;
+use msk_program::task::CompiledTask;
 use std::sync::atomic::AtomicBool;
 
 /// Where weights come from: asked once before each episode, from all workers. Within an episode they never change.

@@ -14,7 +14,7 @@
 
 use super::EpisodeRecord;
 use super::journal::json;
-use msk_compiler::digest::hexadecimal;
+use msk_program::digest::hexadecimal;
 use sha2::{Digest, Sha256};
 
 const RUN: &str = ",\"run\":\"";

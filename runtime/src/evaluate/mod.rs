@@ -29,7 +29,7 @@ pub use to_horizon::{ToHorizon, play_to_horizon};
 use crate::episode::{Environment, EpisodeError, EpisodeKey, REST};
 use crate::library::BoundBody;
 use crate::policy::{Policy, PolicyError, PolicySource};
-use msk_compiler::task::CompiledTask;
+use msk_program::task::CompiledTask;
 use record::Tally;
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;

@@ -2,8 +2,8 @@
 
 use crate::condition::MuscleCondition;
 use crate::episode::{Ending, Environment};
-use msk_compiler::task::CompiledTask;
 use msk_physics::scalar::Real;
+use msk_program::task::CompiledTask;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Numbers by the names of the task's terms, in the task's order.

@@ -4,7 +4,7 @@ use super::journal::json;
 use super::line::hex;
 use super::{EpisodeRecord, Plan};
 use crate::condition::MuscleCondition;
-use msk_compiler::task::{CompiledTask, Origin};
+use msk_program::task::{CompiledTask, Origin};
 use serde::{Deserialize, Serialize};
 
 /// Hash of everything in the program that decides results: the sources of compiler and runtime, the grammar, the bodies inside

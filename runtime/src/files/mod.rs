@@ -5,7 +5,7 @@ mod fingerprints;
 pub(crate) use fingerprints::{Fingerprints, Recorder};
 
 use crate::bodies;
-use msk_compiler::files::{LARGEST_FILE, LoadError, Loader};
+use msk_program::files::{LARGEST_FILE, LoadError, Loader};
 use msk_storage::{StorageError, read_text_file};
 use std::io::ErrorKind;
 use std::path::Path;

@@ -4,10 +4,10 @@
 //! ground than [`TOUCH`] and hardly rises or falls; how far it wanders meanwhile is how far the foot slides.
 
 use crate::body::Body;
-use msk_compiler::motion::{Motion, RootPart, Target};
 use msk_physics::model::{GeomKind, Model};
 use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace, kinematics};
+use msk_program::motion::{Motion, RootPart, Target};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -147,7 +147,7 @@ pub fn inspect_motion(model: &Model, body: &Body, motion: &Motion) -> MotionRepo
 
 fn columns(model: &Model, body: &Body, motion: &Motion) -> Vec<MotionColumn> {
     let residuals = residuals(model, body, motion);
-    let column = |(index, column): (usize, &msk_compiler::motion::Column)| {
+    let column = |(index, column): (usize, &msk_program::motion::Column)| {
         let joint = match &column.target {
             Target::Joint(name) => body.joints.iter().find(|joint| joint.name == *name),
             Target::Root(_) | Target::Site(..) => None,
@@ -156,7 +156,7 @@ fn columns(model: &Model, body: &Body, motion: &Motion) -> Vec<MotionColumn> {
         MotionColumn {
             name: column.target.name().into_owned(),
             unit: column.unit.clone(),
-            factor: msk_compiler::quantity::unit::find(&column.unit).map_or(1.0, |unit| unit.factor),
+            factor: msk_program::quantity::unit::find(&column.unit).map_or(1.0, |unit| unit.factor),
             values: motion.range(index),
             rate: fast.at_least(-slow),
             range: joint.and_then(|joint| joint.range),

@@ -17,9 +17,9 @@ pub use zero::Zero;
 use crate::body::Body;
 use crate::body::sensors::Snapshot;
 use crate::episode::EpisodeKey;
-use msk_compiler::task::{CompiledTask, TaskState};
 use msk_physics::model::Model;
 use msk_physics::{State, Workspace};
+use msk_program::task::{CompiledTask, TaskState};
 
 /// What a policy may look at: the snapshot that the next action answers to.
 #[derive(Clone, Copy)]

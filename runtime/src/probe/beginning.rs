@@ -7,12 +7,12 @@ use crate::library::{BodyLibrary, BoundBody, in_words};
 use msk_compiler::diagnostics::codes::{lints, probing};
 use msk_compiler::diagnostics::{Diagnostic, FileId, Span};
 use msk_compiler::lint::DEAD;
-use msk_compiler::numbers::for_people;
 use msk_compiler::survey::{About, Survey};
-use msk_compiler::task::CompiledTask;
 use msk_physics::State;
 use msk_physics::collision::{Placed, Scratch, distance};
 use msk_physics::scalar::Real;
+use msk_program::numbers::for_people;
+use msk_program::task::CompiledTask;
 use std::sync::Arc;
 
 /// How often a task is begun: enough to see through its noise.

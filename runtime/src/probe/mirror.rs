@@ -58,7 +58,7 @@ impl Mirror {
             standing.position[joint.position] = coordinate;
         }
         if let Some((root, _)) = body.root.free {
-            let upright = body.facing(&msk_compiler::task::RootPlacement::default());
+            let upright = body.facing(&msk_program::task::RootPlacement::default());
             standing.position[root + 3..root + 7].copy_from_slice(&rotation::from_matrix(&upright));
         }
         kinematics::update(model, &standing, &mut frames);

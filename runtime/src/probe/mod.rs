@@ -22,8 +22,8 @@ pub use play::episodes;
 use crate::library::BodyLibrary;
 use msk_compiler::diagnostics::codes::lints::HOLDS_AT_RESET;
 use msk_compiler::diagnostics::codes::probing::UNREACHED;
-use msk_compiler::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, Stage};
-use msk_compiler::task::CompiledTask;
+use msk_compiler::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, Stage, allowance};
+use msk_program::task::CompiledTask;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -47,7 +47,7 @@ pub fn new_of(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary, told: &[Diagnos
         tasks.par_iter().map(|task| probe(task, bodies)).map(|probed| (probed.warnings, probed.allowances)).unzip();
     let mut found = warnings.concat();
     found.retain(|new| told.iter().all(|known| !repeats(new, known)));
-    found.extend(Allowance::unfulfilled(allowances.iter().flatten(), Stage::Probe));
+    found.extend(allowance::unfulfilled(allowances.iter().flatten(), Stage::Probe));
     found
 }
 
@@ -73,7 +73,7 @@ fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Probed {
         // Nothing is known of a task that cannot begin, so no `allow` is needless.
         allowances.iter_mut().for_each(|allowance| allowance.fulfilled = true);
     }
-    Allowance::apply(&mut allowances, &mut warnings);
+    allowance::apply(&mut allowances, &mut warnings);
     Probed { warnings, allowances }
 }
 

@@ -8,9 +8,9 @@ use crate::episode::{Ending, Environment, EpisodeKey, REST};
 use crate::library::BodyLibrary;
 use crate::policy::{ComputedMuscleControl, Policy, Zero};
 use msk_compiler::diagnostics::codes::probing;
-use msk_compiler::diagnostics::{Allowance, Diagnostic, Stage};
-use msk_compiler::numbers::for_people;
-use msk_compiler::task::CompiledTask;
+use msk_compiler::diagnostics::{Diagnostic, Stage, allowance};
+use msk_program::numbers::for_people;
+use msk_program::task::CompiledTask;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -29,13 +29,13 @@ pub fn episodes(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary, played: &(dyn
             // Nothing is known of a task that cannot be played, so no `allow` is needless.
             allowances.iter_mut().for_each(|allowance| allowance.fulfilled = true);
         }
-        Allowance::apply(&mut allowances, &mut warnings);
+        allowance::apply(&mut allowances, &mut warnings);
         played();
         (warnings, allowances)
     });
     let (warnings, allowances): (Vec<_>, Vec<_>) = judged.unzip();
     let mut found = warnings.concat();
-    found.extend(Allowance::unfulfilled(allowances.iter().flatten(), Stage::Play));
+    found.extend(allowance::unfulfilled(allowances.iter().flatten(), Stage::Play));
     found
 }
 

@@ -8,11 +8,11 @@ use crate::body::Body;
 use crate::body::sensors::{self, Control, Memory, Snapshot};
 use crate::episode::Stream;
 use crate::scene::ground::Ground;
-use msk_compiler::frame::FrameLayout;
-use msk_compiler::task::RootPlacement;
 use msk_physics::model::{Model, Quaternion, rotation};
 use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace, constrained, kinematics};
+use msk_program::frame::FrameLayout;
+use msk_program::task::RootPlacement;
 use nalgebra::{Matrix3, Vector3};
 
 /// How high a body may be above the ground, m: a hop.

@@ -9,12 +9,12 @@ use super::search::{Goal, Range, Search, Shown, Tally};
 use crate::episode::{EpisodeKey, Stream};
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Code, Diagnostic, FileId, Span};
-use msk_compiler::frame::Sensor;
-use msk_compiler::numbers::for_people;
-use msk_compiler::spoken::SpokenUnit;
 use msk_compiler::survey::{About, Subject, Survey};
-use msk_compiler::task::CompiledTask;
 use msk_physics::scalar::Real;
+use msk_program::frame::Sensor;
+use msk_program::numbers::for_people;
+use msk_program::spoken::SpokenUnit;
+use msk_program::task::CompiledTask;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How many poses are drawn.

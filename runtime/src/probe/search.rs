@@ -2,10 +2,10 @@
 
 use super::poses::{Pose, Room};
 use crate::episode::{EpisodeKey, Stream};
-use msk_compiler::frame::Sensor;
-use msk_compiler::graph::interval::Bounds;
 use msk_compiler::survey::{About, Survey};
 use msk_physics::scalar::Real;
+use msk_program::frame::Sensor;
+use msk_program::graph::interval::Bounds;
 use std::collections::BTreeSet;
 
 /// How many changes of a pose a search tries in a round, and in how many rounds: it goes on while a round gains something.

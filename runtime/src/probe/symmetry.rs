@@ -7,11 +7,11 @@ use super::search::Shown;
 use crate::episode::{Environment, EpisodeKey, Stream};
 use msk_compiler::diagnostics::Diagnostic;
 use msk_compiler::diagnostics::codes::probing;
-use msk_compiler::numbers::{beside, for_people};
 use msk_compiler::survey::{About, Survey};
-use msk_compiler::task::{CompiledTask, StepReport};
 use msk_physics::State;
 use msk_physics::scalar::Real;
+use msk_program::numbers::{beside, for_people};
+use msk_program::task::{CompiledTask, StepReport};
 
 /// How many states are mirrored.
 const STATES: usize = 24;

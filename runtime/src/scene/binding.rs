@@ -3,9 +3,9 @@
 use super::builder::Built;
 use super::objects::Placed;
 use crate::body::{Body, Connection, Joint, Landmark, Object, Root, subtree};
-use msk_compiler::scene::{Parent, SceneDescription};
-use msk_compiler::vocabulary::{Group, GroupKind};
 use msk_physics::model::{JointKind, Model};
+use msk_program::scene::{Parent, SceneDescription};
+use msk_program::vocabulary::{Group, GroupKind};
 use nalgebra::{Matrix3, Vector3};
 
 /// The body in the model that was built.
@@ -83,7 +83,7 @@ fn moved(joint: Joint, index: usize, model: &Model) -> Joint {
 
 /// A hinge or slide of an object under its name in tasks.
 fn scene_joint(scene: &SceneDescription, placed: &Placed<'_>, object: usize, joint: usize, built: &Built) -> Option<Joint> {
-    let msk_compiler::scene::Motion::Joints(described) = &scene.objects[object].motion else { return None };
+    let msk_program::scene::Motion::Joints(described) = &scene.objects[object].motion else { return None };
     let place = placed.joints[object].iter().position(|&own| own == joint)?;
     let index = built.joints[joint];
     let kind = built.model.joints.kind[index];

@@ -26,8 +26,8 @@ pub use elements::{NewAttachment, NewBody, NewGeom, NewJoint, NewSite};
 pub use objects::SceneError;
 
 use crate::body::Body;
-use msk_compiler::scene::SceneDescription;
 use msk_physics::model::Model;
+use msk_program::scene::SceneDescription;
 
 /// The body of `model` in a scene.
 ///

@@ -5,8 +5,8 @@ use super::check::BuildError;
 use super::elements::{NewAttachment, NewBody, NewGeom, NewJoint, NewSite};
 use super::terrain;
 use crate::body::Body;
-use msk_compiler::scene::{Connection, Motion, Object, ObjectJoint, ObjectJointKind, Parent, SceneDescription, Shape, Surface};
 use msk_physics::model::{GeomKind, JointKind, Model, SolverParameters, rotation};
+use msk_program::scene::{Connection, Motion, Object, ObjectJoint, ObjectJointKind, Parent, SceneDescription, Shape, Surface};
 use nalgebra::Vector3;
 
 /// What is wrong with a scene.

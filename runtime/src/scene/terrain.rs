@@ -3,9 +3,9 @@
 //! Terrain begins at the origin of its object and extends along x, centred in y.
 
 use super::elements::NewGeom;
-use msk_compiler::scene::Terrain;
 use msk_physics::model::{GeomKind, HeightField, rotation};
 use msk_physics::scalar::Real;
+use msk_program::scene::Terrain;
 use nalgebra::Vector3;
 
 /// Thickness of a slope, m: a body that falls on it is pushed out upwards, not through.

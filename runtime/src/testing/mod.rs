@@ -22,7 +22,7 @@ pub use script::Script;
 use crate::episode::{Environment, EpisodeError};
 use crate::library::BoundBody;
 use crate::policy::PolicyError;
-use msk_compiler::testing::TaskTests;
+use msk_program::task::TaskTests;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 use take::{Extent, Played};

@@ -5,10 +5,11 @@ use crate::library::BodyLibrary;
 use crate::probe;
 use msk_compiler::compile;
 use msk_compiler::diagnostics::{Diagnostic, Report};
-use msk_compiler::files::{LoadError, Loader};
 use msk_compiler::mutation::{Class, Mutant, Part, mutants};
-use msk_compiler::task::CompiledTask;
-use msk_compiler::testing::{TaskTest, TaskTests};
+use msk_program::files::{LoadError, Loader};
+use msk_program::task::CompiledTask;
+use msk_program::task::TaskTests;
+use msk_program::testing::TaskTest;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -190,7 +191,7 @@ fn first_failure(tests: &TaskTests, task: &CompiledTask, bodies: &BodyLibrary) -
 
 /// How long a test moves, in control steps; physics counts a hundredfold.
 fn length(test: &TaskTest) -> u32 {
-    let long = |take: &msk_compiler::testing::Take| {
+    let long = |take: &msk_program::testing::Take| {
         let moved = take.script.last().map_or(0, |key| key.step);
         let run = take.run.as_ref().map_or(0, |run| take.until.unwrap_or(10_000).saturating_sub(run.from));
         moved.saturating_add(run.saturating_mul(100)).saturating_add(1)

@@ -5,9 +5,10 @@ use super::returns::Ranking;
 use super::take::Played;
 use crate::episode::Ending;
 use msk_compiler::diagnostics::{FileId, Span};
-use msk_compiler::numbers::beside;
-use msk_compiler::task::CompiledTask;
-use msk_compiler::testing::{Check, Comparison, Expectation, Reading, Side, TaskTest, TaskTests};
+use msk_program::numbers::beside;
+use msk_program::task::CompiledTask;
+use msk_program::task::TaskTests;
+use msk_program::testing::{Check, Comparison, Expectation, Reading, Side, TaskTest};
 use serde::Serialize;
 
 /// What came of a test.

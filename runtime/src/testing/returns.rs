@@ -5,9 +5,9 @@
 
 use super::report::{Failure, Told};
 use crate::episode::{Ending, Environment};
-use msk_compiler::numbers::{for_people, told_apart};
-use msk_compiler::task::CompiledTask;
-use msk_compiler::testing::TaskTest;
+use msk_program::numbers::{for_people, told_apart};
+use msk_program::task::CompiledTask;
+use msk_program::testing::TaskTest;
 use serde::Serialize;
 
 /// Discount per control step of the discounted figures.

@@ -6,12 +6,12 @@
 //! Where a motion is played, its table says where joints and root are from one keyframe to the next.
 
 use crate::body::Body;
-use msk_compiler::frame::Origin;
-use msk_compiler::motion::Following;
-use msk_compiler::task::{CompiledTask, Init, ObjectStart, RootPlacement, TaskState};
-use msk_compiler::testing::Keyframe;
 use msk_physics::model::{Model, rotation};
 use msk_physics::{State, Workspace};
+use msk_program::frame::Origin;
+use msk_program::init::Following;
+use msk_program::task::{CompiledTask, Init, ObjectStart, RootPlacement, TaskState};
+use msk_program::testing::Keyframe;
 
 /// How the root is placed.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,9 +4,9 @@ use super::returns::{Returns, Tally};
 use super::{Script, TestError};
 use crate::episode::{Ending, Environment, EpisodeKey, REST};
 use crate::policy;
-use msk_compiler::task::TaskState;
-use msk_compiler::testing::Take;
 use msk_physics::Workspace;
+use msk_program::task::TaskState;
+use msk_program::testing::Take;
 use std::collections::BTreeSet;
 
 /// What an episode of a test has shown.

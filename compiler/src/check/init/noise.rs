@@ -4,7 +4,7 @@ use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::codes;
-use crate::spoken::SpokenUnit;
+use crate::spoken;
 use crate::syntax::tree::{Expr, ExprKind, Noise};
 use crate::task::{Init, Spread};
 use crate::vocabulary::JointKind;
@@ -46,7 +46,7 @@ impl<'a> Checker<'a> {
         if target.velocities || size <= widest {
             return Ok(());
         }
-        let unit = SpokenUnit::written(dimension, [&noise.distribution]);
+        let unit = spoken::written(dimension, [&noise.distribution]);
         let message = "this noise is wider than the range of every joint that it shakes";
         let diagnostic = self
             .diagnostic(codes::tasks::OUT_OF_RANGE, noise.distribution.span, message)

@@ -48,9 +48,9 @@ fn together(found: Vec<Option<Found>>) -> Option<Found> {
     for (phase, found) in found.into_iter().enumerate() {
         match found {
             Some(Ok(parts)) => {
-                let whole = whole.get_or_insert_with(|| parts.iter().map(|part| part.clone().of_none(phases)).collect());
+                let whole = whole.get_or_insert_with(|| parts.iter().map(|part| of_none(part.clone(), phases)).collect());
                 for (whole, part) in whole.iter_mut().zip(&parts) {
-                    whole.learn(part, phase);
+                    learn(whole, part, phase);
                 }
             }
             Some(Err(told)) => {
@@ -64,34 +64,32 @@ fn together(found: Vec<Option<Found>>) -> Option<Found> {
     Some(Ok(whole))
 }
 
-impl Expectation {
-    /// The same, read in no phase yet.
-    fn of_none(mut self, phases: usize) -> Self {
-        let none = |probe: &mut Probe| *probe = vec![None; phases];
-        match &mut self.check {
-            Check::Holds { probe, .. } => none(probe),
-            Check::Order { sides, .. } => sides.iter_mut().for_each(|side| none(&mut side.probe)),
-        }
-        self
+/// The same, read in no phase yet.
+fn of_none(mut expectation: Expectation, phases: usize) -> Expectation {
+    let none = |probe: &mut Probe| *probe = vec![None; phases];
+    match &mut expectation.check {
+        Check::Holds { probe, .. } => none(probe),
+        Check::Order { sides, .. } => sides.iter_mut().for_each(|side| none(&mut side.probe)),
     }
+    expectation
+}
 
-    /// Takes from a phase what it reads there, if the expectation has the same form in it.
-    fn learn(&mut self, of_phase: &Self, phase: usize) {
-        let copy = |mine: &mut Probe, theirs: &Probe| {
-            if let Some(slot) = mine.get_mut(phase) {
-                *slot = theirs.first().copied().flatten();
-            }
-        };
-        match (&mut self.check, &of_phase.check) {
-            (Check::Holds { probe, .. }, Check::Holds { probe: theirs, .. }) => copy(probe, theirs),
-            (Check::Order { sides, .. }, Check::Order { sides: theirs, .. }) if sides.len() == theirs.len() => {
-                for (mine, theirs) in sides.iter_mut().zip(theirs) {
-                    copy(&mut mine.probe, &theirs.probe);
-                    // What differs from phase to phase is worth telling.
-                    mine.constant &= theirs.constant;
-                }
-            }
-            _ => {}
+/// Takes from a phase what it reads there, if the expectation has the same form in it.
+fn learn(whole: &mut Expectation, of_phase: &Expectation, phase: usize) {
+    let copy = |mine: &mut Probe, theirs: &Probe| {
+        if let Some(slot) = mine.get_mut(phase) {
+            *slot = theirs.first().copied().flatten();
         }
+    };
+    match (&mut whole.check, &of_phase.check) {
+        (Check::Holds { probe, .. }, Check::Holds { probe: theirs, .. }) => copy(probe, theirs),
+        (Check::Order { sides, .. }, Check::Order { sides: theirs, .. }) if sides.len() == theirs.len() => {
+            for (mine, theirs) in sides.iter_mut().zip(theirs) {
+                copy(&mut mine.probe, &theirs.probe);
+                // What differs from phase to phase is worth telling.
+                mine.constant &= theirs.constant;
+            }
+        }
+        _ => {}
     }
 }

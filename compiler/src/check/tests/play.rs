@@ -9,7 +9,8 @@ use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
 use crate::diagnostics::codes;
 use crate::graph::NodeId;
-use crate::motion::{Following, Motion, Parts, Path, RootPart, Start};
+use crate::init::{Following, Parts, Path, Start};
+use crate::motion::{Motion, RootPart, problems};
 use crate::numbers::for_people;
 use crate::resolve::scope::{Declared, Definition};
 use crate::syntax::tree::{Change, ExprKind, Played, Playing};
@@ -78,7 +79,7 @@ impl<'a> Checker<'a> {
                     return Err(self.report(diagnostic));
                 }
                 let table = self.table(self.place.file, path)?;
-                let problems = table.motion.problems(table.file, self.vocabulary);
+                let problems = problems(&table.motion, table.file, self.vocabulary);
                 let misfit = Reported::among(&problems);
                 // One that a reference follows as well is told of once.
                 if !self.diagnostics.iter().any(|told| problems.contains(told)) {

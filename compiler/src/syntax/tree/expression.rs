@@ -215,19 +215,4 @@ pub enum BinaryOperator {
     Or,
 }
 
-/// Comparisons.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CompareOperator {
-    /// `<`
-    Less,
-    /// `<=`
-    LessEqual,
-    /// `>`
-    Greater,
-    /// `>=`
-    GreaterEqual,
-    /// `==`
-    Equal,
-    /// `!=`
-    NotEqual,
-}
+pub use msk_program::testing::Comparison as CompareOperator;

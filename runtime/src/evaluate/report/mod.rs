@@ -10,7 +10,7 @@ pub use table::Table;
 
 use super::{MetricSummary, Spread, Summary, TaskSummary, TermSummary};
 use core::fmt::Write;
-use msk_compiler::numbers::{exact, for_people};
+use msk_program::numbers::{exact, for_people};
 
 /// The whole report.
 pub fn markdown(summary: &Summary) -> String {

@@ -5,9 +5,9 @@
 //! to a wanted activation is the root of A(u) = wanted.
 
 use crate::episode::excitation;
-use msk_compiler::body::ExcitationMap;
 use msk_physics::actuation::activation_rate;
 use msk_physics::scalar::Real;
+use msk_program::body::ExcitationMap;
 
 /// How an excitation is held.
 #[derive(Debug, Clone, Copy, PartialEq)]

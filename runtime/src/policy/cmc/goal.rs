@@ -6,11 +6,12 @@
 use super::{Present, support::Support};
 use crate::body::Body;
 use crate::testing::Script;
-use msk_compiler::motion::{Motion, Parts, RootPart};
-use msk_compiler::task::Init;
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace, kinematics, rotation::difference};
+use msk_program::init::Parts;
+use msk_program::motion::{Motion, RootPart};
+use msk_program::task::Init;
 use nalgebra::Vector3;
 use std::sync::Arc;
 

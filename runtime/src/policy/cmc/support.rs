@@ -1,10 +1,10 @@
 //! Support: the points of the feet that can bear weight, and where the ground is under them.
 
 use crate::body::Body;
-use msk_compiler::vocabulary::GroupKind;
 use msk_physics::kinematics::Kinematics;
 use msk_physics::model::{GeomKind, Model};
 use msk_physics::scalar::Real;
+use msk_program::vocabulary::GroupKind;
 use nalgebra::{Matrix3, Vector3};
 
 /// A point of a foot that faces the ground.

@@ -3,11 +3,11 @@
 use super::{Controller, Coordinates, Dynamics, Hold, Present, View, activation};
 use crate::bodies;
 use crate::body::Body;
-use msk_compiler::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription};
-use msk_compiler::task::RootPlacement;
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{self as physics, State, Workspace};
+use msk_program::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription};
+use msk_program::task::RootPlacement;
 use nalgebra::Vector3;
 use std::path::Path;
 

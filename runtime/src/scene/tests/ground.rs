@@ -5,11 +5,11 @@ use crate::scene::ground::{ABYSS, Ground};
 use crate::scene::radar::Radar;
 use crate::scene::terrain;
 use crate::scene::{NewGeom, SceneBuilder};
-use msk_compiler::scene::Terrain;
 use msk_physics::collision::{Placed, SupportShape, ray};
 use msk_physics::model::{GeomKind, HeightField, Model};
 use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace, kinematics};
+use msk_program::scene::Terrain;
 use nalgebra::{Rotation3, Vector2, Vector3};
 use proptest::prelude::*;
 

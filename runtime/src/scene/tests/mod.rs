@@ -4,9 +4,9 @@ mod kept;
 use super::*;
 use crate::bodies;
 use crate::body::Body;
-use msk_compiler::scene::{Motion, Object, ObjectJoint, ObjectJointKind, Parent, Shape, Surface};
 use msk_physics::model::Model;
 use msk_physics::{State, Workspace, forward};
+use msk_program::scene::{Motion, Object, ObjectJoint, ObjectJointKind, Parent, Shape, Surface};
 
 /// An object at rest in the world.
 pub(super) fn object(name: &str, shape: Option<Shape>, position: [f64; 3]) -> Object {
@@ -102,7 +102,7 @@ fn the_vocabulary_of_a_scene_is_the_compilers() {
     let (model, body) = human();
     let (staged, bound) = stage(&model, &body, &scene()).unwrap();
     let (found, expected) = (bound.vocabulary(&staged), body.vocabulary(&model).with_scene(&scene()));
-    let names = |vocabulary: &msk_compiler::vocabulary::Vocabulary| {
+    let names = |vocabulary: &msk_program::vocabulary::Vocabulary| {
         let landmarks =
             vocabulary.landmarks.iter().map(|landmark| (landmark.name.clone(), landmark.of_scene, landmark.has_segment));
         let joints = vocabulary.joints.iter().map(|joint| (joint.name.clone(), joint.of_scene, joint.range));

@@ -1,0 +1,211 @@
+//! The initial state of an episode, and what disturbs it: plain data in SI units.
+//!
+//! Everything is known while compiling but for the numbers that a `random` of the task decides: those stand in
+//! [`Init::drawn`], and [`CompiledTask::beginning`] writes them into a copy at every reset, before the physics begins.
+//!
+//! [`CompiledTask::beginning`]: crate::task::CompiledTask::beginning
+
+use crate::frame::Origin;
+use crate::motion::RootPart;
+
+mod following;
+
+pub use following::{Following, Parts, Path, Start};
+
+/// How an episode begins.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Init {
+    /// Joint coordinates in the order of the vocabulary's joints, those of objects last, rad or m.
+    pub coordinates: Vec<f64>,
+    /// Joint velocities in the same order, rad/s or m/s; empty if all are zero.
+    pub velocities: Vec<f64>,
+    /// Where the root starts.
+    pub root: RootPlacement,
+    /// Noise on the coordinates, joint by joint; only independent hinges and slides have any.
+    pub coordinate_noise: Vec<Spread>,
+    /// Noise on the joint velocities, joint by joint.
+    pub velocity_noise: Vec<Spread>,
+    /// Where each free object starts, in the order of the scene.
+    pub objects: Vec<ObjectStart>,
+    /// Physics before the first snapshot.
+    pub settle: Option<Settle>,
+    /// Numbers of the above that are drawn: each is the value at that place of [`CompiledTask::drawn`].
+    ///
+    /// [`CompiledTask::drawn`]: crate::task::CompiledTask::drawn
+    pub drawn: Vec<(Setting, usize)>,
+    /// What of the above is taken from a motion at a phase that is drawn.
+    pub follows: Option<Following>,
+}
+
+/// How a number of a beginning scatters.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Spread {
+    /// Not at all.
+    #[default]
+    None,
+    /// Normal, with this standard deviation about what the pose says.
+    Normal(f64),
+    /// Uniform between these deviations from what the pose says.
+    Uniform(f64, f64),
+}
+
+/// Where the root starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RootPlacement {
+    /// Height of the root, m; `None` puts the lowest point of the body on the ground under it.
+    pub height: Option<f64>,
+    /// How far the lowest point is above the ground where no height is given, m.
+    pub lift: f64,
+    /// Horizontal position, m.
+    pub position: [f64; 2],
+    /// Turn about the vertical, rad; 0 faces world x.
+    pub heading: f64,
+    /// Turn about its own leftward axis after the heading, rad: nose down positive; 90 degrees lies on the front.
+    pub pitch: f64,
+    /// Turn about its own forward axis after heading and pitch, rad: right side down positive.
+    pub roll: f64,
+    /// Linear velocity in world axes, m/s.
+    pub velocity: [f64; 3],
+    /// Angular velocity in world axes, rad/s.
+    pub spin: [f64; 3],
+    /// The root is moved, not turned, until each landmark (index) is where it shall be; of several, until the mean distance
+    /// vanishes. Height and position are then without meaning.
+    pub meets: Vec<(usize, Origin)>,
+}
+
+impl Default for RootPlacement {
+    fn default() -> Self {
+        Self {
+            height: None,
+            lift: 0.0,
+            position: [0.0; 2],
+            heading: 0.0,
+            pitch: 0.0,
+            roll: 0.0,
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+            meets: Vec::new(),
+        }
+    }
+}
+
+/// Where a free object starts, in world axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObjectStart {
+    /// Its place in the scene's list of objects.
+    pub object: usize,
+    /// Position, m.
+    pub position: [f64; 3],
+    /// Orientation, w x y z.
+    pub orientation: [f64; 4],
+    /// Linear velocity, m/s.
+    pub velocity: [f64; 3],
+    /// Angular velocity, rad/s.
+    pub spin: [f64; 3],
+}
+
+/// Physics that passes before the first snapshot, while muscles are held at one activation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settle {
+    /// Number of physics steps.
+    pub steps: u32,
+    /// Activation and excitation of every muscle meanwhile; the time is 0 afterwards.
+    pub activation: f64,
+    /// Whether all velocities are zero afterwards.
+    pub at_rest: bool,
+}
+
+/// A force that acts for a while.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disturbance {
+    /// On which point: index of a landmark.
+    pub landmark: usize,
+    /// Force in world axes, N.
+    pub force: [f64; 3],
+    /// Torque in world axes, N m.
+    pub torque: [f64; 3],
+    /// It begins after so many control steps.
+    pub start: u32,
+    /// It lasts so many control steps.
+    pub steps: u32,
+}
+
+/// A number of a beginning that may be drawn. Axes are 0, 1, 2 for x, y, z of the world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Setting {
+    /// Coordinate of a joint, by its place in the vocabulary.
+    Coordinate(usize),
+    /// Height of the root.
+    RootHeight,
+    /// Position of the root along x or y.
+    RootPosition(usize),
+    /// Heading of the root.
+    RootHeading,
+    /// Pitch of the root.
+    RootPitch,
+    /// Roll of the root.
+    RootRoll,
+    /// Velocity of the root along an axis.
+    RootVelocity(usize),
+    /// Position of an object, by its place in [`Init::objects`], along an axis.
+    ObjectPosition(usize, usize),
+    /// Component w, x, y or z of an object's orientation.
+    ObjectOrientation(usize, usize),
+    /// Velocity of an object along an axis.
+    ObjectVelocity(usize, usize),
+    /// Angular velocity of an object about an axis.
+    ObjectSpin(usize, usize),
+}
+
+impl Init {
+    /// Writes one number.
+    pub fn set(&mut self, setting: Setting, value: f64) {
+        let root = &mut self.root;
+        let objects = &mut self.objects;
+        let slot = match setting {
+            Setting::Coordinate(joint) => self.coordinates.get_mut(joint),
+            Setting::RootHeight => Some(root.height.get_or_insert(value)),
+            Setting::RootPosition(axis) => root.position.get_mut(axis),
+            Setting::RootHeading => Some(&mut root.heading),
+            Setting::RootPitch => Some(&mut root.pitch),
+            Setting::RootRoll => Some(&mut root.roll),
+            Setting::RootVelocity(axis) => root.velocity.get_mut(axis),
+            Setting::ObjectPosition(object, axis) => objects.get_mut(object).and_then(|start| start.position.get_mut(axis)),
+            Setting::ObjectOrientation(object, part) => objects.get_mut(object).and_then(|start| start.orientation.get_mut(part)),
+            Setting::ObjectVelocity(object, axis) => objects.get_mut(object).and_then(|start| start.velocity.get_mut(axis)),
+            Setting::ObjectSpin(object, axis) => objects.get_mut(object).and_then(|start| start.spin.get_mut(axis)),
+        };
+        if let Some(slot) = slot {
+            *slot = value;
+        }
+    }
+
+    /// Writes one number, whatever chance or the motion on which the task begins had decided.
+    pub fn decide(&mut self, setting: Setting, value: f64) {
+        self.drawn.retain(|(known, _)| *known != setting);
+        self.unfollow(setting);
+        self.set(setting, value);
+    }
+
+    /// Takes a number no longer from the motion on which the task begins.
+    pub fn unfollow(&mut self, setting: Setting) {
+        let Some(following) = &mut self.follows else { return };
+        let part = match setting {
+            Setting::Coordinate(joint) => return following.parts.joints.retain(|(known, _)| *known != joint),
+            Setting::RootPosition(0) => RootPart::X,
+            Setting::RootPosition(_) => RootPart::Y,
+            Setting::RootHeight => RootPart::Height,
+            Setting::RootHeading => RootPart::Heading,
+            Setting::RootPitch => RootPart::Pitch,
+            Setting::RootRoll => RootPart::Roll,
+            _ => return,
+        };
+        following.parts.root.retain(|known| *known != part);
+    }
+
+    /// Whether nothing scatters.
+    pub fn is_exact(&self) -> bool {
+        let spreads = self.coordinate_noise.iter().chain(&self.velocity_noise);
+        self.drawn.is_empty() && self.follows.is_none() && spreads.copied().all(|spread| spread == Spread::None)
+    }
+}

@@ -1,0 +1,204 @@
+//! Snapshots: canonical text of what a task means. Layout, comments and local names of the source do not show in it.
+//!
+//! Every section stands by itself: what a term computes is numbered within the term, declared states are written where they
+//! are read, and parts of body and scene go by their names. So a change of one term changes the section of that term only, and
+//! a comparison of two can tell in words what has changed.
+
+mod encoding;
+pub mod names;
+mod scene;
+mod section;
+
+pub use scene::by_spread;
+pub use section::{Section, Snapshot, Unreadable};
+
+use crate::body::BodyDescription;
+use crate::debug::ConditionDebug;
+use crate::digest::hexadecimal;
+use crate::formula::Notation;
+use crate::graph::NodeId;
+use crate::graph::text::{Labels, Writer};
+use crate::numbers::exact;
+use crate::task::{CompiledTask, Phase};
+use names::Names;
+use section::meant;
+use sha2::{Digest, Sha256};
+
+/// Most operations of one formula that a snapshot writes out; of larger ones it keeps their hash.
+const LONGEST: usize = 1000;
+
+/// Where the operations of formulas are written.
+enum Ink<'a> {
+    /// Each formula in its own section.
+    Local,
+    /// All formulas of a phase in one list, whose size is that of the graph: for the hash.
+    Shared(Box<Writer<'a>>),
+}
+
+impl CompiledTask {
+    /// What the task means, section by section: terms, weights, ranges, ends, channels, scene and beginning.
+    pub fn snapshot(&self) -> Snapshot {
+        let mut sections = self.frame_sections();
+        for phase in self.phases.iter() {
+            let names = Names { task: self, phase };
+            self.phase_sections(phase, &names, &mut Ink::Local, &mut sections);
+        }
+        Snapshot { sections }
+    }
+
+    /// SHA-256 of what the task and its body mean, where models lie on the disk left out, in an encoding of its own.
+    pub fn content_hash(&self) -> String {
+        let mut text = format!("{}\n", encoding::VERSION);
+        for section in self.frame_sections() {
+            meant(&section, &mut text);
+        }
+        for phase in self.phases.iter() {
+            let names = Names { task: self, phase };
+            let writer = Writer::new(&phase.graph, &names, &phase.outputs.updates);
+            let (mut ink, mut sections) = (Ink::Shared(Box::new(writer)), Vec::new());
+            self.phase_sections(phase, &names, &mut ink, &mut sections);
+            sections.iter().for_each(|section| meant(section, &mut text));
+            if let Ink::Shared(writer) = ink {
+                text += &writer.finish().join("\n");
+            }
+        }
+        text += &scene::coordinates(self);
+        digest(text.as_bytes())
+    }
+
+    /// What does not belong to a phase.
+    fn frame_sections(&self) -> Vec<Section> {
+        let mut head = Section::new("task", &self.name)
+            .field("family", &self.family)
+            .field("body", format!("{} {}", self.body.name, body_digest(&self.body)))
+            .field("control", format!("{} Hz", self.control_frequency))
+            .field("horizon", format!("{} steps", self.horizon))
+            .field("symmetric", self.symmetric);
+        if self.phases.len() > 1 {
+            let phases: Vec<&str> = self.phases.iter().map(|phase| phase.name.as_str()).collect();
+            head = head.field("phases", phases.join(", "));
+        }
+        let mut sections = vec![head];
+        for parameter in &self.parameters {
+            let section = Section::new("parameter", &parameter.name)
+                .field("value", format!("{} {}", exact(parameter.value), parameter.unit).trim());
+            let range = parameter.range.map(|[low, high]| format!("{}..{}", exact(low), exact(high)));
+            sections.push(range.into_iter().fold(section, |section, range| section.field("range", range)));
+        }
+        for followed in &self.motions {
+            let start = followed.start.fixed().map_or("drawn".to_owned(), |start| start.to_string());
+            let section = Section::new("reference", &followed.name).field("motion", followed.motion.digest());
+            sections.push(section.field("start", start));
+        }
+        self.scene_sections(&mut sections);
+        self.beginning_sections(&mut sections);
+        sections
+    }
+
+    fn phase_sections<'a>(&'a self, phase: &'a Phase, names: &Names<'a>, ink: &mut Ink<'_>, sections: &mut Vec<Section>) {
+        let (debug, outputs) = (&phase.debug, &phase.outputs);
+        let several = self.phases.len() > 1;
+        let mut write = |section: Section, formula: Option<&Notation>, node: NodeId, word: &str| {
+            let mut section = section;
+            section.formula = formula.map_or_else(String::new, |formula| formula.plain.clone());
+            match ink {
+                Ink::Local => section.graph = own_graph(phase, names, node),
+                Ink::Shared(writer) => {
+                    section.formula = String::new();
+                    section = section.field(word, format!("%{}", writer.number(node)));
+                }
+            }
+            sections.push(section);
+        };
+        let labelled = |name: &str| if several { format!("{}.{name}", phase.name) } else { name.to_owned() };
+        for &(setting, index) in &self.init.drawn {
+            let Some(&node) = outputs.beginning.get(index) else { continue };
+            write(Section::new("drawn", &labelled(&names::setting(self, setting))), None, node, "is");
+        }
+        for (&connection, &node) in self.releases.iter().zip(&outputs.releases) {
+            write(Section::new("release", &labelled(&self.connection_name(connection))), None, node, "when");
+        }
+        for (name, &node) in self.markers.iter().zip(&outputs.markers) {
+            write(Section::new("marker", &labelled(name)), None, node, "at");
+        }
+        for (&stream, draw) in phase.streams.iter().zip(&outputs.draws) {
+            let name = &self.randoms[stream].name;
+            write(Section::new("random", name), None, draw.value, "is");
+            if let Some(redraw) = draw.redraw {
+                write(Section::new("redraw", name), None, redraw, "when");
+            }
+        }
+        for (place, (term, &node)) in self.terms[phase.terms.clone()].iter().zip(&outputs.terms).enumerate() {
+            let mut section = Section::new("term", &term.name).field("weight", exact(term.weight));
+            match (term.fixed, term.weight_range) {
+                (true, _) => section = section.field("range", "fixed"),
+                (_, Some([low, high])) => section = section.field("range", format!("{}..{}", exact(low), exact(high))),
+                _ => {}
+            }
+            write(section, debug.terms.get(place).map(|term| &term.formula), node, "pays");
+        }
+        for (place, (metric, &node)) in self.metrics[phase.metrics.clone()].iter().zip(&outputs.metrics).enumerate() {
+            let section = Section::new("metric", &metric.name).field("size", metric.size);
+            write(section, debug.metrics.get(place).map(|metric| &metric.formula), node, "is");
+        }
+        let ends = [
+            ("terminate", &self.terminations[phase.terminations.clone()], &outputs.terminations, &debug.terminations),
+            ("finish", &self.finishes[phase.finishes.clone()], &outputs.finishes, &debug.finishes),
+        ];
+        for (kind, reasons, nodes, told) in ends {
+            for (place, (name, &node)) in reasons.iter().zip(nodes).enumerate() {
+                write(Section::new(kind, name), told.get(place).map(|told| &told.formula), node, "when");
+            }
+        }
+        let formula = |told: &'a Option<ConditionDebug>| told.as_ref().map(|told| &told.formula);
+        let phase_name = if several { phase.name.as_str() } else { "" };
+        if several {
+            let horizon = phase.horizon;
+            if let Some(node) = outputs.until {
+                let section = Section::new("until", phase_name).field("horizon", horizon);
+                write(section, formula(&debug.until), node, "when");
+            }
+            if let Some(node) = outputs.succeeded {
+                write(Section::new("succeeded", phase_name).field("horizon", horizon), None, node, "when");
+            }
+        }
+        if let Some(node) = outputs.success {
+            write(Section::new("success", phase_name), formula(&debug.success), node, "when");
+        }
+        for (channel, own) in self.channels.iter().zip(&phase.channels) {
+            let Some((own, &node)) = own.and_then(|own| Some((own, outputs.channels.get(own)?))) else { continue };
+            let mut section = Section::new("channel", &labelled(&channel.name)).field("size", channel.size);
+            if !channel.unit.is_empty() {
+                section = section.field("unit", &channel.unit);
+            }
+            write(section, debug.channels.get(own).map(|channel| &channel.formula), node, "is");
+        }
+    }
+}
+
+/// What one formula computes, numbered by itself.
+fn own_graph(phase: &Phase, names: &dyn Labels, node: NodeId) -> Vec<String> {
+    let graph = &phase.graph;
+    if let Some(value) = graph.constant_value(node) {
+        return vec![format!("constant {value:?}")];
+    }
+    let mut writer = Writer::new(graph, names, &phase.outputs.updates);
+    writer.number(node);
+    let lines = writer.finish();
+    if lines.len() <= LONGEST {
+        return lines;
+    }
+    let hash = digest(lines.join("\n").as_bytes());
+    vec![format!("{} operations, sha256 {hash}", lines.len())]
+}
+
+/// A short hash of a body: of everything that its file says, but not of where the model lies.
+fn body_digest(body: &BodyDescription) -> String {
+    let mut hash = digest(encoding::body(body).as_bytes());
+    hash.truncate(16);
+    hash
+}
+
+fn digest(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}

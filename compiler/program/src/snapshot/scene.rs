@@ -1,0 +1,181 @@
+//! Scene and beginning in a snapshot.
+
+use super::names;
+use super::{Section, digest, encoding};
+use crate::graph::text::values;
+use crate::scene::{Object, Parent};
+use crate::task::{CompiledTask, Spread};
+
+/// Longest list of numbers that is written out.
+const LONGEST: usize = 300;
+
+impl CompiledTask {
+    pub(super) fn scene_sections(&self, sections: &mut Vec<Section>) {
+        let scene = &self.scene;
+        let ground = scene.ground.map_or_else(|| "none".to_owned(), |surface| plain(encoding::surface(&surface)));
+        sections.push(Section::new("ground", "").field("surface", ground));
+        for object in &scene.objects {
+            sections.push(self.object_section(object));
+        }
+        for (index, connection) in scene.connections.iter().enumerate() {
+            let kind = if connection.weld { "weld" } else { "connect" };
+            sections.push(
+                Section::new("connection", &self.connection_name(index)).field("kind", kind).field("here", connection.here),
+            );
+        }
+        for (name, members) in &scene.groups {
+            let members: Vec<&str> =
+                members.iter().filter_map(|&member| scene.objects.get(member)).map(|object| object.name.as_str()).collect();
+            sections.push(Section::new("group", name).field("members", members.join(", ")));
+        }
+        for (index, disturbance) in self.disturbances.iter().enumerate() {
+            sections.push(
+                Section::new("disturbance", &(index + 1).to_string())
+                    .field("on", names::landmark(&self.vocabulary, disturbance.landmark))
+                    .field("force", format!("{:?} N", disturbance.force))
+                    .field("torque", format!("{:?} N m", disturbance.torque))
+                    .field("at", format!("{} steps", disturbance.start))
+                    .field("for", format!("{} steps", disturbance.steps)),
+            );
+        }
+    }
+
+    fn object_section(&self, object: &Object) -> Section {
+        let parent = match &object.parent {
+            Parent::World => "world".to_owned(),
+            Parent::Object(index) => {
+                self.scene.objects.get(*index).map_or_else(|| index.to_string(), |parent| parent.name.clone())
+            }
+            Parent::Landmark(name) => format!("the body's {name}"),
+        };
+        Section::new("object", &object.name)
+            .field("on", parent)
+            .field("shape", object.shape.as_ref().map_or_else(|| "none".to_owned(), |shape| plain(encoding::shape(shape))))
+            .field("position", format!("{:?} m", object.position))
+            .field("orientation", format!("{:?}", object.orientation))
+            .field("motion", plain(encoding::motion(&object.motion)))
+            .field("mass", format!("{:?} kg", object.mass))
+            .field("surface", plain(encoding::surface(&object.surface)))
+    }
+
+    /// A connection under the names of its ends.
+    pub(super) fn connection_name(&self, index: usize) -> String {
+        let known = self.scene.connections.get(index);
+        known.map_or_else(|| index.to_string(), |held| format!("{} to {}", held.from, held.to))
+    }
+
+    pub(super) fn beginning_sections(&self, sections: &mut Vec<Section>) {
+        let root = &self.init.root;
+        let mut section = Section::new("root", "")
+            .field("height", root.height.map_or_else(|| "on ground".to_owned(), |height| format!("{height:?} m")))
+            .field("position", format!("{:?} m", root.position))
+            .field("orientation", format!("heading {:?} rad, pitch {:?} rad, roll {:?} rad", root.heading, root.pitch, root.roll))
+            .field("velocity", format!("{:?} m/s", root.velocity));
+        for (landmark, place) in &root.meets {
+            let meets = names::origin(&self.vocabulary, place);
+            section = section.field(&format!("align {}", names::landmark(&self.vocabulary, *landmark)), format!("to {meets}"));
+        }
+        if root.lift != 0.0 {
+            section = section.field("lift", format!("{:?} m", root.lift));
+        }
+        if root.spin != [0.0; 3] {
+            section = section.field("spin", format!("{:?} rad/s", root.spin));
+        }
+        sections.push(section);
+        if let Some(following) = &self.init.follows {
+            let joints: Vec<usize> = following.parts.joints.iter().map(|(joint, _)| *joint).collect();
+            sections.push(
+                Section::new("follows", "")
+                    .field("motion", following.motion.digest())
+                    .field("joints", self.joint_runs(&joints))
+                    .field(
+                        "root",
+                        format!("[{}]", following.parts.root.iter().map(|part| part.heading()).collect::<Vec<_>>().join(", ")),
+                    )
+                    .field("velocity", following.parts.velocity),
+            );
+        }
+        let mut velocities = Section::new("velocities", "");
+        for (joint, &velocity) in
+            self.vocabulary.joints.iter().zip(&self.init.velocities).filter(|(_, velocity)| **velocity != 0.0)
+        {
+            velocities = velocities.field(&joint.name, format!("{velocity:?}"));
+        }
+        sections.extend((!velocities.fields.is_empty()).then_some(velocities));
+        let mut pose = Section::new("pose", "");
+        for (joint, &coordinate) in self.vocabulary.joints.iter().zip(&self.init.coordinates) {
+            if coordinate.to_bits() != joint.neutral.to_bits() {
+                pose = pose.field(&joint.name, format!("{coordinate:?}"));
+            }
+        }
+        sections.push(pose);
+        for (name, spreads) in [("coordinates", &self.init.coordinate_noise), ("velocities", &self.init.velocity_noise)] {
+            let mut section = Section::new("noise", name);
+            for (spread, joints) in by_spread(spreads) {
+                section = section.field(&spread_text(spread), self.joint_runs(&joints));
+            }
+            if !section.fields.is_empty() {
+                sections.push(section);
+            }
+        }
+        for start in &self.init.objects {
+            let name =
+                self.scene.objects.get(start.object).map_or_else(|| start.object.to_string(), |object| object.name.clone());
+            sections.push(
+                Section::new("start", &name)
+                    .field("position", format!("{:?} m", start.position))
+                    .field("orientation", format!("{:?}", start.orientation))
+                    .field("velocity", format!("{:?} m/s", start.velocity))
+                    .field("spin", format!("{:?} rad/s", start.spin)),
+            );
+        }
+        if let Some(settle) = &self.init.settle {
+            sections.push(
+                Section::new("settle", "")
+                    .field("steps", settle.steps)
+                    .field("activation", settle.activation)
+                    .field("at rest", settle.at_rest),
+            );
+        }
+    }
+
+    /// Names of joints, neighbours in the list joined.
+    fn joint_runs(&self, joints: &[usize]) -> String {
+        let name = |index: &usize| names::joint(&self.vocabulary, *index);
+        let runs = joints.chunk_by(|a, b| *b == a + 1).map(|run| match run {
+            [first, .., last] if run.len() > 3 => format!("{} to {} ({})", name(first), name(last), run.len()),
+            _ => run.iter().map(name).collect::<Vec<_>>().join(", "),
+        });
+        runs.collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn spread_text(spread: Spread) -> String {
+    match spread {
+        Spread::None => "none".to_owned(),
+        Spread::Normal(deviation) => format!("normal {deviation:?}"),
+        Spread::Uniform(low, high) => format!("uniform {low:?}..{high:?}"),
+    }
+}
+
+/// Joints that scatter alike, by the first of each.
+pub fn by_spread(spreads: &[Spread]) -> Vec<(Spread, Vec<usize>)> {
+    let mut sorted: Vec<(Spread, Vec<usize>)> = Vec::new();
+    for (joint, &spread) in spreads.iter().enumerate().filter(|(_, spread)| **spread != Spread::None) {
+        match sorted.iter_mut().find(|(known, _)| *known == spread) {
+            Some((_, joints)) => joints.push(joint),
+            None => sorted.push((spread, vec![joint])),
+        }
+    }
+    sorted
+}
+
+/// Plain data on one line; long lists, such as the heights of a terrain, as their hash.
+fn plain(text: String) -> String {
+    if text.len() <= LONGEST { text } else { format!("{} characters, sha256 {}", text.len(), digest(text.as_bytes())) }
+}
+
+/// The numbers of a pose that the hash covers whether or not they are those of the neutral one.
+pub(super) fn coordinates(task: &CompiledTask) -> String {
+    values(task.init.coordinates.iter().copied())
+}
