@@ -4,7 +4,7 @@ use super::functions;
 use super::random::KnownRandom;
 use super::ranges::OperatingRange;
 use super::reference::{KnownReference, Motions};
-use super::scene::Surroundings;
+use super::scene::CheckedScene;
 use super::scene::geometry::Known;
 use super::value::Value;
 use crate::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, codes};
@@ -154,8 +154,8 @@ pub(crate) struct Checker<'a> {
     pub own_success: Option<(String, NodeId)>,
     /// What libraries allow in the task.
     pub allowances: Vec<Allowance>,
-    /// What surrounds the body; not yet while the scene itself is checked.
-    pub surroundings: Option<&'a Surroundings<'a>>,
+    /// The scene around the body; not yet while the scene itself is checked.
+    pub scene: Option<&'a CheckedScene<'a>>,
     /// Constants of objects by `NAME.SIGNAL`.
     pub known: BTreeMap<String, Known>,
     /// Lengths in formulas that the scene says already, and where it does.
@@ -203,7 +203,7 @@ impl<'a> Checker<'a> {
             later_phases: Vec::new(),
             own_success: None,
             allowances: Vec::new(),
-            surroundings: None,
+            scene: None,
             known: BTreeMap::new(),
             repeated: Vec::new(),
             in_tests: None,

@@ -172,9 +172,8 @@ impl<'a> Checker<'a> {
         let mut names: Vec<String> = self.body_names().into_iter().filter(plain).collect();
         names.extend(self.names.in_sight(self.place).map(str::to_owned));
         names.extend(self.locals.iter().map(|local| local.name.clone()));
-        names.extend(
-            self.surroundings.iter().flat_map(|known| known.statements.markers.iter().filter_map(|marker| marker.name.clone())),
-        );
+        names
+            .extend(self.scene.iter().flat_map(|known| known.statements.markers.iter().filter_map(|marker| marker.name.clone())));
         let words = signals::SIGNALS.iter().filter(|s| matches!(s.owner, Owner::Time | Owner::WholeBody)).map(|s| s.name);
         names.extend(words.chain(SETS.iter().copied()).chain(["com", "ground", "robot"]).map(str::to_owned));
         names

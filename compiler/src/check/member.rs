@@ -28,7 +28,7 @@ impl<'a> Checker<'a> {
             return pay.map(Value::Typed);
         }
         if let Some(object) = dotted(base)
-            && self.surroundings.is_none()
+            && self.scene.is_none()
             && let Some(constant) = self.known_constant(&format!("{object}.{}", name.text))
         {
             return Ok(Value::Typed(constant));

@@ -32,6 +32,7 @@ pub(crate) mod ranges;
 pub(crate) mod reference;
 pub(crate) mod reward;
 pub mod scene;
+mod states;
 pub(crate) mod suite;
 pub(crate) mod task;
 mod tests;

@@ -1,16 +1,16 @@
 //! Observations: named channels, blocks of a library unfolded.
 
 use super::allows;
-use super::context::{Checked, Checker, Failures};
+use super::context::{Checked, Checker, Failures, ReadMode};
 use super::types::{ElementType, Type};
 use super::value::{TypedValue, Value};
-use crate::diagnostics::{FileId, Span, codes};
+use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Operation;
 use crate::resolve::scope::{Definition, Place};
 use crate::resolve::{Texts, label_of, summary, written};
 use crate::spoken::{self, SpokenUnit};
-use crate::syntax::tree::{Channel, Entry, Expr, ExprKind};
+use crate::syntax::tree::{Channel, Entry, Expr, ExprKind, TaskStatement};
 
 /// A channel that the graph computes.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +42,45 @@ pub(crate) struct Block<'a> {
 }
 
 impl<'a> Checker<'a> {
+    /// All `observe` blocks, in order. States and randoms are read after their update there.
+    pub(super) fn observations(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
+        let statements = self.statements;
+        let mut channels = Vec::new();
+        let mut failures = Failures::default();
+        self.in_mode(ReadMode { after: true, ..self.mode }, |checker| {
+            for placed in statements {
+                if let TaskStatement::Observe(block) = &placed.statement {
+                    let found =
+                        checker.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut channels));
+                    failures.catch(found);
+                }
+            }
+        });
+        failures.or(channels)
+    }
+
+    /// All `metrics` blocks, in order: logged, never paid.
+    pub(super) fn metrics(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
+        let statements = self.statements;
+        let mut metrics = Vec::new();
+        let mut failures = Failures::default();
+        for placed in statements {
+            if let TaskStatement::Metrics(block) = &placed.statement {
+                let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut metrics));
+                failures.catch(found);
+            }
+        }
+        failures.or(metrics)
+    }
+
+    /// Reports a policy that would be shown nothing at all.
+    pub(super) fn observes_nothing(&mut self, (file, span): (FileId, Span)) {
+        let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, span, "the policy is shown nothing");
+        self.report(
+            diagnostic.help("name what it sees: `observe { pelvis.height }`, or a block of channels such as `proprioception`"),
+        );
+    }
+
     /// Checks the channels of `observe`, or of a block of it.
     pub(crate) fn channels(
         &mut self,

@@ -10,7 +10,7 @@ use crate::graph::operation::Binary;
 use crate::graph::{NodeId, events};
 use crate::hir::{ExprId, Resolution};
 use crate::numbers::{exact, for_people, told_apart};
-use crate::syntax::tree::{Bounds, Docs, Expr, Reward, Term};
+use crate::syntax::tree::{Bounds, Docs, Expr, Reward, TaskStatement, Term};
 use crate::weights::{LARGEST, may_be};
 
 /// A term that the graph computes.
@@ -37,6 +37,19 @@ pub(crate) struct PaidTerm<'a> {
 }
 
 impl<'a> Checker<'a> {
+    /// All `reward` blocks, in order.
+    pub(super) fn rewards(&mut self) -> Checked<Vec<PaidTerm<'a>>> {
+        let statements = self.statements;
+        let mut terms = Vec::new();
+        let mut failures = Failures::default();
+        for placed in statements {
+            if let TaskStatement::Reward(reward) = &placed.statement {
+                failures.catch(self.in_file(placed.file, |checker| checker.reward(reward, &mut terms)));
+            }
+        }
+        failures.or(terms)
+    }
+
     /// Checks the terms of a reward block.
     pub(crate) fn reward(&mut self, reward: &'a Reward, terms: &mut Vec<PaidTerm<'a>>) -> Checked<()> {
         let mut failures = Failures::default();

@@ -1,27 +1,31 @@
 //! A task: its statements in any order, from tree to [`CheckedTask`].
 
-use super::context::{Cell, Checked, Checker, End, Failures, ReadMode, Reported, Timing};
-use super::dimension::Dimension;
-use super::init::{Beginning, Layer};
+mod phase;
+mod statements;
+mod timing;
+mod unread;
+
+pub(crate) use phase::{InSequence, PhaseEnd};
+pub(crate) use statements::body_of;
+
+use super::context::{Cell, Checked, Checker, End, ReadMode, Reported, Timing};
+use super::init::Beginning;
 use super::observe::ObservedChannel;
 use super::random::KnownRandom;
 use super::reference::{KnownReference, Motions};
 use super::reward::PaidTerm;
-use super::scene::Surroundings;
+use super::scene::CheckedScene;
 use super::tests::CheckedTests;
-use super::types::{ElementType, Type};
-use super::value::{TypedValue, Value};
-use crate::diagnostics::{Allowance, Diagnostic, FileId, Span, codes};
+use crate::diagnostics::{Allowance, Diagnostic, FileId, Span};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
 use crate::graph::{Graph, NodeId};
 use crate::hir::Hir;
-use crate::numbers::for_people;
 use crate::resolve::Texts;
-use crate::resolve::inherit::{Placed, WholeTask};
-use crate::resolve::scope::{Declared, Definition, Names, Place};
+use crate::resolve::inherit::WholeTask;
+use crate::resolve::scope::{Names, Place};
 use crate::scene::SceneDescription;
-use crate::syntax::tree::{BodyUse, Expr, StateDeclaration, TaskStatement, Test};
+use crate::syntax::tree::TaskStatement;
 use crate::task::{Disturbance, Init, Parameter};
 use crate::vocabulary::Vocabulary;
 use msk_program::debug::Compared;
@@ -73,59 +77,11 @@ pub(crate) struct CheckedTask<'a> {
     pub tests: Option<CheckedTests>,
 }
 
-/// How a phase of a sequence gives way to the next.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct PhaseEnd {
-    /// When the next phase begins.
-    pub until: Option<NodeId>,
-    /// Whether the phase itself has succeeded.
-    pub succeeded: Option<NodeId>,
-}
-
-/// What is asked of a task as a phase of a sequence.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct InSequence<'a> {
-    /// Names of all phases; empty for a task by itself.
-    pub phases: &'a [String],
-    /// Which of them this is.
-    pub index: usize,
-    /// When the next begins, with the file in which that stands.
-    pub until: Option<(&'a Expr, FileId)>,
-    /// What the sequence calls success, if it says so.
-    pub success: Option<(&'a Expr, FileId)>,
-    /// Whether a task by itself is a phase of a sequence somewhere.
-    pub is_phase: bool,
-    /// Whether its tests are checked as well.
-    pub tests: bool,
-    /// Control steps of all its phases, as far as tests are concerned.
-    pub horizon: u32,
-    /// Control steps that the phases before this one may take.
-    pub before: u32,
-}
-
-/// Something of a task with the file in which it stands.
-type Located<T> = Option<(T, FileId)>;
-
-/// The single statements of a task.
-#[derive(Default)]
-struct Parts<'a> {
-    family: Located<&'a str>,
-    control: Located<&'a Expr>,
-    horizon: Located<&'a Expr>,
-    symmetric: bool,
-    body: Located<&'a BodyUse>,
-    /// Of each task of a line of extended ones, the oldest first.
-    init: Vec<Layer<'a>>,
-    /// Which of them said it last.
-    begun: Option<usize>,
-    success: Located<&'a Expr>,
-}
-
 /// What is known around a task when it is checked.
 #[derive(Clone, Copy)]
 pub(crate) struct Around<'a> {
     pub vocabulary: &'a Vocabulary,
-    pub surroundings: &'a Surroundings<'a>,
+    pub scene: &'a CheckedScene<'a>,
     pub texts: &'a dyn Texts,
     pub motions: Motions<'a>,
 }
@@ -148,11 +104,11 @@ pub(crate) fn check<'a>(
     sequence: InSequence<'a>,
     queries: Vec<Query>,
 ) -> (Checker<'a>, Checked<CheckedTask<'a>>, Told) {
-    let Around { vocabulary, surroundings, texts, motions } = around;
+    let Around { vocabulary, scene, texts, motions } = around;
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
-    checker.known = surroundings.known.clone();
-    checker.used = surroundings.used.clone();
-    checker.surroundings = Some(surroundings);
+    checker.known = scene.known.clone();
+    checker.used = scene.used.clone();
+    checker.scene = Some(scene);
     checker.motions = Some(motions);
     // Phases of a sequence share one frame, and so the numbers of the queries.
     checker.queries = queries;
@@ -277,328 +233,4 @@ impl<'a> Checker<'a> {
         }
         init
     }
-
-    /// Reports a policy that would be shown nothing at all.
-    fn observes_nothing(&mut self, (file, span): (FileId, Span)) {
-        let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, span, "the policy is shown nothing");
-        self.report(
-            diagnostic.help("name what it sees: `observe { pelvis.height }`, or a block of channels such as `proprioception`"),
-        );
-    }
-
-    /// Checks the values that nothing reads, so that their mistakes are told; of what is computed for them nothing stays.
-    fn unread(&mut self) {
-        let names = self.names;
-        let value = |declared: &Declared<'a>| matches!(declared.definition, Definition::Let(_) | Definition::Clock(_));
-        let unread: Vec<_> = names.of_task().filter(|(name, declared)| value(declared) && !self.used.contains(*name)).collect();
-        if unread.is_empty() {
-            return;
-        }
-        let (graph, memo, used) = (self.graph.clone(), self.memo.clone(), self.used.clone());
-        let (compared, queries, repeated) = (self.comparisons.len(), self.queries.len(), self.repeated.len());
-        let (mark, formulas) = (self.hir.mark(), self.formulas.clone());
-        for (name, declared) in unread {
-            // An error is reported where it stands.
-            let _ = self.in_file(declared.file, |checker| checker.plain_name(name, declared.definition.span()));
-        }
-        (self.graph, self.memo, self.used, self.formulas) = (graph, memo, used, formulas);
-        self.hir.rewind(mark);
-        self.comparisons.truncate(compared);
-        self.queries.truncate(queries);
-        self.repeated.truncate(repeated);
-    }
-
-    /// The tests of a task, or of the sequence whose phase it is.
-    fn own_tests(
-        &mut self,
-        sequence: InSequence<'a>,
-        init: &Beginning,
-        seen: (&[PaidTerm<'a>], &[ObservedChannel]),
-        success: NodeId,
-        texts: &dyn Texts,
-    ) -> Checked<Option<CheckedTests>> {
-        let statements = self.statements;
-        let tests: Vec<(&Test, FileId)> = statements
-            .iter()
-            .filter_map(|placed| if let TaskStatement::Test(test) = &placed.statement { Some((test, placed.file)) } else { None })
-            .collect();
-        if !sequence.tests {
-            return Ok(None);
-        }
-        // A sequence has succeeded in its last phase, or not yet.
-        let last = sequence.index + 1 >= sequence.phases.len();
-        let success = if last { success } else { self.graph.constant(0.0) };
-        self.tests(&tests, init, seen, success, texts, sequence)
-    }
-
-    /// When a phase gives way, and whether it has then succeeded.
-    fn phase_end(&mut self, sequence: InSequence<'a>, succeeded: Option<NodeId>) -> Checked<PhaseEnd> {
-        if sequence.phases.is_empty() {
-            return Ok(PhaseEnd::default());
-        }
-        let until = sequence.until.map(|(expr, file)| self.in_file(file, |checker| checker.single_condition(expr))).transpose();
-        Ok(PhaseEnd { until: until?.map(|condition| condition.node), succeeded })
-    }
-
-    /// All `observe` blocks, in order. States and randoms are read after their update there.
-    fn observations(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
-        let statements = self.statements;
-        let mut channels = Vec::new();
-        let mut failures = Failures::default();
-        self.in_mode(ReadMode { after: true, ..self.mode }, |checker| {
-            for placed in statements {
-                if let TaskStatement::Observe(block) = &placed.statement {
-                    let found =
-                        checker.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut channels));
-                    failures.catch(found);
-                }
-            }
-        });
-        failures.or(channels)
-    }
-
-    /// All `metrics` blocks, in order: logged, never paid.
-    fn metrics(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
-        let statements = self.statements;
-        let mut metrics = Vec::new();
-        let mut failures = Failures::default();
-        for placed in statements {
-            if let TaskStatement::Metrics(block) = &placed.statement {
-                let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut metrics));
-                failures.catch(found);
-            }
-        }
-        failures.or(metrics)
-    }
-
-    /// All `reward` blocks, in order.
-    fn rewards(&mut self) -> Checked<Vec<PaidTerm<'a>>> {
-        let statements = self.statements;
-        let mut terms = Vec::new();
-        let mut failures = Failures::default();
-        for placed in statements {
-            if let TaskStatement::Reward(reward) = &placed.statement {
-                failures.catch(self.in_file(placed.file, |checker| checker.reward(reward, &mut terms)));
-            }
-        }
-        failures.or(terms)
-    }
-
-    /// A list is said once in each task; what a task inherits comes row by row, from elsewhere.
-    fn lists_once(&mut self, task: &WholeTask) {
-        use TaskStatement as S;
-        let mut said: Vec<&str> = Vec::new();
-        for statement in &task.task.statements {
-            let (word, span) = match statement {
-                S::Params(block) => ("params", block.keyword),
-                S::Observe(block) => ("observe", block.keyword),
-                S::Metrics(block) => ("metrics", block.keyword),
-                S::Reward(reward) if reward.per_second => ("reward per second", reward.span),
-                S::Reward(reward) => ("reward", reward.span),
-                _ => continue,
-            };
-            if said.contains(&word) {
-                self.said_twice(span, word);
-            }
-            said.push(word);
-        }
-    }
-
-    /// Sorts the statements; what comes twice is reported.
-    fn parts(&mut self) -> Parts<'a> {
-        use TaskStatement as S;
-        let statements = self.statements;
-        let mut parts = Parts::default();
-        for Placed { statement, file, layer, .. } in statements {
-            match statement {
-                S::Family(name) => self.only_one(&mut parts.family, (&name.text, *file), name.span, "family"),
-                S::Control(expr) => self.only_one(&mut parts.control, (expr, *file), expr.span, "control"),
-                S::Horizon(expr) => self.only_one(&mut parts.horizon, (expr, *file), expr.span, "horizon"),
-                S::Symmetric(_) => parts.symmetric = true,
-                S::Body(body) => self.only_one(&mut parts.body, (body, *file), body.span, "body"),
-                S::Init(block) => {
-                    if parts.begun.replace(*layer) == Some(*layer) {
-                        self.said_twice(block.keyword, "init");
-                    }
-                    parts.init.push((block, *file));
-                }
-                S::Success(expr) => self.only_one(&mut parts.success, (expr, *file), expr.span, "success"),
-                _ => {}
-            }
-        }
-        parts
-    }
-
-    fn only_one<T>(&mut self, slot: &mut Option<T>, value: T, span: Span, word: &str) {
-        if slot.replace(value).is_some() {
-            self.said_twice(span, word);
-        }
-    }
-
-    fn said_twice(&mut self, span: Span, word: &str) {
-        let message = format!("`{word}` is said twice");
-        self.error(codes::tasks::REPEATED, span, message);
-    }
-
-    fn must_be_complete(&mut self, task: &WholeTask, parts: &Parts<'a>) -> Checked<()> {
-        let says = |word: fn(&TaskStatement) -> bool| task.statements.iter().any(|placed| word(&placed.statement));
-        let wanted = [
-            ("body", parts.body.is_some()),
-            ("control", parts.control.is_some()),
-            ("horizon", parts.horizon.is_some()),
-            ("init", !parts.init.is_empty()),
-            ("observe", says(|statement| matches!(statement, TaskStatement::Observe(_)))),
-            ("reward", says(|statement| matches!(statement, TaskStatement::Reward(_)))),
-            ("success", parts.success.is_some()),
-        ];
-        let missing: Vec<String> = wanted.iter().filter(|(_, there)| !there).map(|(word, _)| format!("`{word}`")).collect();
-        if missing.is_empty() { Ok(()) } else { Err(self.incomplete(task, &missing.join(", "))) }
-    }
-
-    fn incomplete(&mut self, task: &WholeTask, missing: &str) -> Reported {
-        let message = format!("the task `{}` does not say {missing}", task.task.name.text);
-        let diagnostic = self
-            .diagnostic(codes::tasks::MISSING, task.task.name.span, message)
-            .help("nothing has a silent default: an episode must say how it begins, what is seen, what pays and what succeeds");
-        self.report(diagnostic)
-    }
-
-    /// A declaration that has the name of a signal or of a part of the body would hide it.
-    fn must_not_hide_signals(&mut self) {
-        let names = self.names;
-        // The few names that are taken are looked up among those in sight, which may be as many as a text holds.
-        for name in self.taken_names() {
-            if let Some((declared, _)) = names.find(self.task_place, name) {
-                let message = format!("`{name}` already means something: it is a part of the body, a signal or a function");
-                let diagnostic =
-                    Diagnostic::new(codes::names::DECLARED_TWICE, declared.file, declared.definition.span(), message)
-                        .help("choose another name; `msk vocabulary` lists those taken");
-                self.report(diagnostic);
-            }
-        }
-    }
-
-    fn control(&mut self, expr: &'a crate::syntax::tree::Expr) -> Checked<f64> {
-        let frequency = self.number_of(expr, Dimension::FREQUENCY, "`control`")?;
-        let Some(frequency) = self.graph.constant_value(frequency.node).filter(|f| *f > 0.0 && f.is_finite()) else {
-            return Err(self.error(
-                codes::types::NOT_CONSTANT,
-                expr.span,
-                "`control` is a positive frequency known while compiling",
-            ));
-        };
-        let steps = 1.0 / (frequency * self.vocabulary.physics_step);
-        if (steps - steps.round()).abs() > 1e-6 || steps.round() < 1.0 {
-            let physics = super::ends::tidy(1.0 / self.vocabulary.physics_step);
-            let diagnostic = self
-                .diagnostic(codes::tasks::TIMING, expr.span, "a control step must be a whole number of physics steps")
-                .expected(format!("{physics} Hz divided by a whole number"))
-                .found(format!("{} Hz", for_people(frequency)));
-            return Err(self.report(diagnostic));
-        }
-        self.timing.interval = steps.round() * self.vocabulary.physics_step;
-        Ok(frequency)
-    }
-
-    fn horizon(&mut self, expr: &'a crate::syntax::tree::Expr) -> Checked<()> {
-        let steps = self.steps(expr)?;
-        if !(1.0..=1e8).contains(&steps) {
-            return Err(self.error(codes::tasks::TIMING, expr.span, "an episode takes between one step and a hundred million"));
-        }
-        self.timing.horizon = steps as u32;
-        Ok(())
-    }
-
-    fn declared_states(&self) -> Vec<(&'a StateDeclaration, FileId)> {
-        let states = self.statements.iter().filter_map(|placed| match &placed.statement {
-            TaskStatement::State(state) => Some((state, placed.file)),
-            _ => None,
-        });
-        states.collect()
-    }
-
-    /// First values of the declared states, in the order of the text: one may read those above it.
-    fn states(&mut self) {
-        for (state, file) in self.declared_states() {
-            let initial: Checked<TypedValue> = self.in_file(file, |checker| {
-                let initial = checker.data(&state.initial)?;
-                checker.check_annotation(state.annotation.as_ref(), &Value::Typed(initial.clone()))?;
-                Ok(initial)
-            });
-            let name = state.name.text.clone();
-            match initial {
-                Ok(initial) => self.cells.push(Cell { name, kind: initial.kind, initial: initial.node }),
-                Err(reported) => {
-                    self.broken_states.insert(name, reported);
-                }
-            }
-        }
-    }
-
-    /// New values of the declared states: the first `becomes` whose condition holds, else what it was.
-    fn updates(&mut self) -> Checked<Vec<NodeId>> {
-        let mut nodes = Vec::new();
-        let mut failures = Failures::default();
-        for (state, file) in self.declared_states() {
-            let present = match self.state(&state.name.text, state.name.span) {
-                Ok(Value::Typed(present)) => present,
-                Ok(other) => {
-                    failures.add(self.not_numbers(&other, state.name.span));
-                    continue;
-                }
-                Err(reported) => {
-                    failures.add(reported);
-                    continue;
-                }
-            };
-            let mut next = present.clone();
-            for update in state.updates.iter().rev() {
-                next = self.in_file(file, |checker| checker.update(update, &present, next))?;
-            }
-            nodes.push(next.node);
-        }
-        failures.or(nodes)
-    }
-
-    fn update(
-        &mut self,
-        update: &'a crate::syntax::tree::Update,
-        present: &TypedValue,
-        otherwise: TypedValue,
-    ) -> Checked<TypedValue> {
-        let value = self.data(&update.value);
-        let condition = update.condition.as_ref().map(|condition| self.single_condition(condition)).transpose();
-        let (value, condition) = (value?, condition?);
-        let Some(node) = value.kept_as(&mut self.graph, &present.kind) else {
-            let (expected, found) = (present.kind.described(self.vocabulary), value.kind.described(self.vocabulary));
-            let diagnostic = self
-                .diagnostic(codes::types::WRONG_TYPE, update.value.span, "a state keeps its type")
-                .expected(expected)
-                .found(found);
-            let wraps = |kind: &Type| kind.met() == Some(ElementType::WrappingAngle);
-            let diagnostic = if wraps(&value.kind) && !wraps(&present.kind) && present.kind.dimension() == value.kind.dimension()
-            {
-                diagnostic.help("this angle wraps, the first value of the state does not: begin it with one that wraps, such as `angle_difference(0 rad, 20 deg)`")
-            } else {
-                diagnostic
-            };
-            return Err(self.report(diagnostic));
-        };
-        let node = match condition {
-            None => node,
-            Some(condition) => {
-                let inputs = [condition.node, node, otherwise.node];
-                self.graph.add(crate::graph::operation::Operation::Choose, &inputs)
-            }
-        };
-        Ok(TypedValue::new(node, present.kind.clone()))
-    }
-}
-
-/// What a task file says about its body, before anything else is checked.
-pub(crate) fn body_of(statements: &[Placed]) -> Option<(&BodyUse, FileId)> {
-    statements.iter().find_map(|placed| match &placed.statement {
-        TaskStatement::Body(body) => Some((body, placed.file)),
-        _ => None,
-    })
 }

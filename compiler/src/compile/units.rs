@@ -251,7 +251,7 @@ fn phases_of<'a>(
         if let Ok(checked) = &mut found {
             lint::find(&checker, checked, sequence, &mut told);
         }
-        unread.note(names, around.surroundings, &told.whole);
+        unread.note(names, around.scene, &told.whole);
         diagnostics.formulas.extend(told.formulas);
         diagnostics.whole.extend(told.whole);
         let found = failures.catch(found);
@@ -323,13 +323,13 @@ impl Compiler<'_> {
             _ => None,
         });
         // All phases share the scene: it is that of the first.
-        let (surroundings, mut of_scene) = check::scene::surroundings(first, &all_names[0], &vocabulary);
+        let (scene, mut of_scene) = check::scene::of_task(first, &all_names[0], &vocabulary);
         let broken = Reported::among(&of_scene);
-        let vocabulary = vocabulary.with_scene(&surroundings.scene);
+        let vocabulary = vocabulary.with_scene(&scene.description);
         let trace = |motion: &Motion| self.bodies.trace(&description, motion);
         let around = Around {
             vocabulary: &vocabulary,
-            surroundings: &surroundings,
+            scene: &scene,
             texts: self.texts,
             motions: Motions { tables: self.motions, trace: &trace },
         };

@@ -1,6 +1,6 @@
 //! Names that nothing reads, over all tasks together: what one inherits and does not read, another may.
 
-use crate::check::scene::Surroundings;
+use crate::check::scene::CheckedScene;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::resolve::scope::Names;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,8 +17,8 @@ struct Count {
 
 impl Unread {
     /// Counts the names of a task, of which `warnings` say which it does not read.
-    pub(super) fn note(&mut self, names: &Names<'_>, surroundings: &Surroundings<'_>, warnings: &[Diagnostic]) {
-        let groups = surroundings.statements.groups.iter().map(|group| (group.file, group.statement.name.span));
+    pub(super) fn note(&mut self, names: &Names<'_>, scene: &CheckedScene<'_>, warnings: &[Diagnostic]) {
+        let groups = scene.statements.groups.iter().map(|group| (group.file, group.statement.name.span));
         let declared = names.of_task().map(|(_, declared)| (declared.file, declared.definition.span()));
         for place in declared.chain(groups).collect::<BTreeSet<_>>() {
             self.0.entry(place).or_default().declared += 1;

@@ -12,7 +12,7 @@ use msk_program::formula::Notation;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-mod surroundings;
+mod scene;
 
 /// What an explanation may tell besides the source.
 #[derive(Debug, Clone, Copy, Default)]
@@ -55,9 +55,9 @@ pub fn account(task: &CompiledTask, options: &Options<'_>) -> Account {
         parameters: parameters(task),
         motions: motions(task),
         randoms: randoms(task),
-        scene: surroundings::scene(task, &init),
-        beginning: surroundings::beginning(task, &init),
-        disturbances: surroundings::disturbances(task),
+        scene: scene::scene(task, &init),
+        beginning: scene::beginning(task, &init),
+        disturbances: scene::disturbances(task),
         phases: phases.collect(),
         observation: observation(task),
         reward_at_reset: at_reset.map(|report| report.reward),

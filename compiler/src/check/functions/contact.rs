@@ -129,8 +129,7 @@ fn named_group(checker: &Checker<'_>, members: &[EntityRef]) -> Option<usize> {
 impl Checker<'_> {
     /// Whether there is anything to stand on.
     pub(crate) fn has_ground(&self) -> bool {
-        let Some(surroundings) = self.surroundings else { return true };
-        let scene = &surroundings.scene;
+        let Some(scene) = self.scene.map(|scene| &scene.description) else { return true };
         scene.ground.is_some() || scene.objects.iter().any(|object| object.surface.walkable)
     }
 

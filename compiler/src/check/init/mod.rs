@@ -106,7 +106,7 @@ impl<'a> Checker<'a> {
 
     /// Joints at zero and every free object where the scene has it.
     fn starting_objects(&self) -> Init {
-        let scene = self.surroundings.map(|surroundings| &surroundings.scene);
+        let scene = self.scene.map(|scene| &scene.description);
         let objects = scene.into_iter().flat_map(|scene| scene.objects.iter().enumerate());
         let free = objects.filter(|(_, object)| object.motion == Motion::Free).map(|(index, object)| ObjectStart {
             object: index,

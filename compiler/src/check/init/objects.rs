@@ -15,9 +15,9 @@ const FREE: [&str; 4] = ["at", "orientation", "velocity", "spin"];
 impl<'a> Checker<'a> {
     /// Free objects whose place in the scene is drawn.
     pub(super) fn drawn_places(&mut self, beginning: &mut Beginning) -> Checked<()> {
-        let Some(surroundings) = self.surroundings else { return Ok(()) };
+        let Some(scene) = self.scene else { return Ok(()) };
         let mut failures = Failures::default();
-        for start in &surroundings.starts {
+        for start in &scene.starts {
             let Some(place) = beginning.init.objects.iter().position(|known| known.object == start.object) else { continue };
             let settings = [0, 1, 2].map(|axis| Setting::ObjectPosition(place, axis));
             let result = self.in_file(start.file, |checker| {
@@ -82,7 +82,7 @@ impl<'a> Checker<'a> {
             beginning.init.coordinates[index] = self.coordinate(index, expr, field.name.span)?;
             return Ok(());
         }
-        let scene = self.surroundings.map(|surroundings| &surroundings.scene);
+        let scene = self.scene.map(|scene| &scene.description);
         let free = |index: usize| {
             let object = scene.and_then(|scene| scene.objects.get(index));
             object.is_some_and(|object| object.name == name && object.motion == Motion::Free)

@@ -28,7 +28,7 @@ pub(crate) struct Staged {
 impl<'a> Checker<'a> {
     /// Completes the scene by what sees the whole vocabulary.
     pub(crate) fn staged(&mut self) -> Checked<Staged> {
-        let scene = self.surroundings.map(|surroundings| surroundings.scene.clone()).unwrap_or_default();
+        let scene = self.scene.map(|scene| scene.description.clone()).unwrap_or_default();
         let statements = self.statements;
         let mut disturbances = Vec::new();
         let mut failures = Failures::default();
@@ -48,10 +48,10 @@ impl<'a> Checker<'a> {
 
     /// The welds and connections of the scene.
     fn connections(&mut self) -> Checked<Connections> {
-        let Some(surroundings) = self.surroundings else { return Ok(Connections::default()) };
+        let Some(scene) = self.scene else { return Ok(Connections::default()) };
         let (mut connections, mut releases) = Connections::default();
         let mut failures = Failures::default();
-        for Unrolled { statement, locals, file, .. } in &surroundings.statements.connections {
+        for Unrolled { statement, locals, file, .. } in &scene.statements.connections {
             match self.in_file(*file, |checker| checker.with_locals(locals, |checker| checker.connection(statement))) {
                 Ok((held, release)) => {
                     releases.extend(release.map(|node| (connections.len(), node)));
@@ -101,10 +101,10 @@ impl<'a> Checker<'a> {
 
     /// The places that are shown.
     fn markers(&mut self) -> Checked<Vec<(String, NodeId)>> {
-        let Some(surroundings) = self.surroundings else { return Ok(Vec::new()) };
+        let Some(scene) = self.scene else { return Ok(Vec::new()) };
         let mut markers: Vec<(String, NodeId)> = Vec::new();
         let mut failures = Failures::default();
-        for Unrolled { statement: marker, name, locals, file, .. } in &surroundings.statements.markers {
+        for Unrolled { statement: marker, name, locals, file, .. } in &scene.statements.markers {
             let name = name.clone().unwrap_or_default();
             let found = self.in_file(*file, |checker| {
                 let place = checker.with_locals(locals, |checker| checker.marked_place(&marker.at))?;
@@ -129,7 +129,7 @@ impl<'a> Checker<'a> {
     }
 
     fn marker_called(&self, name: &str) -> Option<&'a Unrolled<'a, Marker>> {
-        self.surroundings?.statements.markers.iter().find(|marker| marker.name.as_deref() == Some(name))
+        self.scene?.statements.markers.iter().find(|marker| marker.name.as_deref() == Some(name))
     }
 
     /// The place of a marker, where a formula reads it.

@@ -180,9 +180,8 @@ impl<'a> Checker<'a> {
     /// Whether a landmark is an object that nothing can move.
     pub(crate) fn stands_still(&self, landmark: usize) -> bool {
         let first = self.vocabulary.landmarks.iter().position(|landmark| landmark.of_scene);
-        let surroundings = self.surroundings;
-        first.zip(surroundings).is_some_and(|(first, surroundings)| {
-            landmark.checked_sub(first).and_then(|object| surroundings.fixed.get(object)).copied().unwrap_or(false)
+        first.zip(self.scene).is_some_and(|(first, scene)| {
+            landmark.checked_sub(first).and_then(|object| scene.fixed.get(object)).copied().unwrap_or(false)
         })
     }
 }

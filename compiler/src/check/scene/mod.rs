@@ -41,10 +41,10 @@ use std::sync::Arc;
 /// Half the height of what may lie in the ground like a plate, m.
 const HIGHEST_PLATE: f64 = 0.05;
 
-/// What surrounds the body of a task, as far as it is known before its formulas are checked.
+/// The scene of a task, as far as it is known before the formulas of the task are checked.
 #[derive(Debug, Default)]
-pub(crate) struct Surroundings<'a> {
-    pub scene: SceneDescription,
+pub(crate) struct CheckedScene<'a> {
+    pub description: SceneDescription,
     /// Of each object, whether nothing can move it.
     pub fixed: Vec<bool>,
     /// Constants of objects by `NAME.SIGNAL`.
@@ -119,11 +119,11 @@ pub(super) fn head(element: &Element) -> Span {
 const CARRIER: &str = "what carries it";
 
 /// Checks the scene of a task, on the vocabulary of its body.
-pub(crate) fn surroundings<'a>(
+pub(crate) fn of_task<'a>(
     task: &'a WholeTask,
     names: &'a Names<'a>,
     vocabulary: &'a Vocabulary,
-) -> (Surroundings<'a>, Vec<Diagnostic>) {
+) -> (CheckedScene<'a>, Vec<Diagnostic>) {
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     let blocks = task.statements.iter().filter_map(|placed| match &placed.statement {
         TaskStatement::Scene(block) => Some((block, placed)),
@@ -131,9 +131,8 @@ pub(crate) fn surroundings<'a>(
     });
     let mut blocks = blocks.peekable();
     if blocks.peek().is_none() {
-        let surroundings =
-            Surroundings { scene: SceneDescription { ground: Some(GROUND), ..Default::default() }, ..Default::default() };
-        return (surroundings, Vec::new());
+        let description = SceneDescription { ground: Some(GROUND), ..Default::default() };
+        return (CheckedScene { description, ..Default::default() }, Vec::new());
     }
     let mut merging = Merging::default();
     let mut said = None;
@@ -149,12 +148,11 @@ pub(crate) fn surroundings<'a>(
     }
     let statements = merging.merged();
     let (stage, known) = checker.stage(&statements);
-    let (scene, fixed, starts, used) = (stage.scene, stage.fixed, stage.starts, std::mem::take(&mut checker.used));
+    let (description, fixed, starts, used) = (stage.scene, stage.fixed, stage.starts, std::mem::take(&mut checker.used));
     let graph = std::mem::take(&mut checker.graph);
     let hir = Arc::new(std::mem::take(&mut checker.hir));
     checker.keep_for_editors(hir, &graph);
-    let surroundings = Surroundings { scene, fixed, known, starts, used, statements };
-    (surroundings, checker.diagnostics)
+    (CheckedScene { description, fixed, known, starts, used, statements }, checker.diagnostics)
 }
 
 /// The level ground of a task that says nothing of a scene.

@@ -14,7 +14,7 @@ use crate::syntax::tree::{Expr, ExprKind};
 impl Checker<'_> {
     /// Looks at a length that a formula of the task writes down.
     pub(crate) fn note_length(&mut self, value: f64, dimension: Dimension, span: Span) {
-        let formula = self.surroundings.is_some() && self.place.in_task && !self.mode.initial;
+        let formula = self.scene.is_some() && self.place.in_task && !self.mode.initial;
         if !formula || dimension != Dimension::LENGTH || !telling(value) {
             return;
         }
@@ -43,7 +43,7 @@ impl Checker<'_> {
         let tops = |name: &&String| name.ends_with(".top");
         let same = |known: &Known| known.lanes.as_slice() == [value];
         let top = self.known.iter().filter(|(name, _)| tops(name)).find(|(_, known)| same(known)).map(|(name, _)| name.clone());
-        let formula = self.surroundings.is_some() && self.place.in_task && !self.mode.initial;
+        let formula = self.scene.is_some() && self.place.in_task && !self.mode.initial;
         let place = (self.place.file, written.span);
         if let Some(name) = top.filter(|_| formula)
             && !self.repeated.iter().any(|(file, known, _)| (*file, *known) == place)
@@ -78,7 +78,7 @@ impl Checker<'_> {
                 "read it, so that both change together: `{name}`; a chance likeness says `allow repeats_scene \"...\"`"
             ))
         }));
-        let groups = self.surroundings.into_iter().flat_map(|surroundings| &surroundings.statements.groups);
+        let groups = self.scene.into_iter().flat_map(|scene| &scene.statements.groups);
         for group in groups {
             let name = &group.statement.name;
             if !self.used.contains(&name.text) {

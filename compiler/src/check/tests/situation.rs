@@ -112,7 +112,7 @@ impl<'a> Checker<'a> {
         let place = match self.value(base)? {
             Value::Entity(EntityRef::Landmark(index)) => {
                 let known = &self.vocabulary.landmarks[index].name;
-                let scene = self.surroundings.map(|surroundings| &surroundings.scene);
+                let scene = self.scene.map(|scene| &scene.description);
                 init.objects.iter().position(|start| {
                     let object = scene.and_then(|scene| scene.objects.get(start.object));
                     object.is_some_and(|object| object.name == *known && object.motion == Motion::Free)

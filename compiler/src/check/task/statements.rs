@@ -1,0 +1,129 @@
+//! The statements of a task: which there are, once each, and none missing.
+
+use crate::check::context::{Checked, Checker, Reported};
+use crate::check::init::Layer;
+use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use crate::resolve::inherit::{Placed, WholeTask};
+use crate::syntax::tree::{BodyUse, Expr, TaskStatement};
+
+/// Something of a task with the file in which it stands.
+pub(super) type Located<T> = Option<(T, FileId)>;
+
+/// The single statements of a task.
+#[derive(Default)]
+pub(super) struct Parts<'a> {
+    pub family: Located<&'a str>,
+    pub control: Located<&'a Expr>,
+    pub horizon: Located<&'a Expr>,
+    pub symmetric: bool,
+    body: Located<&'a BodyUse>,
+    /// Of each task of a line of extended ones, the oldest first.
+    pub init: Vec<Layer<'a>>,
+    /// Which of them said it last.
+    begun: Option<usize>,
+    pub success: Located<&'a Expr>,
+}
+
+impl<'a> Checker<'a> {
+    /// A list is said once in each task; what a task inherits comes row by row, from elsewhere.
+    pub(super) fn lists_once(&mut self, task: &WholeTask) {
+        use TaskStatement as S;
+        let mut said: Vec<&str> = Vec::new();
+        for statement in &task.task.statements {
+            let (word, span) = match statement {
+                S::Params(block) => ("params", block.keyword),
+                S::Observe(block) => ("observe", block.keyword),
+                S::Metrics(block) => ("metrics", block.keyword),
+                S::Reward(reward) if reward.per_second => ("reward per second", reward.span),
+                S::Reward(reward) => ("reward", reward.span),
+                _ => continue,
+            };
+            if said.contains(&word) {
+                self.said_twice(span, word);
+            }
+            said.push(word);
+        }
+    }
+
+    /// Sorts the statements; what comes twice is reported.
+    pub(super) fn parts(&mut self) -> Parts<'a> {
+        use TaskStatement as S;
+        let statements = self.statements;
+        let mut parts = Parts::default();
+        for Placed { statement, file, layer, .. } in statements {
+            match statement {
+                S::Family(name) => self.only_one(&mut parts.family, (&name.text, *file), name.span, "family"),
+                S::Control(expr) => self.only_one(&mut parts.control, (expr, *file), expr.span, "control"),
+                S::Horizon(expr) => self.only_one(&mut parts.horizon, (expr, *file), expr.span, "horizon"),
+                S::Symmetric(_) => parts.symmetric = true,
+                S::Body(body) => self.only_one(&mut parts.body, (body, *file), body.span, "body"),
+                S::Init(block) => {
+                    if parts.begun.replace(*layer) == Some(*layer) {
+                        self.said_twice(block.keyword, "init");
+                    }
+                    parts.init.push((block, *file));
+                }
+                S::Success(expr) => self.only_one(&mut parts.success, (expr, *file), expr.span, "success"),
+                _ => {}
+            }
+        }
+        parts
+    }
+
+    fn only_one<T>(&mut self, slot: &mut Option<T>, value: T, span: Span, word: &str) {
+        if slot.replace(value).is_some() {
+            self.said_twice(span, word);
+        }
+    }
+
+    fn said_twice(&mut self, span: Span, word: &str) {
+        let message = format!("`{word}` is said twice");
+        self.error(codes::tasks::REPEATED, span, message);
+    }
+
+    pub(super) fn must_be_complete(&mut self, task: &WholeTask, parts: &Parts<'a>) -> Checked<()> {
+        let says = |word: fn(&TaskStatement) -> bool| task.statements.iter().any(|placed| word(&placed.statement));
+        let wanted = [
+            ("body", parts.body.is_some()),
+            ("control", parts.control.is_some()),
+            ("horizon", parts.horizon.is_some()),
+            ("init", !parts.init.is_empty()),
+            ("observe", says(|statement| matches!(statement, TaskStatement::Observe(_)))),
+            ("reward", says(|statement| matches!(statement, TaskStatement::Reward(_)))),
+            ("success", parts.success.is_some()),
+        ];
+        let missing: Vec<String> = wanted.iter().filter(|(_, there)| !there).map(|(word, _)| format!("`{word}`")).collect();
+        if missing.is_empty() { Ok(()) } else { Err(self.incomplete(task, &missing.join(", "))) }
+    }
+
+    pub(super) fn incomplete(&mut self, task: &WholeTask, missing: &str) -> Reported {
+        let message = format!("the task `{}` does not say {missing}", task.task.name.text);
+        let diagnostic = self
+            .diagnostic(codes::tasks::MISSING, task.task.name.span, message)
+            .help("nothing has a silent default: an episode must say how it begins, what is seen, what pays and what succeeds");
+        self.report(diagnostic)
+    }
+
+    /// A declaration that has the name of a signal or of a part of the body would hide it.
+    pub(super) fn must_not_hide_signals(&mut self) {
+        let names = self.names;
+        // The few names that are taken are looked up among those in sight, which may be as many as a text holds.
+        for name in self.taken_names() {
+            if let Some((declared, _)) = names.find(self.task_place, name) {
+                let message = format!("`{name}` already means something: it is a part of the body, a signal or a function");
+                let diagnostic =
+                    Diagnostic::new(codes::names::DECLARED_TWICE, declared.file, declared.definition.span(), message)
+                        .help("choose another name; `msk vocabulary` lists those taken");
+                self.report(diagnostic);
+            }
+        }
+    }
+}
+
+/// What a task file says about its body, before anything else is checked.
+pub(crate) fn body_of(statements: &[Placed]) -> Option<(&BodyUse, FileId)> {
+    statements.iter().find_map(|placed| match &placed.statement {
+        TaskStatement::Body(body) => Some((body, placed.file)),
+        _ => None,
+    })
+}
