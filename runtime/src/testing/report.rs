@@ -4,10 +4,9 @@ use super::TestError;
 use super::returns::Ranking;
 use super::take::Played;
 use crate::episode::Ending;
-use msk_compiler::diagnostics::{FileId, Span};
 use msk_program::numbers::beside;
-use msk_program::task::CompiledTask;
-use msk_program::task::TaskTests;
+use msk_program::source::{FileId, Span};
+use msk_program::task::{CompiledTask, TaskTests};
 use msk_program::testing::{Check, Comparison, Expectation, Reading, Side, TaskTest};
 use serde::Serialize;
 

@@ -4,7 +4,7 @@ use super::percent;
 use super::table::{Table, cut};
 use crate::evaluate::{GroupSummary, Summary, TaskSummary};
 use core::fmt::Write;
-use msk_compiler::numbers::for_people;
+use msk_program::numbers::for_people;
 
 /// Widest line: a terminal of the usual width shows it whole.
 const WIDTH: usize = 80;

@@ -61,7 +61,7 @@ impl<'a> TaskDescription<'a> {
     pub fn of(context: &PolicyContext<'a>) -> Self {
         let task = context.task;
         let channel =
-            |channel: &'a msk_compiler::task::Channel| Channel { name: &channel.name, size: channel.size, unit: &channel.unit };
+            |channel: &'a msk_program::task::Channel| Channel { name: &channel.name, size: channel.size, unit: &channel.unit };
         Self {
             protocol: VERSION,
             name: &task.name,
