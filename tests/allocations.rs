@@ -9,7 +9,7 @@ mod support;
 use allocation_counter::measure;
 use msk::compiler::compile;
 use msk::physics::model::{ElasticTendons, Integrator, Model};
-use msk::physics::{State, Workspace, step};
+use msk::physics::{Plan, State, Workspace, step};
 use msk::runtime::{
     bodies,
     episode::{Environment, Episode, EpisodeKey},
@@ -53,6 +53,23 @@ fn memory_that_is_asked_for_is_counted() {
 #[test]
 fn a_step_of_the_body_asks_for_no_memory() {
     assert_eq!(asked(&human(), 400), 0);
+}
+
+/// What follows from the model is held once, however many workers there are.
+#[test]
+fn scratch_of_a_shared_plan_leaves_the_plan_out_and_gives_the_same_bits() {
+    let model = human().with_elastic_tendons(ElasticTendons::default()).unwrap();
+    let plan = Plan::new(&model);
+    let shared = measure(|| drop(Workspace::<f64>::of(&model, &plan))).bytes_total;
+    let own = measure(|| drop(Workspace::<f64>::new(&model))).bytes_total;
+    assert!(own > shared + (100 << 10), "{own} bytes with a plan, {shared} without");
+    let run = |mut workspace: Workspace<f64>| {
+        let mut state = State::<f64>::new(&model);
+        state.control.fill(0.3);
+        (0..20).for_each(|_| step(&model, &mut state, &mut workspace).unwrap());
+        state
+    };
+    assert_eq!(run(Workspace::of(&model, &plan)), run(Workspace::new(&model)));
 }
 
 #[test]

@@ -4,14 +4,16 @@
 use msk::compiler::compile;
 use msk::compiler::files::{LoadError, Loader};
 use msk::physics;
-use msk::physics::model::JointKind;
-use msk::runtime::episode::{Ending, Environment, EpisodeError, EpisodeKey, Fault, Stream, VectorEnvironment};
+use msk::physics::model::{JointKind, Model};
+use msk::runtime::episode::{
+    Ending, Engine, Environment, Episode, EpisodeError, EpisodeKey, Fault, Scratch, Stream, VectorEnvironment,
+};
 use msk::runtime::library::{BodyLibrary, BoundBody};
 use msk::runtime::policy;
 use msk::runtime::scene::ground::Ground;
 use std::num::NonZeroUsize;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// One file, whatever its path.
 struct Text(String);
@@ -438,4 +440,31 @@ fn many_episodes_refuse_actions_of_the_wrong_length_and_leave_ended_ones_alone()
         many.step(&vec![0.0; 2 * muscles]).unwrap();
     }
     assert!(many.episodes().all(|episode| episode.steps() == 2 && episode.ending().is_some()));
+}
+
+#[test]
+fn an_engine_refuses_episodes_and_scratch_of_others_until_they_are_reset() {
+    let engine = episode(&[]).engine().clone();
+    let other = episode(&[("early when step > 100", "early when step > 1")]).engine().clone();
+    let (action, weights) = (vec![0.0; engine.body().muscles.len()], engine.task().weights());
+    let (mut one, mut scratch) = (engine.episode(), engine.scratch());
+    let refused = |engine: &Engine, episode: &mut Episode, scratch: &mut Scratch| {
+        let before = episode.clone();
+        let Err(EpisodeError::Foreign { what, .. }) = engine.step(episode, &action, &weights, scratch) else {
+            panic!("what belongs to another engine is refused")
+        };
+        assert_eq!(*episode, before);
+        what
+    };
+    assert_eq!(refused(&engine, &mut one, &mut scratch), "episode", "it has not been reset yet");
+    engine.reset(KEY, &mut one, &mut scratch);
+    assert_eq!(refused(&other, &mut one, &mut scratch), "episode");
+
+    // A model of its own, even an equal one: the scratch cannot know.
+    let apart = Engine::new(Arc::new(Model::clone(engine.model())), engine.body().clone(), engine.task().clone()).unwrap();
+    let mut foreign = apart.scratch();
+    assert_eq!(refused(&engine, &mut one, &mut foreign), "scratch");
+    engine.reset(KEY, &mut one, &mut foreign);
+    engine.step(&mut one, &action, &weights, &mut foreign).unwrap();
+    assert_eq!(one.steps(), 1);
 }

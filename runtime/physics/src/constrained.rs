@@ -1,7 +1,7 @@
 //! The constrained half of a step: contacts, rows, solver.
 
 use super::{
-    Workspace,
+    Plan, Workspace,
     constraint::Constraints,
     fault::{Fault, Quantity, is_valid},
     rotation::MINIMUM,
@@ -32,7 +32,12 @@ struct Gathered {
 impl ConstraintState {
     /// Memory for `model`.
     pub fn new(model: &Model) -> Self {
-        Self { constraints: Constraints::new(model), newton: Newton::new(model), gathered: Gathered::default() }
+        Self::of(model, &Plan::new(model))
+    }
+
+    pub(crate) fn of(model: &Model, plan: &Plan) -> Self {
+        let constraints = Constraints::of(model, &plan.pairs, &plan.rows);
+        Self { constraints, newton: Newton::of(model, &plan.coupled), gathered: Gathered::default() }
     }
 }
 

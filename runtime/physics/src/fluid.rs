@@ -36,7 +36,7 @@ struct Immersed {
 
 /// The bodies that a medium drags; none in empty space.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Medium {
+pub(crate) struct Medium {
     bodies: Vec<Immersed>,
     wind: Vector3<f64>,
 }

@@ -15,6 +15,7 @@ use crate::{
     model::{JointKind, Model, Transmission},
     scalar::Real,
 };
+use std::sync::Arc;
 
 /// Generalised forces, `nv` entries each: N and N m.
 #[derive(Debug, Clone)]
@@ -36,7 +37,7 @@ pub struct Forces<T: Real> {
     pub(super) body_acceleration: Vec<Spatial<T>>,
     /// Scratch: forces on bodies.
     pub(super) body_force: Vec<Spatial<T>>,
-    pub(super) medium: Medium,
+    pub(super) medium: Arc<Medium>,
     /// Scratch: a generalised force before it is added to another.
     swept: Vec<T>,
 }
@@ -44,6 +45,10 @@ pub struct Forces<T: Real> {
 impl<T: Real> Forces<T> {
     /// Memory for `model`.
     pub fn new(model: &Model) -> Self {
+        Self::of(model, &Arc::new(Medium::new(model)))
+    }
+
+    pub(crate) fn of(model: &Model, medium: &Arc<Medium>) -> Self {
         let zeros = vec![T::splat(0.0); model.nv];
         let bodies = vec![spatial_zero(); model.bodies.parent.len()];
         Self {
@@ -55,7 +60,7 @@ impl<T: Real> Forces<T> {
             smooth_acceleration: zeros.clone(),
             body_acceleration: bodies.clone(),
             body_force: bodies,
-            medium: Medium::new(model),
+            medium: Arc::clone(medium),
             swept: zeros,
         }
     }

@@ -12,6 +12,7 @@ use crate::{
     model::{Model, PathPoint},
     scalar::Real,
 };
+use std::sync::Arc;
 
 /// The mass matrix and what it is made of.
 #[derive(Debug, Clone)]
@@ -25,12 +26,16 @@ pub struct Inertia<T: Real> {
     /// Factor M = L'DL in the same layout: L below the diagonal, D on it (`qLD`).
     pub factor: Vec<T>,
     /// What the armature of tendons adds to entries of the mass matrix.
-    armature: Vec<(usize, f64)>,
+    armature: Arc<[(usize, f64)]>,
 }
 
 impl<T: Real> Inertia<T> {
     /// Memory for `model`.
     pub fn new(model: &Model) -> Self {
+        Self::of(model, &tendon_armature(model))
+    }
+
+    pub(crate) fn of(model: &Model, armature: &Arc<[(usize, f64)]>) -> Self {
         let bodies = model.bodies.parent.len();
         let entries = model.dofs.column.len();
         Self {
@@ -38,14 +43,14 @@ impl<T: Real> Inertia<T> {
             composite: vec![SpatialInertia::zero(); bodies],
             matrix: vec![T::splat(0.0); entries],
             factor: vec![T::splat(0.0); entries],
-            armature: tendon_armature(model),
+            armature: Arc::clone(armature),
         }
     }
 }
 
 /// Entries m J'J of all tendons with armature m. Such tendons are fixed (J is constant), their joints on one path to the root,
 /// so that the later of two dofs has an entry for the earlier one in its row.
-fn tendon_armature(model: &Model) -> Vec<(usize, f64)> {
+pub(crate) fn tendon_armature(model: &Model) -> Arc<[(usize, f64)]> {
     let tendons = &model.tendons;
     let mut entries = Vec::new();
     for tendon in (0..tendons.armature.len()).filter(|&tendon| tendons.armature[tendon] > 0.0) {
@@ -63,7 +68,7 @@ fn tendon_armature(model: &Model) -> Vec<(usize, f64)> {
             }
         }
     }
-    entries
+    entries.into()
 }
 
 /// Fills body inertias, composite inertias, the mass matrix and its factor.
@@ -108,7 +113,7 @@ fn mass_matrix<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Ine
             *diagonal += T::splat(model.dofs.armature[dof]);
         }
     }
-    for &(entry, armature) in &out.armature {
+    for &(entry, armature) in out.armature.iter() {
         out.matrix[entry] += T::splat(armature);
     }
 }

@@ -10,6 +10,7 @@ use crate::{
     scalar::Real,
 };
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// Outputs of position kinematics, MuJoCo's names in words. World frame, metres.
 #[derive(Debug, Clone)]
@@ -36,20 +37,21 @@ pub struct Kinematics<T: Real> {
     pub subtree_com: Vec<Vector3<T>>,
     /// Motion axis of every dof, angular then linear, about the centre of mass of its kinematic tree (`cdof`).
     pub dof_axis: Vec<Spatial<T>>,
-    local: Local,
+    plan: Arc<Plan>,
 }
 
-/// Rotation matrices of the frames that are fixed in their bodies; `None` where they coincide with the body's.
-#[derive(Debug, Clone)]
-struct Local {
+/// What follows from the model alone: rotation matrices of the frames that are fixed in their bodies; `None` where they coincide
+/// with the body's.
+#[derive(Debug)]
+pub(crate) struct Plan {
     inertial: Vec<Option<Matrix3<f64>>>,
     geom: Vec<Option<Matrix3<f64>>>,
     /// Index among the bodies that are placed from outside.
     placed: Vec<Option<usize>>,
 }
 
-impl Local {
-    fn new(model: &Model) -> Self {
+impl Plan {
+    pub fn new(model: &Model) -> Self {
         let turned = |q: &[f64; 4]| (*q != [1.0, 0.0, 0.0, 0.0]).then(|| matrix(q));
         Self {
             inertial: model.bodies.inertial_orientation.iter().map(turned).collect(),
@@ -71,6 +73,10 @@ impl Local {
 impl<T: Real> Kinematics<T> {
     /// Memory for `model`, with every frame at the world's.
     pub fn new(model: &Model) -> Self {
+        Self::of(model, &Arc::new(Plan::new(model)))
+    }
+
+    pub(crate) fn of(model: &Model, plan: &Arc<Plan>) -> Self {
         let bodies = model.bodies.parent.len();
         let joints = model.joints.kind.len();
         let geoms = model.geoms.kind.len();
@@ -87,7 +93,7 @@ impl<T: Real> Kinematics<T> {
             geom_rotation: vec![identity; geoms],
             subtree_com: vec![zero(); bodies],
             dof_axis: vec![spatial_zero(); model.nv],
-            local: Local::new(model),
+            plan: Arc::clone(plan),
         }
     }
 
@@ -145,7 +151,7 @@ fn place_body<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>,
         orientation = normalize(&[q[3], q[4], q[5], q[6]]);
         out.joint_anchor[joints.start] = position;
         out.joint_axis[joints.start] = constant(&model.joints.axis[joints.start]);
-    } else if let Some(index) = out.local.placed[body] {
+    } else if let Some(index) = out.plan.placed[body] {
         position = state.mocap_position[index];
         orientation = normalize(&state.mocap_orientation[index]);
     } else {
@@ -162,7 +168,7 @@ fn place_body<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>,
     out.body_orientation[body] = orientation;
     out.body_rotation[body] = rotation;
     out.inertial_position[body] = rotate(&rotation, &constant(&bodies.inertial_position[body])) + position;
-    out.inertial_rotation[body] = turned(&rotation, &out.local.inertial[body]);
+    out.inertial_rotation[body] = turned(&rotation, &out.plan.inertial[body]);
 }
 
 /// Moves a body's frame by one hinge, slide or ball joint.
@@ -207,7 +213,7 @@ fn place_geoms<T: Real>(model: &Model, out: &mut Kinematics<T>) {
     for geom in 0..model.geoms.kind.len() {
         let body = model.geoms.body[geom];
         out.geom_position[geom] = out.point(body, &constant(&model.geoms.position[geom]));
-        out.geom_rotation[geom] = turned(&out.body_rotation[body], &out.local.geom[geom]);
+        out.geom_rotation[geom] = turned(&out.body_rotation[body], &out.plan.geom[geom]);
     }
 }
 

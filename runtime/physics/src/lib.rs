@@ -1,7 +1,7 @@
 //! A simulator of rigid bodies and muscles that equals MuJoCo: it reads MJCF, MuJoCo's model format, and steps it.
 //!
-//! It knows nothing of tasks, rewards or `.msk` files. A [`Model`](model::Model) is immutable and shared; a [`State`] is plain data, so a
-//! snapshot is a clone; a [`Workspace`] is the scratch memory of one worker.
+//! It knows nothing of tasks, rewards or `.msk` files. A [`Model`](model::Model) and the [`Plan`] that follows from it are immutable
+//! and shared; a [`State`] is plain data, so a snapshot is a clone; a [`Workspace`] is the scratch memory of one worker.
 //!
 //! ```
 //! use msk_physics::{State, Workspace, model::Model, step};
@@ -48,6 +48,7 @@ pub mod integrator;
 pub mod jacobian;
 pub mod kinematics;
 pub mod model;
+mod plan;
 pub mod rotation;
 pub mod scalar;
 pub mod sensors;
@@ -64,8 +65,10 @@ pub mod workspace;
 
 pub use fault::Fault;
 pub use jacobian::{center_of_mass_jacobian, point_jacobian};
-pub use single::{STAGES, excite, forward, integrate, motion, smooth, step, step_by_stage};
+pub use plan::Plan;
+pub use single::{excite, forward, integrate, motion, smooth, step, step_by_stage};
 pub use state::State;
+pub use stepping::STAGES;
 pub use tendons::{moment_arm, moment_arms};
 pub use workspace::Workspace;
 

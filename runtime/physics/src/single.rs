@@ -3,7 +3,7 @@
 //! The stages are generic over [`Real`](crate::scalar::Real), so a crate that called them with `f64` would compile the whole simulator once
 //! more. These functions are compiled here, once, and only linked elsewhere.
 
-use crate::{Fault, State, Workspace, constrained, inertia, kinematics, model::Model, stepping, tendons};
+use crate::{Fault, State, Workspace, model::Model, stepping};
 
 /// [`stepping::forward`] of one episode.
 ///
@@ -53,11 +53,7 @@ pub fn excite(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>)
     crate::smooth::excite(model, state, workspace);
 }
 
-/// Names of the stages of [`step_by_stage`], in their order.
-pub const STAGES: [&str; 9] =
-    ["kinematics", "inertia", "tendons", "contacts", "velocities", "rows", "muscles", "solver", "integrator"];
-
-/// [`step`] with a call of `lap` after each of the [`STAGES`]: for clocks.
+/// [`step`] with a call of `lap` after each of the [`STAGES`](stepping::STAGES): for clocks.
 ///
 /// # Errors
 /// As for [`step`].
@@ -66,25 +62,9 @@ pub fn step_by_stage(
     model: &Model,
     state: &mut State<f64>,
     workspace: &mut Workspace<f64>,
-    lap: &mut dyn FnMut(),
+    mut lap: &mut dyn FnMut(),
 ) -> Result<(), Fault> {
-    stepping::check(model, state)?;
-    kinematics::update(model, state, &mut workspace.kinematics);
-    lap();
-    inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
-    lap();
-    tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
-    lap();
-    constrained::contacts(model, workspace);
-    lap();
-    crate::smooth::forward_velocity(model, state, workspace);
-    lap();
-    constrained::rows(model, state, workspace);
-    lap();
-    crate::smooth::forward_actuation(model, state, workspace);
-    lap();
-    constrained::solve(model, state, workspace)?;
-    lap();
+    stepping::forward_by_stage(model, state, workspace, &mut lap)?;
     integrate(model, state, workspace)?;
     lap();
     Ok(())

@@ -63,6 +63,22 @@ impl<T: Real> State<T> {
         self.warm_start.copy_from_slice(&other.warm_start);
     }
 
+    /// Whether every part is as long as `model` asks for.
+    pub fn fits(&self, model: &Model) -> bool {
+        let actuators = model.actuators.name.len();
+        let fibres = if model.elastic_tendons.is_some() { actuators } else { 0 };
+        let (bodies, equalities) = (model.bodies.parent.len(), model.equalities.kind.len());
+        let placed = model.bodies.mocap.iter().filter(|placed| **placed).count();
+        self.position.len() == model.nq
+            && [&self.velocity, &self.applied_force, &self.warm_start].iter().all(|part| part.len() == model.nv)
+            && self.activation.len() == model.na
+            && self.control.len() == actuators
+            && [&self.fibre_length, &self.fibre_velocity].iter().all(|part| part.len() == fibres)
+            && self.body_force.len() == bodies
+            && [self.mocap_position.len(), self.mocap_orientation.len()] == [placed; 2]
+            && [self.active.len(), self.held.len()] == [equalities; 2]
+    }
+
     /// The reference configuration at rest, with silent muscles and nothing applied.
     pub fn new(model: &Model) -> Self {
         let zero = T::splat(0.0);

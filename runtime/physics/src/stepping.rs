@@ -3,11 +3,12 @@
 use super::{
     Workspace, constrained,
     fault::{Fault, Quantity, is_valid},
+    inertia,
     integrator::{self, implicit, runge_kutta},
     kinematics,
-    smooth::{forward_actuation, forward_position, forward_velocity},
+    smooth::{forward_actuation, forward_velocity},
     state::State,
-    velocities,
+    tendons, velocities,
 };
 use crate::{
     model::{Integrator, JointKind, Model},
@@ -19,14 +20,42 @@ use crate::{
 /// # Errors
 /// A state or acceleration that is not finite, or a constraint problem without solution, with its body, joint and time.
 pub fn forward<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
-    check(model, state)?;
-    forward_position(model, state, workspace);
-    constrained::contacts(model, workspace);
-    forward_velocity(model, state, workspace);
-    constrained::rows(model, state, workspace);
-    forward_actuation(model, state, workspace);
-    constrained::solve(model, state, workspace)
+    forward_by_stage(model, state, workspace, &mut || {})
 }
+
+/// [`forward`] with a call of `lap` after each of the [`STAGES`] but the last: for clocks.
+///
+/// # Errors
+/// As for [`forward`].
+pub fn forward_by_stage<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    workspace: &mut Workspace<T>,
+    lap: &mut impl FnMut(),
+) -> Result<(), Fault> {
+    check(model, state)?;
+    kinematics::update_lanes(model, state, &mut workspace.kinematics);
+    lap();
+    inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
+    lap();
+    tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
+    lap();
+    constrained::contacts(model, workspace);
+    lap();
+    forward_velocity(model, state, workspace);
+    lap();
+    constrained::rows(model, state, workspace);
+    lap();
+    forward_actuation(model, state, workspace);
+    lap();
+    constrained::solve(model, state, workspace)?;
+    lap();
+    Ok(())
+}
+
+/// Names of the stages of a step, in their order.
+pub const STAGES: [&str; 9] =
+    ["kinematics", "inertia", "tendons", "contacts", "velocities", "rows", "muscles", "solver", "integrator"];
 
 /// The part of [`forward`] that knows no forces: positions, contacts, velocities of bodies.
 ///

@@ -2,7 +2,7 @@
 
 use super::integrator::{implicit::Implicit, runge_kutta::RungeKutta};
 use super::{
-    actuation::Actuation, constrained::ConstraintState, forces::Forces, inertia::Inertia, kinematics::Kinematics,
+    Plan, actuation::Actuation, constrained::ConstraintState, forces::Forces, inertia::Inertia, kinematics::Kinematics,
     tendons::TendonPaths, velocities::Velocities,
 };
 use crate::{
@@ -41,21 +41,26 @@ pub struct Workspace<T: Real> {
 }
 
 impl<T: Real> Workspace<T> {
-    /// Memory for `model`; also decides what depends on the model alone (which points and segments its tendons need).
+    /// Memory for `model`, with a plan of its own.
     pub fn new(model: &Model) -> Self {
+        Self::of(model, &Plan::new(model))
+    }
+
+    /// Memory for `model`, with a plan that is shared.
+    pub fn of(model: &Model, plan: &Plan) -> Self {
         Self {
-            kinematics: Kinematics::new(model),
-            inertia: Inertia::new(model),
-            tendons: TendonPaths::new(model),
+            kinematics: Kinematics::of(model, &plan.kinematics),
+            inertia: Inertia::of(model, &plan.armature),
+            tendons: TendonPaths::of(model, &plan.tendons),
             velocities: Velocities::new(model),
-            actuation: Actuation::new(model),
-            forces: Forces::new(model),
-            lanes: vec![ConstraintState::new(model); T::LANES],
+            actuation: Actuation::of(model, &plan.actuation),
+            forces: Forces::of(model, &plan.medium),
+            lanes: vec![ConstraintState::of(model, plan); T::LANES],
             acceleration: vec![T::splat(0.0); model.nv],
             constraint_force: vec![T::splat(0.0); model.nv],
             damped_acceleration: vec![T::splat(0.0); model.nv],
-            implicit: (model.options.integrator == Integrator::Implicit).then(|| Implicit::new(model)),
-            runge_kutta: (model.options.integrator == Integrator::RungeKutta).then(|| RungeKutta::new(model)),
+            implicit: (model.options.integrator == Integrator::Implicit).then(|| Implicit::of(model, &plan.floating)),
+            runge_kutta: (model.options.integrator == Integrator::RungeKutta).then(|| RungeKutta::of(model, &plan.turning)),
         }
     }
 }

@@ -111,6 +111,14 @@ pub enum EpisodeError {
         /// Weights given.
         found: usize,
     },
+    /// The episode was not begun by this engine, or the scratch is not of its making: their numbers mean other things here.
+    #[error("the {what} does not belong to this engine: {remedy}")]
+    Foreign {
+        /// The episode or the scratch.
+        what: &'static str,
+        /// What makes it one's own.
+        remedy: &'static str,
+    },
     /// The episode has ended; only a reset or a restored snapshot leads on.
     #[error("the episode has ended: reset it or restore a snapshot")]
     Ended,

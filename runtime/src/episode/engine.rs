@@ -4,7 +4,7 @@ use super::{Episode, EpisodeError, EpisodeKey, Player, REST};
 use crate::body::{Body, sensors};
 use crate::condition::Fatigue;
 use msk_physics::model::Model;
-use msk_physics::{self as physics, State, Workspace};
+use msk_physics::{self as physics, Plan, State, Workspace};
 use msk_program::task::{CompiledTask, StepReport, TaskState};
 use std::sync::Arc;
 
@@ -12,6 +12,8 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct Engine {
     pub(super) model: Arc<Model>,
+    /// What follows from the model: shared by all scratch.
+    plan: Plan,
     pub(super) body: Arc<Body>,
     pub(super) task: Arc<CompiledTask>,
     /// Physics steps per control step.
@@ -27,6 +29,8 @@ pub struct Engine {
 /// with the same bits.
 #[derive(Debug, Clone)]
 pub struct Scratch {
+    /// Of the engines that it can serve.
+    model: Arc<Model>,
     pub(super) workspace: Workspace<f64>,
     /// The state whose whole forward pass `workspace` holds.
     passed: State<f64>,
@@ -74,7 +78,8 @@ impl Engine {
             let (expected, found) = (task.body.name.clone(), body.name.clone());
             return Err(EpisodeError::Body { task: task.name.clone(), expected, found });
         }
-        Ok(Self { substeps: substeps(&task, model.options.timestep)?, fatigue: None, forces: true, model, body, task })
+        let substeps = substeps(&task, model.options.timestep)?;
+        Ok(Self { plan: Plan::new(&model), substeps, fatigue: None, forces: true, model, body, task })
     }
 
     /// The same with muscles that tire.
@@ -91,13 +96,15 @@ impl Engine {
 
     /// Memory for a worker.
     pub fn scratch(&self) -> Scratch {
-        Scratch { workspace: Workspace::new(&self.model), passed: State::new(&self.model), holds: false }
+        let (model, workspace) = (Arc::clone(&self.model), Workspace::of(&self.model, &self.plan));
+        Scratch { model, workspace, passed: State::new(&self.model), holds: false }
     }
 
     /// Memory for an episode, which must be [`reset`](Self::reset) before it is played.
     pub fn episode(&self) -> Episode {
         Episode {
             key: EpisodeKey::default(),
+            identity: None,
             state: State::new(&self.model),
             pushes: Vec::new(),
             task: TaskState::default(),
@@ -115,14 +122,21 @@ impl Engine {
     }
 
     /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
+    /// An episode or scratch of another engine becomes one of this engine.
     pub fn reset(&self, key: EpisodeKey, episode: &mut Episode, scratch: &mut Scratch) {
+        if !self.made(episode) {
+            *episode = self.episode();
+        }
+        if !self.serves(scratch) {
+            *scratch = self.scratch();
+        }
         self.player(episode, &[], scratch).reset(key, &[]);
     }
 
     /// Takes one control step with `action`, one entry in [-1, 1] per muscle, rewarded by `weights`, one per term.
     ///
     /// # Errors
-    /// An action or weights of the wrong length, or an episode that has ended.
+    /// An action or weights of the wrong length, an episode that has ended, or an episode or scratch of another engine.
     pub fn step(
         &self,
         episode: &mut Episode,
@@ -134,7 +148,22 @@ impl Engine {
         if expected != found {
             return Err(EpisodeError::Weights { expected, found });
         }
+        if !self.made(episode) {
+            return Err(EpisodeError::Foreign { what: "episode", remedy: "reset it, or restore one of this engine's" });
+        }
+        if !self.serves(scratch) {
+            return Err(EpisodeError::Foreign { what: "scratch", remedy: "use one that `Engine::scratch` made" });
+        }
         self.player(episode, weights, scratch).step(action)
+    }
+
+    /// Whether the episode was begun here, or by an engine of the same task on a body of the same size.
+    fn made(&self, episode: &Episode) -> bool {
+        episode.identity.as_ref() == Some(&self.task.hash) && episode.state.fits(&self.model)
+    }
+
+    fn serves(&self, scratch: &Scratch) -> bool {
+        Arc::ptr_eq(&scratch.model, &self.model)
     }
 
     pub(super) fn player<'a>(&'a self, episode: &'a mut Episode, weights: &'a [f64], scratch: &'a mut Scratch) -> Player<'a> {

@@ -43,6 +43,8 @@ use streams::Streams;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Episode {
     key: EpisodeKey,
+    /// The hash of its task; none before it is reset.
+    identity: Option<String>,
     /// With the solver's warm start.
     state: State<f64>,
     /// Pushes that were added to those of the task.

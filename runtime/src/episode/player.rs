@@ -37,6 +37,7 @@ impl Player<'_> {
         let engine = self.engine;
         let episode = &mut *self.episode;
         episode.key = key;
+        episode.identity = Some(engine.task.hash.clone());
         episode.state = State::new(&engine.model);
         episode.pushes.clear();
         episode.task = TaskState::default();

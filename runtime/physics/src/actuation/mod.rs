@@ -15,7 +15,7 @@ mod transmission;
 
 use super::{
     constrained::ConstraintState,
-    elastic::{Fibres, Paths},
+    elastic::{self, Fibres, Paths},
     kinematics::Kinematics,
     spatial::{Spatial, spatial_zero},
     state::State,
@@ -55,7 +55,7 @@ pub struct Actuation<T: Real> {
 
 /// What follows from the model alone.
 #[derive(Debug)]
-struct Plan {
+pub(crate) struct Plan {
     muscles: Vec<PlainMuscle>,
     others: Vec<Other>,
     /// Whether some other is on a tendon.
@@ -63,6 +63,10 @@ struct Plan {
     /// Dofs whose actuator force is clamped, or takes gravity compensation.
     clamped: Vec<(usize, [f64; 2])>,
     compensated: Vec<usize>,
+    /// Dofs and sides of the moments of all others.
+    sides: Arc<[(usize, f64)]>,
+    /// The fibres of plain muscles, where tendons are elastic.
+    fibres: Option<Arc<[elastic::Unit]>>,
 }
 
 #[derive(Debug)]
@@ -96,8 +100,10 @@ struct Other {
 impl<T: Real> Actuation<T> {
     /// Memory for `model`, and constants that follow from it.
     pub fn new(model: &Model) -> Self {
-        let mut moments = Moments::new();
-        let plan = Plan::new(model, &mut moments);
+        Self::of(model, &Arc::new(Plan::new(model)))
+    }
+
+    pub(crate) fn of(model: &Model, plan: &Arc<Plan>) -> Self {
         let zeros = vec![T::splat(0.0); model.actuators.name.len()];
         Self {
             length: zeros.clone(),
@@ -106,9 +112,9 @@ impl<T: Real> Actuation<T> {
             gain: zeros.clone(),
             bias: zeros.clone(),
             force: zeros,
-            fibres: plan.fibres(model),
-            moments,
-            plan: Arc::new(plan),
+            fibres: plan.fibres.as_ref().map(|units| Fibres::of(model.actuators.name.len(), units)),
+            moments: Moments::of(&plan.sides),
+            plan: Arc::clone(plan),
         }
     }
 
@@ -177,10 +183,18 @@ impl<T: Real> Actuation<T> {
 }
 
 impl Plan {
-    fn new<T: Real>(model: &Model, moments: &mut Moments<T>) -> Self {
+    pub fn new(model: &Model) -> Self {
         let actuators = &model.actuators;
-        let mut plan =
-            Self { muscles: Vec::new(), others: Vec::new(), pulls: false, clamped: Vec::new(), compensated: Vec::new() };
+        let mut sides: Vec<(usize, f64)> = Vec::new();
+        let mut plan = Self {
+            muscles: Vec::new(),
+            others: Vec::new(),
+            pulls: false,
+            clamped: Vec::new(),
+            compensated: Vec::new(),
+            sides: Arc::new([]),
+            fibres: None,
+        };
         for actuator in 0..actuators.name.len() {
             let (length_range, scale) = (actuators.length_range[actuator], actuators.acceleration_scale[actuator]);
             let unclamped = actuators.force_range[actuator].is_none() && actuators.activation_range[actuator].is_none();
@@ -202,7 +216,8 @@ impl Plan {
                 _ => None,
             };
             plan.pulls |= tendon.is_some();
-            let dof = match transmission::entries(model, actuators.transmission[actuator])[..] {
+            let moved = transmission::entries(model, actuators.transmission[actuator]);
+            let dof = match moved[..] {
                 [(dof, _)] => Some(dof),
                 _ => None,
             };
@@ -216,24 +231,25 @@ impl Plan {
                 force_range: actuators.force_range[actuator],
                 actearly: actuators.actearly[actuator],
                 law: Law::new(model, actuator),
-                moment: moments.add(model, actuator),
+                moment: sides.len()..sides.len() + moved.len(),
             });
+            sides.extend(moved);
         }
         for (joint, range) in model.joints.actuator_force_range.iter().enumerate() {
             plan.clamped.extend(range.map(|range| (model.joints.dof_address[joint], range)));
         }
+        plan.sides = sides.into();
+        plan.fibres = plan.fibres(model);
         plan.compensated = (0..model.nv).filter(|&dof| model.joints.actuator_compensates[model.dofs.joint[dof]]).collect();
         plan
     }
 
     /// The fibres of plain muscles; `None` where tendons are rigid.
-    fn fibres<T: Real>(&self, model: &Model) -> Option<Fibres<T>> {
+    fn fibres(&self, model: &Model) -> Option<Arc<[elastic::Unit]>> {
         let settings = model.elastic_tendons.as_ref()?;
-        let mut fibres = Fibres::new(model.actuators.name.len());
-        for muscle in &self.muscles {
-            fibres.add(model, settings, [muscle.actuator, muscle.activation], [&muscle.active, &muscle.passive]);
-        }
-        Some(fibres)
+        let muscles = self.muscles.iter();
+        let muscles = muscles.map(|muscle| ([muscle.actuator, muscle.activation], [&muscle.active, &muscle.passive]));
+        Some(elastic::units(model, settings, muscles))
     }
 }
 

@@ -19,6 +19,7 @@ use crate::{
 };
 use core::ops::Range;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// The dofs that an actuator's length may depend on, and their side: +1 moves the target, -1 what it is measured from. What a
 /// body touches may be moved by any.
@@ -177,21 +178,14 @@ fn adhesion_moment<T: Real>(model: &Model, kinematics: &Kinematics<T>, lanes: &[
 #[derive(Debug, Clone)]
 pub(super) struct Moments<T> {
     /// Dofs and sides of all entries.
-    sides: Vec<(usize, f64)>,
+    sides: Arc<[(usize, f64)]>,
     values: Vec<T>,
 }
 
 impl<T: Real> Moments<T> {
-    pub fn new() -> Self {
-        Self { sides: Vec::new(), values: Vec::new() }
-    }
-
-    /// Makes room for an actuator.
-    pub fn add(&mut self, model: &Model, actuator: usize) -> Range<usize> {
-        let start = self.sides.len();
-        self.sides.extend(entries(model, model.actuators.transmission[actuator]));
-        self.values.resize(self.sides.len(), T::splat(0.0));
-        start..self.sides.len()
+    /// Memory for the entries of these dofs and sides.
+    pub fn of(sides: &Arc<[(usize, f64)]>) -> Self {
+        Self { sides: Arc::clone(sides), values: vec![T::splat(0.0); sides.len()] }
     }
 
     /// Fills an actuator's entries and returns its length and velocity.

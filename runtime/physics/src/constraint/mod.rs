@@ -38,7 +38,8 @@ use crate::{
 use cone::Cone;
 use impedance::{SpringDamper, spring_damper};
 use jacobian::{Jacobian, Shape};
-use plan::RowPlan;
+pub(crate) use plan::RowPlan;
+use std::sync::Arc;
 
 /// What couples dofs that do not lie on one root path, so that the solver's pattern needs room for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +56,7 @@ pub(crate) enum CrossCoupling {
 #[derive(Debug, Clone, Default)]
 pub struct Constraints {
     /// Which geoms can meet.
-    pub plan: collision::Plan,
+    pub plan: Arc<collision::Plan>,
     /// Contacts, including those in the gap that carry no force.
     pub contacts: Vec<collision::Contact>,
     /// Constraint rows.
@@ -66,7 +67,7 @@ pub struct Constraints {
     pub(crate) cones: Vec<Cone>,
     /// What couples several chains, in the order of the rows: what the solver's pattern depends on.
     pub(crate) cross_couplings: Vec<CrossCoupling>,
-    fixed: RowPlan,
+    fixed: Arc<RowPlan>,
     velocity: Vec<f64>,
     memory: collision::Memory,
     /// A tendon's row of the Jacobian while it is gathered.
@@ -76,7 +77,11 @@ pub struct Constraints {
 impl Constraints {
     /// Memory for `model`, the pairs of its geoms that can meet, and the topology of its other constraints.
     pub fn new(model: &Model) -> Self {
-        Self { plan: collision::Plan::new(model), fixed: RowPlan::new(model), arms: vec![0.0; model.nv], ..Self::default() }
+        Self::of(model, &Arc::new(collision::Plan::new(model)), &Arc::new(RowPlan::new(model)))
+    }
+
+    pub(crate) fn of(model: &Model, pairs: &Arc<collision::Plan>, rows: &Arc<RowPlan>) -> Self {
+        Self { plan: Arc::clone(pairs), fixed: Arc::clone(rows), arms: vec![0.0; model.nv], ..Self::default() }
     }
 
     /// Row `row` of the constraint Jacobian (`efc_J`), dense, `nv` entries. On request only.

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 /// The dofs of one element, ascending.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Columns {
+pub(crate) struct Columns {
     /// Where they stand in [`RowPlan::columns`].
     pub range: Range<usize>,
     /// Whether they lie on more than one root path: its rows then couple chains.
@@ -19,7 +19,7 @@ pub(super) struct Columns {
 
 /// Fixed topology of all rows but those of contacts.
 #[derive(Debug, Clone, Default)]
-pub(super) struct RowPlan {
+pub(crate) struct RowPlan {
     /// Dofs of each equality; none for couplings of joints, which the solver's pattern always holds.
     pub equalities: Vec<Columns>,
     /// Dofs of each tendon that can have a row.

@@ -19,7 +19,7 @@ const SMALLEST_COSINE: f64 = 0.1;
 
 /// Which curves a fibre has.
 #[derive(Debug, Clone)]
-pub(super) enum Curves {
+pub(crate) enum Curves {
     Published(Arc<Tables>),
     /// With the factor and offset that turn a length scaled for the active curve into one scaled for the passive curve: the
     /// two parts of a model's muscle may have different figures.
@@ -60,7 +60,7 @@ impl Curves {
 
 /// What does not change about one muscle. Lengths in m, forces in N.
 #[derive(Debug, Clone)]
-pub(super) struct Unit {
+pub(crate) struct Unit {
     /// Index of the actuator, and of its activation.
     pub place: [usize; 2],
     /// Optimal fibre length.
@@ -85,7 +85,7 @@ pub(super) struct Unit {
 
 /// A fibre with its tendon at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Fibre {
+pub(crate) struct Fibre {
     /// m.
     pub length: f64,
     /// m/s.

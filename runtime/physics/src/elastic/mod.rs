@@ -21,9 +21,11 @@ use crate::{
     scalar::Real,
 };
 use curves::Tendon;
-use fibre::{Curves, Fibre, Unit};
+use fibre::{Curves, Fibre};
 use std::sync::Arc;
 use table::Tables;
+
+pub(crate) use fibre::Unit;
 
 /// Fibres of all muscles. One entry per actuator; those of what is no muscle mean nothing.
 #[derive(Debug, Clone)]
@@ -34,8 +36,7 @@ pub struct Fibres<T: Real> {
     pub velocity: Vec<T>,
     /// Length along the path, m: less than the length where the fibre is pennate.
     pub along_path: Vec<T>,
-    units: Vec<Unit>,
-    tables: Arc<Tables>,
+    units: Arc<[Unit]>,
 }
 
 /// What the forward pass of the muscles knows when the fibres come in.
@@ -48,26 +49,15 @@ pub(super) struct Paths<'a, T: Real> {
 }
 
 impl<T: Real> Fibres<T> {
-    /// Memory for as many actuators.
-    pub(super) fn new(actuators: usize) -> Self {
+    /// Memory for as many actuators, with these muscles.
+    pub(super) fn of(actuators: usize, units: &Arc<[Unit]>) -> Self {
         let zeros = vec![T::splat(0.0); actuators];
-        Self {
-            length: zeros.clone(),
-            velocity: zeros.clone(),
-            along_path: zeros,
-            units: Vec::new(),
-            tables: Arc::new(Tables::new()),
-        }
-    }
-
-    /// Adds the muscle that is the actuator and has the activation of these indices.
-    pub(super) fn add(&mut self, model: &Model, settings: &ElasticTendons, place: [usize; 2], curves: [&Curve; 2]) {
-        self.units.push(unit(model, settings, place, curves, &self.tables));
+        Self { length: zeros.clone(), velocity: zeros.clone(), along_path: zeros, units: Arc::clone(units) }
     }
 
     /// Takes all fibres over the step that has just passed and sets the muscles' forces from their tendons.
     pub(super) fn update(&mut self, state: &State<T>, paths: Paths<'_, T>) {
-        for unit in &self.units {
+        for unit in self.units.iter() {
             let [muscle, activation] = unit.place;
             for lane in 0..T::LANES {
                 let at = |values: &[T]| values[muscle].lane(lane);
@@ -88,6 +78,16 @@ impl<T: Real> Fibres<T> {
             }
         }
     }
+}
+
+/// The muscles with elastic tendons, each given by the indices of its actuator and its activation, and its curves.
+pub(super) fn units<'a>(
+    model: &Model,
+    settings: &ElasticTendons,
+    muscles: impl Iterator<Item = ([usize; 2], [&'a Curve; 2])>,
+) -> Arc<[Unit]> {
+    let tables = Arc::new(Tables::new());
+    muscles.map(|(place, curves)| unit(model, settings, place, curves, &tables)).collect()
 }
 
 fn unit(

@@ -15,29 +15,35 @@ use crate::{
     tendons::moment_arms,
 };
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// What the integrator keeps between steps: scratch memory, and the bodies that float alone.
 #[derive(Debug, Clone)]
 pub struct Implicit<T: Real> {
     /// Bodies with a free joint and no joint below.
-    floating: Vec<usize>,
+    floating: Arc<[usize]>,
     /// The matrix on the six dofs of each of them, symmetric, lower triangle by rows.
     blocks: Vec<[T; 21]>,
     moment: Vec<T>,
 }
 
 impl<T: Real> Implicit<T> {
-    /// Memory for `model`.
-    pub fn new(model: &Model) -> Self {
-        let alone = |body: &usize| {
-            let joints = model.bodies.joints[*body].clone();
-            let free = joints.len() == 1 && model.joints.kind[joints.start] == JointKind::Free;
-            let last = model.bodies.dofs[*body].clone().next_back();
-            free && !model.dofs.parent.iter().any(|parent| parent.is_some() && *parent == last)
-        };
-        let floating: Vec<usize> = (1..model.bodies.parent.len()).filter(alone).collect();
+    /// Memory for `model`, whose floating bodies these are.
+    pub(crate) fn of(model: &Model, floating: &Arc<[usize]>) -> Self {
+        let floating = Arc::clone(floating);
         Self { blocks: vec![[T::splat(0.0); 21]; floating.len()], floating, moment: vec![T::splat(0.0); model.nv] }
     }
+}
+
+/// Bodies with a free joint and no joint below.
+pub(crate) fn floating_bodies(model: &Model) -> Arc<[usize]> {
+    let alone = |body: &usize| {
+        let joints = model.bodies.joints[*body].clone();
+        let free = joints.len() == 1 && model.joints.kind[joints.start] == JointKind::Free;
+        let last = model.bodies.dofs[*body].clone().next_back();
+        free && !model.dofs.parent.iter().any(|parent| parent.is_some() && *parent == last)
+    };
+    (1..model.bodies.parent.len()).filter(alone).collect()
 }
 
 /// Advances `state` by one step from the forces in `workspace`.
@@ -78,7 +84,7 @@ fn acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Worksp
         scratch.moment[first..first + 6].copy_from_slice(&solution);
     }
     inertia::solve(model, &matrix, &mut workspace.damped_acceleration);
-    for &body in &scratch.floating {
+    for &body in scratch.floating.iter() {
         let dofs = model.bodies.dofs[body].clone();
         workspace.damped_acceleration[dofs.clone()].copy_from_slice(&scratch.moment[dofs]);
     }

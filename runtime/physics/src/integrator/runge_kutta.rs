@@ -14,6 +14,7 @@ use crate::{
     stepping,
 };
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// How far each later stage is from the start, in steps; it stands that far along the rates of the stage before.
 const STAGES: [f64; 3] = [0.5, 0.5, 1.0];
@@ -30,7 +31,7 @@ pub struct RungeKutta<T: Real> {
     /// The rates of positions that led to the latest stage.
     before: Vec<T>,
     /// The first dof of each joint's three turning ones.
-    turning: Vec<usize>,
+    turning: Arc<[usize]>,
 }
 
 #[derive(Debug, Clone)]
@@ -62,19 +63,14 @@ impl<T: Real> Rates<T> {
 }
 
 impl<T: Real> RungeKutta<T> {
-    /// Memory for `model`.
-    pub fn new(model: &Model) -> Self {
-        let turning = |joint: usize| match model.joints.kind[joint] {
-            JointKind::Free => Some(model.joints.dof_address[joint] + 3),
-            JointKind::Ball => Some(model.joints.dof_address[joint]),
-            JointKind::Hinge | JointKind::Slide => None,
-        };
+    /// Memory for `model`, whose turning dofs these are.
+    pub(crate) fn of(model: &Model, turning: &Arc<[usize]>) -> Self {
         Self {
             stage: State::new(model),
             rates: Rates::new(model),
             sums: Rates::new(model),
             before: vec![T::splat(0.0); model.nv],
-            turning: (0..model.joints.kind.len()).filter_map(turning).collect(),
+            turning: Arc::clone(turning),
         }
     }
 
@@ -84,7 +80,7 @@ impl<T: Real> RungeKutta<T> {
         self.rates.position.copy_from_slice(&self.stage.velocity);
         self.rates.velocity.copy_from_slice(&workspace.acceleration);
         self.rates.activation.copy_from_slice(&workspace.actuation.activation_rate);
-        for &dof in &self.turning {
+        for &dof in self.turning.iter() {
             let at = |rates: &[T]| Vector3::new(rates[dof], rates[dof + 1], rates[dof + 2]);
             let (turn, spin) = (scale(&at(&self.before), time), at(&self.rates.position));
             let across = cross(&turn, &spin);
@@ -93,6 +89,16 @@ impl<T: Real> RungeKutta<T> {
             self.rates.position[dof..dof + 3].copy_from_slice(rate.as_slice());
         }
     }
+}
+
+/// The first dof of each joint's three turning ones.
+pub(crate) fn turning_dofs(model: &Model) -> Arc<[usize]> {
+    let turning = |joint: usize| match model.joints.kind[joint] {
+        JointKind::Free => Some(model.joints.dof_address[joint] + 3),
+        JointKind::Ball => Some(model.joints.dof_address[joint]),
+        JointKind::Hinge | JointKind::Slide => None,
+    };
+    (0..model.joints.kind.len()).filter_map(turning).collect()
 }
 
 /// Advances `state` by one step; `workspace` holds its forward pass on entry, that of the last stage on return.

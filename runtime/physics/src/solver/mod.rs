@@ -42,6 +42,7 @@ use crate::model::Model;
 use crate::scalar::Real;
 use line_search::Line;
 use path_matrix::PathPattern;
+use std::sync::Arc;
 
 /// The unconstrained problem of one episode.
 pub(super) struct Problem<'a> {
@@ -68,7 +69,7 @@ pub struct Newton {
     pub gradient_norm: f64,
     pattern: PathPattern,
     /// Dofs of the joints that couplings join, ascending.
-    coupled: Vec<[usize; 2]>,
+    coupled: Arc<[[usize; 2]]>,
     /// What the pattern was built for.
     cross_couplings: Option<Vec<CrossCoupling>>,
     factor: Vec<f64>,
@@ -94,14 +95,13 @@ pub struct Newton {
 impl Newton {
     /// Memory for `model`.
     pub fn new(model: &Model) -> Self {
+        Self::of(model, &coupled_dofs(model))
+    }
+
+    pub(crate) fn of(model: &Model, coupled: &Arc<[[usize; 2]]>) -> Self {
         let zeros = vec![0.0; model.nv];
-        let leaders = model.couplings.joint.iter().zip(&model.couplings.leader);
-        let coupled = leaders.filter_map(|(&dependent, &leader)| {
-            let [a, b] = [dependent, leader?].map(|joint| model.joints.dof_address[joint]);
-            Some([a.min(b), a.max(b)])
-        });
         Self {
-            coupled: coupled.collect(),
+            coupled: Arc::clone(coupled),
             acceleration: zeros.clone(),
             constraint_force: zeros.clone(),
             momentum: zeros.clone(),
@@ -259,6 +259,16 @@ impl Newton {
         add_scaled(&mut self.residual, step, &self.search_rate);
         step > 0.0
     }
+}
+
+/// The dofs of the joints that couplings join, ascending.
+pub(crate) fn coupled_dofs(model: &Model) -> Arc<[[usize; 2]]> {
+    let leaders = model.couplings.joint.iter().zip(&model.couplings.leader);
+    let coupled = leaders.filter_map(|(&dependent, &leader)| {
+        let [a, b] = [dependent, leader?].map(|joint| model.joints.dof_address[joint]);
+        Some([a.min(b), a.max(b)])
+    });
+    coupled.collect()
 }
 
 /// The constraints as the solver uses them.

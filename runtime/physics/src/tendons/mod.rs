@@ -23,7 +23,8 @@ use super::{
 };
 use crate::{model::Model, scalar::Real};
 use nalgebra::Vector3;
-use plan::{Plan, Segment, Side, Wrap};
+pub(crate) use plan::Plan;
+use plan::{Segment, Side, Wrap};
 use std::sync::Arc;
 
 pub use path::{PathVertex, VertexKind, path};
@@ -46,14 +47,17 @@ pub struct TendonPaths<T: Real> {
 impl<T: Real> TendonPaths<T> {
     /// Memory for `model`, and the decisions that depend on it alone.
     pub fn new(model: &Model) -> Self {
-        let plan = Plan::new(model);
+        Self::of(model, &Arc::new(Plan::new(model)))
+    }
+
+    pub(crate) fn of(model: &Model, plan: &Arc<Plan>) -> Self {
         let zeros = vec![T::splat(0.0); model.tendons.path.len()];
         Self {
             length: zeros.clone(),
             velocity: zeros,
             point: vec![zero(); plan.points.len()],
             line: vec![spatial_zero(); plan.lines.len()],
-            plan: Arc::new(plan),
+            plan: Arc::clone(plan),
         }
     }
 

@@ -18,14 +18,14 @@ use nalgebra::Vector3;
 
 /// A site that moves relative to another one on its path.
 #[derive(Debug, Clone)]
-pub(super) struct Point {
+pub(crate) struct Point {
     pub body: usize,
     pub local: Vector3<f64>,
 }
 
 /// A straight segment between two points.
 #[derive(Debug, Clone)]
-pub(super) struct Segment {
+pub(crate) struct Segment {
     pub tendon: usize,
     /// One over the divisor of the pulley before it.
     pub weight: f64,
@@ -35,7 +35,7 @@ pub(super) struct Segment {
 
 /// A site, an obstacle, a site.
 #[derive(Debug, Clone)]
-pub(super) struct Wrap {
+pub(crate) struct Wrap {
     pub tendon: usize,
     pub weight: f64,
     pub ends: [usize; 2],
@@ -49,7 +49,7 @@ pub(super) struct Wrap {
 
 /// The side point of a wrap.
 #[derive(Debug, Clone)]
-pub(super) enum Side {
+pub(crate) enum Side {
     None,
     /// Fixed in the obstacle's frame, m.
     Fixed(Vector3<f64>),
@@ -59,7 +59,7 @@ pub(super) enum Side {
 
 /// A joint whose coordinate enters the length of a fixed tendon.
 #[derive(Debug, Clone)]
-pub(super) struct JointTerm {
+pub(crate) struct JointTerm {
     /// Its coordinate in the position vector.
     pub address: usize,
     pub dof: usize,
@@ -68,7 +68,7 @@ pub(super) struct JointTerm {
 
 /// The bodies that a line of action pulls together.
 #[derive(Debug, Clone)]
-pub(super) struct Line {
+pub(crate) struct Line {
     pub from: usize,
     pub to: usize,
     /// Root of the tree whose centre of mass the line's moment refers to.
@@ -78,7 +78,7 @@ pub(super) struct Line {
 
 /// Fixed topology of all tendons.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     pub points: Vec<Point>,
     pub segments: Vec<Segment>,
     pub wraps: Vec<Wrap>,
