@@ -1,6 +1,7 @@
 """Speed against MuJoCo, the two alternating within the same minute.
 
     cargo build --release && python benches/ratio.py [--protocol falling|standing] [--rounds 5] [--seconds 2]
+    cargo build --release -p msk-physics --example speed && python benches/ratio.py --program target/release/examples/speed
 
 Both run one thread of the same model from the same start, muscles excited at random anew every ten milliseconds. MuJoCo steps
 in C (`mj_step` with nstep), ten steps a call, so Python costs it less than a thousandth. Prints the steps per second of every
@@ -55,8 +56,11 @@ def steps_per_second_of_mujoco(model, protocol, seconds, clock, random):
 
 
 def run_msk(program, path, protocol, seconds):
-    """The report of `msk physics bench` and the CPU time that it took."""
-    command = [program, "physics", "bench", "--model", path, "--protocol", protocol, "--seconds", str(seconds), "--json"]
+    """The report of `msk physics bench`, or of the example `speed`, and the CPU time that it took."""
+    if pathlib.Path(program).stem == "speed":
+        command = [program, path, protocol, str(seconds)]
+    else:
+        command = [program, "physics", "bench", "--model", path, "--protocol", protocol, "--seconds", str(seconds), "--json"]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -74,7 +78,7 @@ def steps_per_second_of_msk(program, path, protocol, seconds, cpu):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--model", default=str(ROOT / "bodies/models/human416.xml"))
-    parser.add_argument("--msk", default=str(ROOT / "target/release/msk"), help="the program")
+    parser.add_argument("--msk", "--program", default=str(ROOT / "target/release/msk"), help="the program, or the example `speed` of msk-physics")
     parser.add_argument("--protocol", choices=["falling", "standing"], default="falling")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=2.0)

@@ -88,6 +88,12 @@ impl Real for Pair {
     fn less(self, other: Self) -> [bool; 2] {
         [self.0[0] < other.0[0], self.0[1] < other.0[1]]
     }
+    fn mask(holds: impl Fn(usize) -> bool) -> [bool; 2] {
+        [holds(0), holds(1)]
+    }
+    fn holds(mask: [bool; 2], index: usize) -> bool {
+        mask[index]
+    }
     fn select(mask: [bool; 2], a: Self, b: Self) -> Self {
         Self([0, 1].map(|lane| if mask[lane] { a.0[lane] } else { b.0[lane] }))
     }

@@ -32,6 +32,7 @@ pub fn derive(model: &mut Model) -> Result<(), String> {
     let mut tendons = TendonPaths::new(model);
     kinematics::update_lanes(model, &state, &mut kinematics);
     inertia::update(model, &kinematics, &mut inertia);
+    inertia::factorize(model, &mut inertia);
     invertible(model, &inertia.factor)?;
     tendons::update(&state, &kinematics, &mut tendons);
 
@@ -124,6 +125,7 @@ pub fn resolve_spring_damper(model: &mut Model, wanted: &[(usize, [f64; 2])]) {
     let mut inertia = Inertia::new(model);
     kinematics::update_lanes(model, &state, &mut kinematics);
     inertia::update(model, &kinematics, &mut inertia);
+    inertia::factorize(model, &mut inertia);
     let weights = dof_weights(model, &inertia.factor);
     for &(joint, [time, ratio]) in wanted {
         let dofs: Vec<usize> = (0..model.nv).filter(|&dof| model.dofs.joint[dof] == joint).collect();

@@ -74,10 +74,18 @@ pub enum Fault {
 
 /// Values beyond this count as diverged, MuJoCo's `mjMAXVAL`.
 const LARGEST: f64 = 1e10;
+/// The next number.
+const BEYOND: f64 = LARGEST.next_up();
 
 /// Whether a value is finite and of a size that means something.
 pub(super) fn is_valid(value: f64) -> bool {
     value.abs() <= LARGEST
+}
+
+/// [`is_valid`] in every lane.
+#[inline(always)]
+pub(super) fn valid<T: crate::scalar::Real>(value: T) -> T::Mask {
+    value.abs().less(T::splat(BEYOND))
 }
 
 fn names(model: &Model, joint: usize) -> (String, String) {

@@ -30,7 +30,8 @@ pub struct Forces<T: Real> {
     pub compensation: Vec<T>,
     /// Passive - bias + actuator + applied (`qfrc_smooth`).
     pub smooth: Vec<T>,
-    /// M^-1 smooth (`qacc_smooth`), m/s² and rad/s².
+    /// M^-1 smooth (`qacc_smooth`), m/s² and rad/s². A step with constraint rows leaves it out:
+    /// [`unconstrained`](crate::smooth::unconstrained) fills it on request.
     pub smooth_acceleration: Vec<T>,
     /// Acceleration of every body without joint accelerations, that of gravity upwards included, about the centre of mass of
     /// its tree.
@@ -68,6 +69,7 @@ impl<T: Real> Forces<T> {
 
 /// Sweeps forces on bodies up the tree into generalised forces: out = sum over bodies of (body's Jacobian)' force.
 /// On return `body_force` holds the total on every subtree.
+#[inline(always)]
 pub fn gather<T: Real>(model: &Model, kinematics: &Kinematics<T>, body_force: &mut [Spatial<T>], out: &mut [T]) {
     for body in (1..model.bodies.parent.len()).rev() {
         let force = body_force[body];
@@ -82,6 +84,7 @@ pub fn gather<T: Real>(model: &Model, kinematics: &Kinematics<T>, body_force: &m
 }
 
 /// Bias forces by recursive Newton-Euler without joint accelerations.
+#[inline(always)]
 pub fn bias<T: Real>(
     model: &Model,
     state: &State<T>,
@@ -108,6 +111,7 @@ pub fn bias<T: Real>(
 }
 
 /// Springs and dampers of joints and tendons, compensated weight, drag.
+#[inline(always)]
 pub fn passive<T: Real>(
     model: &Model,
     state: &State<T>,
@@ -145,6 +149,7 @@ pub fn passive<T: Real>(
 }
 
 /// Adds the forces on bodies to the passive ones.
+#[inline(always)]
 fn add_swept<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Forces<T>) {
     gather(model, kinematics, &mut out.body_force, &mut out.swept);
     for (total, part) in out.passive.iter_mut().zip(&out.swept) {
@@ -153,6 +158,7 @@ fn add_swept<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Force
 }
 
 /// Fills the forces that balance the weight of bodies and adds them where no actuator provides them.
+#[inline(always)]
 fn compensate<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Forces<T>) {
     let shares = &model.bodies.gravity_compensation;
     if shares.iter().all(|share| *share == 0.0) {
@@ -170,6 +176,7 @@ fn compensate<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Forc
 }
 
 /// Adds the spring of one joint.
+#[inline(always)]
 fn joint_spring<T: Real>(model: &Model, state: &State<T>, joint: usize, passive: &mut [T]) {
     let joints = &model.joints;
     let stiffness = T::splat(joints.stiffness[joint]);
@@ -212,6 +219,7 @@ pub(super) fn pull_tendons(model: &Model, workspace: &Workspace<f64>, body_force
 }
 
 /// Force of a tendon's spring, slack between two lengths, and damper, N; positive lengthens.
+#[inline(always)]
 fn tendon_force<T: Real>(model: &Model, tendons: &TendonPaths<T>, tendon: usize) -> T {
     let (length, velocity) = (tendons.length[tendon], tendons.velocity[tendon]);
     let rest = model.tendons.resting_length[tendon];
@@ -220,8 +228,9 @@ fn tendon_force<T: Real>(model: &Model, tendons: &TendonPaths<T>, tendon: usize)
     T::splat(model.tendons.stiffness[tendon]) * slack - T::splat(model.tendons.damping[tendon]) * velocity
 }
 
-/// Sums everything but constraints and solves for the acceleration.
-pub fn smooth<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<T>, inertia: &Inertia<T>, out: &mut Forces<T>) {
+/// Sums everything but constraints.
+#[inline(always)]
+pub fn smooth<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<T>, out: &mut Forces<T>) {
     for dof in 0..model.nv {
         out.smooth[dof] = out.passive[dof] - out.bias[dof] + out.actuator[dof] + state.applied_force[dof];
     }
@@ -232,12 +241,12 @@ pub fn smooth<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<
             out.body_force[body] = [torque + cross(&arm, force), *force];
         }
         gather(model, kinematics, &mut out.body_force, &mut out.swept);
+        // Adding nothing would still turn -0.0 into 0.0: an episode's bits must not depend on its neighbours.
+        let pushed = T::mask(|lane| !(state.body_force.iter().flatten().flatten()).all(|part| part.lane(lane) == 0.0));
         for (total, part) in out.smooth.iter_mut().zip(&out.swept) {
-            *total += *part;
+            *total = T::select(pushed, *total + *part, *total);
         }
     }
-    out.smooth_acceleration.copy_from_slice(&out.smooth);
-    inertia::solve(model, &inertia.factor, &mut out.smooth_acceleration);
 }
 
 /// Potential (of gravity and joint springs of hinges and slides) and kinetic energy, J.

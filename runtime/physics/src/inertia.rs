@@ -23,7 +23,7 @@ pub struct Inertia<T: Real> {
     pub composite: Vec<SpatialInertia<T>>,
     /// Mass matrix, sparse lower triangle in the layout of the model's dofs (`qM`): kg, kg m, kg m².
     pub matrix: Vec<T>,
-    /// Factor M = L'DL in the same layout: L below the diagonal, D on it (`qLD`).
+    /// Factor M = L'DL in the same layout: L below the diagonal, D on it (`qLD`), once [`factorize`] has filled it.
     pub factor: Vec<T>,
     /// What the armature of tendons adds to entries of the mass matrix.
     armature: Arc<[(usize, f64)]>,
@@ -71,14 +71,21 @@ pub(crate) fn tendon_armature(model: &Model) -> Arc<[(usize, f64)]> {
     entries.into()
 }
 
-/// Fills body inertias, composite inertias, the mass matrix and its factor.
+/// Fills body inertias, composite inertias and the mass matrix.
+#[inline(always)]
 pub fn update<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Inertia<T>) {
     body_inertias(model, kinematics, out);
     mass_matrix(model, kinematics, out);
+}
+
+/// Fills the factor of the mass matrix.
+#[inline(always)]
+pub fn factorize<T: Real>(model: &Model, out: &mut Inertia<T>) {
     out.factor.copy_from_slice(&out.matrix);
     factor(model, &mut out.factor);
 }
 
+#[inline(always)]
 fn body_inertias<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Inertia<T>) {
     for body in 1..model.bodies.parent.len() {
         let offset = kinematics.inertial_position[body] - kinematics.reference(model, body);
@@ -92,6 +99,7 @@ fn body_inertias<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut I
 }
 
 /// The composite-rigid-body algorithm.
+#[inline(always)]
 fn mass_matrix<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Inertia<T>) {
     out.composite.copy_from_slice(&out.body);
     for body in (1..model.bodies.parent.len()).rev() {
@@ -118,6 +126,7 @@ fn mass_matrix<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Ine
     }
 }
 
+#[inline(always)]
 fn layout(model: &Model) -> Layout<'_> {
     Layout { row: &model.dofs.row, column: &model.dofs.column }
 }
@@ -126,11 +135,13 @@ fn layout(model: &Model) -> Layout<'_> {
 ///
 /// `matrix` holds M's sparse lower triangle on entry, L below and D on the diagonal on return. A pivot that is not positive
 /// (a massless dof without armature) shows as a non-finite acceleration.
+#[inline(always)]
 pub fn factor<T: Real>(model: &Model, matrix: &mut [T]) {
     layout(model).factor(matrix);
 }
 
 /// Solves M x = b in place, given [`factor`]'s result.
+#[inline(always)]
 pub fn solve<T: Real>(model: &Model, factor: &[T], x: &mut [T]) {
     layout(model).solve(factor, x);
 }
@@ -146,6 +157,7 @@ pub fn solve_lower<T: Real>(model: &Model, factor: &[T], x: &mut [T]) {
 }
 
 /// y = M x for a symmetric matrix in the mass matrix's layout.
+#[inline(always)]
 pub fn multiply<T: Real>(model: &Model, matrix: &[T], x: &[T], y: &mut [T]) {
     layout(model).multiply(matrix, x, y);
 }

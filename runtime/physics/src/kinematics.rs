@@ -130,6 +130,7 @@ pub fn update(model: &Model, state: &State<f64>, out: &mut Kinematics<f64>) {
 }
 
 /// [`update`] over any scalar.
+#[inline(always)]
 pub fn update_lanes<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>) {
     for body in 1..model.bodies.parent.len() {
         place_body(model, state, out, body);
@@ -140,6 +141,7 @@ pub fn update_lanes<T: Real>(model: &Model, state: &State<T>, out: &mut Kinemati
 }
 
 /// Places one body and its joints from its parent's frame, then its inertial frame.
+#[inline(always)]
 fn place_body<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>, body: usize) {
     let bodies = &model.bodies;
     let joints = bodies.joints[body].clone();
@@ -209,6 +211,7 @@ fn move_by_joint<T: Real>(
     out.joint_axis[joint] = axis;
 }
 
+#[inline(always)]
 fn place_geoms<T: Real>(model: &Model, out: &mut Kinematics<T>) {
     for geom in 0..model.geoms.kind.len() {
         let body = model.geoms.body[geom];
@@ -218,6 +221,7 @@ fn place_geoms<T: Real>(model: &Model, out: &mut Kinematics<T>) {
 }
 
 /// Centre of mass of every subtree, swept from the leaves to the root.
+#[inline(always)]
 fn centres_of_mass<T: Real>(model: &Model, out: &mut Kinematics<T>) {
     let bodies = &model.bodies;
     for body in 0..bodies.parent.len() {
@@ -231,11 +235,13 @@ fn centres_of_mass<T: Real>(model: &Model, out: &mut Kinematics<T>) {
     out.subtree_com[0] = divided(&out.subtree_com[0], &out.inertial_position[0], bodies.subtree_mass[0]);
 }
 
+#[inline(always)]
 fn divided<T: Real>(moment: &Vector3<T>, massless: &Vector3<T>, mass: f64) -> Vector3<T> {
     if mass < super::rotation::MINIMUM { *massless } else { scale(moment, T::splat(1.0 / mass)) }
 }
 
 /// Motion axes of all dofs about the centre of mass of their tree.
+#[inline(always)]
 fn motion_axes<T: Real>(model: &Model, out: &mut Kinematics<T>) {
     let unit = |axis: usize| Vector3::from_fn(|row, _| T::splat(if row == axis { 1.0 } else { 0.0 }));
     for joint in 0..model.joints.kind.len() {

@@ -35,6 +35,10 @@ pub trait Real:
 
     /// `self < other`, lane by lane.
     fn less(self, other: Self) -> Self::Mask;
+    /// The mask that holds in the lanes for which `holds` does.
+    fn mask(holds: impl Fn(usize) -> bool) -> Self::Mask;
+    /// Whether the mask holds in lane `index < LANES`.
+    fn holds(mask: Self::Mask, index: usize) -> bool;
     /// `a` where the mask holds, `b` elsewhere.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// Both masks.
@@ -109,6 +113,14 @@ impl Real for f64 {
     #[inline(always)]
     fn less(self, other: Self) -> bool {
         self < other
+    }
+    #[inline(always)]
+    fn mask(holds: impl Fn(usize) -> bool) -> bool {
+        holds(0)
+    }
+    #[inline(always)]
+    fn holds(mask: bool, _index: usize) -> bool {
+        mask
     }
     #[inline(always)]
     fn select(mask: bool, a: Self, b: Self) -> Self {

@@ -47,6 +47,12 @@ pub fn smooth(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>)
     crate::smooth::smooth(model, state, workspace);
 }
 
+/// [`smooth::unconstrained`](crate::smooth::unconstrained) of one episode.
+#[inline(never)]
+pub fn unconstrained(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) {
+    crate::smooth::unconstrained(model, state, workspace);
+}
+
 /// [`smooth::excite`](mod@crate::smooth) of one episode.
 #[inline(never)]
 pub fn excite(model: &Model, state: &State<f64>, workspace: &mut Workspace<f64>) {

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<T: Real> {
     /// Simulated time, s.
-    pub time: f64,
+    pub time: T,
     /// Generalised positions, `nq` entries: m, rad, and quaternions w x y z of free and ball joints.
     pub position: Vec<T>,
     /// Generalised velocities, `nv` entries: m/s and rad/s. A free joint moves in world axes and turns in its body's axes.
@@ -23,7 +23,7 @@ pub struct State<T: Real> {
     /// Their rates, from which the next step starts its search, m/s.
     pub fibre_velocity: Vec<T>,
     /// Time between the positions that belong to these lengths and the present ones, s.
-    pub fibre_step: f64,
+    pub fibre_step: T,
     /// Controls (of muscles: excitations), one per actuator.
     pub control: Vec<T>,
     /// Generalised forces applied from outside, `nv` entries: N and N m.
@@ -85,13 +85,13 @@ impl<T: Real> State<T> {
         let placed = (0..model.bodies.mocap.len()).filter(|&body| model.bodies.mocap[body]);
         let fibres = if model.elastic_tendons.is_some() { model.actuators.name.len() } else { 0 };
         Self {
-            time: 0.0,
+            time: zero,
             position: model.reference_position.iter().map(|&value| T::splat(value)).collect(),
             velocity: vec![zero; model.nv],
             activation: vec![zero; model.na],
             fibre_length: vec![zero; fibres],
             fibre_velocity: vec![zero; fibres],
-            fibre_step: model.options.timestep,
+            fibre_step: T::splat(model.options.timestep),
             control: vec![zero; model.actuators.name.len()],
             applied_force: vec![zero; model.nv],
             body_force: vec![[Vector3::from_element(zero); 2]; model.bodies.parent.len()],

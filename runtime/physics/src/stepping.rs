@@ -2,13 +2,12 @@
 
 use super::{
     Workspace, constrained,
-    fault::{Fault, Quantity, is_valid},
-    inertia,
+    dispatch::{Stage, run},
+    fault::{self, Fault, Quantity, is_valid},
     integrator::{self, implicit, runge_kutta},
-    kinematics,
     smooth::{forward_actuation, forward_velocity},
     state::State,
-    tendons, velocities,
+    velocities,
 };
 use crate::{
     model::{Integrator, JointKind, Model},
@@ -18,7 +17,8 @@ use crate::{
 /// Everything up to the acceleration, constraints included, in MuJoCo's order.
 ///
 /// # Errors
-/// A state or acceleration that is not finite, or a constraint problem without solution, with its body, joint and time.
+/// A state or acceleration that is not finite, or a constraint problem without solution, with its body, joint and time. Of several
+/// lanes the first that has a fault; the others have been passed forward.
 pub fn forward<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     forward_by_stage(model, state, workspace, &mut || {})
 }
@@ -33,12 +33,15 @@ pub fn forward_by_stage<T: Real>(
     workspace: &mut Workspace<T>,
     lap: &mut impl FnMut(),
 ) -> Result<(), Fault> {
-    check(model, state)?;
-    kinematics::update_lanes(model, state, &mut workspace.kinematics);
+    check(model, state, workspace);
+    if !(0..T::LANES).any(|lane| workspace.lives(lane)) {
+        return workspace.outcome();
+    }
+    run(Stage::Kinematics, model, state, workspace);
     lap();
-    inertia::update(model, &workspace.kinematics, &mut workspace.inertia);
+    run(Stage::Inertia, model, state, workspace);
     lap();
-    tendons::update(state, &workspace.kinematics, &mut workspace.tendons);
+    run(Stage::Tendons, model, state, workspace);
     lap();
     constrained::contacts(model, workspace);
     lap();
@@ -48,9 +51,9 @@ pub fn forward_by_stage<T: Real>(
     lap();
     forward_actuation(model, state, workspace);
     lap();
-    constrained::solve(model, state, workspace)?;
+    constrained::solve(model, state, workspace);
     lap();
-    Ok(())
+    workspace.outcome()
 }
 
 /// Names of the stages of a step, in their order.
@@ -62,8 +65,9 @@ pub const STAGES: [&str; 9] =
 /// # Errors
 /// A state that is not finite.
 pub fn motion<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
-    check(model, state)?;
-    kinematics::update_lanes(model, state, &mut workspace.kinematics);
+    check(model, state, workspace);
+    workspace.outcome()?;
+    run(Stage::Kinematics, model, state, workspace);
     constrained::contacts(model, workspace);
     velocities::update(model, state, &workspace.kinematics, &mut workspace.velocities);
     Ok(())
@@ -90,87 +94,118 @@ pub fn integrate<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut W
     }
 }
 
-/// Refuses states and inputs that are not finite.
-pub fn check<T: Real>(model: &Model, state: &State<T>) -> Result<(), Fault> {
-    if let Some((coordinate, value)) = invalid(&state.position) {
-        return Err(Fault::of_coordinate(model, state.time, coordinate, value));
+/// Finds states and inputs that are not finite; forgets the faults of the last step.
+fn check<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    workspace.faults.fill(None);
+    let placed = state.mocap_position.iter().map(|position| position.as_slice());
+    let placed = placed.chain(state.mocap_orientation.iter().map(|orientation| orientation.as_slice()));
+    let parts: [&[T]; 6] =
+        [&state.position, &state.velocity, &state.activation, &state.control, &state.fibre_length, &state.fibre_velocity];
+    if parts.into_iter().chain(placed).all(all_valid) {
+        return;
     }
-    if let Some((dof, value)) = invalid(&state.velocity) {
-        return Err(Fault::of_dof(model, state.time, Quantity::Velocity, dof, value));
+    for lane in (0..T::LANES).filter(|&lane| !workspace.masked[lane]) {
+        workspace.faults[lane] = invalid_input(model, state, lane);
     }
-    if let Some((slot, value)) = invalid(&state.activation) {
+}
+
+/// The first number of a lane that is not finite or too large.
+fn invalid_input<T: Real>(model: &Model, state: &State<T>, lane: usize) -> Option<Fault> {
+    let time = state.time.lane(lane);
+    if let Some((coordinate, value)) = invalid(&state.position, lane) {
+        return Some(Fault::of_coordinate(model, time, coordinate, value));
+    }
+    if let Some((dof, value)) = invalid(&state.velocity, lane) {
+        return Some(Fault::of_dof(model, time, Quantity::Velocity, dof, value));
+    }
+    if let Some((slot, value)) = invalid(&state.activation, lane) {
         let owner = model.actuators.activation.iter().position(|activation| *activation == Some(slot));
-        return Err(Fault::of_input(model, state.time, "activation", owner.unwrap_or(0), value));
+        return Some(Fault::of_input(model, time, "activation", owner.unwrap_or(0), value));
     }
-    if let Some((actuator, value)) = invalid(&state.control) {
-        return Err(Fault::of_input(model, state.time, "excitation", actuator, value));
-    }
-    for (input, fibres) in [("fibre length", &state.fibre_length), ("fibre velocity", &state.fibre_velocity)] {
-        if let Some((actuator, value)) = invalid(fibres) {
-            return Err(Fault::of_input(model, state.time, input, actuator, value));
+    let inputs =
+        [("excitation", &state.control), ("fibre length", &state.fibre_length), ("fibre velocity", &state.fibre_velocity)];
+    for (input, values) in inputs {
+        if let Some((actuator, value)) = invalid(values, lane) {
+            return Some(Fault::of_input(model, time, input, actuator, value));
         }
     }
-    let placed = state.mocap_position.iter().zip(&state.mocap_orientation);
-    for (index, (position, orientation)) in placed.enumerate() {
-        if invalid(position.as_slice()).or(invalid(orientation)).is_some() {
-            return Err(Fault::of_mocap(model, state.time, index));
-        }
-    }
-    Ok(())
+    let mut placed = state.mocap_position.iter().zip(&state.mocap_orientation);
+    let index = placed.position(|(at, turned)| invalid(at.as_slice(), lane).or(invalid(turned, lane)).is_some())?;
+    Some(Fault::of_mocap(model, time, index))
 }
 
-/// The first value that is not finite or too large, and its index.
-fn invalid<T: Real>(values: &[T]) -> Option<(usize, f64)> {
-    let lanes = |(index, value): (usize, &T)| (0..T::LANES).map(move |lane| (index, value.lane(lane))).collect::<Vec<_>>();
-    // Only a faulty state pays for finding out where.
-    if values.iter().all(all_valid) {
-        return None;
-    }
-    values.iter().enumerate().flat_map(lanes).find(|(_, value)| !is_valid(*value))
+/// The first value of a lane that is not finite or too large, and its index.
+fn invalid<T: Real>(values: &[T], lane: usize) -> Option<(usize, f64)> {
+    values.iter().map(|value| value.lane(lane)).enumerate().find(|(_, value)| !is_valid(*value))
 }
 
-/// Whether a value is sound in every lane.
-fn all_valid<T: Real>(value: &T) -> bool {
-    (0..T::LANES).all(|lane| is_valid(value.lane(lane)))
+/// Whether all values are sound in every lane.
+fn all_valid<T: Real>(values: &[T]) -> bool {
+    T::all(values.iter().fold(T::mask(|_| true), |valid, value| T::and(valid, fault::valid(*value))))
 }
 
-/// Refuses a step that would end in a state that is not sound, from the accelerations, the rates of positions and the
-/// activations (by actuator) that it would take: found before anything is written.
+/// Finds steps that would end in a state that is not sound, from the accelerations, the rates of positions and the activations
+/// (by actuator) that they would take: before anything is written.
+///
+/// # Errors
+/// The fault of the first lane that has one.
 pub(super) fn check_end<T: Real>(
     model: &Model,
     state: &State<T>,
     accelerations: &[T],
     rates: Option<&[T]>,
-    mut activations: impl Iterator<Item = (usize, T)>,
+    activations: impl Iterator<Item = (usize, T)> + Clone,
+    (masked, faults): (&[bool], &mut [Option<Fault>]),
 ) -> Result<(), Fault> {
     let step = T::splat(model.options.timestep);
-    let beyond = |(actuator, after): (usize, T)| invalid(&[after]).map(|(_, value)| (actuator, value));
-    if let Some((actuator, value)) = activations.find_map(beyond) {
-        return Err(Fault::of_input(model, state.time, "activation", actuator, value));
-    }
-    if let Some((dof, value)) = invalid(accelerations) {
-        return Err(Fault::of_dof(model, state.time, Quantity::Acceleration, dof, value));
-    }
-    let joints = &model.joints;
-    for (dof, (&velocity, &acceleration)) in state.velocity.iter().zip(accelerations).enumerate() {
-        let after = velocity + step * acceleration;
-        if let Some((_, value)) = invalid(&[after]) {
-            return Err(Fault::of_dof(model, state.time, Quantity::Velocity, dof, value));
+    let after = |dof: usize| state.velocity[dof] + step * accelerations[dof];
+    let moved = |dof: usize| {
+        let coordinate = moved_coordinate(model, dof)?;
+        Some((coordinate, state.position[coordinate] + step * rates.map_or_else(|| after(dof), |rates| rates[dof])))
+    };
+    let mut valid = T::mask(|_| true);
+    for (dof, &acceleration) in accelerations.iter().enumerate() {
+        valid = T::and(valid, T::and(fault::valid(acceleration), fault::valid(after(dof))));
+        if let Some((_, position)) = moved(dof) {
+            valid = T::and(valid, fault::valid(position));
         }
-        let joint = model.dofs.joint[dof];
-        let axis = dof - joints.dof_address[joint];
-        let moves = match joints.kind[joint] {
-            JointKind::Hinge | JointKind::Slide => true,
-            JointKind::Free => axis < 3,
-            JointKind::Ball => false,
+    }
+    for (_, activation) in activations.clone() {
+        valid = T::and(valid, fault::valid(activation));
+    }
+    if T::all(valid) {
+        return Ok(());
+    }
+    for lane in (0..T::LANES).filter(|&lane| !masked[lane] && !T::holds(valid, lane)) {
+        let time = state.time.lane(lane);
+        let beyond = |value: T| Some(value.lane(lane)).filter(|value| !is_valid(*value));
+        let activation = || activations.clone().find_map(|(actuator, after)| Some((actuator, beyond(after)?)));
+        let of_dof = |quantity: Quantity, value: &dyn Fn(usize) -> T| {
+            let (dof, value) = (0..model.nv).find_map(|dof| Some((dof, beyond(value(dof))?)))?;
+            Some(Fault::of_dof(model, time, quantity, dof, value))
         };
-        if moves {
-            let coordinate = joints.position_address[joint] + axis;
-            let rate = rates.map_or(after, |rates| rates[dof]);
-            if let Some((_, value)) = invalid(&[state.position[coordinate] + step * rate]) {
-                return Err(Fault::of_coordinate(model, state.time, coordinate, value));
-            }
-        }
+        let of_motion = || {
+            (0..model.nv).find_map(|dof| {
+                let of_velocity = |value| Fault::of_dof(model, time, Quantity::Velocity, dof, value);
+                let of_position = |(coordinate, position)| Some(Fault::of_coordinate(model, time, coordinate, beyond(position)?));
+                beyond(after(dof)).map(of_velocity).or_else(|| moved(dof).and_then(of_position))
+            })
+        };
+        let found = activation().map(|(actuator, value)| Fault::of_input(model, time, "activation", actuator, value));
+        let found = found.or_else(|| of_dof(Quantity::Acceleration, &|dof| accelerations[dof])).or_else(of_motion);
+        faults[lane] = faults[lane].take().or(found);
     }
-    Ok(())
+    faults.iter().flatten().next().map_or(Ok(()), |fault| Err(fault.clone()))
+}
+
+/// The coordinate that moves as fast as a dof; none for turns of balls and free bodies.
+fn moved_coordinate(model: &Model, dof: usize) -> Option<usize> {
+    let (joints, joint) = (&model.joints, model.dofs.joint[dof]);
+    let axis = dof - joints.dof_address[joint];
+    let moves = match joints.kind[joint] {
+        JointKind::Hinge | JointKind::Slide => true,
+        JointKind::Free => axis < 3,
+        JointKind::Ball => false,
+    };
+    moves.then_some(joints.position_address[joint] + axis)
 }

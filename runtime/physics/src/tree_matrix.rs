@@ -25,17 +25,20 @@ const LONGEST_CHAIN: usize = 4;
 
 impl Layout<'_> {
     /// The node before `node` on its path is the node of the row before.
+    #[inline(always)]
     fn follows_previous(&self, node: usize) -> bool {
         let row = &self.row[node];
         row.len() > 1 && self.column[row.end - 2] + 1 == node
     }
 
     /// Columns of a row without the diagonal.
+    #[inline(always)]
     fn ancestors(&self, node: usize) -> &[usize] {
         &self.column[self.row[node].start..self.row[node].end - 1]
     }
 
     /// Factors in place: L below the diagonal, D on it. A pivot that is not positive is left for the caller to find.
+    #[inline(always)]
     pub fn factor<T: Real>(&self, matrix: &mut [T]) {
         let mut end = self.row.len();
         while end > 0 {
@@ -91,6 +94,7 @@ impl Layout<'_> {
     }
 
     /// Solves H x = b in place, given the factor.
+    #[inline(always)]
     pub fn solve<T: Real>(&self, factor: &[T], x: &mut [T]) {
         self.solve_transposed(factor, x);
         for (value, row) in x.iter_mut().zip(self.row) {
@@ -100,6 +104,7 @@ impl Layout<'_> {
     }
 
     /// x <- L'^-1 x.
+    #[inline(always)]
     pub fn solve_transposed<T: Real>(&self, factor: &[T], x: &mut [T]) {
         for node in (0..self.row.len()).rev() {
             let value = x[node];
@@ -110,6 +115,7 @@ impl Layout<'_> {
     }
 
     /// x <- L^-1 x.
+    #[inline(always)]
     pub fn solve_lower<T: Real>(&self, factor: &[T], x: &mut [T]) {
         for node in 0..self.row.len() {
             let mut value = x[node];
@@ -121,6 +127,7 @@ impl Layout<'_> {
     }
 
     /// y = H x.
+    #[inline(always)]
     pub fn multiply<T: Real>(&self, matrix: &[T], x: &[T], y: &mut [T]) {
         for node in 0..self.row.len() {
             let row = self.row[node].clone();
@@ -134,15 +141,16 @@ impl Layout<'_> {
     }
 }
 
-/// target -= sum of weights times rows.
+/// target -= weights times rows, one row after the other from the last: so the order of a sum does not depend on which rows are
+/// eliminated together, and a row of zeros changes nothing.
 #[inline(always)]
 fn subtract<T: Real, const N: usize>(target: &mut [T], rows: [&[T]; N], weights: [T; N]) {
     let rows = rows.map(|row| &row[..target.len()]);
     for (index, value) in target.iter_mut().enumerate() {
-        let mut sum = weights[0] * rows[0][index];
-        for k in 1..N {
-            sum += weights[k] * rows[k][index];
+        let mut rest = *value;
+        for k in (0..N).rev() {
+            rest -= weights[k] * rows[k][index];
         }
-        *value -= sum;
+        *value = rest;
     }
 }

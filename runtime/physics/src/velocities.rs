@@ -27,6 +27,7 @@ impl<T: Real> Velocities<T> {
 }
 
 /// Sweeps velocities from the root to the leaves.
+#[inline(always)]
 pub fn update<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<T>, out: &mut Velocities<T>) {
     for body in 1..model.bodies.parent.len() {
         let mut velocity = out.body[model.bodies.parent[body]];

@@ -2,13 +2,14 @@
 
 use super::integrator::{implicit::Implicit, runge_kutta::RungeKutta};
 use super::{
-    Plan, actuation::Actuation, constrained::ConstraintState, forces::Forces, inertia::Inertia, kinematics::Kinematics,
-    tendons::TendonPaths, velocities::Velocities,
+    Fault, Instructions, Plan, actuation::Actuation, constrained::ConstraintState, forces::Forces, inertia::Inertia,
+    kinematics::Kinematics, tendons::TendonPaths, velocities::Velocities,
 };
 use crate::{
     model::{Integrator, Model},
     scalar::Real,
 };
+use pulp::Arch;
 
 /// Scratch memory and results of one forward step, in the order of the stages. Nothing in it outlives the step: whatever an
 /// episode needs to continue is in [`State`](super::state::State).
@@ -26,6 +27,11 @@ pub struct Workspace<T: Real> {
     pub actuation: Actuation<T>,
     /// Generalised forces and the acceleration that they cause without constraints.
     pub forces: Forces<T>,
+    /// What went wrong in each lane of `T` in the last step.
+    pub faults: Vec<Option<Fault>>,
+    /// Lanes that hold no episode, or one that is not stepped: nothing is decided, written or reported for them.
+    pub(crate) masked: Vec<bool>,
+    pub(crate) arch: Arch,
     /// Contacts, constraint rows and solver: one per lane of `T`.
     pub lanes: Vec<ConstraintState>,
     /// Generalised acceleration, constraints included, `nv` entries (`qacc`): m/s² and rad/s².
@@ -55,6 +61,9 @@ impl<T: Real> Workspace<T> {
             velocities: Velocities::new(model),
             actuation: Actuation::of(model, &plan.actuation),
             forces: Forces::of(model, &plan.medium),
+            faults: vec![None; T::LANES],
+            masked: vec![false; T::LANES],
+            arch: Instructions::default().arch(),
             lanes: vec![ConstraintState::of(model, plan); T::LANES],
             acceleration: vec![T::splat(0.0); model.nv],
             constraint_force: vec![T::splat(0.0); model.nv],
@@ -62,5 +71,21 @@ impl<T: Real> Workspace<T> {
             implicit: (model.options.integrator == Integrator::Implicit).then(|| Implicit::of(model, &plan.floating)),
             runge_kutta: (model.options.integrator == Integrator::RungeKutta).then(|| RungeKutta::of(model, &plan.turning)),
         }
+    }
+
+    /// The same with these instructions of the processor instead of the widest: the bits are the same.
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.arch = instructions.arch();
+        self
+    }
+
+    /// Whether the step goes on in a lane.
+    pub(crate) fn lives(&self, lane: usize) -> bool {
+        !self.masked[lane] && self.faults[lane].is_none()
+    }
+
+    /// The fault of the first lane that has one.
+    pub(crate) fn outcome(&self) -> Result<(), Fault> {
+        self.faults.iter().flatten().next().map_or(Ok(()), |fault| Err(fault.clone()))
     }
 }

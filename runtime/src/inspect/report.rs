@@ -2,7 +2,7 @@
 
 use msk_physics::constraint::{Constraints, RowKind};
 use msk_physics::model::Model;
-use msk_physics::{State, Workspace, actuation, sensors};
+use msk_physics::{self as physics, State, Workspace, actuation, sensors};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
 
@@ -27,6 +27,10 @@ pub fn forward_report(model: &Model, state: &State<f64>, workspace: &Workspace<f
     put("act", json!(state.activation));
     put("ctrl", json!(state.control));
     put("eq_active", json!(state.active.iter().map(|active| *active != 0.0).collect::<Vec<bool>>()));
+    // A step with constraint rows leaves the acceleration without them out.
+    let mut workspace = workspace.clone();
+    physics::unconstrained(model, state, &mut workspace);
+    let workspace = &workspace;
     let kinematics = &workspace.kinematics;
     put("xpos", vectors(&kinematics.body_position));
     put("xquat", json!(kinematics.body_orientation.concat()));

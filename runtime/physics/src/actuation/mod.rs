@@ -16,6 +16,7 @@ mod transmission;
 use super::{
     constrained::ConstraintState,
     elastic::{self, Fibres, Paths},
+    integrator::keep_where,
     kinematics::Kinematics,
     spatial::{Spatial, spatial_zero},
     state::State,
@@ -173,11 +174,12 @@ impl<T: Real> Actuation<T> {
     }
 
     /// Hands the fibres of the present positions to `state`, which is to move on from these by `step` seconds.
-    pub(super) fn keep_fibres(&self, state: &mut State<T>, step: f64) {
+    #[inline(always)]
+    pub(super) fn keep_fibres(&self, state: &mut State<T>, step: f64, lives: T::Mask) {
         if let Some(fibres) = &self.fibres {
-            state.fibre_length.copy_from_slice(&fibres.length);
-            state.fibre_velocity.copy_from_slice(&fibres.velocity);
-            state.fibre_step = step;
+            keep_where(lives, &mut state.fibre_length, &fibres.length);
+            keep_where(lives, &mut state.fibre_velocity, &fibres.velocity);
+            state.fibre_step = T::select(lives, T::splat(step), state.fibre_step);
         }
     }
 }
@@ -254,6 +256,7 @@ impl Plan {
 }
 
 /// Fills lengths, velocities, activation rates and forces.
+#[inline(always)]
 pub fn update<T: Real>(
     model: &Model,
     state: &State<T>,
@@ -324,6 +327,7 @@ impl Other {
 
 /// Generalised force of all actuators (`qfrc_actuator`): pulls at bodies gathered and swept up the tree, pushes at joints.
 /// `compensation` is the generalised force that balances gravity, for the joints whose actuators provide it.
+#[inline(always)]
 pub fn generalised_force<T: Real>(
     model: &Model,
     kinematics: &Kinematics<T>,
@@ -368,25 +372,29 @@ pub fn generalised_force<T: Real>(
     }
 }
 
-/// Advances all activations by `step` seconds at the given rates, clamped to their ranges.
-pub fn advance<T: Real>(actuation: &Actuation<T>, rates: &[T], step: f64, activations: &mut [T]) {
+/// Advances the activations of the lanes of the mask by `step` seconds at the given rates, clamped to their ranges.
+#[inline(always)]
+pub fn advance<T: Real>(actuation: &Actuation<T>, rates: &[T], step: f64, lives: T::Mask, activations: &mut [T]) {
     for muscle in &actuation.plan.muscles {
-        activations[muscle.activation] = muscle.advanced(rates, step, activations);
+        let slot = muscle.activation;
+        activations[slot] = T::select(lives, muscle.advanced(rates, step, activations), activations[slot]);
     }
     for other in &actuation.plan.others {
         if let Some(slot) = other.activation {
-            activations[slot] = other.advanced(slot, actuation, rates, step, activations);
+            let after = other.advanced(slot, actuation, rates, step, activations);
+            activations[slot] = T::select(lives, after, activations[slot]);
         }
     }
 }
 
 /// Actuators with the activations that [`advance`] would give them.
+#[inline(always)]
 pub(super) fn advanced<'a, T: Real>(
     actuation: &'a Actuation<T>,
     rates: &'a [T],
     step: f64,
     activations: &'a [T],
-) -> impl Iterator<Item = (usize, T)> + 'a {
+) -> impl Iterator<Item = (usize, T)> + Clone + 'a {
     let muscles = actuation.plan.muscles.iter();
     let muscles = muscles.map(move |muscle| (muscle.actuator, muscle.advanced(rates, step, activations)));
     let others =
@@ -397,12 +405,14 @@ pub(super) fn advanced<'a, T: Real>(
 }
 
 impl PlainMuscle {
+    #[inline(always)]
     fn advanced<T: Real>(&self, rates: &[T], step: f64, activations: &[T]) -> T {
         activations[self.activation] + T::splat(step) * rates[self.activation]
     }
 }
 
 impl Other {
+    #[inline(always)]
     fn advanced<T: Real>(&self, slot: usize, actuation: &Actuation<T>, rates: &[T], step: f64, activations: &[T]) -> T {
         self.law.next(activations[slot], rates[slot], actuation.length[self.actuator], step)
     }

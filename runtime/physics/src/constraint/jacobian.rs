@@ -122,6 +122,7 @@ impl Jacobian {
     }
 
     /// out = J x.
+    #[inline(always)]
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
         for block in &self.blocks {
             let columns = self.columns_of(block);
@@ -142,6 +143,7 @@ impl Jacobian {
     }
 
     /// Force of a block along its base rows, given the forces of all rows.
+    #[inline(always)]
     pub fn base_force(&self, block: &Block, forces: &[f64]) -> [f64; MOST_BASE_ROWS] {
         let rows = &forces[block.rows.clone()];
         let mut base = [0.0; MOST_BASE_ROWS];
@@ -157,6 +159,7 @@ impl Jacobian {
     }
 
     /// out += J' forces.
+    #[inline(always)]
     pub fn add_transposed(&self, forces: &[f64], out: &mut [f64]) {
         for block in &self.blocks {
             let base = self.base_force(block, forces);

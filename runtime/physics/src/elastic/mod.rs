@@ -64,7 +64,7 @@ impl<T: Real> Fibres<T> {
                 let (path, activation) = (at(paths.length), state.activation[activation].lane(lane).clip(0.0, 1.0));
                 let before = [at(&state.fibre_length), at(&state.fibre_velocity)];
                 let Fibre { length, velocity, force, gain } = if before[0] > 0.0 {
-                    unit.advance(path, before, activation, state.fibre_step)
+                    unit.advance(path, before, activation, state.fibre_step.lane(lane))
                 } else {
                     unit.equilibrium(path, at(paths.velocity), activation)
                 };

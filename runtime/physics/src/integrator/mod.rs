@@ -11,7 +11,13 @@
 pub mod implicit;
 pub mod runge_kutta;
 
-use super::{Fault, Workspace, actuation, inertia, rotation, state::State, stepping};
+use super::{
+    Fault, Workspace, actuation,
+    dispatch::{Stage, run},
+    inertia, rotation,
+    state::State,
+    stepping,
+};
 use crate::{
     model::{JointKind, Model},
     scalar::Real,
@@ -23,30 +29,44 @@ use nalgebra::Vector3;
 /// # Errors
 /// A step that would end beyond all measure; `state` is then what it was before.
 pub fn euler<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
-    damped_acceleration(model, workspace);
+    run(Stage::Damped, model, state, workspace);
     advance(model, state, workspace)
 }
 
-/// Advances `state` by one step at the activation rates and the damped acceleration in `workspace`.
-fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &Workspace<T>) -> Result<(), Fault> {
+/// Advances `state` by one step at the activation rates and the damped acceleration in `workspace`. A lane with a fault stays.
+#[inline(always)]
+pub(super) fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     let time = model.options.timestep;
     let step = T::splat(time);
-    let actuation = &workspace.actuation;
+    let Workspace { actuation, faults, masked, damped_acceleration, acceleration, .. } = workspace;
     let activations = actuation::advanced(actuation, &actuation.activation_rate, time, &state.activation);
-    stepping::check_end(model, state, &workspace.damped_acceleration, None, activations)?;
-    actuation::advance(actuation, &actuation.activation_rate, time, &mut state.activation);
-    actuation.keep_fibres(state, time);
-    for (velocity, acceleration) in state.velocity.iter_mut().zip(&workspace.damped_acceleration) {
-        *velocity += step * *acceleration;
+    let outcome = stepping::check_end(model, state, damped_acceleration, None, activations, (masked, faults));
+    let lives = T::mask(|lane| !masked[lane] && faults[lane].is_none());
+    if !T::any(lives) {
+        return outcome;
     }
-    advance_positions(model, &mut state.position, &state.velocity, step);
-    state.time += time;
-    state.warm_start.copy_from_slice(&workspace.acceleration);
-    Ok(())
+    actuation::advance(actuation, &actuation.activation_rate, time, lives, &mut state.activation);
+    actuation.keep_fibres(state, time, lives);
+    for (velocity, acceleration) in state.velocity.iter_mut().zip(&*damped_acceleration) {
+        *velocity = T::select(lives, *velocity + step * *acceleration, *velocity);
+    }
+    advance_positions(model, &mut state.position, &state.velocity, step, lives);
+    state.time = T::select(lives, state.time + step, state.time);
+    keep_where(lives, &mut state.warm_start, acceleration);
+    outcome
+}
+
+/// Copies the lanes of the mask.
+#[inline(always)]
+pub(super) fn keep_where<T: Real>(lives: T::Mask, to: &mut [T], from: &[T]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = T::select(lives, *from, *to);
+    }
 }
 
 /// Solves (M + h B) a = smooth + constraint forces; without damping a is the acceleration itself.
-fn damped_acceleration<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
+#[inline(always)]
+pub(super) fn damped_acceleration<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
     if !model.options.euler_damping || model.dofs.damping.iter().all(|damping| *damping == 0.0) {
         workspace.damped_acceleration.copy_from_slice(&workspace.acceleration);
         return;
@@ -61,6 +81,7 @@ fn damped_acceleration<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
 }
 
 /// h B of the joints.
+#[inline(always)]
 fn add_joint_damping<T: Real>(model: &Model, matrix: &mut [T]) {
     for (row, damping) in model.dofs.row.iter().zip(&model.dofs.damping) {
         matrix[row.end - 1] += T::splat(model.options.timestep * damping);
@@ -68,6 +89,7 @@ fn add_joint_damping<T: Real>(model: &Model, matrix: &mut [T]) {
 }
 
 /// Puts smooth and constraint forces where the solution is wanted.
+#[inline(always)]
 fn total_force<T: Real>(workspace: &mut Workspace<T>) {
     let forces = workspace.forces.smooth.iter().zip(&workspace.constraint_force);
     for (total, (smooth, constraint)) in workspace.damped_acceleration.iter_mut().zip(forces) {
@@ -75,27 +97,29 @@ fn total_force<T: Real>(workspace: &mut Workspace<T>) {
     }
 }
 
-/// Moves positions by `step` seconds at the given velocities; orientations turn in their own axes.
-pub fn advance_positions<T: Real>(model: &Model, positions: &mut [T], velocities: &[T], step: T) {
+/// Moves the positions of the lanes of the mask by `step` seconds at the given velocities; orientations turn in their own axes.
+#[inline(always)]
+pub fn advance_positions<T: Real>(model: &Model, positions: &mut [T], velocities: &[T], step: T, lives: T::Mask) {
     let joints = &model.joints;
     for joint in 0..joints.kind.len() {
         let position = &mut positions[joints.position_address[joint]..];
         let velocity = &velocities[joints.dof_address[joint]..];
         match joints.kind[joint] {
-            JointKind::Hinge | JointKind::Slide => position[0] += step * velocity[0],
-            JointKind::Ball => turn(position, velocity, step),
+            JointKind::Hinge | JointKind::Slide => position[0] = T::select(lives, position[0] + step * velocity[0], position[0]),
+            JointKind::Ball => turn(position, velocity, step, lives),
             JointKind::Free => {
                 for axis in 0..3 {
-                    position[axis] += step * velocity[axis];
+                    position[axis] = T::select(lives, position[axis] + step * velocity[axis], position[axis]);
                 }
-                turn(&mut position[3..], &velocity[3..], step);
+                turn(&mut position[3..], &velocity[3..], step, lives);
             }
         }
     }
 }
 
-fn turn<T: Real>(quaternion: &mut [T], velocity: &[T], step: T) {
+#[inline(always)]
+fn turn<T: Real>(quaternion: &mut [T], velocity: &[T], step: T, lives: T::Mask) {
     let before = [quaternion[0], quaternion[1], quaternion[2], quaternion[3]];
     let after = rotation::integrate(&before, &Vector3::new(velocity[0], velocity[1], velocity[2]), step);
-    quaternion[..4].copy_from_slice(&after);
+    keep_where(lives, &mut quaternion[..4], &after);
 }

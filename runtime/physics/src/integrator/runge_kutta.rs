@@ -4,7 +4,7 @@
 //! velocity w but w + t x w / 2 + t x (t x w) / 12 + ... (Munthe-Kaas, BIT 38, 1998, in the turning frame's own axes; further
 //! terms are beyond the method's order). The rates are what is combined.
 
-use super::advance_positions;
+use super::{advance_positions, keep_where};
 use crate::{
     Fault, Workspace, actuation,
     model::{JointKind, Model},
@@ -111,21 +111,23 @@ pub fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut
     let outcome = stages(model, state, workspace, &mut method).and_then(|()| {
         let sums = &method.sums;
         let activations = actuation::advanced(&workspace.actuation, &sums.activation, time, &state.activation);
-        stepping::check_end(model, state, &sums.velocity, Some(&sums.position), activations)
+        let checked = (&workspace.masked[..], &mut workspace.faults[..]);
+        stepping::check_end(model, state, &sums.velocity, Some(&sums.position), activations, checked)
     });
     if outcome.is_ok() {
         let step = T::splat(time);
         let sums = &method.sums;
-        actuation::advance(&workspace.actuation, &sums.activation, time, &mut state.activation);
+        let lives = T::mask(|lane| workspace.lives(lane));
+        actuation::advance(&workspace.actuation, &sums.activation, time, lives, &mut state.activation);
         for (velocity, rate) in state.velocity.iter_mut().zip(&sums.velocity) {
-            *velocity += step * *rate;
+            *velocity = T::select(lives, *velocity + step * *rate, *velocity);
         }
-        advance_positions(model, &mut state.position, &sums.position, step);
-        state.fibre_length.copy_from_slice(&method.stage.fibre_length);
-        state.fibre_velocity.copy_from_slice(&method.stage.fibre_velocity);
-        state.fibre_step = time;
-        state.time += time;
-        state.warm_start.copy_from_slice(&workspace.acceleration);
+        advance_positions(model, &mut state.position, &sums.position, step, lives);
+        keep_where(lives, &mut state.fibre_length, &method.stage.fibre_length);
+        keep_where(lives, &mut state.fibre_velocity, &method.stage.fibre_velocity);
+        state.fibre_step = T::select(lives, step, state.fibre_step);
+        state.time = T::select(lives, state.time + step, state.time);
+        keep_where(lives, &mut state.warm_start, &workspace.acceleration);
     }
     workspace.runge_kutta = Some(method);
     outcome
@@ -139,17 +141,17 @@ fn stages<T: Real>(
 ) -> Result<(), Fault> {
     method.stage.copy_from(state);
     // Fibres move implicitly, from where they are at the start to each stage and to the end: their error is of first order.
-    workspace.actuation.keep_fibres(&mut method.stage, 0.0);
+    workspace.actuation.keep_fibres(&mut method.stage, 0.0, T::mask(|_| true));
     method.take(workspace, T::splat(0.0));
     method.sums.set(&method.rates, WEIGHTS[0]);
     for (share, weight) in STAGES.into_iter().zip(&WEIGHTS[1..]) {
         let time = T::splat(share * model.options.timestep);
         let RungeKutta { stage, rates, .. } = &mut *method;
-        stage.time = state.time + share * model.options.timestep;
-        stage.fibre_step = share * model.options.timestep;
+        stage.time = state.time + time;
+        stage.fibre_step = time;
         stage.warm_start.copy_from_slice(&workspace.acceleration);
         stage.position.copy_from_slice(&state.position);
-        advance_positions(model, &mut stage.position, &rates.position, time);
+        advance_positions(model, &mut stage.position, &rates.position, time, T::mask(|_| true));
         let move_on = |stage: &mut [T], start: &[T], rates: &[T]| {
             for ((value, start), rate) in stage.iter_mut().zip(start).zip(rates) {
                 *value = *start + time * *rate;

@@ -22,6 +22,7 @@ impl Newton {
     }
 
     /// Factors M + J'DJ of the rows of the active set, with as much of its diagonal added as that takes.
+    #[inline(always)]
     pub(super) fn factor_all(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) -> Result<(), usize> {
         loop {
             self.assemble(model, mass, parts);
@@ -34,6 +35,7 @@ impl Newton {
     }
 
     /// Writes M + J'DJ of the rows of the active set over the factor.
+    #[inline(always)]
     fn assemble(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) {
         let Self { pattern, factor, active, .. } = self;
         for dof in 0..model.nv {
@@ -68,6 +70,7 @@ impl Newton {
     }
 
     /// Brings the factor up to date with the rows that entered or left the active set.
+    #[inline(always)]
     pub(super) fn refresh_factor(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>) -> Result<(), usize> {
         if self.sliding != [false; 2] || self.damping > 0.0 {
             return self.factor_all(model, mass, parts);
@@ -107,6 +110,7 @@ type BaseWeight = [[f64; MOST_BASE_ROWS]; MOST_BASE_ROWS];
 
 /// Adds a block's J'WJ to the matrix, with the weight W of its base rows: its columns lie on one path, so each row's entries
 /// are found by their depth. The columns of what touches the world are the whole path, entry beside entry.
+#[inline(always)]
 fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, block: &Block, base: &BaseWeight) {
     let columns = jacobian.columns_of(block);
     let rows: [&[f64]; MOST_BASE_ROWS] =

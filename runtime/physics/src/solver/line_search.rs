@@ -30,6 +30,7 @@ pub(super) struct Line<'a> {
 
 impl Line<'_> {
     /// Slope and curvature of the cost at `step`.
+    #[inline(always)]
     fn derivatives(&self, step: f64) -> [f64; 2] {
         let (mut slope, mut curvature) = (self.slope + step * self.curvature, self.curvature);
         let rows = self.residual.iter().zip(self.rate).zip(self.weight).zip(self.lower.iter().zip(self.upper));
@@ -48,6 +49,7 @@ impl Line<'_> {
 
     /// The step length where the slope is at most `tolerance` in size, after at most `iterations` evaluations; zero if the
     /// cost does not fall along the direction.
+    #[inline(always)]
     pub fn minimize(&self, tolerance: f64, iterations: usize) -> f64 {
         let [mut slope, mut curvature] = self.derivatives(0.0);
         if slope >= 0.0 {

@@ -1,16 +1,17 @@
 //! The constrained acceleration: Newton's method on MuJoCo's reduced primal problem.
 //!
-//! Minimises over accelerations a, with s the cost of the rows' clipped springs (manual, "Reduced primal problem"),
+//! Minimises over accelerations a, with f the force without constraints and s the cost of the rows' clipped springs (manual,
+//! "Reduced primal problem", but for a constant, so that M^-1 f is not needed),
 //!
 //! ```text
-//! 1/2 (a - a_smooth)' M (a - a_smooth) + s(J a - a_ref)
+//! 1/2 a' M a - a' f + s(J a - a_ref)
 //! ```
 //!
 //! whose minimum is that of the convex problem of E. Todorov, "Convex and analytically-invertible dynamics with contacts and
 //! constraints" (ICRA 2014), whichever method finds it: a model that asks for one of MuJoCo's other solvers (`CG`, `PGS`) gets
 //! the same optimum from this one.
 //!
-//! 1. start from the last step's acceleration or the unconstrained one, whichever costs less;
+//! 1. start from the last step's acceleration;
 //! 2. factor the Hessian M + J'DJ of the active set, on the tree's own sparsity (`path_matrix`);
 //! 3. step along Newton's direction to the exact minimum (`line_search`);
 //! 4. rows that entered or left the active set change the factor by rank-one updates where that is cheaper than factoring again;
@@ -36,6 +37,7 @@ use super::{
         cone::{Cone, Zone},
         jacobian::Jacobian,
     },
+    fault::is_valid,
     inertia,
 };
 use crate::model::Model;
@@ -50,8 +52,6 @@ pub(super) struct Problem<'a> {
     pub mass: &'a [f64],
     /// Generalised force without constraints.
     pub force: &'a [f64],
-    /// Acceleration without constraints.
-    pub smooth: &'a [f64],
     /// Acceleration of the last step.
     pub warm_start: &'a [f64],
 }
@@ -113,18 +113,22 @@ impl Newton {
         }
     }
 
-    /// Solves for the acceleration and the forces of all rows.
-    ///
-    /// # Errors
-    /// The dof at which the Hessian has no positive pivot.
-    pub(super) fn solve(&mut self, model: &Model, problem: &Problem<'_>, constraints: &mut Constraints) -> Result<(), usize> {
+    /// Takes the acceleration of a body without constraints.
+    pub(super) fn accept(&mut self, acceleration: &[f64]) {
         self.iterations = 0;
         self.gradient_norm = 0.0;
         self.constraint_force.fill(0.0);
-        if constraints.rows.is_empty() {
-            self.acceleration.copy_from_slice(problem.smooth);
-            return Ok(());
-        }
+        self.acceleration.copy_from_slice(acceleration);
+    }
+
+    /// Solves for the acceleration and the forces of all rows, of which there is one at least.
+    ///
+    /// # Errors
+    /// The dof at which the Hessian has no positive pivot.
+    #[inline(always)]
+    pub(super) fn solve(&mut self, model: &Model, problem: &Problem<'_>, constraints: &mut Constraints) -> Result<(), usize> {
+        self.iterations = 0;
+        self.gradient_norm = 0.0;
         self.prepare(model, constraints);
         let Constraints { jacobian, rows, cones, .. } = constraints;
         let parts = &mut Parts { jacobian, rows, cones };
@@ -141,9 +145,10 @@ impl Newton {
             // direction is known, and if no row changes it ends at the exact optimum.
             let decrement = 0.5 * dot(&self.gradient, &self.search);
             let last = scale * decrement < tolerance;
-            if !self.advance(model, problem.mass, parts, scale) {
+            let (step, gain) = self.advance(model, problem.mass, parts, scale);
+            if step <= 0.0 {
                 // Nothing better along a direction that promised much: it was spoilt by rounding.
-                let spoilt = !last && decrement > 1e-10 * cost.abs();
+                let spoilt = !last && decrement > 1e-10 * (cost + self.inertial_cost(problem)).abs();
                 if !spoilt || !self.damp() {
                     break;
                 }
@@ -152,8 +157,8 @@ impl Newton {
                 continue;
             }
             self.iterations += 1;
-            let improvement = cost - self.cost(problem, parts);
-            cost -= improvement;
+            let before = core::mem::replace(&mut cost, constraint_cost(parts, &self.residual));
+            let improvement = gain + (before - cost);
             self.update_forces_and_gradient(problem, parts);
             self.gradient_norm = scale * norm(&self.gradient);
             if last || scale * improvement < tolerance || self.gradient_norm < tolerance {
@@ -165,6 +170,7 @@ impl Newton {
     }
 
     /// Sizes the row arrays and, if other chains are coupled than last time, lays out the Hessian's pattern anew.
+    #[inline(always)]
     fn prepare(&mut self, model: &Model, constraints: &Constraints) {
         for array in [&mut self.residual, &mut self.search_rate, &mut self.active] {
             array.clear();
@@ -180,35 +186,23 @@ impl Newton {
         self.cross_couplings.get_or_insert_default().clone_from(&constraints.cross_couplings);
     }
 
-    /// Chooses where to start and returns its cost.
+    /// Starts from the acceleration of the last step, from zero where that is not finite, and returns the cost of the
+    /// constraints.
+    #[inline(always)]
     fn start(&mut self, model: &Model, problem: &Problem<'_>, parts: &Parts<'_>) -> f64 {
         let Parts { jacobian, rows, .. } = parts;
-        self.acceleration.copy_from_slice(problem.warm_start);
+        if problem.warm_start.iter().all(|value| is_valid(*value)) {
+            self.acceleration.copy_from_slice(problem.warm_start);
+        } else {
+            self.acceleration.fill(0.0);
+        }
         inertia::multiply(model, problem.mass, &self.acceleration, &mut self.momentum);
         residuals(jacobian, rows, &self.acceleration, &mut self.residual);
-        let warm_cost = self.cost(problem, parts);
-        // M a_smooth is the force itself, so this start costs no product with M and no inertial term.
-        residuals(jacobian, rows, problem.smooth, &mut self.search_rate);
-        let smooth_cost = constraint_cost(parts, &self.search_rate);
-        // Not `>`: a warm start that is not finite never wins.
-        if warm_cost <= smooth_cost {
-            return warm_cost;
-        }
-        self.acceleration.copy_from_slice(problem.smooth);
-        self.momentum.copy_from_slice(problem.force);
-        core::mem::swap(&mut self.residual, &mut self.search_rate);
-        smooth_cost
-    }
-
-    /// Cost of the current acceleration.
-    fn cost(&self, problem: &Problem<'_>, parts: &Parts<'_>) -> f64 {
-        let accelerations = self.acceleration.iter().zip(problem.smooth);
-        let momenta = self.momentum.iter().zip(problem.force);
-        let inertial: f64 = accelerations.zip(momenta).map(|((a, smooth), (m, force))| (a - smooth) * (m - force)).sum();
-        0.5 * inertial + constraint_cost(parts, &self.residual)
+        constraint_cost(parts, &self.residual)
     }
 
     /// Forces, rows of the active set and gradient at the current acceleration.
+    #[inline(always)]
     fn update_forces_and_gradient(&mut self, problem: &Problem<'_>, parts: &mut Parts<'_>) {
         let Parts { jacobian, rows, cones } = parts;
         for row in 0..rows.len() {
@@ -232,18 +226,27 @@ impl Newton {
         }
     }
 
-    /// Goes to the least cost against the search direction; whether that is anywhere else.
-    fn advance(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>, scale: f64) -> bool {
+    /// The part of the cost that is not the constraints', up to a constant, without cancellation.
+    fn inertial_cost(&self, problem: &Problem<'_>) -> f64 {
+        0.5 * dot(&self.acceleration, &self.momentum).abs() + dot(&self.acceleration, problem.force).abs()
+    }
+
+    /// Goes to the least cost against the search direction. Returns the length of the step, zero if nothing is better, and by how
+    /// much it lowers the quadratic part of the cost.
+    #[inline(always)]
+    fn advance(&mut self, model: &Model, mass: &[f64], parts: &Parts<'_>, scale: f64) -> (f64, f64) {
         let Parts { jacobian, rows, cones } = parts;
         for value in &mut self.search {
             *value = -*value;
         }
         inertia::multiply(model, mass, &self.search, &mut self.search_momentum);
         jacobian.multiply(&self.search, &mut self.search_rate);
+        // The gradient holds the springs' part too: the quadratic part's slope is what is left without it.
+        let slope = dot(&self.search, &self.gradient) + dot(&self.search, &self.constraint_force);
+        let curvature = dot(&self.search, &self.search_momentum);
         let line = Line {
-            // The gradient holds the springs' part too: the quadratic part's slope is what is left without it.
-            slope: dot(&self.search, &self.gradient) + dot(&self.search, &self.constraint_force),
-            curvature: dot(&self.search, &self.search_momentum),
+            slope,
+            curvature,
             residual: &self.residual,
             rate: &self.search_rate,
             weight: &rows.weight,
@@ -257,7 +260,7 @@ impl Newton {
         add_scaled(&mut self.acceleration, step, &self.search);
         add_scaled(&mut self.momentum, step, &self.search_momentum);
         add_scaled(&mut self.residual, step, &self.search_rate);
-        step > 0.0
+        (step, -step * (slope + 0.5 * step * curvature))
     }
 }
 
@@ -279,6 +282,7 @@ struct Parts<'a> {
 }
 
 /// J a - a_ref.
+#[inline(always)]
 fn residuals(jacobian: &Jacobian, rows: &Rows, acceleration: &[f64], out: &mut [f64]) {
     jacobian.multiply(acceleration, out);
     for (residual, reference) in out.iter_mut().zip(&rows.reference) {
@@ -287,12 +291,14 @@ fn residuals(jacobian: &Jacobian, rows: &Rows, acceleration: &[f64], out: &mut [
 }
 
 /// Cost of all constraints at their residuals.
+#[inline(always)]
 fn constraint_cost(parts: &Parts<'_>, residual: &[f64]) -> f64 {
     let springs = spring_cost(parts.rows, residual);
     parts.cones.iter().fold(springs, |sum, cone| sum + cone.cost(residual, &parts.rows.weight))
 }
 
 /// Cost of the rows' springs: quadratic while a force is free, linear beyond its bounds.
+#[inline(always)]
 fn spring_cost(rows: &Rows, residual: &[f64]) -> f64 {
     let cost = |(row, residual): (usize, &f64)| {
         let force = row_force(rows, row, *residual);
@@ -302,22 +308,27 @@ fn spring_cost(rows: &Rows, residual: &[f64]) -> f64 {
 }
 
 /// A row's force at a residual J a - a_ref.
+#[inline(always)]
 fn row_force(rows: &Rows, row: usize, residual: f64) -> f64 {
     (-rows.weight[row] * residual).at_least(rows.lower[row]).at_most(rows.upper[row])
 }
 
+#[inline(always)]
 fn trace(model: &Model, mass: &[f64]) -> f64 {
     model.dofs.row.iter().map(|row| mass[row.end - 1]).sum()
 }
 
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
+#[inline(always)]
 fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
+#[inline(always)]
 fn add_scaled(to: &mut [f64], scale: f64, what: &[f64]) {
     for (value, change) in to.iter_mut().zip(what) {
         *value += scale * change;

@@ -92,6 +92,7 @@ impl PathPattern {
     ///
     /// # Errors
     /// The first dof whose pivot is not positive and finite.
+    #[inline(always)]
     pub fn factor(&self, values: &mut [f64]) -> Result<(), usize> {
         self.layout().factor(values);
         let invalid = |row: &Range<usize>| !(values[row.end - 1] > 0.0 && values[row.end - 1].is_finite());
@@ -104,6 +105,7 @@ impl PathPattern {
     ///
     /// # Errors
     /// The dof whose pivot is not positive and finite.
+    #[inline(always)]
     pub fn update(&self, factor: &mut [f64], dof: usize, vector: &mut [f64], mut weight: f64) -> Result<(), usize> {
         for (place, &row) in self.columns(dof).iter().enumerate().rev() {
             let first = vector[place];

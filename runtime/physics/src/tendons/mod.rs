@@ -105,6 +105,7 @@ impl<T: Real> TendonPaths<T> {
 }
 
 /// Fills lengths and lines of action.
+#[inline(always)]
 pub fn update<T: Real>(state: &State<T>, kinematics: &Kinematics<T>, out: &mut TendonPaths<T>) {
     let plan = Arc::clone(&out.plan);
     for (position, point) in out.point.iter_mut().zip(&plan.points) {
@@ -122,6 +123,7 @@ pub fn update<T: Real>(state: &State<T>, kinematics: &Kinematics<T>, out: &mut T
     add_joint_terms(&plan, &mut out.length, |term| state.position[term.address]);
 }
 
+#[inline(always)]
 fn lay_segment<T: Real>(kinematics: &Kinematics<T>, plan: &Plan, segment: &Segment, out: &mut TendonPaths<T>) {
     let [start, end] = segment.ends.map(|end| out.point[end]);
     let (length, direction) = straight(&start, &end);
@@ -131,6 +133,7 @@ fn lay_segment<T: Real>(kinematics: &Kinematics<T>, plan: &Plan, segment: &Segme
     }
 }
 
+#[inline(always)]
 fn lay_wrap<T: Real>(kinematics: &Kinematics<T>, plan: &Plan, wrap: &Wrap, out: &mut TendonPaths<T>) {
     let [start, end] = wrap.ends.map(|end| out.point[end]);
     let (position, rotation) = (kinematics.geom_position[wrap.geom], kinematics.geom_rotation[wrap.geom]);
@@ -174,6 +177,7 @@ fn line_through<T: Real>(point: &Vector3<T>, direction: &Vector3<T>, reference: 
 }
 
 /// Adds to `sums` the linear combinations of the fixed tendons.
+#[inline(always)]
 fn add_joint_terms<T: Real>(plan: &Plan, sums: &mut [T], value: impl Fn(&plan::JointTerm) -> T) {
     if plan.joint_terms.is_empty() {
         return;
@@ -186,6 +190,7 @@ fn add_joint_terms<T: Real>(plan: &Plan, sums: &mut [T], value: impl Fn(&plan::J
 }
 
 /// Fills the velocities of all tendons from those of the bodies, and of the joints for fixed ones.
+#[inline(always)]
 pub fn update_velocities<T: Real>(state: &State<T>, velocities: &Velocities<T>, out: &mut TendonPaths<T>) {
     for (velocity, lines) in out.velocity.iter_mut().zip(&out.plan.tendon_lines) {
         let mut sum = T::splat(0.0);

@@ -65,6 +65,7 @@ struct PlanarBend<T: Real> {
 }
 
 /// How the path from `start` to `end` (world, m) bends at `obstacle`; `None` if it is straight in every lane.
+#[inline(always)]
 pub fn bend<T: Real>(start: &Vector3<T>, end: &Vector3<T>, obstacle: &WrappingSurface<T>) -> Option<WrapPath<T>> {
     let to_local = |point: &Vector3<T>| rotate_back(&obstacle.rotation, &(point - obstacle.position));
     let (start, end) = (to_local(start), to_local(end));
@@ -91,6 +92,7 @@ pub fn bend<T: Real>(start: &Vector3<T>, end: &Vector3<T>, obstacle: &WrappingSu
 }
 
 /// Axes of the wrapping plane in the obstacle's frame.
+#[inline(always)]
 fn plane<T: Real>(shape: WrapShape, start: &Vector3<T>, end: &Vector3<T>) -> [Vector3<T>; 2] {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     if shape == WrapShape::Cylinder {
@@ -113,6 +115,7 @@ fn plane<T: Real>(shape: WrapShape, start: &Vector3<T>, end: &Vector3<T>) -> [Ve
     [x, scale(&y, one / norm(&y).at_least(tiny))]
 }
 
+#[inline(always)]
 fn planar_bend<T: Real>(
     a: &[T; 2],
     b: &[T; 2],
@@ -143,6 +146,7 @@ fn planar_bend<T: Real>(
 }
 
 /// The path around the outside of the circle.
+#[inline(always)]
 fn around<T: Real>(a: &[T; 2], b: &[T; 2], side: Option<[T; 2]>, radius: T) -> Option<PlanarBend<T>> {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let (square_a, square_b, square) = (dot2(a, a), dot2(b, b), radius * radius);
@@ -185,6 +189,7 @@ fn tangent<T: Real>(point: &[T; 2], square_distance: T, radius: T, direction: T)
 }
 
 /// The path that touches the circle from within.
+#[inline(always)]
 fn inside<T: Real>(a: &[T; 2], b: &[T; 2], radius: T) -> Option<PlanarBend<T>> {
     let (one, two, tiny) = (T::splat(1.0), T::splat(2.0), T::splat(MINIMUM));
     let (length_a, length_b) = (dot2(a, a).sqrt(), dot2(b, b).sqrt());

@@ -201,6 +201,7 @@ impl LengthRanges {
             smooth::forward_position(model, &state, &mut workspace);
             actuation::moment(model, &state, &workspace.kinematics, &workspace.tendons, 0, &mut row);
             state.applied_force.copy_from_slice(&row);
+            inertia::factorize(model, &mut workspace.inertia);
             inertia::solve(model, &workspace.inertia.factor, &mut row);
             let scale = sign * self.acceleration / norm(&row).at_least(LEAST);
             state.applied_force.iter_mut().for_each(|force| *force *= scale);
