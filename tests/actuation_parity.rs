@@ -1,5 +1,4 @@
 //! Actuators, passive elements and integrators give MuJoCo 4.0.0's numbers: `tests/oracle/actuation.py` made the golden ones.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

@@ -4,8 +4,6 @@
 //! what it knows, so that the check runs wherever the tests run. `advisories/renew.py` renews the copy. What is accepted stands in
 //! `deny.toml` with its reason, for both.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use semver::{Version, VersionReq};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,5 +1,4 @@
 //! The whole chain on the real task: text, compiler, body, physics, policy, success.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use msk_compiler::compile;
 use msk_runtime::{

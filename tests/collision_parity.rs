@@ -1,5 +1,4 @@
 //! Shapes touch where MuJoCo 4.0.0 says they do: `tests/oracle/collision.py` made the golden numbers.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

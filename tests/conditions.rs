@@ -1,5 +1,4 @@
 //! Muscle conditions: weak muscles pull less, tired ones too, and results say so.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::compile;
 use msk::physics::{self, State, Workspace};

@@ -1,5 +1,4 @@
 //! The constrained half of a step gives MuJoCo 4.0.0's numbers: `tests/oracle/constraint.py` made the golden ones.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

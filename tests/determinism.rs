@@ -1,5 +1,4 @@
 //! A trajectory is a function of its beginning and its inputs, to the last bit: whatever ran beside it, wherever it was cut.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

@@ -1,7 +1,8 @@
 //! Which crate may depend on which: the compiler knows no physics, the physics knows no language, and nothing knows the command line.
 //! `docs/architecture/crates.md` draws it: `MSK_UPDATE=1 cargo test --test suite directions` writes the page anew.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
+use crate::support::manifests::{Manifest, Package, manifests};
+use crate::support::repository;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
@@ -21,36 +22,9 @@ const ALLOWED: [(&str, &[&str]); 10] = [
     ("msk", &["msk-compiler", "msk-draw", "msk-lsp", "msk-mcp", "msk-physics", "msk-runtime", "msk-storage", "msk-tuning"]),
 ];
 
-#[derive(serde::Deserialize)]
-struct Manifest {
-    package: Package,
-    dependencies: BTreeMap<String, toml::Value>,
-}
-
-#[derive(serde::Deserialize)]
-struct Package {
-    name: String,
-    description: String,
-}
-
-#[derive(serde::Deserialize)]
-struct Root {
-    workspace: Workspace,
-}
-
-#[derive(serde::Deserialize)]
-struct Workspace {
-    members: Vec<String>,
-}
-
 /// Folder and manifest of every crate, those first on which others depend.
 fn crates() -> Vec<(String, Manifest)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let read = |folder: &str| fs::read_to_string(root.join(folder).join("Cargo.toml")).unwrap();
-    let members: Root = toml::from_str(&read(".")).unwrap();
-    let folders = members.workspace.members.into_iter().chain([".".to_owned()]);
-    let mut found: Vec<(String, Manifest)> =
-        folders.map(|folder| (folder.clone(), toml::from_str(&read(&folder)).unwrap())).collect();
+    let mut found = manifests();
     let place = |name: &str| ALLOWED.iter().position(|(known, _)| *known == name);
     found.sort_by_key(|(_, manifest)| place(&manifest.package.name));
     found
@@ -59,21 +33,19 @@ fn crates() -> Vec<(String, Manifest)> {
 /// What of the runtime compiles texts or words findings; all else takes a compiled task as the data of `msk-program`.
 const COMPILING: [&str; 3] = ["body/scaffold.rs", "probe/", "testing/mutation.rs"];
 
-impl Manifest {
-    /// The crates of the workspace that it depends on.
-    fn own(&self) -> BTreeSet<&str> {
-        self.dependencies.keys().map(String::as_str).filter(|key| key.starts_with("msk")).collect()
-    }
+/// The crates of the workspace that one depends on.
+fn own(manifest: &Manifest) -> BTreeSet<&str> {
+    manifest.dependencies.keys().map(String::as_str).filter(|key| key.starts_with("msk")).collect()
 }
 
 #[test]
 fn crates_depend_in_one_direction() {
     let mut allowed: BTreeMap<&str, BTreeSet<&str>> =
         ALLOWED.map(|(name, others)| (name, others.iter().copied().collect())).into();
-    for (_, manifest) in crates() {
+    for (_, manifest) in &crates() {
         let name = manifest.package.name.as_str();
         let may = allowed.remove(name).unwrap_or_else(|| panic!("`{name}` is not in the table of directions"));
-        assert_eq!(manifest.own(), may, "dependencies of `{name}`");
+        assert_eq!(own(manifest), may, "dependencies of `{name}`");
     }
     assert!(allowed.is_empty(), "no such crates: {allowed:?}");
     // The table itself goes one way: each crate names only those above it.
@@ -99,7 +71,7 @@ fn code(folder: &Path, before: &str, found: &mut Vec<(String, String)>) {
 #[test]
 fn the_runtime_names_the_compiler_where_it_compiles_and_nowhere_else() {
     let mut files = Vec::new();
-    code(&Path::new(env!("CARGO_MANIFEST_DIR")).join("runtime/src"), "", &mut files);
+    code(&repository("runtime/src"), "", &mut files);
     assert!(files.len() > 90, "{}", files.len());
     let names = |text: &str| {
         let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
@@ -114,9 +86,9 @@ fn the_runtime_names_the_compiler_where_it_compiles_and_nowhere_else() {
 
 /// Dependencies of a crate that none of its other dependencies has: the arrows of the picture.
 fn direct<'a>(manifest: &'a Manifest, all: &'a [(String, Manifest)]) -> BTreeSet<&'a str> {
-    let of = |name: &str| all.iter().find(|(_, other)| other.package.name == name).map(|(_, other)| other.own());
-    let behind: BTreeSet<&str> = manifest.own().iter().filter_map(|name| of(name)).flatten().collect();
-    manifest.own().into_iter().filter(|name| !behind.contains(name)).collect()
+    let of = |name: &str| all.iter().find(|(_, other)| other.package.name == name).map(|(_, other)| own(other));
+    let behind: BTreeSet<&str> = own(manifest).iter().filter_map(|name| of(name)).flatten().collect();
+    own(manifest).into_iter().filter(|name| !behind.contains(name)).collect()
 }
 
 #[test]
@@ -138,7 +110,7 @@ fn the_picture_of_the_crates_is_that_of_the_manifests() {
         let place = if folder == "." { "cli" } else { folder };
         let _ = writeln!(page, "| `{name}` | [`{place}/`](../../{place}) | {description} |");
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/architecture/crates.md");
+    let path = repository("docs/architecture/crates.md");
     if std::env::var_os("MSK_UPDATE").is_some() {
         fs::write(&path, &page).unwrap();
     }

@@ -1,5 +1,4 @@
 //! `msk draw` from outside.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
 use std::process::{Command, Output};
 

@@ -1,5 +1,4 @@
 //! Elastic tendons of the whole body: they hold still at reset, stay sound under any excitation, and become rigid when stiff.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

@@ -1,5 +1,4 @@
 //! What an episode promises: how it begins, what chance does to it, how it ends, and that it continues bit for bit.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::compile;
 use msk::compiler::files::{LoadError, Loader};

@@ -1,6 +1,5 @@
 //! Every example compiles without a remark, begins soundly, runs, is laid out, and teaches: its header ends with a thing to try,
 //! and the course lists it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::diagnostics::SourceMap;
 use msk::compiler::format::format;

@@ -1,5 +1,4 @@
 //! What goes wrong in a step is an event with a name: the state stays as it was, and nobody else suffers.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

@@ -1,5 +1,4 @@
 //! The tasks that `benches/compiled.rs` weighs against Rust by hand come to the same numbers both ways.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[path = "../benches/hand/mod.rs"]
 mod hand;

@@ -1,5 +1,4 @@
 //! The human body file says what is true of its model: landmarks are where and how they are named, poses are possible.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::compile;
 use msk::compiler::diagnostics::Style;

@@ -1,7 +1,6 @@
 //! The parts of the simulator that are written by hand because general libraries cannot exploit their structure, held to
 //! those libraries: contacts with ellipsoids to parry's GJK and EPA, the constrained acceleration on the tree's own sparsity
 //! to a dense Cholesky factorisation by faer.
-#![allow(clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

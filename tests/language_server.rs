@@ -1,7 +1,5 @@
 //! `msk lsp` as an editor meets it: a process that speaks the protocol over its standard input and output.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use serde_json::{Value, json};
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};

@@ -1,5 +1,4 @@
 //! Laws of mechanics that every model obeys whatever MuJoCo says: energy, momentum, inertia, virtual work, numbering.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

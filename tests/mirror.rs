@@ -1,7 +1,6 @@
 //! The human body in a mirror: mirrored states have mirrored accelerations, as far as the model's figures are symmetric.
 //!
 //! `MSK_UPDATE=1 cargo test --test parity mirror` writes what is found to `docs/mirror.md`; without it the page must be as found.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

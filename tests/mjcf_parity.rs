@@ -1,5 +1,4 @@
 //! Reading a file gives MuJoCo 4.0.0's arrays: `tests/oracle/mjcf.py` made the golden ones and says how they are stored.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
 use crate::support;
 

@@ -1,7 +1,5 @@
 //! The reference motions of this repository: each fits the body, keeps its feet on the ground, and is what its name says.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk_compiler::diagnostics::FileId;
 use msk_compiler::motion::{Motion, RootPart, problems, read};
 use msk_runtime::bodies;

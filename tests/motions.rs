@@ -1,7 +1,5 @@
 //! Motions that episodes follow: where they begin, that all readers see one phase, and where landmarks are.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk_compiler::compile;
 use msk_compiler::files::{LoadError, Loader};
 use msk_runtime::episode::{Environment, EpisodeKey};

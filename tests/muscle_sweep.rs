@@ -1,6 +1,5 @@
 //! Muscles over joint sweeps: lengths and moment arms are MuJoCo's (`tests/oracle/moment_arms.py` made the golden ones) and
 //! those of finite differences; `msk physics muscle` prints and draws them.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

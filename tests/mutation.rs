@@ -1,5 +1,4 @@
 //! What kills a mutant of a task: the compiler, a lint, a test, or nothing.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::mutation::{Class, Mutant, Part};
 use msk::runtime::library::{BodyLibrary, FileLoader};

@@ -3,7 +3,6 @@
 //! What the paper says is typed once, in `tests/paper/*.toml`. Whatever differs is named there with a reason, which the task
 //! itself gives behind `ours:`; nothing else may differ. Compared are contents, not names: the sensors, states and clocks that a
 //! channel or a condition reads, and every constant that it adds to the paper's. `docs/paper.md` lists what differs; `MSK_UPDATE=1` writes it anew.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 #[path = "paper/beginning.rs"]
 mod beginning;

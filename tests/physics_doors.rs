@@ -1,5 +1,4 @@
 //! `msk physics forward`, `rollout` and `import` from outside: what they print and write, and what they refuse.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::support;
 

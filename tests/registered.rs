@@ -1,36 +1,14 @@
 //! Every test file belongs to a test program: Cargo looks for none by itself (`autotests = false`), so that a crate's tests are
 //! linked once.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
+use crate::support::manifests::{Manifest, manifests};
+use crate::support::repository;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// A crate's manifest, as far as it names tests.
-#[derive(serde::Deserialize)]
-struct Manifest {
-    #[serde(default)]
-    test: Vec<Target>,
-}
-
-#[derive(serde::Deserialize)]
-struct Target {
-    path: String,
-}
-
-#[derive(serde::Deserialize)]
-struct Root {
-    workspace: Workspace,
-}
-
-#[derive(serde::Deserialize)]
-struct Workspace {
-    members: Vec<String>,
-}
-
 /// Files and folders of tests, without extension, that no test program of the crate names.
-fn unregistered(folder: &Path) -> Vec<String> {
-    let manifest: Manifest = toml::from_str(&fs::read_to_string(folder.join("Cargo.toml")).unwrap()).unwrap();
+fn unregistered(folder: &Path, manifest: Manifest) -> Vec<String> {
     let mut known: BTreeSet<String> = BTreeSet::new();
     for target in manifest.test {
         let text = fs::read_to_string(folder.join(&target.path)).unwrap();
@@ -49,11 +27,10 @@ fn unregistered(folder: &Path) -> Vec<String> {
 
 #[test]
 fn every_test_file_is_part_of_a_test_program() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let manifest: Root = toml::from_str(&fs::read_to_string(root.join("Cargo.toml")).unwrap()).unwrap();
-    assert!(manifest.workspace.members.len() > 4);
-    for member in manifest.workspace.members.iter().map(String::as_str).chain(["."]) {
-        let forgotten = unregistered(&root.join(member));
+    let all = manifests();
+    assert!(all.len() > 5);
+    for (member, manifest) in all {
+        let forgotten = unregistered(&repository(&member), manifest);
         assert!(forgotten.is_empty(), "{member}: no `mod` in a test program names {forgotten:?}");
     }
 }

@@ -1,5 +1,4 @@
 //! What must hold for constraints of every kind whatever MuJoCo says.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

@@ -1,6 +1,5 @@
 //! Every kind of constraint gives MuJoCo 4.0.0's rows and, once solved, its accelerations: one small model per feature.
 //! `tests/oracle/rows.py` made the golden numbers.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

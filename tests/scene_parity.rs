@@ -1,6 +1,5 @@
 //! Bodies in scenes move as MuJoCo 4.0.0 moves them: `tests/oracle/scenes.py` made the golden numbers from files, here the same
 //! scenes are built from their descriptions.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

@@ -3,7 +3,6 @@
 //!
 //! `MSK_UPDATE=1 cargo test --test parity scene_stages written` writes `tests/oracle/scene_models/*.xml`, from which
 //! `tests/oracle/rows.py` makes the golden numbers.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

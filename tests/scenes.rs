@@ -1,5 +1,4 @@
 //! What a body does among objects: tasks with scenes, from their text to the numbers they read.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::compile;
 use msk::compiler::files::{LoadError, Loader};

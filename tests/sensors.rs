@@ -1,5 +1,4 @@
 //! What a task can measure equals what MuJoCo 4.0.0 measures: `tests/oracle/sensors.py` made the golden numbers.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
 use crate::support;
 

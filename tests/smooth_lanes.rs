@@ -1,5 +1,4 @@
 //! Episodes in lanes: the physics over a pair of numbers gives each lane the bits that it gives the episode alone.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
 use crate::support;
 

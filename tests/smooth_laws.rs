@@ -1,5 +1,4 @@
 //! Laws that the smooth physics must obey at any state, whatever MuJoCo says.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
 use crate::support;
 

@@ -1,7 +1,5 @@
 //! `docs/tasks.md` and its pictures are those of the tasks: `MSK_UPDATE=1 cargo test --test suite task_pages` writes them anew.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk::compiler::compile;
 use msk::compiler::explain::{Account, EndAccount, Options as Telling, account};
 use msk::compiler::task::CompiledTask;

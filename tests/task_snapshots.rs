@@ -1,7 +1,6 @@
 //! What the benchmark's tasks mean, term by term: a change that shows in no snapshot changes no meaning.
 //!
 //! After a change that is meant: `INSTA_UPDATE=always cargo test --test suite task_snapshots`, then read the difference.
-#![allow(clippy::panic, reason = "a test that panics has failed, which is its work")]
 
 use std::collections::BTreeSet;
 use std::path::Path;

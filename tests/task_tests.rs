@@ -1,10 +1,8 @@
 //! Tests inside files: what scripts show, what is read of it, what is told when it does not hold.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-use msk::compiler::files::{LoadError, Loader};
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile};
-use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::runtime::library::{BodyLibrary, FileLoader, WithText};
 use msk::runtime::testing::{self, Measure, Stage, TestReport};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -14,13 +12,9 @@ fn bodies() -> &'static BodyLibrary {
     BODIES.get_or_init(BodyLibrary::default)
 }
 
-/// One text, and the bodies of the program.
-struct Text(String);
-
-impl Loader for Text {
-    fn load(&self, path: &Path) -> Result<String, LoadError> {
-        if path == Path::new("example.msk") { Ok(self.0.clone()) } else { FileLoader.load(path) }
-    }
+fn compiled_text(text: String) -> Compilation {
+    let loader = WithText { path: "example.msk".into(), text, others: &FileLoader };
+    compile(Path::new("example.msk"), &loader, bodies()).unwrap_or_else(|report| panic!("{report}"))
 }
 
 fn compiled(statements: &str) -> Compilation {
@@ -39,7 +33,7 @@ fn compiled(statements: &str) -> Compilation {
             {statements}
         }}"
     );
-    compile(Path::new("example.msk"), &Text(text), bodies()).unwrap_or_else(|report| panic!("{report}"))
+    compiled_text(text)
 }
 
 fn task(statements: &str) -> Arc<CompiledTask> {
@@ -368,7 +362,7 @@ fn in_sequence(statements: &str) -> TestReport {
             {statements}
         }}"
     );
-    let compilation = compile(Path::new("example.msk"), &Text(text), bodies()).unwrap_or_else(|report| panic!("{report}"));
+    let compilation = compiled_text(text);
     let task = compilation.tasks.iter().find(|task| task.name == "both").unwrap();
     let tests = task.tests.clone().unwrap();
     let mut stage = Stage::new(&tests, &bodies().stage(&task.body, &task.scene).unwrap()).unwrap();

@@ -1,5 +1,4 @@
 //! The benchmark's tasks: each compiles without a remark, begins with nothing inside anything else, runs, and passes its tests.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile};

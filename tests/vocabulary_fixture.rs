@@ -2,8 +2,6 @@
 //!
 //! Written by `cargo run -- vocabulary --json | jq -c .body > compiler/tests/fixtures/human_vocabulary.json`.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
-
 use msk::compiler::compile;
 use msk::compiler::files::BodySource;
 use msk::runtime::library::{BodyLibrary, FileLoader};

@@ -2,7 +2,6 @@
 //! jump of its length is found to the last digit.
 //!
 //! `MSK_UPDATE=1 cargo test --test parity wrap_jumps` writes what is found to `docs/wrap.md`; without it the page must be as found.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use crate::support;
 

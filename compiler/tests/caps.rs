@@ -1,7 +1,5 @@
 //! What bounds a text: depth on a small stack, size, what unrolls, and what a task may remember.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 #[allow(dead_code, reason = "the pages have their own tests")]
 use crate::support;
 

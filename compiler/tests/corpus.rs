@@ -4,8 +4,6 @@
 //! The pages themselves are compared with what the compiler says by `meaning.rs` and `language.rs`; here the verdicts are compared
 //! with the answers below them. `MSK_UPDATE=1 cargo test` rewrites the tables of `defects/README.md` and `mistakes/README.md`.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk_compiler::diagnostics::codes;
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -1,7 +1,5 @@
 //! Nothing vanishes: whatever a text declares is compiled, or an error says why it is not.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
 

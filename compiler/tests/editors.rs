@@ -1,7 +1,5 @@
 //! The editors' grammar knows the words of the language's grammar.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use std::collections::BTreeSet;
 
 const GRAMMAR: &str = include_str!("../../grammar/msk.pest");

@@ -1,7 +1,5 @@
 //! What is told of a task: as text, as data, as tables and as a page.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
-
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
 

@@ -1,7 +1,5 @@
 //! The formatter: what it makes of texts, and what it never changes.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk_compiler::diagnostics::{FileId, SourceMap};
 use msk_compiler::format::{FormatError, format};
 use proptest::prelude::*;

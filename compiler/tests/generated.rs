@@ -1,7 +1,5 @@
 //! Programs grown from bytes: most compile, all are answered, and their layout says what they say.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 #[path = "support/generate.rs"]
 mod generate;
 #[allow(dead_code, reason = "the pages have their own tests")]

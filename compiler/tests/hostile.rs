@@ -1,7 +1,5 @@
 //! Whatever stands in a file, the compiler answers: no panic, no endless work.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // A test that panics has failed, which is its work.
-
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
 

@@ -1,7 +1,5 @@
 //! Whatever stands in a scene or a beginning, the compiler answers, and what it lets pass can be reset.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
 

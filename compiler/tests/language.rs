@@ -1,7 +1,5 @@
 //! The language as a specification: the pages under `tests/language/`.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 #[allow(dead_code)] // `compiling` serves the other pages.
 use crate::support;
 

@@ -1,7 +1,5 @@
 //! The meaning of tasks as a specification: the pages under `tests/language/`, compiled whole.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
-
 #[allow(dead_code)] // `reading` serves the pages about syntax.
 use crate::support;
 

@@ -1,7 +1,5 @@
 //! The direction between the top-level modules of the compiler and of what it makes: no two of them need each other.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,5 @@
 //! Which one-token changes are made of a task, and which are not.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // A test that panics has failed, which is its work.
-
 use msk_compiler::mutation::{Class, Mutant, Part, mutants, tasks};
 
 /// `class: from -> to` of every change, in order.

@@ -1,7 +1,5 @@
 //! The reference tells the truth: its examples are read, its list of codes is the compiler's.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 use msk_compiler::check::functions::{self, Function};
 use msk_compiler::check::scene::elements;
 use msk_compiler::diagnostics::{Code, FileId, Lint, codes, lints};

@@ -1,7 +1,5 @@
 //! How errors look: carets stand under what they mean, whatever the line holds.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 use msk_compiler::diagnostics::{Diagnostic, FileId, Report, SourceMap, Span, Style, codes, fixed};
 use msk_compiler::syntax::parse;
 

@@ -1,7 +1,5 @@
 //! Whatever the text: a result, never a panic, an overflow or a hang; and every place in it lies in the text.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 use msk_compiler::diagnostics::{FileId, Report, SourceMap, Span, Style};
 use msk_compiler::syntax::{MAXIMUM_FILE_SIZE, parse};
 use proptest::prelude::*;

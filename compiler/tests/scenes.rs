@@ -1,7 +1,5 @@
 //! Scenes as data: what a text becomes for the runtime, number by number.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 #[allow(dead_code)] // Pages serve the other tests.
 use crate::support;
 

@@ -1,7 +1,5 @@
 //! What statements beside reward and observation do from step to step: chance, parameters, ends, metrics, sequences.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
 

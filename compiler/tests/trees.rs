@@ -1,7 +1,5 @@
 //! The syntax tree of the real files, as it is handed to the checker.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 use msk_compiler::diagnostics::FileId;
 use msk_compiler::syntax::tree::{Bounds, Comment, CommentKind, File, Item, NamePart, Task, TaskStatement};
 use msk_compiler::syntax::{Parsed, parse};

@@ -1,7 +1,5 @@
 //! Weights as data: edits that change digits only, and the rules of change.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk_compiler::diagnostics::SourceMap;
 use msk_compiler::weights::rules::{RuleError, Rules, Scope, Weight, normalized};
 use msk_compiler::weights::{Bounds, Change, Edit, Problem, Weights};

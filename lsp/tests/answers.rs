@@ -1,7 +1,5 @@
 //! What the language server says about a text.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 #[allow(dead_code, reason = "the other tests use the rest")]
 use crate::support;
 

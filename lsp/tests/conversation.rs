@@ -1,7 +1,5 @@
 //! How a conversation with the language server begins, goes on and ends.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 #[allow(dead_code, reason = "the other tests use the rest")]
 use crate::support;
 

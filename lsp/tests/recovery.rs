@@ -1,7 +1,5 @@
 //! What goes wrong in a conversation ends neither it nor the server, is answered or logged, and leaves nothing stale behind.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 #[allow(dead_code, reason = "the other tests use the rest")]
 use crate::support;
 

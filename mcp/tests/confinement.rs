@@ -1,17 +1,15 @@
 //! What lies outside of the project is neither read nor written, and nobody learns whether it is there.
 
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-use crate::support;
+use crate::support::Talk;
 
-use serde_json::{Value, json};
+use serde_json::json;
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use support::Client;
 
 fn task(name: &str, body: &str) -> String {
     format!(
@@ -31,38 +29,21 @@ fn task(name: &str, body: &str) -> String {
 }
 
 /// A folder with the project in `project`, what it must not see in `outside`, and a client of the server.
-struct Talk {
-    folder: tempfile::TempDir,
-    client: Client,
+async fn begin() -> Talk {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["project/bodies", "outside"] {
+        fs::create_dir_all(folder.path().join(name)).unwrap();
+    }
+    fs::write(folder.path().join("project/tasks.msk"), task("lean", "human")).unwrap();
+    Talk::within(folder, "project").await
 }
 
-impl Talk {
-    async fn begin() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        for name in ["project/bodies", "outside"] {
-            fs::create_dir_all(folder.path().join(name)).unwrap();
-        }
-        let project = folder.path().join("project");
-        fs::write(project.join("tasks.msk"), task("lean", "human")).unwrap();
-        Self { client: support::connect(&project).await, folder }
-    }
+fn project(talk: &Talk, name: &str) -> PathBuf {
+    talk.path("project").join(name)
+}
 
-    fn project(&self, name: &str) -> PathBuf {
-        self.folder.path().join("project").join(name)
-    }
-
-    fn outside(&self, name: &str) -> PathBuf {
-        self.folder.path().join("outside").join(name)
-    }
-
-    /// What a tool says, and whether it is an error.
-    async fn call(&self, tool: &'static str, arguments: Value) -> (Value, bool) {
-        support::call(&self.client, tool, arguments).await
-    }
-
-    async fn said(&self, tool: &'static str, arguments: Value) -> String {
-        self.call(tool, arguments).await.0.to_string()
-    }
+fn outside(talk: &Talk, name: &str) -> PathBuf {
+    talk.path("outside").join(name)
 }
 
 /// A model of one body, with something before it.
@@ -79,12 +60,12 @@ const PUPPET: &str = "body puppet {\n    model \"MODEL\"\n    root \"torso\" { f
 
 #[tokio::test]
 async fn models_include_nothing_from_outside_and_tell_nothing_of_it() {
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     let root = talk.folder.path().canonicalize().unwrap().display().to_string();
     let check = json!({ "text": task("own", "puppet") });
     let write = |model_name: &str, text: &str| {
-        fs::write(talk.project("bodies/puppet.msk"), PUPPET.replace("MODEL", model_name)).unwrap();
-        fs::write(talk.project("bodies/puppet.xml"), text).unwrap();
+        fs::write(project(&talk, "bodies/puppet.msk"), PUPPET.replace("MODEL", model_name)).unwrap();
+        fs::write(project(&talk, "bodies/puppet.xml"), text).unwrap();
     };
     let include = |path: &str| model(&format!("<include file=\"{path}\"/>"));
     let mesh = |path: &str| {
@@ -101,13 +82,13 @@ async fn models_include_nothing_from_outside_and_tell_nothing_of_it() {
     for (way, text) in ways {
         for ending in ["xml", "stl", "bin"] {
             let exists = format!("aaaa.{ending}");
-            fs::write(talk.outside(&exists), "<x><option timestep=\"0.0078125\"/></x>").unwrap();
+            fs::write(outside(&talk, &exists), "<x><option timestep=\"0.0078125\"/></x>").unwrap();
             for (kind, folder) in
                 [("absolute", format!("{root}/outside")), ("climbing", "../../outside".to_owned()), ("link", "link".to_owned())]
             {
                 if kind == "link" {
-                    let _ = fs::remove_file(talk.project("bodies/link"));
-                    symlink(talk.outside(""), talk.project("bodies/link")).unwrap();
+                    let _ = fs::remove_file(project(&talk, "bodies/link"));
+                    symlink(outside(&talk, ""), project(&talk, "bodies/link")).unwrap();
                 }
                 let answers =
                     [exists.as_str(), &format!("bbbb.{ending}")].map(|name| (name.to_owned(), format!("{folder}/{name}")));
@@ -128,24 +109,24 @@ async fn models_include_nothing_from_outside_and_tell_nothing_of_it() {
     assert_eq!(seen, 36);
     // What lies inside is read.
     write("puppet.xml", &model("<include file=\"../inside.xml\"/>"));
-    fs::write(talk.project("inside.xml"), "<x><option timestep=\"0.001\"/></x>").unwrap();
+    fs::write(project(&talk, "inside.xml"), "<x><option timestep=\"0.001\"/></x>").unwrap();
     assert_eq!(talk.call("check", check.clone()).await.0["ok"], true, "{}", talk.said("check", check.clone()).await);
 }
 
 #[tokio::test]
 async fn outside_paths_get_one_answer_whether_they_exist_or_not() {
-    let talk = Talk::begin().await;
-    fs::write(talk.outside("aaaa.msk"), task("secret", "human")).unwrap();
-    fs::write(talk.outside("aaaa.toml"), "[lean]\nalive = 11\n").unwrap();
-    fs::create_dir(talk.outside("aaaa")).unwrap();
-    fs::write(talk.outside("aaaa/summary.json"), "{}").unwrap();
-    symlink(talk.outside(""), talk.project("folder")).unwrap();
+    let talk = begin().await;
+    fs::write(outside(&talk, "aaaa.msk"), task("secret", "human")).unwrap();
+    fs::write(outside(&talk, "aaaa.toml"), "[lean]\nalive = 11\n").unwrap();
+    fs::create_dir(outside(&talk, "aaaa")).unwrap();
+    fs::write(outside(&talk, "aaaa/summary.json"), "{}").unwrap();
+    symlink(outside(&talk, ""), project(&talk, "folder")).unwrap();
     for name in ["aaaa", "bbbb"] {
         for ending in ["msk", "toml"] {
-            symlink(talk.outside(&format!("{name}.{ending}")), talk.project(&format!("{name}.{ending}"))).unwrap();
+            symlink(outside(&talk, &format!("{name}.{ending}")), project(&talk, &format!("{name}.{ending}"))).unwrap();
         }
     }
-    let absolute = talk.outside("").canonicalize().unwrap().display().to_string();
+    let absolute = outside(&talk, "").canonicalize().unwrap().display().to_string();
     for folder in ["../outside/", "a/../../outside/", "folder/", "./", &format!("{absolute}/")] {
         let ask = async |name: &str| {
             let (file, overlay) = (format!("{folder}{name}.msk"), format!("{folder}{name}.toml"));
@@ -170,15 +151,15 @@ async fn outside_paths_get_one_answer_whether_they_exist_or_not() {
         assert_eq!(exists, absent, "{folder}");
         assert!(exists.iter().all(|(said, _)| said.contains("leads out of the")), "{exists:?}");
     }
-    assert_eq!(fs::read_to_string(talk.outside("aaaa.msk")).unwrap(), task("secret", "human"));
-    assert_eq!(fs::read_dir(talk.outside("")).unwrap().count(), 3, "nothing was written there");
+    assert_eq!(fs::read_to_string(outside(&talk, "aaaa.msk")).unwrap(), task("secret", "human"));
+    assert_eq!(fs::read_dir(outside(&talk, "")).unwrap().count(), 3, "nothing was written there");
 }
 
 #[tokio::test]
 async fn a_text_is_checked_under_every_spelling_of_its_name() {
-    let talk = Talk::begin().await;
-    fs::write(talk.project("bodies/uses.msk"), "use \"../tasks.msk\"\n").unwrap();
-    let absolute = talk.project("tasks.msk").canonicalize().unwrap().display().to_string();
+    let talk = begin().await;
+    fs::write(project(&talk, "bodies/uses.msk"), "use \"../tasks.msk\"\n").unwrap();
+    let absolute = project(&talk, "tasks.msk").canonicalize().unwrap().display().to_string();
     let wrong = task("lean", "human").replace("pelvis.height <", "pelvis.heigth <");
     for file in ["tasks.msk", "./tasks.msk", "bodies/../tasks.msk", ".//./tasks.msk", &absolute] {
         let (said, _) = talk.call("check", json!({ "text": wrong, "file": file })).await;
@@ -207,18 +188,18 @@ fn exchange(name: &Path, target: &Path, stop: &AtomicBool) {
 
 #[tokio::test]
 async fn folders_that_are_exchanged_for_links_lead_nowhere() {
-    let talk = Talk::begin().await;
-    let inside = talk.project("own");
+    let talk = begin().await;
+    let inside = project(&talk, "own");
     fs::create_dir(&inside).unwrap();
-    for (folder, name) in [(&inside, "lean"), (&talk.outside(""), "secret")] {
+    for (folder, name) in [(&inside, "lean"), (&outside(&talk, ""), "secret")] {
         fs::write(folder.join("tasks.msk"), task(name, "human")).unwrap();
         fs::write(folder.join("weights.toml"), "[lean]\nalive = 11\n").unwrap();
     }
-    let before = |name: &str| fs::read(talk.outside(name)).unwrap();
+    let before = |name: &str| fs::read(outside(&talk, name)).unwrap();
     let (tasks, weights) = (before("tasks.msk"), before("weights.toml"));
     let stop = Arc::new(AtomicBool::new(false));
     let attacker = std::thread::spawn({
-        let (outside, stop) = (talk.outside(""), stop.clone());
+        let (outside, stop) = (outside(&talk, ""), stop.clone());
         move || exchange(&inside, &outside, &stop)
     });
     let mut done = 0;
@@ -245,16 +226,16 @@ async fn folders_that_are_exchanged_for_links_lead_nowhere() {
     attacker.join().unwrap();
     assert!(done > 0, "the folder was never found at its place");
     assert_eq!((before("tasks.msk"), before("weights.toml")), (tasks, weights));
-    assert_eq!(fs::read_dir(talk.outside("")).unwrap().count(), 2, "nothing was written there");
+    assert_eq!(fs::read_dir(outside(&talk, "")).unwrap().count(), 2, "nothing was written there");
 }
 
 #[tokio::test]
 async fn pipes_and_devices_are_refused_without_waiting() {
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     for name in ["pipe.msk", "bodies/pipe.xml", "pipe.toml"] {
-        assert!(std::process::Command::new("mkfifo").arg(talk.project(name)).status().unwrap().success());
+        assert!(std::process::Command::new("mkfifo").arg(project(&talk, name)).status().unwrap().success());
     }
-    fs::write(talk.project("bodies/puppet.msk"), PUPPET.replace("MODEL", "pipe.xml")).unwrap();
+    fs::write(project(&talk, "bodies/puppet.msk"), PUPPET.replace("MODEL", "pipe.xml")).unwrap();
     for (tool, arguments) in [
         ("list_tasks", json!({ "file": "pipe.msk" })),
         ("check", json!({ "text": format!("use \"pipe.msk\"\n{}", task("own", "human")) })),

@@ -1,14 +1,11 @@
 //! Conversations of a real client with the server.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
-use crate::support;
+use crate::support::Talk;
 
 use msk_tuning::store::Store;
 use rmcp::model::{ReadResourceRequestParams, ResourceContents};
 use serde_json::{Value, json};
 use std::fs;
-use support::Client;
 
 const LEAN: &str = "task lean {
     body     human
@@ -25,43 +22,16 @@ const LEAN: &str = "task lean {
 }
 ";
 
-struct Talk {
-    folder: tempfile::TempDir,
-    client: Client,
-}
-
-impl Talk {
-    async fn begin() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("tasks.msk"), LEAN).unwrap();
-        Self { client: support::connect(folder.path()).await, folder }
-    }
-
-    /// What a tool says, and whether it is an error.
-    async fn call(&self, tool: &'static str, arguments: Value) -> (Value, bool) {
-        support::call(&self.client, tool, arguments).await
-    }
-
-    async fn ask(&self, tool: &'static str, arguments: Value) -> Value {
-        let (said, error) = self.call(tool, arguments).await;
-        assert!(!error, "{said}");
-        said
-    }
-
-    async fn refused(&self, tool: &'static str, arguments: Value) -> String {
-        let (said, error) = self.call(tool, arguments).await;
-        assert!(error, "{said}");
-        said.to_string()
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.folder.path().join(name)).unwrap()
-    }
+/// A conversation about a project of one task.
+async fn begin() -> Talk {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("tasks.msk"), LEAN).unwrap();
+    Talk::within(folder, ".").await
 }
 
 #[tokio::test]
 async fn an_agent_finds_its_way_from_tasks_to_written_weights() {
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     let names: Vec<String> = talk.client.list_all_tools().await.unwrap().into_iter().map(|tool| tool.name.to_string()).collect();
     for tool in
         ["list_tasks", "list_terms", "explain", "check", "propose_weights", "apply_weights", "evaluate", "diff", "read_results"]
@@ -90,7 +60,7 @@ async fn an_agent_finds_its_way_from_tasks_to_written_weights() {
         LEAN.replace("10 (5..30)", "12 (5..30)").replace(" 5          alive", " 4          alive")
     );
     // In the history from which `msk weights reset` goes back.
-    let first = Store::open(&talk.folder.path().join("tasks.msk")).unwrap().first_changes().unwrap();
+    let first = Store::open(&talk.path("tasks.msk")).unwrap().first_changes().unwrap();
     assert_eq!(first.iter().map(|change| change.was.as_str()).collect::<Vec<_>>(), ["10", "5"]);
     talk.client.cancel().await.unwrap();
 }
@@ -114,14 +84,14 @@ async fn links_beside_a_file_lead_no_change_elsewhere() {
         (&into_overlay, ".msk", true),
         (&into_overlay, ".msk/w.toml.new", false),
     ];
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     for (wish, link, refused) in cases {
         let elsewhere = tempfile::tempdir().unwrap();
         let victim = elsewhere.path().join(".bashrc");
         fs::write(&victim, "precious\n").unwrap();
-        fs::write(talk.folder.path().join("tasks.msk"), LEAN).unwrap();
-        let _ = fs::remove_file(talk.folder.path().join("w.toml"));
-        let link = talk.folder.path().join(link);
+        fs::write(talk.path("tasks.msk"), LEAN).unwrap();
+        let _ = fs::remove_file(talk.path("w.toml"));
+        let link = talk.path(link);
         fs::create_dir_all(link.parent().unwrap()).unwrap();
         symlink(if link.ends_with(".msk") { elsewhere.path() } else { &victim }, &link).unwrap();
         let (said, error) = talk.call("apply_weights", wish.clone()).await;
@@ -129,7 +99,7 @@ async fn links_beside_a_file_lead_no_change_elsewhere() {
         assert_eq!(said.to_string().contains("is a symbolic link"), refused, "{said}");
         assert_eq!(fs::read_to_string(&victim).unwrap(), "precious\n", "{}", link.display());
         assert_eq!(fs::read_dir(elsewhere.path()).unwrap().count(), 1, "{}", link.display());
-        let aside = talk.folder.path().join(".msk");
+        let aside = talk.path(".msk");
         if fs::symlink_metadata(&aside).unwrap().is_symlink() { fs::remove_file(aside) } else { fs::remove_dir_all(aside) }
             .unwrap();
     }
@@ -137,7 +107,7 @@ async fn links_beside_a_file_lead_no_change_elsewhere() {
 
 #[tokio::test]
 async fn a_weights_file_is_written_beside_the_source_and_compared() {
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     let wish = json!({ "file": "tasks.msk", "overlay": "weights.toml", "weights": { "lean.pose": 11.5 }, "dry_run": false });
     let said = talk.ask("apply_weights", wish).await;
     assert_eq!(said["changes"], json!([{ "task": "lean", "term": "pose", "from": 10.0, "to": 11.5 }]));
@@ -158,7 +128,7 @@ async fn a_weights_file_is_written_beside_the_source_and_compared() {
 
 #[tokio::test]
 async fn what_is_wrong_is_told_so_that_it_can_be_mended() {
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     assert!(talk.refused("list_terms", json!({ "task": "laen" })).await.contains("there is no task `laen`"));
     let wish = |weights: Value| json!({ "file": "tasks.msk", "weights": weights, "dry_run": false });
     assert!(talk.refused("apply_weights", wish(json!({ "psoe": 11 }))).await.contains("did you mean `pose`?"));
@@ -171,14 +141,14 @@ async fn what_is_wrong_is_told_so_that_it_can_be_mended() {
     assert!(checked["rendered"].as_str().unwrap().contains("draft.msk"), "{checked}");
     let checked = talk.ask("check", json!({ "text": LEAN })).await;
     assert_eq!((&checked["ok"], &checked["tasks"]), (&json!(true), &json!(["lean"])));
-    fs::write(talk.folder.path().join("weights.toml"), "[lean]\npose = 99\n").unwrap();
+    fs::write(talk.path("weights.toml"), "[lean]\npose = 99\n").unwrap();
     let told = talk.refused("explain", json!({ "task": "lean", "overlay": "weights.toml" })).await;
     assert!(told.contains("E0464") && told.contains("weights.toml"), "{told}");
 }
 
 #[tokio::test]
 async fn episodes_run_within_a_budget_and_results_are_read() {
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     let said = talk.ask("evaluate", json!({ "task": "lean", "policy": "zero", "episodes": 2 })).await;
     assert_eq!((&said["episodes_done"], &said["steps"], &said["budget_spent"]), (&json!(2), &json!(10), &json!(false)));
     assert_eq!(said["summary"]["tasks"][0]["terms"][0]["name"], "pose");
@@ -187,7 +157,7 @@ async fn episodes_run_within_a_budget_and_results_are_read() {
     assert!(talk.refused("evaluate", json!({ "task": "lean", "policy": "genius" })).await.contains("genius"));
 
     assert_eq!(talk.ask("read_results", json!({})).await, json!({ "results": [] }));
-    let results = talk.folder.path().join("results/one");
+    let results = talk.path("results/one");
     fs::create_dir_all(&results).unwrap();
     fs::write(results.join("summary.json"), "{\"policy\": \"zero\"}").unwrap();
     fs::write(results.join("episodes.jsonl"), "{\"episode\":0}\n{\"episode\":1}\n{\"epi").unwrap();
@@ -204,7 +174,7 @@ async fn episodes_run_within_a_budget_and_results_are_read() {
 
 #[tokio::test]
 async fn the_reference_the_vocabulary_and_the_guide_are_resources() {
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     let listed = talk.client.list_all_resources().await.unwrap();
     assert_eq!(listed.len(), 3);
     for (uri, part) in
@@ -221,11 +191,11 @@ async fn the_reference_the_vocabulary_and_the_guide_are_resources() {
 #[cfg(unix)]
 #[tokio::test]
 async fn nothing_leads_out_of_the_project() {
-    let talk = Talk::begin().await;
+    let talk = begin().await;
     let outside = tempfile::tempdir().unwrap();
     let target = outside.path().join("secret.msk");
     fs::write(&target, LEAN).unwrap();
-    let inside = |name: &str| talk.folder.path().join(name);
+    let inside = |name: &str| talk.path(name);
     std::os::unix::fs::symlink(&target, inside("link.msk")).unwrap();
     std::os::unix::fs::symlink(outside.path(), inside("folder")).unwrap();
     std::os::unix::fs::symlink(outside.path().join("new.toml"), inside("dangling.toml")).unwrap();

@@ -1,7 +1,5 @@
 //! Lines that a client should not send, requests that it cancels, and more requests than are taken: all are answered, none ends the server.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk_mcp::{LONGEST_LINE, ServeError, Server, WAITING_EVALUATIONS};
 use serde_json::{Value, json};
 use std::time::Duration;

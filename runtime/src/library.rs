@@ -1,6 +1,6 @@
 //! The bodies of this machine, as the compiler asks for them.
 
-pub use crate::files::FileLoader;
+pub use crate::files::{FileLoader, WithText};
 
 use crate::bodies;
 use crate::body::{BindError, Body, ChangeError};

@@ -1,5 +1,4 @@
 //! Probing tells what shows only with the model at hand, tells it where it stands, and is silent about the benchmark.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk_compiler::compile;
 use msk_compiler::diagnostics::{Diagnostic, Stage, codes};

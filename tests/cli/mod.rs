@@ -1,7 +1,5 @@
 //! The program from end to end, through its binary: what users type, what they get, and how it fails.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 mod bad_input;
 mod check;
 mod diff;

@@ -7,6 +7,7 @@
     reason = "test support: a broken golden file fails the test"
 )]
 
+pub mod manifests;
 pub mod rows;
 pub mod touching;
 

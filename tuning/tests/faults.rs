@@ -1,8 +1,6 @@
 //! Every system call that changes something fails once, or is the last one of its program: what is found afterwards is the state
 //! before or the state after, and a session goes on to the bytes of one that nothing disturbed.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use crate::support;
 
 use msk_runtime::evaluate::{EpisodeRecord, Trial};

@@ -1,7 +1,5 @@
 //! Weights in use: one whole version for whoever asks, the last good one if a newer is refused.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use crate::support;
 
 use msk_compiler::task::{CompiledTask, Origin};

@@ -1,7 +1,5 @@
 //! Weights files as texts: an edit touches the lines concerned and nothing else.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk_compiler::diagnostics::SourceMap;
 use msk_tuning::overlay::{Overlay, edited};
 use proptest::prelude::*;

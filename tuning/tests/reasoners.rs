@@ -1,7 +1,5 @@
 //! Statistics and reasoners: what is asked, and what becomes of every kind of answer.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use crate::support;
 
 use msk_tuning::reasoner::{

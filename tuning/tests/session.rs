@@ -1,7 +1,5 @@
 //! The loop: rounds, rules, log, best, budget, interruption and resumption.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use crate::support;
 
 use msk_runtime::evaluate::{EpisodeRecord, Trial};

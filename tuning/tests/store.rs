@@ -1,7 +1,5 @@
 //! A store under one program: versions, history, links, and what a program that died leaves behind.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
-
 use msk_compiler::weights::Change;
 use msk_storage::StorageError;
 use msk_tuning::store::{OUTSIDE, Outcome, Store, StoreError, Version};

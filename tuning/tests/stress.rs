@@ -3,7 +3,6 @@
 //! This test binary is also the program of the writers and readers: it starts itself again with a role in its environment.
 
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk_tuning::store::{OUTSIDE, Outcome, Store, StoreError, Version};
 use std::collections::{BTreeMap, BTreeSet};

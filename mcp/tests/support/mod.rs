@@ -5,7 +5,8 @@ use rmcp::model::CallToolRequestParams;
 use rmcp::service::RunningService;
 use rmcp::{RoleClient, ServiceExt};
 use serde_json::Value;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// A client.
@@ -26,4 +27,51 @@ pub async fn call(client: &Client, tool: &'static str, arguments: Value) -> (Val
     // A tool that waits, for a pipe for example, would hang the test.
     let result = tokio::time::timeout(Duration::from_secs(120), call).await.expect("the tool hangs").unwrap();
     (result.structured_content.unwrap(), result.is_error == Some(true))
+}
+
+/// A throw-away folder and a client of a server for the project in it.
+pub struct Talk {
+    pub folder: tempfile::TempDir,
+    pub client: Client,
+}
+
+impl Talk {
+    /// A client of a server for the folder `project` of `folder`, which may be `.`.
+    pub async fn within(folder: tempfile::TempDir, project: &str) -> Self {
+        Self { client: connect(&folder.path().join(project)).await, folder }
+    }
+
+    /// A path in the folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// The text of a file in the folder.
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// What a tool says, and whether it is an error.
+    pub async fn call(&self, tool: &'static str, arguments: Value) -> (Value, bool) {
+        call(&self.client, tool, arguments).await
+    }
+
+    /// What a tool says, which is no error.
+    pub async fn ask(&self, tool: &'static str, arguments: Value) -> Value {
+        let (said, error) = self.call(tool, arguments).await;
+        assert!(!error, "{said}");
+        said
+    }
+
+    /// The error that a tool reports.
+    pub async fn refused(&self, tool: &'static str, arguments: Value) -> String {
+        let (said, error) = self.call(tool, arguments).await;
+        assert!(error, "{said}");
+        said.to_string()
+    }
+
+    /// What a tool says, whether it is an error or not.
+    pub async fn said(&self, tool: &'static str, arguments: Value) -> String {
+        self.call(tool, arguments).await.0.to_string()
+    }
 }

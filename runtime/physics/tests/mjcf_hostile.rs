@@ -1,5 +1,4 @@
 //! Files that are broken, impossible or malicious: each gives one clear error, quickly, and never a panic.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
 use msk_physics::model::{Model, ModelError, ModelFiles};
 use proptest::prelude::*;

@@ -1,5 +1,4 @@
 //! Writing a model and reading it back gives an equal model, bit for bit.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use msk_physics::model::{GeomKind, Model, rotation};
 use proptest::prelude::*;

@@ -8,7 +8,7 @@ use crate::bodies;
 use msk_program::files::{LARGEST_FILE, LoadError, Loader};
 use msk_storage::{StorageError, read_text_file};
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Reads texts from the file system, and those embedded in the program.
 #[derive(Debug, Clone, Copy, Default)]
@@ -20,6 +20,22 @@ impl Loader for FileLoader {
             Some(text) => Ok(text),
             None => read_text_file(path, LARGEST_FILE).map_err(|error| load_error(path, &error)),
         }
+    }
+}
+
+/// Another text in place of that of one file, which need not exist; all others are read as they are.
+pub struct WithText<'a> {
+    /// The file.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+    /// Reads the others.
+    pub others: &'a dyn Loader,
+}
+
+impl Loader for WithText<'_> {
+    fn load(&self, path: &Path) -> Result<String, LoadError> {
+        if path == self.path { Ok(self.text.clone()) } else { self.others.load(path) }
     }
 }
 

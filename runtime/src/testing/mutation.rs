@@ -1,17 +1,18 @@
 //! Mutation testing of tasks: which one-token mutants are killed by checks, lints or tests, and which survive.
 
 use super::Stage;
+use crate::files::WithText;
 use crate::library::BodyLibrary;
 use crate::probe;
 use msk_compiler::compile;
 use msk_compiler::diagnostics::{Diagnostic, Report};
 use msk_compiler::mutation::{Class, Mutant, Part, mutants};
-use msk_program::files::{LoadError, Loader};
+use msk_program::files::Loader;
 use msk_program::task::{CompiledTask, TaskTests};
 use msk_program::testing::TaskTest;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// What kills a mutant.
@@ -98,19 +99,6 @@ impl Count {
     }
 }
 
-/// A file with another text.
-struct Changed<'a> {
-    path: PathBuf,
-    text: String,
-    loader: &'a dyn Loader,
-}
-
-impl Loader for Changed<'_> {
-    fn load(&self, path: &Path) -> Result<String, LoadError> {
-        if path == self.path { Ok(self.text.clone()) } else { self.loader.load(path) }
-    }
-}
-
 /// Makes every mutant of these parts of a task in the text of its file and tries to kill it. Verdicts come in the order of the
 /// text, whatever the number of threads; none where the file has no such task.
 ///
@@ -124,7 +112,7 @@ pub fn mutate(
     loader: &(dyn Loader + Sync),
     bodies: &BodyLibrary,
 ) -> Result<Vec<Verdict>, Report> {
-    let with = |text: String| Changed { path: path.to_path_buf(), text, loader };
+    let with = |text: String| WithText { path: path.to_path_buf(), text, others: loader };
     // Compiled by itself even if a suite uses it: the changed file is, too, and warnings of other files are none of its own.
     let plain = compile(path, &with(text.to_owned()), bodies)?;
     let Some(task) = plain.tasks.iter().find(|task| task.name == name) else { return Ok(Vec::new()) };
@@ -145,7 +133,7 @@ struct Known<'a> {
 }
 
 /// What becomes of a mutant: checks come before lints, lints before tests, and last, since it takes longest, probing.
-fn outcome(changed: &Changed<'_>, known: &Known<'_>, bodies: &BodyLibrary) -> (Outcome, String) {
+fn outcome(changed: &WithText<'_>, known: &Known<'_>, bodies: &BodyLibrary) -> (Outcome, String) {
     let compilation = match compile(&changed.path, changed, bodies) {
         Ok(compilation) => compilation,
         Err(report) => {

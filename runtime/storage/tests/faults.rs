@@ -1,7 +1,5 @@
 //! What remains when any one system call fails, or when the program dies before any of them.
 
-#![allow(clippy::unwrap_used)]
-
 use msk_storage::{FailAt, Failure, Folder};
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,5 @@
 //! What files and folders promise, seen from outside; what they promise when calls fail is in `faults.rs`.
 
-#![allow(clippy::unwrap_used)]
-
 use msk_storage::{Entry, Folder, Kind, Log, StorageError, read_file, read_text_file};
 use std::fs;
 use std::path::Path;

@@ -3,7 +3,6 @@
 //!
 //! The usual run takes the first two thousand; `cargo test --release -p msk-physics --test suite mjcf_mutants -- --ignored` all
 //! ten thousand. A failure says the file's number and prints the file.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod mutate;
 mod seeds;
