@@ -56,8 +56,8 @@ def steps_per_second_of_mujoco(model, protocol, seconds, clock, random):
 
 
 def run_msk(program, path, protocol, seconds):
-    """The report of `msk physics bench`, or of the example `speed`, and the CPU time that it took."""
-    if pathlib.Path(program).stem == "speed":
+    """The report of `msk physics bench`, or of the examples `speed` and `together`, and the CPU time that it took."""
+    if pathlib.Path(program).stem in ("speed", "together"):
         command = [program, path, protocol, str(seconds)]
     else:
         command = [program, "physics", "bench", "--model", path, "--protocol", protocol, "--seconds", str(seconds), "--json"]
@@ -78,7 +78,7 @@ def steps_per_second_of_msk(program, path, protocol, seconds, cpu):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--model", default=str(ROOT / "bodies/models/human416.xml"))
-    parser.add_argument("--msk", "--program", default=str(ROOT / "target/release/msk"), help="the program, or the example `speed` of msk-physics")
+    parser.add_argument("--msk", "--program", default=str(ROOT / "target/release/msk"), help="the program, or an example of msk-physics: `speed`, `together`")
     parser.add_argument("--protocol", choices=["falling", "standing"], default="falling")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=2.0)

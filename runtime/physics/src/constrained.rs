@@ -6,7 +6,10 @@ use super::{
     fault::{Fault, Quantity, is_valid},
     rotation::MINIMUM,
     smooth::unconstrained,
-    solver::{Newton, Problem},
+    solver::{
+        Newton, Problem,
+        together::{self, Together},
+    },
     state::State,
 };
 use crate::{model::Model, scalar::Real};
@@ -66,9 +69,13 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
     if free {
         unconstrained(model, state, workspace);
     }
+    let together = solve_together(model, state, workspace);
     let mut outcomes = [Ok(()); MOST_LANES];
     each_lane(workspace, |workspace, own, lane| {
         let ConstraintState { constraints, newton, gathered } = own;
+        if together[lane] {
+            return;
+        }
         if constraints.rows.is_empty() {
             gather(&mut gathered.smooth, &workspace.forces.smooth_acceleration, lane);
             newton.accept(&gathered.smooth);
@@ -82,9 +89,15 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
         }
         constraints.share_forces();
     });
+    for (lane, own) in workspace.lanes.iter().enumerate().filter(|(lane, _)| !together[*lane]) {
+        for dof in 0..model.nv {
+            workspace.acceleration[dof].set_lane(lane, own.newton.acceleration[dof]);
+            workspace.constraint_force[dof].set_lane(lane, own.newton.constraint_force[dof]);
+        }
+    }
     let failed = |lane: usize| {
-        let newton = &workspace.lanes[lane].newton;
-        workspace.lives(lane) && (outcomes[lane].is_err() || newton.acceleration.iter().any(|value| !is_valid(*value)))
+        let invalid = |value: &T| !is_valid(value.lane(lane));
+        workspace.lives(lane) && (outcomes[lane].is_err() || !together[lane] && workspace.acceleration.iter().any(invalid))
     };
     if (0..T::LANES).any(failed) {
         // The factor of the mass matrix names the origin.
@@ -97,16 +110,34 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
             }
         }
     }
-    for dof in 0..model.nv {
-        for (lane, own) in workspace.lanes.iter().enumerate() {
-            workspace.acceleration[dof].set_lane(lane, own.newton.acceleration[dof]);
-            workspace.constraint_force[dof].set_lane(lane, own.newton.constraint_force[dof]);
+}
+
+/// Solves the lanes that have rows together, as far as that goes, and says which have been.
+fn solve_together<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> [bool; MOST_LANES] {
+    let takes_part: [bool; MOST_LANES] = core::array::from_fn(|lane| {
+        lane < T::LANES && workspace.lives(lane) && !workspace.lanes[lane].constraints.rows.is_empty()
+    });
+    let Some(mut solver) = workspace.together.take() else { return [false; MOST_LANES] };
+    let mut solved = [false; MOST_LANES];
+    if takes_part.contains(&true) && solver.gather(model, &workspace.lanes, &takes_part) {
+        let problem =
+            together::Problem { mass: &workspace.inertia.matrix, force: &workspace.forces.smooth, warm_start: &state.warm_start };
+        let wanted = T::mask(|lane| takes_part[lane]);
+        let mask = workspace.arch.dispatch(SolveTogether { solver: &mut solver, model, problem, wanted });
+        solved = core::array::from_fn(|lane| lane < T::LANES && T::holds(mask, lane));
+        workspace.acceleration.copy_from_slice(&solver.acceleration);
+        workspace.constraint_force.copy_from_slice(&solver.constraint_force);
+        for (lane, own) in workspace.lanes.iter_mut().enumerate().filter(|(lane, _)| solved[*lane]) {
+            solver.scatter(own, lane);
+            own.constraints.share_forces();
         }
     }
+    workspace.together = Some(solver);
+    solved
 }
 
 /// Lanes that a number may have at most.
-const MOST_LANES: usize = 8;
+const MOST_LANES: usize = crate::lanes::WIDTH;
 
 /// What is wrong with the solution of a lane.
 fn fault_of<T: Real>(
@@ -117,11 +148,11 @@ fn fault_of<T: Real>(
     lane: usize,
 ) -> Option<Fault> {
     let time = state.time.lane(lane);
-    let newton = &workspace.lanes[lane].newton;
+    let acceleration = |dof: usize| workspace.acceleration[dof].lane(lane);
     let smooth = |dof: usize| workspace.forces.smooth_acceleration[dof].lane(lane);
     // An acceleration that is not a number also spoils pivots: it names the origin better.
     let dofs = || 0..model.nv;
-    let invalid = dofs().find(|&dof| !is_valid(newton.acceleration[dof])).or_else(|| dofs().find(|&dof| !is_valid(smooth(dof))));
+    let invalid = dofs().find(|&dof| !is_valid(acceleration(dof))).or_else(|| dofs().find(|&dof| !is_valid(smooth(dof))));
     // A joint that moves nothing spoils all above it: it is eliminated first, so the last bad pivot is the origin.
     let pivot = |row: &core::ops::Range<usize>| workspace.inertia.factor[row.end - 1].lane(lane);
     let weightless = invalid.and_then(|_| model.dofs.row.iter().rposition(|row| pivot(row).is_nan() || pivot(row) < MINIMUM));
@@ -129,7 +160,7 @@ fn fault_of<T: Real>(
         return Some(Fault::of_pivot(model, time, dof));
     }
     if let Some(dof) = invalid {
-        let value = [newton.acceleration[dof], smooth(dof)].into_iter().find(|value| !is_valid(*value)).unwrap_or(f64::NAN);
+        let value = [acceleration(dof), smooth(dof)].into_iter().find(|value| !is_valid(*value)).unwrap_or(f64::NAN);
         return Some(Fault::of_dof(model, time, Quantity::Acceleration, dof, value));
     }
     outcome.err().map(|dof| Fault::of_pivot(model, time, dof))
@@ -149,6 +180,23 @@ impl WithSimd for Solve<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         self.newton.solve(self.model, &self.problem, self.constraints)
+    }
+}
+
+/// One solve of all lanes, compiled for each set of instructions.
+struct SolveTogether<'a, T: Real> {
+    solver: &'a mut Together<T>,
+    model: &'a Model,
+    problem: together::Problem<'a, T>,
+    wanted: T::Mask,
+}
+
+impl<T: Real> WithSimd for SolveTogether<'_, T> {
+    type Output = T::Mask;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> T::Mask {
+        self.solver.solve(self.model, &self.problem, self.wanted)
     }
 }
 

@@ -279,6 +279,8 @@ fn turned<T: Real>(rotation: &Matrix3<T>, local: &Option<Matrix3<f64>>) -> Matri
 /// A B, written out so that it inlines over any scalar.
 #[inline(always)]
 fn multiply_matrix<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
-    let column = |j: usize| rotate(a, &Vector3::new(b[(0, j)], b[(1, j)], b[(2, j)]));
-    Matrix3::from_columns(&[column(0), column(1), column(2)])
+    let x = rotate(a, &Vector3::new(b.m11, b.m21, b.m31));
+    let y = rotate(a, &Vector3::new(b.m12, b.m22, b.m32));
+    let z = rotate(a, &Vector3::new(b.m13, b.m23, b.m33));
+    Matrix3::new(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z)
 }

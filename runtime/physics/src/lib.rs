@@ -35,6 +35,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod actuation;
+mod batch;
 pub mod collision;
 pub mod constants;
 pub mod constrained;
@@ -48,6 +49,7 @@ pub mod inertia;
 pub mod integrator;
 pub mod jacobian;
 pub mod kinematics;
+pub mod lanes;
 pub mod model;
 mod plan;
 pub mod rotation;
@@ -64,6 +66,7 @@ pub mod tree_matrix;
 pub mod velocities;
 pub mod workspace;
 
+pub use batch::{Batch, BatchError};
 pub use dispatch::Instructions;
 pub use fault::Fault;
 pub use jacobian::{center_of_mass_jacobian, point_jacobian};

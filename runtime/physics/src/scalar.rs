@@ -1,7 +1,7 @@
 //! The number the physics is written over.
 //!
 //! Every per-step quantity of the simulator is generic over [`Real`], so that the same source runs one episode in `f64`
-//! and, later, several episodes in the lanes of one SIMD register. Two rules keep that door open:
+//! and eight in the lanes of one [`Lanes`](crate::lanes::Lanes). Two rules make that possible:
 //!
 //! * data-dependent choices go through [`Real::select`] on a mask where both sides are cheap, and through
 //!   [`Real::any`] where a whole stage may be skipped;
@@ -78,6 +78,10 @@ pub trait Real:
     fn squared(self) -> Self {
         self * self
     }
+    /// For the beginning of a hot loop's body over a list of numbers: nothing for one lane. With several it keeps the compiler from
+    /// turning the loop across the list, which would gather lanes from places far apart.
+    #[inline(always)]
+    fn apart() {}
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
     /// Arc cosine in radians, the argument clipped to [-1, 1].

@@ -76,6 +76,7 @@ impl Layout<'_> {
             for (place, row) in before.iter_mut().enumerate() {
                 let weight = entries[common + place] * inverses[last];
                 for (target, &entry) in row.iter_mut().zip(entries) {
+                    T::apart();
                     *target -= weight * entry;
                 }
             }
@@ -88,6 +89,7 @@ impl Layout<'_> {
         }
         for (k, row) in rows.into_iter().enumerate() {
             for entry in &mut row[..common + k] {
+                T::apart();
                 *entry *= inverses[k];
             }
         }
@@ -109,6 +111,7 @@ impl Layout<'_> {
         for node in (0..self.row.len()).rev() {
             let value = x[node];
             for (&column, &entry) in self.ancestors(node).iter().zip(&factor[self.row[node].clone()]) {
+                T::apart();
                 x[column] -= entry * value;
             }
         }
@@ -120,6 +123,7 @@ impl Layout<'_> {
         for node in 0..self.row.len() {
             let mut value = x[node];
             for (&column, &entry) in self.ancestors(node).iter().zip(&factor[self.row[node].clone()]) {
+                T::apart();
                 value -= entry * x[column];
             }
             x[node] = value;
@@ -133,6 +137,7 @@ impl Layout<'_> {
             let row = self.row[node].clone();
             let mut sum = matrix[row.end - 1] * x[node];
             for (&column, &entry) in self.ancestors(node).iter().zip(&matrix[row]) {
+                T::apart();
                 sum += entry * x[column];
                 y[column] += entry * x[node];
             }
@@ -147,6 +152,7 @@ impl Layout<'_> {
 fn subtract<T: Real, const N: usize>(target: &mut [T], rows: [&[T]; N], weights: [T; N]) {
     let rows = rows.map(|row| &row[..target.len()]);
     for (index, value) in target.iter_mut().enumerate() {
+        T::apart();
         let mut rest = *value;
         for k in (0..N).rev() {
             rest -= weights[k] * rows[k][index];

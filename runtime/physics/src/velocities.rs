@@ -33,27 +33,38 @@ pub fn update<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<
         let mut velocity = out.body[model.bodies.parent[body]];
         for joint in model.bodies.joints[body].clone() {
             let first = model.joints.dof_address[joint];
-            let mut carry = |dofs: core::ops::Range<usize>, velocity: &mut Spatial<T>| {
-                // All axes of one ball turn together: their rates see the velocity before the joint moves.
-                let before = *velocity;
-                for dof in dofs {
-                    let axis = &kinematics.dof_axis[dof];
-                    out.dof_axis_rate[dof] = cross_motion(&before, axis);
-                    add_scaled(velocity, axis, state.velocity[dof]);
-                }
-            };
             match model.joints.kind[joint] {
-                JointKind::Hinge | JointKind::Slide => carry(first..first + 1, &mut velocity),
-                JointKind::Ball => carry(first..first + 3, &mut velocity),
+                JointKind::Hinge | JointKind::Slide => {
+                    carry(first..first + 1, state, kinematics, &mut velocity, &mut out.dof_axis_rate)
+                }
+                JointKind::Ball => carry(first..first + 3, state, kinematics, &mut velocity, &mut out.dof_axis_rate),
                 JointKind::Free => {
                     for dof in first..first + 3 {
                         // Translation along fixed world axes.
                         add_scaled(&mut velocity, &kinematics.dof_axis[dof], state.velocity[dof]);
                     }
-                    carry(first + 3..first + 6, &mut velocity);
+                    carry(first + 3..first + 6, state, kinematics, &mut velocity, &mut out.dof_axis_rate);
                 }
             }
         }
         out.body[body] = velocity;
+    }
+}
+
+/// Turns with the dofs of a hinge, slide or ball: all axes of one ball turn together, so their rates see the velocity before the
+/// joint moves.
+#[inline(always)]
+fn carry<T: Real>(
+    dofs: core::ops::Range<usize>,
+    state: &State<T>,
+    kinematics: &Kinematics<T>,
+    velocity: &mut Spatial<T>,
+    rates: &mut [Spatial<T>],
+) {
+    let before = *velocity;
+    for dof in dofs {
+        let axis = &kinematics.dof_axis[dof];
+        rates[dof] = cross_motion(&before, axis);
+        add_scaled(velocity, axis, state.velocity[dof]);
     }
 }

@@ -6,8 +6,9 @@ use super::{
     kinematics::Kinematics, tendons::TendonPaths, velocities::Velocities,
 };
 use crate::{
-    model::{Integrator, Model},
+    model::{Cone, Integrator, Model},
     scalar::Real,
+    solver::together::Together,
 };
 use pulp::Arch;
 
@@ -32,6 +33,8 @@ pub struct Workspace<T: Real> {
     /// Lanes that hold no episode, or one that is not stepped: nothing is decided, written or reported for them.
     pub(crate) masked: Vec<bool>,
     pub(crate) arch: Arch,
+    /// The solver of several lanes at once, for constraints whose forces have bounds of their own: not for elliptic cones.
+    pub(crate) together: Option<Together<T>>,
     /// Contacts, constraint rows and solver: one per lane of `T`.
     pub lanes: Vec<ConstraintState>,
     /// Generalised acceleration, constraints included, `nv` entries (`qacc`): m/s² and rad/s².
@@ -63,6 +66,7 @@ impl<T: Real> Workspace<T> {
             forces: Forces::of(model, &plan.medium),
             faults: vec![None; T::LANES],
             masked: vec![false; T::LANES],
+            together: (T::LANES > 1 && model.options.cone == Cone::Pyramidal).then(|| Together::of(model, &plan.coupled)),
             arch: Instructions::default().arch(),
             lanes: vec![ConstraintState::of(model, plan); T::LANES],
             acceleration: vec![T::splat(0.0); model.nv],

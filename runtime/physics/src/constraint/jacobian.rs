@@ -35,7 +35,9 @@ pub(crate) struct Block {
     /// What they make.
     pub shape: Shape,
     /// Friction coefficients of a pyramid: of each base row but the first.
-    friction: [f64; 5],
+    pub friction: [f64; 5],
+    /// Whether it is an upper limit: a joint or tendon may have a lower one, too.
+    pub upper: bool,
 }
 
 /// All blocks, in the order of their rows.
@@ -95,6 +97,13 @@ impl Jacobian {
         self.push_block(start, values, dimension, shape, friction);
     }
 
+    /// Notes that the last constraint is an upper limit.
+    pub fn mark_upper(&mut self) {
+        if let Some(block) = self.blocks.last_mut() {
+            block.upper = true;
+        }
+    }
+
     fn push_block(&mut self, columns: usize, values: usize, dimension: usize, shape: Shape, friction: [f64; 5]) {
         let rows = if shape == Shape::Pyramid { 2 * (dimension - 1) } else { dimension };
         self.blocks.push(Block {
@@ -104,6 +113,7 @@ impl Jacobian {
             dimension,
             shape,
             friction,
+            upper: false,
         });
         self.rows += rows;
     }

@@ -43,7 +43,9 @@ impl Constraints {
                 JointKind::Hinge | JointKind::Slide => {
                     let value = position(address);
                     self.add_joint_limit(model, joint, value - low, &mut [(dof, 1.0)]);
-                    self.add_joint_limit(model, joint, high - value, &mut [(dof, -1.0)]);
+                    if self.add_joint_limit(model, joint, high - value, &mut [(dof, -1.0)]) {
+                        self.jacobian.mark_upper();
+                    }
                 }
                 JointKind::Ball => {
                     let (angle, axis) = turn(core::array::from_fn(|k| position(address + k)));
@@ -55,13 +57,16 @@ impl Constraints {
         }
     }
 
-    fn add_joint_limit(&mut self, model: &Model, joint: usize, distance: f64, entries: &mut [(usize, f64)]) {
+    /// Whether the limit is near enough to have a row.
+    fn add_joint_limit(&mut self, model: &Model, joint: usize, distance: f64, entries: &mut [(usize, f64)]) -> bool {
         let margin = model.joints.margin[joint];
-        if distance < margin {
+        let near = distance < margin;
+        if near {
             self.jacobian.push_row(entries);
             let place = limit(model, &model.joints.limit_softness[joint], distance, margin);
             self.rows.push(RowKind::JointLimit(joint), place, model.dofs.inverse_weight[model.joints.dof_address[joint]]);
         }
+        near
     }
 
     /// Tendon limits, the lower one first.
@@ -72,6 +77,9 @@ impl Constraints {
             let (length, margin) = (workspace.tendons.length[tendon].lane(lane), model.tendons.margin[tendon]);
             for (distance, sign) in [(length - low, 1.0), (high - length, -1.0)] {
                 if distance < margin && self.push_tendon_row(model, workspace, lane, tendon, sign) {
+                    if sign < 0.0 {
+                        self.jacobian.mark_upper();
+                    }
                     let place = limit(model, &model.tendons.limit_softness[tendon], distance, margin);
                     self.rows.push(RowKind::TendonLimit(tendon), place, model.tendons.inverse_weight[tendon]);
                 }

@@ -42,7 +42,7 @@ pub(crate) use plan::RowPlan;
 use std::sync::Arc;
 
 /// What couples dofs that do not lie on one root path, so that the solver's pattern needs room for it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum CrossCoupling {
     /// An equality, by its index.
     Equality(usize),

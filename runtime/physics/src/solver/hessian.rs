@@ -1,7 +1,11 @@
 //! The Hessian M + J'WJ of the active set: assembled and factored on its pattern, brought up to date, mended where
 //! rounding has spoilt it.
 
-use super::{Newton, Parts, path_matrix::PathPattern};
+use super::{
+    Newton, Parts,
+    path_matrix::PathPattern,
+    together::{factor_limit, update_cost},
+};
 use crate::{
     constraint::{
         cone::Zone,
@@ -77,11 +81,10 @@ impl Newton {
         }
         let jacobian = &parts.jacobian;
         let last_dof = |row: usize| jacobian.columns_of(jacobian.block_of(row)).last().copied().unwrap_or(0);
-        // An update passes over the path once with two operations per entry of a triangle, and with shorter vectors.
-        let update = |row: usize| (self.pattern.depth(last_dof(row)) + 2).pow(2);
+        let update = |row: usize| update_cost(model, jacobian.columns_of(jacobian.block_of(row)));
         let changes = self.factored.iter().zip(&self.active).enumerate().filter(|(_, (before, now))| before != now);
-        let cost: usize = changes.map(|(row, _)| update(row)).sum();
-        if 2 * cost > self.pattern.factor_cost() {
+        let cost: f64 = changes.map(|(row, _)| update(row)).sum();
+        if cost > factor_limit(model) {
             return self.factor_all(model, mass, parts);
         }
         for row in 0..self.active.len() {

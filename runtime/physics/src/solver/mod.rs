@@ -30,6 +30,8 @@
 mod hessian;
 mod line_search;
 pub(crate) mod path_matrix;
+mod slots;
+pub(crate) mod together;
 
 use super::{
     constraint::{
@@ -165,6 +167,10 @@ impl Newton {
                 break;
             }
             self.refresh_factor(model, problem.mass, parts)?;
+        }
+        // Of two zeros always the positive one, whichever zeros were added on the way.
+        for value in self.acceleration.iter_mut().chain(&mut self.constraint_force) {
+            *value += 0.0;
         }
         Ok(())
     }

@@ -83,11 +83,6 @@ impl PathPattern {
         self.row[dof].len() - 1
     }
 
-    /// Multiplications of a factorisation, to weigh updates against it.
-    pub fn factor_cost(&self) -> usize {
-        self.row.iter().map(|row| row.len() * (row.len() + 1) / 2).sum()
-    }
-
     /// Factors in place.
     ///
     /// # Errors

@@ -1,0 +1,319 @@
+//! Many episodes at once, eight in one number.
+
+use crate::{
+    Fault, Instructions, Plan, State, Workspace,
+    lanes::{Lanes, WIDTH},
+    model::{Integrator, Model},
+    single, stepping,
+};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Episodes of one model that are stepped together.
+///
+/// Every episode comes to the bits that [`step`](crate::step) gives it alone, whatever its neighbours do, however many there are, on
+/// any number of workers and with any instructions of the processor. An episode that meets a [`Fault`] stays as it was and is left
+/// out until it is [`set`](Self::set) again; the others go on.
+///
+/// ```
+/// use msk_physics::{Batch, State, model::Model};
+/// use std::sync::Arc;
+///
+/// let model = Arc::new(Model::from_mjcf(r#"<mujoco><worldbody><body>
+///     <joint type="hinge" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0 0 -1" size="0.05"/>
+/// </body></worldbody></mujoco>"#)?);
+/// let mut batch = Batch::new(&model, 20);
+/// let mut state = State::new(&model);
+/// for episode in 0..batch.len() {
+///     state.position[0] = 0.1 * episode as f64;
+///     batch.set(episode, &state)?;
+/// }
+/// (0..100).for_each(|_| batch.step());
+/// batch.get(7, &mut state)?;
+/// assert!(state.position[0].abs() <= 0.7 && batch.fault(7).is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Batch {
+    model: Arc<Model>,
+    plan: Plan,
+    count: usize,
+    instructions: Instructions,
+    groups: Vec<Group>,
+    workers: Vec<Worker>,
+}
+
+/// A wrong use of a batch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum BatchError {
+    /// There is no such episode.
+    #[error("episode {index} of a batch of {count}")]
+    Index {
+        /// What was asked for.
+        index: usize,
+        /// Number of episodes.
+        count: usize,
+    },
+    /// A state or list of controls is not as long as the model asks for.
+    #[error("the {what} does not fit the model of the batch")]
+    Shape {
+        /// What was given.
+        what: &'static str,
+    },
+}
+
+/// The episodes of one set of lanes.
+#[derive(Debug, Clone)]
+struct Group {
+    state: State<Lanes>,
+    faults: Vec<Option<Fault>>,
+    /// Lanes beyond the last episode.
+    empty: [bool; WIDTH],
+}
+
+/// The memory of one worker.
+#[derive(Debug, Clone)]
+struct Worker {
+    workspace: Workspace<Lanes>,
+    /// For models whose integrator takes episodes one by one.
+    single: Option<(State<f64>, Workspace<f64>)>,
+}
+
+impl Batch {
+    /// `count` episodes in the reference configuration, stepped by one worker.
+    pub fn new(model: &Arc<Model>, count: usize) -> Self {
+        let group = |group: usize| Group {
+            state: State::new(model),
+            faults: vec![None; WIDTH],
+            empty: core::array::from_fn(|lane| group * WIDTH + lane >= count),
+        };
+        let batch = Self {
+            model: Arc::clone(model),
+            plan: Plan::new(model),
+            count,
+            instructions: Instructions::default(),
+            groups: (0..count.div_ceil(WIDTH)).map(group).collect(),
+            workers: Vec::new(),
+        };
+        batch.with_workers(1)
+    }
+
+    /// The same with as many workers, each with a share of the episodes; they run on rayon's threads.
+    pub fn with_workers(mut self, workers: usize) -> Self {
+        let workers = workers.clamp(1, self.groups.len().max(1));
+        self.workers = vec![self.worker(); workers];
+        self
+    }
+
+    /// The same with these instructions of the processor instead of the widest.
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.instructions = instructions;
+        let workers = self.workers.len();
+        self.with_workers(workers)
+    }
+
+    fn worker(&self) -> Worker {
+        let (model, plan) = (&self.model, &self.plan);
+        let single = || (State::new(model), Workspace::of(model, plan).with_instructions(self.instructions));
+        Worker {
+            workspace: Workspace::of(model, plan).with_instructions(self.instructions),
+            single: (model.options.integrator != Integrator::Euler).then(single),
+        }
+    }
+
+    /// Number of episodes.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Puts a state into an episode, which forgets its fault: a reset, or a snapshot that goes on.
+    ///
+    /// # Errors
+    /// No such episode, or a state of another model.
+    pub fn set(&mut self, index: usize, state: &State<f64>) -> Result<(), BatchError> {
+        if !state.fits(&self.model) {
+            return Err(BatchError::Shape { what: "state" });
+        }
+        let (group, lane) = self.place(index)?;
+        self.groups[group].state.set_lane(lane, state);
+        self.groups[group].faults[lane] = None;
+        Ok(())
+    }
+
+    /// Writes the state of an episode over `state`: for sensors and policies, which want [`forward`](crate::forward) of it.
+    ///
+    /// # Errors
+    /// No such episode, or a state of another model.
+    pub fn get(&self, index: usize, state: &mut State<f64>) -> Result<(), BatchError> {
+        if !state.fits(&self.model) {
+            return Err(BatchError::Shape { what: "state" });
+        }
+        let (group, lane) = self.place(index)?;
+        self.groups[group].state.copy_lane(lane, state);
+        Ok(())
+    }
+
+    /// Sets the controls of an episode, one per actuator.
+    ///
+    /// # Errors
+    /// No such episode, or another number of controls.
+    pub fn set_control(&mut self, index: usize, control: &[f64]) -> Result<(), BatchError> {
+        if control.len() != self.model.actuators.name.len() {
+            return Err(BatchError::Shape { what: "list of controls" });
+        }
+        let (group, lane) = self.place(index)?;
+        set_lane(lane, &mut self.groups[group].state.control, control);
+        Ok(())
+    }
+
+    /// Simulated time of an episode, s; `None` where there is none.
+    pub fn time(&self, index: usize) -> Option<f64> {
+        let (group, lane) = self.place(index).ok()?;
+        Some(crate::scalar::Real::lane(self.groups[group].state.time, lane))
+    }
+
+    /// Why an episode is not stepped any more.
+    pub fn fault(&self, index: usize) -> Option<&Fault> {
+        let (group, lane) = self.place(index).ok()?;
+        self.groups[group].faults[lane].as_ref()
+    }
+
+    /// Takes one step in every episode without a fault.
+    pub fn step(&mut self) {
+        let Self { model, groups, workers, .. } = self;
+        let share = groups.len().div_ceil(workers.len().max(1)).max(1);
+        if let [worker] = &mut workers[..] {
+            groups.iter_mut().for_each(|group| group.step(model, worker, &mut || {}));
+            return;
+        }
+        groups.par_chunks_mut(share).zip(workers).for_each(|(groups, worker)| {
+            groups.iter_mut().for_each(|group| group.step(model, worker, &mut || {}));
+        });
+    }
+
+    /// [`step`](Self::step) by the first worker alone, with a call of `lap` after each of the [`STAGES`](crate::STAGES) of every
+    /// eight episodes: for clocks.
+    pub fn step_by_stage(&mut self, mut lap: &mut dyn FnMut()) {
+        let Self { model, groups, workers, .. } = self;
+        let Some(worker) = workers.first_mut() else { return };
+        groups.iter_mut().for_each(|group| group.step(model, worker, &mut lap));
+    }
+
+    fn place(&self, index: usize) -> Result<(usize, usize), BatchError> {
+        let count = self.count;
+        if index < count { Ok((index / WIDTH, index % WIDTH)) } else { Err(BatchError::Index { index, count }) }
+    }
+}
+
+impl Group {
+    fn step(&mut self, model: &Model, worker: &mut Worker, lap: &mut impl FnMut()) {
+        if let Some((state, workspace)) = &mut worker.single {
+            for lane in (0..WIDTH).filter(|&lane| !self.empty[lane]) {
+                if self.faults[lane].is_none() {
+                    self.state.copy_lane(lane, state);
+                    match single::step(model, state, workspace) {
+                        Ok(()) => self.state.set_lane(lane, state),
+                        Err(fault) => self.faults[lane] = Some(fault),
+                    }
+                }
+            }
+            return;
+        }
+        let workspace = &mut worker.workspace;
+        for (lane, masked) in workspace.masked.iter_mut().enumerate() {
+            *masked = self.empty[lane] || self.faults[lane].is_some();
+        }
+        // Faults are noted by lane, and the other lanes go on.
+        let forward = stepping::forward_by_stage(model, &self.state, workspace, lap);
+        if forward.is_ok() || (0..WIDTH).any(|lane| workspace.lives(lane)) {
+            let _ = stepping::integrate(model, &mut self.state, workspace);
+        }
+        lap();
+        for (fault, found) in self.faults.iter_mut().zip(&mut workspace.faults) {
+            *fault = fault.take().or(found.take());
+        }
+    }
+}
+
+/// Writes one lane of a list.
+fn set_lane(lane: usize, to: &mut [Lanes], from: &[f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        crate::scalar::Real::set_lane(to, lane, *from);
+    }
+}
+
+/// Reads one lane of a list.
+fn copy_lane(lane: usize, to: &mut [f64], from: &[Lanes]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = crate::scalar::Real::lane(*from, lane);
+    }
+}
+
+impl State<Lanes> {
+    /// Replaces the episode in a lane.
+    fn set_lane(&mut self, lane: usize, from: &State<f64>) {
+        set_lane(lane, core::slice::from_mut(&mut self.time), &[from.time]);
+        set_lane(lane, core::slice::from_mut(&mut self.fibre_step), &[from.fibre_step]);
+        let lists = [
+            (&mut self.position, &from.position),
+            (&mut self.velocity, &from.velocity),
+            (&mut self.activation, &from.activation),
+            (&mut self.fibre_length, &from.fibre_length),
+            (&mut self.fibre_velocity, &from.fibre_velocity),
+            (&mut self.control, &from.control),
+            (&mut self.applied_force, &from.applied_force),
+            (&mut self.active, &from.active),
+            (&mut self.warm_start, &from.warm_start),
+        ];
+        lists.into_iter().for_each(|(to, from)| set_lane(lane, to, from));
+        for (to, from) in self.body_force.iter_mut().flatten().zip(from.body_force.iter().flatten()) {
+            set_lane(lane, to.as_mut_slice(), from.as_slice());
+        }
+        for (to, from) in self.mocap_position.iter_mut().zip(&from.mocap_position) {
+            set_lane(lane, to.as_mut_slice(), from.as_slice());
+        }
+        for (to, from) in self.mocap_orientation.iter_mut().zip(&from.mocap_orientation) {
+            set_lane(lane, to, from);
+        }
+        for ((position, orientation), from) in self.held.iter_mut().zip(&from.held) {
+            set_lane(lane, position.as_mut_slice(), from.0.as_slice());
+            set_lane(lane, orientation, &from.1);
+        }
+    }
+
+    /// Writes the episode in a lane over a state.
+    fn copy_lane(&self, lane: usize, to: &mut State<f64>) {
+        copy_lane(lane, core::slice::from_mut(&mut to.time), &[self.time]);
+        copy_lane(lane, core::slice::from_mut(&mut to.fibre_step), &[self.fibre_step]);
+        let lists = [
+            (&mut to.position, &self.position),
+            (&mut to.velocity, &self.velocity),
+            (&mut to.activation, &self.activation),
+            (&mut to.fibre_length, &self.fibre_length),
+            (&mut to.fibre_velocity, &self.fibre_velocity),
+            (&mut to.control, &self.control),
+            (&mut to.applied_force, &self.applied_force),
+            (&mut to.active, &self.active),
+            (&mut to.warm_start, &self.warm_start),
+        ];
+        lists.into_iter().for_each(|(to, from)| copy_lane(lane, to, from));
+        for (to, from) in to.body_force.iter_mut().flatten().zip(self.body_force.iter().flatten()) {
+            copy_lane(lane, to.as_mut_slice(), from.as_slice());
+        }
+        for (to, from) in to.mocap_position.iter_mut().zip(&self.mocap_position) {
+            copy_lane(lane, to.as_mut_slice(), from.as_slice());
+        }
+        for (to, from) in to.mocap_orientation.iter_mut().zip(&self.mocap_orientation) {
+            copy_lane(lane, to, from);
+        }
+        for ((position, orientation), from) in to.held.iter_mut().zip(&self.held) {
+            copy_lane(lane, position.as_mut_slice(), from.0.as_slice());
+            copy_lane(lane, orientation, &from.1);
+        }
+    }
+}

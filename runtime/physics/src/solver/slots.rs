@@ -1,0 +1,290 @@
+//! The constraints of several lanes side by side: every block that any lane has gets a slot.
+//!
+//! Slots stand in the order that the model gives: equalities, friction losses, limits, contacts by pair and then as found. A lane
+//! without a block has weight zero in its slot, so that its sums take in zeros and nothing else: its bits do not depend on which
+//! slots its neighbours need.
+
+use crate::{
+    constrained::ConstraintState,
+    constraint::{
+        Constraints, CrossCoupling, RowKind,
+        jacobian::{Block, MOST_BASE_ROWS, Shape},
+    },
+    scalar::Real,
+};
+use core::ops::Range;
+
+/// Which constraint of the model a block is: class, element, and which of several of that element.
+type Key = (u8, usize, usize);
+
+/// One constraint in all lanes.
+#[derive(Debug, Clone)]
+pub(super) struct Slot {
+    pub rows: Range<usize>,
+    /// In [`Slots::columns`], ascending.
+    pub columns: Range<usize>,
+    /// Start of its base rows in [`Slots::values`], row after row.
+    values: usize,
+    pub dimension: usize,
+    pub pyramid: bool,
+    friction: [f64; 5],
+}
+
+/// All slots, with one number per row for each of its properties.
+#[derive(Debug, Clone)]
+pub(super) struct Slots<T> {
+    pub slots: Vec<Slot>,
+    pub columns: Vec<usize>,
+    pub values: Vec<T>,
+    pub weight: Vec<T>,
+    pub regularization: Vec<T>,
+    pub reference: Vec<T>,
+    pub lower: Vec<T>,
+    pub upper: Vec<T>,
+    pub force: Vec<T>,
+    /// What couples several chains in any lane, ascending.
+    pub cross_couplings: Vec<CrossCoupling>,
+    /// Which slot each block of each lane has.
+    places: Vec<Vec<usize>>,
+    keys: Vec<Vec<Key>>,
+}
+
+impl<T: Real> Slots<T> {
+    pub fn new() -> Self {
+        let rows = Vec::new;
+        Self {
+            slots: Vec::new(),
+            columns: Vec::new(),
+            values: rows(),
+            weight: rows(),
+            regularization: rows(),
+            reference: rows(),
+            lower: rows(),
+            upper: rows(),
+            force: rows(),
+            cross_couplings: Vec::new(),
+            places: vec![Vec::new(); T::LANES],
+            keys: vec![Vec::new(); T::LANES],
+        }
+    }
+
+    pub fn rows(&self) -> usize {
+        self.weight.len()
+    }
+
+    /// Gathers the rows of the lanes for which `takes_part` holds.
+    pub fn gather(&mut self, lanes: &[ConstraintState], takes_part: &[bool]) {
+        self.slots.clear();
+        self.columns.clear();
+        self.cross_couplings.clear();
+        let arrays = [
+            &mut self.values,
+            &mut self.weight,
+            &mut self.regularization,
+            &mut self.reference,
+            &mut self.lower,
+            &mut self.upper,
+            &mut self.force,
+        ];
+        arrays.into_iter().for_each(Vec::clear);
+        for ((own, takes_part), (keys, places)) in lanes.iter().zip(takes_part).zip(self.keys.iter_mut().zip(&mut self.places)) {
+            keys.clear();
+            places.clear();
+            if *takes_part {
+                keys_of(&own.constraints, keys);
+                for coupling in &own.constraints.cross_couplings {
+                    if !self.cross_couplings.contains(coupling) {
+                        self.cross_couplings.push(*coupling);
+                    }
+                }
+            }
+        }
+        self.cross_couplings.sort_unstable();
+        // Every lane's keys ascend: the least of the next ones is the next slot.
+        while let Some(key) =
+            self.keys.iter().zip(&self.places).filter_map(|(keys, places)| keys.get(places.len())).min().copied()
+        {
+            let slot = self.slots.len();
+            for (lane, own) in lanes.iter().enumerate() {
+                let place = self.places[lane].len();
+                if self.keys[lane].get(place) == Some(&key) {
+                    let block = &own.constraints.jacobian.blocks[place];
+                    if self.slots.len() == slot {
+                        self.open(&own.constraints, block);
+                    }
+                    self.fill(&own.constraints, block, slot, lane);
+                    self.places[lane].push(slot);
+                }
+            }
+        }
+    }
+
+    /// Appends a slot like `block`, empty in every lane.
+    fn open(&mut self, constraints: &Constraints, block: &Block) {
+        let (columns, row, values) = (self.columns.len(), self.weight.len(), self.values.len());
+        self.columns.extend_from_slice(constraints.jacobian.columns_of(block));
+        let width = self.columns.len() - columns;
+        let rows = row..row + block.rows.len();
+        self.values.resize(values + width * block.dimension, T::splat(0.0));
+        let arrays =
+            [&mut self.weight, &mut self.regularization, &mut self.reference, &mut self.lower, &mut self.upper, &mut self.force];
+        arrays.into_iter().for_each(|array| array.resize(rows.end, T::splat(0.0)));
+        self.slots.push(Slot {
+            rows,
+            columns: columns..self.columns.len(),
+            values,
+            dimension: block.dimension,
+            pyramid: block.shape == Shape::Pyramid,
+            friction: block.friction,
+        });
+    }
+
+    /// Writes a lane's block into its slot.
+    fn fill(&mut self, constraints: &Constraints, block: &Block, slot: usize, lane: usize) {
+        let Slot { rows, columns, values, dimension, .. } = &self.slots[slot];
+        let width = columns.len();
+        for row in 0..*dimension {
+            let to = &mut self.values[values + row * width..][..width];
+            for (to, from) in to.iter_mut().zip(constraints.jacobian.base_row(block, row)) {
+                to.set_lane(lane, *from);
+            }
+        }
+        let from = &constraints.rows;
+        for (to, row) in rows.clone().zip(block.rows.clone()) {
+            self.weight[to].set_lane(lane, from.weight[row]);
+            self.regularization[to].set_lane(lane, from.regularization[row]);
+            self.reference[to].set_lane(lane, from.reference[row]);
+            self.lower[to].set_lane(lane, from.lower[row]);
+            self.upper[to].set_lane(lane, from.upper[row]);
+        }
+    }
+
+    /// Writes the forces of a lane back to its rows.
+    pub fn scatter_forces(&self, constraints: &mut Constraints, lane: usize) {
+        for (block, &slot) in constraints.jacobian.blocks.iter().zip(&self.places[lane]) {
+            for (row, from) in block.rows.clone().zip(self.slots[slot].rows.clone()) {
+                constraints.rows.force[row] = self.force[from].lane(lane);
+            }
+        }
+    }
+
+    /// The dofs of a slot.
+    #[inline(always)]
+    pub fn columns_of(&self, slot: &Slot) -> &[usize] {
+        &self.columns[slot.columns.clone()]
+    }
+
+    /// Base row `row` of a slot.
+    #[inline(always)]
+    pub fn base_row(&self, slot: &Slot, row: usize) -> &[T] {
+        let width = slot.columns.len();
+        &self.values[slot.values + row * width..][..width]
+    }
+
+    /// out = J x.
+    #[inline(always)]
+    pub fn multiply(&self, x: &[T], out: &mut [T]) {
+        for slot in &self.slots {
+            let columns = self.columns_of(slot);
+            let rows = &mut out[slot.rows.clone()];
+            if !slot.pyramid {
+                for (row, value) in rows.iter_mut().enumerate() {
+                    *value = along(self.base_row(slot, row), columns, x);
+                }
+                continue;
+            }
+            let normal = along(self.base_row(slot, 0), columns, x);
+            for (index, edges) in rows.chunks_exact_mut(2).enumerate() {
+                let tangent = T::splat(slot.friction[index]) * along(self.base_row(slot, index + 1), columns, x);
+                edges[0] = normal + tangent;
+                edges[1] = normal - tangent;
+            }
+        }
+    }
+
+    /// out += J' force.
+    #[inline(always)]
+    pub fn add_transposed(&self, out: &mut [T]) {
+        for slot in &self.slots {
+            let rows = &self.force[slot.rows.clone()];
+            let mut base = [T::splat(0.0); MOST_BASE_ROWS];
+            if slot.pyramid {
+                for (index, edges) in rows.chunks_exact(2).enumerate() {
+                    base[0] += edges[0] + edges[1];
+                    base[index + 1] = T::splat(slot.friction[index]) * (edges[0] - edges[1]);
+                }
+            } else {
+                base[..slot.dimension].copy_from_slice(rows);
+            }
+            for (row, &force) in base[..slot.dimension].iter().enumerate() {
+                for (value, &dof) in self.base_row(slot, row).iter().zip(self.columns_of(slot)) {
+                    T::apart();
+                    out[dof] += *value * force;
+                }
+            }
+        }
+    }
+
+    /// Second derivative of the cost along a slot's base rows, given that of each row.
+    #[inline(always)]
+    pub fn base_weight(&self, slot: &Slot, weights: &[T]) -> [[T; MOST_BASE_ROWS]; MOST_BASE_ROWS] {
+        let rows = &weights[slot.rows.clone()];
+        let mut base = [[T::splat(0.0); MOST_BASE_ROWS]; MOST_BASE_ROWS];
+        if !slot.pyramid {
+            rows.iter().enumerate().for_each(|(row, weight)| base[row][row] = *weight);
+            return base;
+        }
+        for (index, edges) in rows.chunks_exact(2).enumerate() {
+            let friction = slot.friction[index];
+            base[0][0] += edges[0] + edges[1];
+            base[0][index + 1] = T::splat(friction) * (edges[0] - edges[1]);
+            base[index + 1][0] = base[0][index + 1];
+            base[index + 1][index + 1] = T::splat(friction * friction) * (edges[0] + edges[1]);
+        }
+        base
+    }
+
+    /// Calls `visit` with the dofs and values of one constraint row, the `local`-th of its slot.
+    #[inline(always)]
+    pub fn each_value(&self, slot: &Slot, local: usize, mut visit: impl FnMut(usize, T)) {
+        let (first, tangent, factor) = if slot.pyramid {
+            (0, 1 + local / 2, slot.friction[local / 2] * if local.is_multiple_of(2) { 1.0 } else { -1.0 })
+        } else {
+            (local, local, 0.0)
+        };
+        let pairs = self.base_row(slot, first).iter().zip(self.base_row(slot, tangent));
+        for ((normal, tangent), &dof) in pairs.zip(self.columns_of(slot)) {
+            visit(dof, *normal + T::splat(factor) * *tangent);
+        }
+    }
+}
+
+/// A base row times x; the sum of a list begins with the negative zero.
+#[inline(always)]
+fn along<T: Real>(row: &[T], columns: &[usize], x: &[T]) -> T {
+    let mut sum = T::splat(-0.0);
+    for (value, &dof) in row.iter().zip(columns) {
+        T::apart();
+        sum += *value * x[dof];
+    }
+    sum
+}
+
+/// The keys of a lane's blocks, ascending.
+fn keys_of(constraints: &Constraints, keys: &mut Vec<Key>) {
+    for block in &constraints.jacobian.blocks {
+        let upper = usize::from(block.upper);
+        keys.push(match constraints.rows.kind[block.rows.start] {
+            RowKind::Equality(index) => (0, index, 0),
+            RowKind::DofFriction(index) => (1, index, 0),
+            RowKind::TendonFriction(index) => (2, index, 0),
+            RowKind::JointLimit(index) => (3, index, upper),
+            RowKind::TendonLimit(index) => (4, index, upper),
+            RowKind::Contact(index) => {
+                let pair = constraints.contacts[index].candidate;
+                let before = keys.last().filter(|(class, element, _)| (*class, *element) == (5, pair));
+                (5, pair, before.map_or(0, |(_, _, number)| number + 1))
+            }
+        });
+    }
+}
