@@ -26,7 +26,8 @@ pub struct Args {
     /// What acts: cmc (computed muscle control along the task's reference motion, or of the beginning
     /// pose), demonstration (the same along the script of the task's first test that succeeds), zero (every
     /// muscle at rest), random (every action uniform in -1..1), "process COMMAND" (a program of your own: `msk help
-    /// policies` describes what it reads and writes), "replay FILE" (actions from a NumPy file, a row per step)
+    /// policies` describes what it reads and writes), "network FILE" (a trained network, as safetensors), "replay FILE"
+    /// (actions from a NumPy file, a row per step)
     #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: String,
     #[command(flatten)]

@@ -98,7 +98,7 @@ fn a_program_that_cannot_be_used_is_refused_at_once() {
     run("process ./nothing").failed(1, &["policy `process ./nothing` failed", "`./nothing` cannot be started"]);
     run("process").failed(1, &["`process` names no command: write `process python3 policy.py`"]);
     run("replay nothing.npy").failed(1, &["cannot read `nothing.npy`"]);
-    run("pocess sh").failed(1, &["there is no policy `pocess sh`", "process COMMAND, replay FILE"]);
+    run("pocess sh").failed(1, &["there is no policy `pocess sh`", "process COMMAND, network FILE, replay FILE"]);
     project.msk(&["run", "lean.msk", "--policy-timeout", "0"]).failed(2, &["more than 0"]);
 }
 
@@ -133,6 +133,45 @@ fn recorded_actions_are_played_again_bit_for_bit() {
     done.failed(1, &["`random.npy` holds ", " actions, and the episode goes on"]);
     project.write("text.npy", "text");
     project.msk(&["run", "lean.msk", "--policy", "replay text.npy"]).failed(1, &["`text.npy` is no NumPy array"]);
+}
+
+/// A network with one layer that gives `value` for every muscle, whatever it sees.
+fn constant_network(value: f32, inputs: usize, metadata: &str) -> Vec<u8> {
+    let (weight, bias) = (4 * 416 * inputs, 4 * 416);
+    let header = format!(
+        r#"{{"__metadata__":{{{metadata}}},"0.weight":{{"dtype":"F32","shape":[416,{inputs}],"data_offsets":[0,{weight}]}},"0.bias":{{"dtype":"F32","shape":[416],"data_offsets":[{weight},{}]}}}}"#,
+        weight + bias
+    );
+    let numbers = vec![0.0; 416 * inputs].into_iter().chain(vec![value; 416]);
+    let length = (header.len() as u64).to_le_bytes();
+    length.into_iter().chain(header.into_bytes()).chain(numbers.flat_map(f32::to_le_bytes)).collect()
+}
+
+#[test]
+fn a_network_acts_on_the_task_that_it_was_trained_for() {
+    let project = Project::lean();
+    let write = |name: &str, bytes: Vec<u8>| std::fs::write(project.path(name), bytes).unwrap();
+    let episode = |policy: &str| -> Value {
+        let done = project.msk(&["run", "lean.msk", "--json", "--policy", policy]).succeeded();
+        serde_json::from_str(&done.out).unwrap()
+    };
+    let channels = r#""observation":"[{\"name\": \"pelvis.height\", \"size\": 1}]""#;
+    write("rest.safetensors", constant_network(-1.0, 1, channels));
+    assert_eq!(episode("network rest.safetensors")["return"], episode("zero")["return"]);
+    write("half.safetensors", constant_network(-0.5, 1, ""));
+    assert_ne!(episode("network half.safetensors")["return"], episode("zero")["return"]);
+    let refused = |name: &str, parts: &[&str]| {
+        project.msk(&["run", "lean.msk", "--policy", &format!("network {name}")]).failed(1, parts);
+    };
+    write("other.safetensors", constant_network(-1.0, 1, &channels.replace("pelvis", "head")));
+    refused(
+        "other.safetensors",
+        &["trained to see something else: channel 1 is `pelvis.height` (1), expected `head.height` (1)"],
+    );
+    write("wide.safetensors", constant_network(-1.0, 3, ""));
+    refused("wide.safetensors", &["`wide.safetensors` takes 3 numbers, the observation has 1"]);
+    write("cut.safetensors", constant_network(-1.0, 1, "")[..100].to_vec());
+    refused("cut.safetensors", &["cannot read `cut.safetensors`: it is no safetensors file"]);
 }
 
 #[test]

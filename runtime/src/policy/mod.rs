@@ -75,7 +75,7 @@ pub trait Policy: Send {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PolicyError {
     /// No policy of that name.
-    #[error("there is no policy `{0}`; choose one of: {names}, process COMMAND, replay FILE", names = NAMES.join(", "))]
+    #[error("there is no policy `{0}`; choose one of: {names}, process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
     Unknown(String),
     /// A policy from outside without what it is.
     #[error("`{policy}` names no {}: write `{example}`", if *policy == "process" { "command" } else { "file" })]

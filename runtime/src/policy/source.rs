@@ -1,8 +1,7 @@
 //! Policies as a command line names them: built in, or from outside.
 
-use super::outside::{Process, Replay};
+use super::outside::{Network, Process, Replay, Weights};
 use super::{Policy, PolicyError, create, present_name};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -10,7 +9,7 @@ use std::time::Duration;
 /// How long a policy from outside may take for a reply, unless it is set.
 pub const TIMEOUT: Duration = Duration::from_secs(30);
 
-/// What acts: the name of a built-in policy, `process COMMAND` or `replay FILE`.
+/// What acts: the name of a built-in policy, `process COMMAND`, `network FILE` or `replay FILE`.
 ///
 /// The text of tasks, journals and requests of other programs name built-in policies only ([`create`]): a source with a command is
 /// made from what the user of a command line wrote.
@@ -25,7 +24,8 @@ pub struct PolicySource {
 enum Kind {
     BuiltIn,
     Process(Vec<String>),
-    Replay { path: PathBuf, bytes: Arc<[u8]> },
+    Network(Weights),
+    Replay { path: String, bytes: Arc<[u8]> },
 }
 
 impl PolicySource {
@@ -38,10 +38,10 @@ impl PolicySource {
         Ok(Self { name: present_name(name).to_owned(), kind: Kind::BuiltIn, timeout: TIMEOUT })
     }
 
-    /// What a command line names. The file of a replay is read here, so that all episodes see the same.
+    /// What a command line names. Files are read here, so that all episodes see the same.
     ///
     /// # Errors
-    /// An unknown name, `process` without a command, or a file that cannot be read.
+    /// An unknown name, `process` without a command, or a file that cannot be read or is no network.
     pub fn parse(text: &str) -> Result<Self, PolicyError> {
         let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
         let rest = rest.trim();
@@ -53,13 +53,20 @@ impl PolicySource {
                 }
                 (format!("process {}", command.join(" ")), Kind::Process(command))
             }
+            "network" if rest.is_empty() => {
+                return Err(PolicyError::Incomplete { policy: "network", example: "network agent.safetensors" });
+            }
             "replay" if rest.is_empty() => {
                 return Err(PolicyError::Incomplete { policy: "replay", example: "replay actions.npy" });
             }
+            // Results tell two files of one name apart.
+            "network" => {
+                let (weights, digest) = Weights::read(rest)?;
+                (format!("network {rest} ({digest})"), Kind::Network(weights))
+            }
             "replay" => {
-                let (path, bytes, digest) = Replay::read(rest)?;
-                // Results tell two files of one name apart.
-                (format!("replay {rest} ({digest})"), Kind::Replay { path, bytes })
+                let (bytes, digest) = Replay::read(rest)?;
+                (format!("replay {rest} ({digest})"), Kind::Replay { path: rest.to_owned(), bytes })
             }
             _ => return Self::built_in(text),
         };
@@ -85,6 +92,7 @@ impl PolicySource {
         match &self.kind {
             Kind::BuiltIn => create(&self.name).map(|policy| policy as Box<dyn Policy>),
             Kind::Process(command) => Ok(Box::new(Process::start(&self.name, command, self.timeout, stop)?)),
+            Kind::Network(weights) => Ok(Box::new(Network::new(&self.name, weights))),
             Kind::Replay { path, bytes } => Ok(Box::new(Replay::new(&self.name, path, bytes.clone()))),
         }
     }
@@ -103,6 +111,7 @@ mod tests {
         assert!(matches!(name("processes"), Err(PolicyError::Unknown(_))));
         let message = |text: &str| name(text).err().map(|error| error.to_string()).unwrap_or_default();
         assert_eq!(message("process "), "`process` names no command: write `process python3 policy.py`");
+        assert_eq!(message("network"), "`network` names no file: write `network agent.safetensors`");
         assert_eq!(message("replay"), "`replay` names no file: write `replay actions.npy`");
         assert!(message("replay nothing.npy").starts_with("cannot read `nothing.npy`"), "{}", message("replay nothing.npy"));
     }

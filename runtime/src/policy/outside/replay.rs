@@ -1,41 +1,33 @@
 //! Recorded actions, played again: the rows of a NumPy array.
 
+use super::source_file;
 use crate::inspect::Excitations;
 use crate::policy::{Policy, PolicyContext, PolicyError};
-use msk_storage::read_file;
-use sha2::{Digest, Sha256};
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Largest file of actions, bytes.
-const LARGEST: u64 = 1 << 32;
 
 /// Row i of an array is the action of step i, in every episode.
 pub(crate) struct Replay {
     name: String,
-    path: PathBuf,
+    path: String,
     bytes: Arc<[u8]>,
     rows: Option<Excitations>,
 }
 
 impl Replay {
-    /// Reads a file: its path, its bytes, and what tells them from those of other files.
+    /// Reads a file: its bytes, and what tells them from those of other files of its name.
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn read(path: &str) -> Result<(PathBuf, Arc<[u8]>, String), PolicyError> {
-        let bytes = read_file(Path::new(path), LARGEST)
-            .map_err(|error| PolicyError::Unreadable { path: path.to_owned(), reason: error.to_string() })?;
-        let digest: String = Sha256::digest(&bytes).iter().take(4).map(|byte| format!("{byte:02x}")).collect();
-        Ok((path.into(), bytes.into(), digest))
+    pub fn read(path: &str) -> Result<(Arc<[u8]>, String), PolicyError> {
+        source_file(path).map(|(bytes, digest)| (bytes.into(), digest))
     }
 
-    pub fn new(name: &str, path: &Path, bytes: Arc<[u8]>) -> Self {
-        Self { name: name.to_owned(), path: path.into(), bytes, rows: None }
+    pub fn new(name: &str, path: &str, bytes: Arc<[u8]>) -> Self {
+        Self { name: name.to_owned(), path: path.to_owned(), bytes, rows: None }
     }
 
     fn unable(&self, reason: impl Into<String>) -> PolicyError {
-        PolicyError::Unable { policy: self.name.clone(), reason: format!("`{}` {}", self.path.display(), reason.into()) }
+        PolicyError::Unable { policy: self.name.clone(), reason: format!("`{}` {}", self.path, reason.into()) }
     }
 }
 
