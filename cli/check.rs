@@ -16,28 +16,29 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Check files: syntax, names, dimensions, meaning
+/// Check files: syntax, names, dimensions, semantics, lints
 ///
-/// Prints every error and warning with its place and what to do. A task without errors is also begun a few times on its body
-/// and put into many poses: what begins inside each other or apart, what ends or succeeds at the first step, and what no pose
-/// reaches or pays, is told. Last, an episode of each task is played with every muscle at rest: it must not succeed, nor earn more
-/// than holding the pose. A file without a task is checked as a library; one that declares nothing is an error. Every warning
-/// is of a lint, whose level --deny, --warn and --allow set. Exit code 0 if there is no error, 1 if there is.
+/// Prints every error and warning with its position and a suggested fix. Tasks without errors are also reset on their body
+/// and evaluated in many poses, to find penetrations and violated constraints of the initial state, terminations and success
+/// that hold at the first step, and conditions and terms that no pose reaches. Finally an episode of each task is played
+/// with every muscle at rest: it must neither succeed nor earn more than holding the pose. A file without tasks is checked
+/// as a library; a file without declarations is an error. Every warning belongs to a lint; --deny, --warn and --allow set
+/// its level. Exit code 0 if there is no error, 1 otherwise.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Files to check, with all that they use
+    /// Files to check, with their imports
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// First apply the fixes that are surely meant; what remains is printed
+    /// First apply all safe fixes; the remaining findings are printed
     #[arg(long)]
     fix: bool,
-    /// Do not try the tasks on their bodies: neither in poses nor in an episode
+    /// Skip the lints that need the model: neither poses nor an episode
     #[arg(long)]
     no_probe: bool,
-    /// Play no episode at rest, which takes most of the time
+    /// Skip the episode at rest, which takes most of the time
     #[arg(long)]
     no_play: bool,
     #[command(flatten)]
@@ -48,9 +49,9 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For people
+    /// Text for people
     Text,
-    /// For editors and agents: a line per file, with edits that a machine can apply
+    /// JSON for editors and agents: a line per file, with machine-applicable fixes
     Json,
 }
 
@@ -100,7 +101,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
 }
 
-/// Plays an episode of each task at rest; on a terminal a line tells how far it is.
+/// Plays an episode of each task at rest; with a progress line on a terminal.
 fn play(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary) -> Vec<Diagnostic> {
     let bar = ProgressBar::with_draw_target(Some(tasks.len() as u64), ProgressDrawTarget::stderr_with_hz(10));
     // The template is a constant of this file; without it the bar has its default look.
@@ -115,7 +116,7 @@ fn play(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary) -> Vec<Diagnostic> {
 /// Most rounds of fixes: one may make room for another, but none may go round in circles.
 const ROUNDS: usize = 16;
 
-/// Applies automatic fixes to a file and those that it uses, until there is none left. What was changed is told.
+/// Applies automatic fixes to a file and those that it uses, until there is none left, and prints what was changed.
 fn mend(file: &Path, bodies: &BodyLibrary) -> Result<(), Error> {
     for _ in 0..ROUNDS {
         let report = match compile(file, &FileLoader, bodies) {
@@ -144,7 +145,7 @@ fn plural(count: usize, one: &str, several: &str) -> String {
 }
 
 fn found(tasks: usize, warnings: usize) -> String {
-    let remarks = if warnings == 0 { "nothing to remark".into() } else { plural(warnings, "warning", "warnings") };
+    let remarks = if warnings == 0 { "no errors, no warnings".into() } else { plural(warnings, "warning", "warnings") };
     let what = if tasks == 0 { "a library without tasks".into() } else { plural(tasks, "task", "tasks") };
-    format!("{what}, {remarks}")
+    format!("{what}: {remarks}")
 }

@@ -36,7 +36,7 @@ fn parse(text: &str) -> Result<Weakness, Error> {
         None => (None, text),
     };
     let factor = factor.trim().parse().map_err(|_| {
-        Error::usage(format!("`{text}` is no weakness"))
+        Error::usage(format!("`{text}` is not a weakness"))
             .hint("give a factor, as in 0.5, or muscles and a factor, as in calves=0.5")
     })?;
     Ok(Weakness { muscles, factor })

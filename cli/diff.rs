@@ -12,15 +12,15 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Compare tasks by meaning: terms, weights, ranges, thresholds, observations, ends, scene, beginning
+/// Compare the semantics of tasks: terms, weights, ranges, thresholds, observations, terminations, scene, initial state
 ///
-/// Comments, layout and the names of local declarations make no difference. Exit code 0 if both mean the same, 1 if they differ,
-/// 2 if they cannot be compared.
+/// Comments, layout and the names of local declarations are ignored. Exit code 0 if both are equal, 1 if they differ, 2 if
+/// they cannot be compared.
 #[derive(clap::Args)]
 pub struct Args {
     /// A file, a task of a file as FILE@TASK, a task of tasks.msk, or a written snapshot (*.snapshot)
     before: String,
-    /// What it is compared with
+    /// The other side of the comparison
     after: String,
     /// How to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -31,9 +31,9 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For people
+    /// Text for people
     Text,
-    /// For tools: a list with an entry per pair of tasks
+    /// JSON for tools: a list with an entry per pair of tasks
     Json,
 }
 

@@ -17,7 +17,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Draw a body, or how a task begins, as SVG: scene, shapes, bones, muscles by activation, contact forces
+/// Draw a body, or the initial state of a task, as SVG: scene, shapes, bones, muscles by activation, contact forces
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of a body (bodies/NAME.msk here or in a folder above, else built in), or a body file
@@ -29,22 +29,22 @@ pub struct Args {
     /// Draw this state instead: JSON with qpos, qvel, act, ctrl
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     state: Option<PathBuf>,
-    /// Draw how this task begins, with its scene: the name of a task in tasks.msk, or a file with one task
+    /// Draw the initial state of this task, with its scene: the name of a task in tasks.msk, or a file with one task
     #[arg(long, value_name = "TASK", conflicts_with_all = ["pose", "state", "body", "model", "activation"])]
     task: Option<String>,
-    /// Seed of what is drawn for the beginning of a task
+    /// Seed of the initial state of a task
     #[arg(long, default_value_t = 0, requires = "task")]
     seed: u64,
-    /// Leave out muscles and bones
+    /// Omit muscles and bones
     #[arg(long)]
     plain: bool,
     /// Use this model instead of the body file's, for example a scene with the body in it
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Activation of all muscles, 0 to 1, where no state gives them
+    /// Activation of all muscles, 0 to 1, if no state is given
     #[arg(long, value_name = "LEVEL", default_value_t = 0.0, conflicts_with = "state")]
     activation: f64,
-    /// From where
+    /// Viewpoint
     #[arg(long, value_enum, default_value_t = Views::Both)]
     view: Views,
     /// Line above the picture instead of the names of body and pose
@@ -73,7 +73,7 @@ enum Views {
 /// A body, pose, state or model that cannot be found, read or used, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     if !(0.0..=1.0).contains(&args.activation) {
-        return Err(Error::usage(format!("an activation lies between 0 and 1, not at {}", args.activation)));
+        return Err(Error::usage(format!("an activation is between 0 and 1, found {}", args.activation)));
     }
     if let Some(task) = &args.task {
         let picture = beginning(task, &args)?;
@@ -110,13 +110,13 @@ fn write(args: &Args, picture: &str) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The first moment of a task's episode.
+/// The initial state of a task's episode.
 fn beginning(task: &str, args: &Args) -> Result<String, Error> {
     let (_, trial) = Project::find(task, &[])?;
     let mut episode = trial.episode()?;
     episode.reset(EpisodeKey { seed: args.seed, episode: 0 });
     if let Some(Ending::Fault(fault)) = episode.ending() {
-        return Err(Error::new(format!("the task `{task}` does not begin: {fault}")));
+        return Err(Error::new(format!("the task `{task}` cannot be reset: {fault}")));
     }
     let caption = args.caption.clone().unwrap_or_else(|| format!("{} begins", trial.task.name.replace('_', " ")));
     let options = Options { views: args.view.list(), caption, anatomy: !args.plain, markers: episode.markers() };
@@ -156,7 +156,7 @@ pub fn describe(name: &str, library: &BodyLibrary) -> Result<BodyDescription, Er
     let compilation = compile(&path, &FileLoader, library).map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
     match compilation.bodies.as_slice() {
         [body] => Ok((**body).clone()),
-        bodies => Err(Error::new(format!("{} holds {} bodies, not one", path.display(), bodies.len()))),
+        bodies => Err(Error::new(format!("{} contains {} bodies, not one", path.display(), bodies.len()))),
     }
 }
 
@@ -166,7 +166,7 @@ fn find(name: &str) -> Result<PathBuf, Error> {
         return Ok(PathBuf::from(name));
     }
     let file = Path::new("bodies").join(format!("{name}.msk"));
-    let here = std::env::current_dir().context(|| "cannot tell the current folder".into())?;
+    let here = std::env::current_dir().context(|| "cannot determine the current folder".into())?;
     let own = here.ancestors().map(|folder| folder.join(&file)).find(|path| path.exists());
     own.or_else(|| bodies::builtin(name).map(|body| body.path)).ok_or_else(|| {
         let known: Vec<&str> = bodies::names().collect();

@@ -5,13 +5,13 @@ use crate::help;
 use crate::overlays::Overlays;
 use crate::project::{self, Project, Settings};
 use clap::ValueEnum;
-use msk::compiler::explain::{self, Account, Options};
+use msk::compiler::explain::{self, Options, TaskReport};
 use msk::runtime::evaluate::Trial;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Explain tasks: formulas, weights, ranges, values at reset, what each term reads, scene, beginning, ends
+/// Explain tasks: formulas, weights, ranges, values at reset, inputs of each term, scene, initial state, terminations
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of a task in tasks.msk, a file, or a task of a file as FILE@TASK; without it, the tasks of tasks.msk. An error code
@@ -31,13 +31,13 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For people at a terminal
+    /// Text for a terminal
     Text,
-    /// For tools: a list of tasks, everything as data in SI units, formulas as text, LaTeX and MathML
+    /// JSON for tools: a list of tasks, in SI units, formulas as text, LaTeX and MathML
     Json,
-    /// For papers: a document with tables of rewards, settings and success, for pdflatex
+    /// LaTeX for papers: a document with tables of rewards, settings and success, for pdflatex
     Latex,
-    /// For browsers: one page that needs nothing else
+    /// HTML for browsers: one self-contained page
     Html,
 }
 
@@ -64,9 +64,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                 .collect::<Result<_, Error>>()?;
             texts.join("\n\n")
         }
-        Format::Json => serde_json::to_string_pretty(&accounts(&trials)?)? + "\n",
-        Format::Latex => explain::latex(&accounts(&trials)?),
-        Format::Html => explain::html(&title(named), &accounts(&trials)?),
+        Format::Json => serde_json::to_string_pretty(&reports(&trials)?)? + "\n",
+        Format::Latex => explain::latex(&reports(&trials)?),
+        Format::Html => explain::html(&title(named), &reports(&trials)?),
     };
     match &args.out {
         Some(path) => std::fs::write(path, text).context(|| format!("cannot write {}", path.display()))?,
@@ -75,12 +75,12 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn accounts(trials: &[Trial]) -> Result<Vec<Account>, Error> {
-    let account = |trial: &Trial| {
+fn reports(trials: &[Trial]) -> Result<Vec<TaskReport>, Error> {
+    let report = |trial: &Trial| {
         let episode = trial.episode()?;
-        Ok(explain::account(&trial.task, &Options { reset: Some(episode.frame()) }))
+        Ok(explain::task_report(&trial.task, &Options { reset: Some(episode.frame()) }))
     };
-    trials.iter().map(account).collect()
+    trials.iter().map(report).collect()
 }
 
 /// Of a page: the name of the file or task.

@@ -10,13 +10,13 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Lay out files: blanks, indentation, weights and names in columns
+/// Format files: spaces, indentation, weights and names in columns
 ///
-/// Only blanks change. Files with syntax errors are left as they are and reported. Exit code 1 if a file has errors, or, with
-/// --check, if one is not laid out.
+/// Only whitespace changes. Files with syntax errors are unchanged and reported. Exit code 1 if a file has errors, or, with
+/// --check, if a file is not formatted.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Files, or folders to look through; `-` reads standard input and writes to standard output
+    /// Files or folders; `-` reads standard input and writes to standard output
     #[arg(default_value = ".")]
     paths: Vec<PathBuf>,
     /// Change nothing, list the files that would change
@@ -76,6 +76,6 @@ fn laid_out(name: &str, text: &str) -> Result<Option<String>, Error> {
             write!(io::stderr().lock(), "{}", report.render(project::style(&io::stderr())))?;
             Ok(None)
         }
-        Err(error @ FormatError::Changed) => Err(error).context(|| format!("{name} is left as it was")),
+        Err(error @ FormatError::Changed) => Err(error).context(|| format!("{name} is unchanged")),
     }
 }

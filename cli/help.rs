@@ -62,7 +62,7 @@ fn table_of_lints() -> String {
     };
     let rows = lints().map(|(code, lint)| line(code.id, lint.name, lint.level().name(), lint.stage.name(), code.title));
     let head = line("code", "lint", "level", "stage", "what it finds");
-    head + &rows.collect::<String>() + "\n`msk help NAME` prints the page of one.\n"
+    head + &rows.collect::<String>() + "\n`msk help NAME` prints the page of a lint.\n"
 }
 
 /// A letter and four digits.

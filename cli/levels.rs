@@ -15,11 +15,10 @@ const OPTIONS: [(&str, Level, &str); 3] = [
     (
         "deny",
         Level::Deny,
-        "Make an error of a lint's warnings: a name (`unused`), a code (`W0507`), or `warnings` for all. May be repeated, with \
-         --warn and --allow between; the last that is about a lint holds. `msk help lints` lists them",
+        "Turn the warnings of a lint into errors: a name (`unused`), a code (`W0507`), or `warnings` for all. Can be repeated and combined with --warn and --allow; the last one that matches a lint applies. `msk help lints` lists all lints",
     ),
-    ("warn", Level::Warn, "Warn of what a lint finds, after a --deny or --allow of more"),
-    ("allow", Level::Allow, "Say nothing of what a lint finds. A text allows one place with `allow LINT \"REASON\"`"),
+    ("warn", Level::Warn, "Report a lint as a warning, after a more general --deny or --allow"),
+    ("allow", Level::Allow, "Do not report a lint. In a file `allow LINT \"REASON\"` does so for one place"),
 ];
 
 /// A lint as it was named.

@@ -10,8 +10,9 @@ use std::process::ExitCode;
 
 /// Serve an editor: diagnostics while typing, hovers, completion, definitions, renaming, layout
 ///
-/// Speaks the Language Server Protocol over standard input and output. Editors start it themselves; how to tell them is in
-/// grammar/editors/README.md. Exit code 0 if the editor ended the conversation as the protocol demands, 1 if not.
+/// Speaks the Language Server Protocol over standard input and output. Editors start it themselves;
+/// grammar/editors/README.md describes the setup. Exit code 0 if the editor ended the session as the protocol requires, 1
+/// otherwise.
 #[derive(clap::Args)]
 pub struct Args {
     /// Accepted because clients say so; there is no other way

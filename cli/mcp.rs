@@ -6,9 +6,9 @@ use std::process::ExitCode;
 
 /// Serve agents over standard input and output by the Model Context Protocol
 ///
-/// Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes within a budget, compare, and
-/// read results; resources hold the reference and the vocabulary. Nothing outside of the project is read or written, and
-/// writing is a dry run unless the agent says otherwise. docs/weights.md shows how to set a client up.
+/// Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes within a budget,
+/// compare, and read results; resources hold the reference and the vocabulary. Nothing outside of the project is read or
+/// written, and writing is a dry run unless the agent requests otherwise. docs/weights.md shows how to set a client up.
 #[derive(clap::Args)]
 pub struct Args {
     /// The folder that holds tasks.msk

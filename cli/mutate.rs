@@ -13,10 +13,10 @@ use std::process::ExitCode;
 
 /// Mutate tasks, one token at a time, and list the mutants that neither checks nor lints nor tests kill
 ///
-/// Signs, comparisons, units, sides, axes, rates, numbers, weights, `and` and `or`, functions: each is changed by itself in every
-/// formula of the task's values, terms, terminations and success. A mutant is killed by an error (checks), by one more warning of
-/// `msk check` (lints), or by a test of the task that fails (tests); else it survived. Exit code 1 if more survived than
-/// --max-survivors or --max-scene-survivors allow.
+/// Signs, comparisons, units, sides, axes, rates, numbers, weights, `and` and `or`, functions: each is changed separately in
+/// every formula of the task's values, terms, terminations and success. A mutant is killed by an error (checks), by an
+/// additional warning of `msk check` (lints), or by a failing test of the task (tests); otherwise it survived. Exit code 1
+/// if more mutants survived than --max-survivors or --max-scene-survivors allow.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files with tasks, or suites of them
@@ -25,25 +25,25 @@ pub struct Args {
     /// Only this task
     #[arg(long)]
     task: Option<String>,
-    /// Mutate scene, initial state and observation, too; they have a table of their own
+    /// Also mutate scene, initial state and observation; they have a separate table
     #[arg(long)]
     include_scene: bool,
     /// How to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Per cent of the mutants of what the tasks mean that may survive
+    /// Percentage of the mutants of values, terms, terminations and success that may survive
     #[arg(long, value_name = "PERCENT", default_value_t = 100.0)]
     max_survivors: f64,
-    /// Per cent of the mutants of scene, initial state and observation that may survive
+    /// Percentage of the mutants of scene, initial state and observation that may survive
     #[arg(long, value_name = "PERCENT", requires = "include_scene")]
     max_scene_survivors: Option<f64>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For people: the mutants that survived, then a table by class
+    /// Text for people: the mutants that survived, then a table by class
     Text,
-    /// For machines: a line per mutant
+    /// JSON: a line per mutant
     Json,
 }
 
@@ -88,7 +88,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         return Err(Error::new(format!("there is no task `{task}`")).hint(format!("there are: {}", known.join(", "))));
     }
     if all.is_empty() {
-        return Err(Error::new("there is nothing to mutate").hint("give a file with tasks, or the name of one with `--task`"));
+        return Err(Error::new("there is nothing to mutate").hint("give a file with tasks, or select one with `--task`"));
     }
     let (meaning, scene) = (of_meaning(&all), of_scene(&all));
     if args.format == Format::Text {
@@ -138,7 +138,7 @@ fn print(out: &mut impl Write, format: Format, task: &str, path: &str, text: &st
     Ok(())
 }
 
-/// Mutants of what the tasks mean.
+/// Mutants of values, terms, terminations and success.
 fn of_meaning(verdicts: &[Verdict]) -> Count {
     Count::of(verdicts.iter(), |part, _| part == Part::Meaning)
 }

@@ -16,7 +16,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Write a file to begin with
+/// Create a task file or a body file
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -29,7 +29,7 @@ enum Command {
     Body(BodyArgs),
 }
 
-/// A task with a comment at every section: it compiles, runs and waits to be changed
+/// A task with a comment in every section, which compiles and runs
 #[derive(clap::Args)]
 struct TaskArgs {
     /// Name of the task: small letters, digits and underscores
@@ -37,7 +37,7 @@ struct TaskArgs {
     /// Family it belongs to
     #[arg(long, default_value = "stabilization", conflicts_with = "from")]
     family: String,
-    /// Change this task instead of beginning anew: a task of tasks.msk, or FILE@TASK
+    /// Extend this task instead of starting from scratch: a task of tasks.msk, or FILE@TASK
     #[arg(long, value_name = "TASK")]
     from: Option<String>,
     /// The file to write, which must not exist; otherwise NAME.msk
@@ -53,7 +53,7 @@ struct BodyArgs {
     /// The model
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// The file to write, which must not exist; otherwise bodies/NAME.msk, where tasks find it
+    /// The file to write, which must not exist; otherwise bodies/NAME.msk, where tasks look for it
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -77,7 +77,7 @@ fn new_body(args: &BodyArgs) -> Result<ExitCode, Error> {
     let text = scaffold(&args.name, &model, &relative(&args.model, &path)).context(cannot)?;
     // Laid out as `msk fmt` does; what cannot be is told by the compiler below.
     let text = format(FileId::default(), &text).unwrap_or(text);
-    write(&path, &text, &[("check", "does it fit its model"), ("vocabulary --body", "what tasks may name")])
+    write(&path, &text, &[("check", "check against its model"), ("vocabulary --body", "names for tasks")])
 }
 
 fn new_task(args: &TaskArgs) -> Result<ExitCode, Error> {
@@ -88,24 +88,24 @@ fn new_task(args: &TaskArgs) -> Result<ExitCode, Error> {
         Some(from) => extension(&args.name, from, &path)?,
         None => include_str!("new/task.msk").replace("NAME", &args.name).replace("FAMILY", &args.family),
     };
-    write(&path, &text, &[("check", "is it sound"), ("explain", "what does it mean"), ("run", "one episode")])
+    write(&path, &text, &[("check", "check"), ("explain", "explain"), ("run", "one episode")])
 }
 
-/// Writes a text that compiles to a new file, and says what to do with it.
+/// Writes a text that compiles to a new file, and prints the next commands.
 fn write(path: &Path, text: &str, next: &[(&str, &str)]) -> Result<ExitCode, Error> {
     // A word of the language is no name either: the compiler knows which.
     if let Err(report) = compile(path, &Pending { path, text }, &BodyLibrary::default()) {
         let told = report.render(style(&io::stderr()));
-        return Err(Error::told(format!("{told}error: nothing is written, since it would not compile\n")));
+        return Err(Error::told(format!("{told}error: nothing was written, since it would not compile\n")));
     }
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).context(|| format!("cannot make the folder `{}`", folder.display()))?;
+        std::fs::create_dir_all(folder).context(|| format!("cannot create the folder `{}`", folder.display()))?;
     }
-    let cannot = || format!("`{}` cannot be written; what exists is never replaced", path.display());
+    let cannot = || format!("`{}` cannot be written; existing files are never replaced", path.display());
     let mut file = OpenOptions::new().write(true).create_new(true).open(path).context(cannot)?;
     file.write_all(text.as_bytes()).context(cannot)?;
     let mut out = io::stdout().lock();
-    writeln!(out, "{} is written. What to do with it:", path.display())?;
+    writeln!(out, "Created {}. Next:", path.display())?;
     for (command, purpose) in next {
         writeln!(out, "  msk {command:<8} {:<24} {purpose}", path.display())?;
     }
@@ -118,8 +118,9 @@ fn must_be_a_name(what: &str, name: &str) -> Result<(), Error> {
     if !name.is_empty() && name.chars().enumerate().all(fits) {
         return Ok(());
     }
-    let message = format!("`{name}` is no name for a {what}");
-    Err(Error::usage(message).hint("names are small letters, digits and underscores, a letter first: `carry_box`"))
+    let message = format!("`{name}` is not a name for a {what}");
+    Err(Error::usage(message)
+        .hint("names consist of lower-case letters, digits and underscores and begin with a letter: `carry_box`"))
 }
 
 /// A task that changes another one.
@@ -127,8 +128,8 @@ fn extension(name: &str, from: &str, path: &Path) -> Result<String, Error> {
     let tasks = project::compiled(from, &[])?;
     let [task] = tasks.as_slice() else {
         let names: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
-        let message = format!("`{from}` holds {} tasks: {}", names.len(), names.join(", "));
-        return Err(Error::usage(message).hint(format!("name one of them: {from}@{}", names[0])));
+        let message = format!("`{from}` contains {} tasks: {}", names.len(), names.join(", "));
+        return Err(Error::usage(message).hint(format!("select one of them: {from}@{}", names[0])));
     };
     let home = home(from, task)?;
     let used = relative(&home, path);

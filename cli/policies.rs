@@ -27,9 +27,9 @@ impl Limits {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
     // An hour is more than any policy thinks, and less than any clock overflows at.
-    if seconds > 0.0 && seconds <= 3600.0 { Ok(seconds) } else { Err("it is more than 0 and at most 3600".into()) }
+    if seconds > 0.0 && seconds <= 3600.0 { Ok(seconds) } else { Err("it must be more than 0 and at most 3600".into()) }
 }
 
 /// A policy whose actions are kept.

@@ -67,8 +67,8 @@ impl Project {
             Ok([trial]) => Ok((project, trial)),
             Err(trials) => {
                 let names: Vec<&str> = trials.iter().map(|trial| trial.task.name.as_str()).collect();
-                let message = format!("`{name}` holds {} tasks: {}", names.len(), names.join(", "));
-                Err(Error::new(message).hint(format!("give the name of one of them, as in {name}@{}", names[0])))
+                let message = format!("`{name}` contains {} tasks: {}", names.len(), names.join(", "));
+                Err(Error::new(message).hint(format!("select one of them, as in {name}@{}", names[0])))
             }
         }
     }
@@ -108,8 +108,8 @@ pub fn named(name: &str) -> Result<(&Path, Option<&str>), Error> {
         return Ok((Path::new(name), None));
     }
     if !Path::new(SUITE).exists() {
-        let message = format!("there is no `{SUITE}` here in which to look for the task `{name}`");
-        return Err(Error::new(message).hint("go to the folder that has it, or give the path of the task's file"));
+        let message = format!("there is no `{SUITE}` here to look up the task `{name}`");
+        return Err(Error::new(message).hint("change to its folder, or give the path of the task's file"));
     }
     Ok((Path::new(SUITE), Some(name)))
 }
@@ -140,7 +140,7 @@ fn chosen<'a>(compilation: &'a Compilation, only: Option<&'a str>) -> Result<Vec
     let mut seen = BTreeSet::new();
     let members: Vec<&str> = members.into_iter().filter(|name| seen.insert(*name)).collect();
     if members.is_empty() {
-        return Err(Error::new("the file holds no task").hint("a task begins with `task NAME {`"));
+        return Err(Error::new("the file contains no task").hint("a task begins with `task NAME {`"));
     }
     let find = |name: &str| {
         tasks.iter().find(|task| task.name == name).ok_or_else(|| {

@@ -18,16 +18,15 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Run one episode of a task and print what each reward term paid
+/// Run one episode of a task and print the contribution of each reward term
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of a task in tasks.msk, or a file with one task
     task: String,
-    /// What acts: cmc (computed muscle control along the task's reference motion, or of the beginning
-    /// pose), demonstration (the same along the script of the task's first test that succeeds), zero (every
-    /// muscle at rest), random (every action uniform in -1..1), "process COMMAND" (a program of your own: `msk help
-    /// policies` describes what it reads and writes), "network FILE" (a trained network, as safetensors), "replay FILE"
-    /// (actions from a NumPy file, a row per step)
+    /// The policy: cmc (computed muscle control that tracks the task's reference motion, or holds the initial pose),
+    /// demonstration (tracks the script of the task's first succeeding test), zero (every muscle at rest), random (every
+    /// action uniform in -1..1), "process COMMAND" (an external program: `msk help policies` describes its protocol),
+    /// "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy file, a row per step)
     #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: String,
     #[command(flatten)]
@@ -37,23 +36,23 @@ pub struct Args {
     actions: Option<PathBuf>,
     #[command(flatten)]
     condition: Condition,
-    /// Seed of all chance
+    /// Random seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Which episode of that seed
+    /// Index of the episode
     #[arg(long, default_value_t = 0)]
     episode: u64,
     /// Print the record of the episode as JSON instead
     #[arg(long)]
     json: bool,
-    /// Write the state at the end to this file, as `msk draw --state` reads it
+    /// Write the final state to this file, for `msk draw --state`
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Go on up to the horizon whatever terminations the task has, and print when the episode would have ended, whether
-    /// the physics met a fault, and how deep shapes penetrated each other
+    /// Continue up to the horizon, ignoring terminations, and print when the episode would have ended, faults of the
+    /// physics, and the largest penetration
     #[arg(long, conflicts_with_all = ["json", "replay", "weights", "weight"])]
     ignore_terminations: bool,
-    /// Play an episode of an evaluation again, by the weights that paid it, and say whether it is the same to the last bit: the
+    /// Replay an episode of an evaluation with its recorded weights, and report whether the result is bit-identical: the
     /// folder of its results; with --episode
     #[arg(long, value_name = "DIR", conflicts_with_all = ["policy", "seed", "weights", "weight", "state"])]
     replay: Option<PathBuf>,
@@ -65,8 +64,8 @@ pub struct Args {
 
 /// Runs the episode.
 ///
-/// # Errors
-/// Errors in the file, a policy that does not exist or cannot act, or a state file that cannot be written.
+/// # Errors Errors in the file, a policy that does not exist or does not support the task, or a state file that cannot be
+/// written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (project, mut trial) = Project::find(&args.task, &args.settings.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
@@ -119,7 +118,7 @@ fn write_state(args: &Args, episode: &Environment) -> Result<(), Error> {
     fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))
 }
 
-/// Plays an episode up to its horizon, whatever terminations hold on the way.
+/// Plays an episode up to its horizon, ignoring terminations.
 fn to_horizon(
     args: &Args,
     trial: &Trial,
@@ -132,27 +131,27 @@ fn to_horizon(
     let task = &trial.task;
     let first = match &found.first {
         Some((steps, ending)) if ending.is_of_task() => format!("{} after {steps}", ending.conditions(task)),
-        _ => "no end before the horizon".to_owned(),
+        _ => "no termination before the horizon".to_owned(),
     };
     let fault = found.fault.map_or("no fault".to_owned(), |fault| format!("stopped by a fault: {fault}"));
     let (steps, deepest, fastest) = (found.steps, 1e3 * found.deepest, found.fastest);
-    let told = format!("{first}; went on to {steps} steps of {}, {fault}", task.horizon);
+    let told = format!("{first}; continued to {steps} steps of {}, {fault}", task.horizon);
     let mut out = io::stdout().lock();
     writeln!(
         out,
-        "{}, policy {}: {told}; shapes overlapped by {deepest:.1} mm, the root went {fastest:.1} m/s at most",
+        "{}, policy {}: {told}; largest penetration {deepest:.1} mm, largest speed of the root {fastest:.1} m/s",
         task.name, args.policy
     )?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Plays an episode of an evaluation again.
+/// Replays an episode of an evaluation.
 fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode, Error> {
     let records = Journal::records(folder).map_err(crate::eval::explain)?;
     let record = records.iter().find(|record| record.task == trial.task.name && record.episode == args.episode);
     let Some(record) = record else {
-        let message = format!("`{}` holds no episode {} of task `{}`", folder.display(), args.episode, trial.task.name);
-        return Err(Error::new(message).hint("say which with --episode; its journal is episodes.jsonl"));
+        let message = format!("`{}` contains no episode {} of task `{}`", folder.display(), args.episode, trial.task.name);
+        return Err(Error::new(message).hint("select one with --episode; the journal is episodes.jsonl"));
     };
     let played = replay(trial, record)?;
     let mut out = io::stdout().lock();
@@ -170,12 +169,12 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
         return Ok(ExitCode::SUCCESS);
     }
     let message = format!(
-        "this is not the episode that `{}` holds: it paid {}, not {}",
+        "this differs from the episode in `{}`: its return was {}, not {}",
         folder.display(),
         exact(played.total),
         exact(record.total)
     );
-    Err(Error::new(message).hint("another version of the program, or another machine's arithmetic, made it"))
+    Err(Error::new(message).hint("it was made by another version of the program, or on a machine with different arithmetic"))
 }
 
 /// What ran and how it ended.

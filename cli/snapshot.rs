@@ -12,16 +12,16 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Write down what tasks mean, or check that they still mean what was written down
+/// Write snapshots of the semantics of tasks, or check tasks against them
 ///
-/// Each task gets a text file of its own, NAME.snapshot: terms with weights, ranges and what they compute, ends, observations,
-/// scene, beginning. With --check nothing is written; a difference in meaning is told in words and makes the exit code 1, while
-/// comments and layout make none. Meant for continuous integration.
+/// Each task has a text file, NAME.snapshot: terms with weights, ranges and operations, terminations, observations, scene,
+/// initial state. With --check nothing is written; a semantic difference is described and sets the exit code to 1, while
+/// comments and layout are ignored. Intended for continuous integration.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files, or tasks of a file as FILE@TASK, or tasks of tasks.msk; without any, the tasks of tasks.msk
     files: Vec<String>,
-    /// Compare, and write nothing
+    /// Compare only, write nothing
     #[arg(long)]
     check: bool,
     /// The folder of the snapshots
@@ -42,8 +42,8 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     for file in &files {
         for task in compiled(file, &args.settings.settings)? {
             if tasks.iter().any(|(known, _)| known.task() == task.name) {
-                let message = format!("two of the files hold a task called `{}`", task.name);
-                return Err(Error::usage(message).hint("write their snapshots to folders of their own: --out DIR"));
+                let message = format!("two of the files contain a task called `{}`", task.name);
+                return Err(Error::usage(message).hint("write their snapshots to different folders: --out DIR"));
             }
             tasks.push((task.snapshot(), task));
         }
@@ -101,16 +101,16 @@ fn check(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path, whole: bool) ->
         }
     }
     for left in if whole { left_over(tasks, folder)? } else { Vec::new() } {
-        writeln!(out, "{}\n  has a snapshot, but there is no such task any more", left)?;
+        writeln!(out, "{}\n  has a snapshot, but the task does not exist any more", left)?;
         sound = false;
     }
     if !sound {
-        writeln!(io::stderr().lock(), "hint: if this is meant, run `msk snapshot` and commit what it writes")?;
+        writeln!(io::stderr().lock(), "hint: if the change is intended, run `msk snapshot` and commit the result")?;
         return Ok(ExitCode::from(FAILURE));
     }
     writeln!(
         out,
-        "{} means what its snapshot says",
+        "{} equals its snapshot",
         if tasks.len() == 1 { "1 task".into() } else { format!("each of {} tasks", tasks.len()) }
     )?;
     Ok(ExitCode::SUCCESS)

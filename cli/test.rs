@@ -17,10 +17,10 @@ use std::sync::Arc;
 
 /// Run the tests inside files: `test "..." { }` and `cheat "..." { }` of all tasks
 ///
-/// What a test shows is played, or run where it says so, and what it expects is compared; nothing depends on chance or on the
-/// number of cores. Under the tests of a task stands the ranking of its cheats: the returns of the demonstration (the first test
-/// that expects `success` at its end) and of every cheat, held to the horizon; each must stay below the demonstration. Exit code 0 if
-/// every test passes, 1 if one does not or there is none to run.
+/// Plays the script of each test, or runs a policy where the test has `run`, and evaluates its expectations; results depend
+/// neither on random numbers nor on the number of cores. The ranking of its cheats follows the tests of each task: the
+/// returns of the demonstration (the first test that expects `success` at its end) and of every cheat, held to the horizon;
+/// each cheat must stay below the demonstration. Exit code 0 if every test passes, 1 if one fails or there is no test.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files with tasks, or suites of them
@@ -40,9 +40,9 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For people: a line per test, and what did not hold
+    /// Text for people: a line per test, and the failed expectations
     Text,
-    /// For machines: a line per test
+    /// JSON: a line per test
     Json,
 }
 
@@ -102,8 +102,8 @@ fn none(filter: Option<&str>, tasks: &BTreeSet<String>) -> Error {
         _ if names.is_empty() => Error::new("there is no task to test").hint("a task begins with `task NAME {`"),
         Some(filter) => Error::new(format!("no test contains `{filter}` in its task and title, as in `stand: a fall ends it`"))
             .hint(format!("the tasks are: {}", names.join(", "))),
-        None => Error::new(format!("there is no test to run: without tests are {}", names.join(", ")))
-            .hint("a test stands in its task: `test \"...\" { pose neutral; expect not success }`"),
+        None => Error::new(format!("there is no test to run: tasks without tests are {}", names.join(", ")))
+            .hint("tests are declared in their task: `test \"...\" { pose neutral; expect not success }`"),
     }
 }
 

@@ -32,7 +32,7 @@ pub fn snapshot(file: &Path, task: &str) -> Result<String, String> {
         Some(task) => Ok(task.snapshot().to_string()),
         None => {
             let known: Vec<&str> = compilation.tasks.iter().map(|task| task.name.as_str()).collect();
-            Err(format!("`{}` holds no task `{task}`; it holds: {}", file.display(), known.join(", ")))
+            Err(format!("`{}` contains no task `{task}`; it contains: {}", file.display(), known.join(", ")))
         }
     }
 }

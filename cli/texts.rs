@@ -17,9 +17,8 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     }
     if found.is_empty() {
         let places: Vec<String> = paths.iter().map(|path| format!("`{}`", path.display())).collect();
-        return Err(
-            Error::new(format!("there is no `.msk` file in {}", places.join(", "))).hint("give a file, or a folder with some")
-        );
+        return Err(Error::new(format!("there is no `.msk` file in {}", places.join(", ")))
+            .hint("give a file, or a folder with .msk files"));
     }
     Ok(found)
 }

@@ -16,22 +16,22 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Tune the weights of a task: run episodes, ask a reasoner, apply what the rules allow, keep the best
+/// Tune the weights of a task: run episodes, request a proposal, apply it within the rules, keep the best weights
 ///
-/// A round runs episodes until the control steps of all workers together reach the interval. Its statistics go to the reasoner,
-/// whose proposal is projected onto what the rules of change and the bounds in the source allow. Everything is kept in a folder:
-/// rounds.jsonl (statistics, prompt, proposal, what was applied or why not), episodes.jsonl, weights.toml (read anew before
-/// every episode: it may be edited while this runs), best.toml. With --out, a folder that holds part of the same session is
-/// continued.
+/// A round runs episodes until the control steps of all workers together reach the interval. Its statistics are sent to the
+/// reasoner, whose proposal is projected onto the rules for changes and the bounds in the source. The folder of the session
+/// contains rounds.jsonl (statistics, prompt, proposal, applied weights or reason of rejection), episodes.jsonl,
+/// weights.toml (reloaded before every episode, so it can be edited during the session) and best.toml. With --out, a folder
+/// that contains part of the same session is resumed.
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of a task in tasks.msk, or a file with one task
     task: String,
-    /// Who proposes weights: rules (built in), or a TOML file with kind = "http" (url, model, key_variable), kind = "process"
+    /// The reasoner: rules (built in), or a TOML file with kind = "http" (url, model, key_variable), kind = "process"
     /// (command, environment) or kind = "rules"
     #[arg(long, default_value = "rules", value_name = "rules | FILE")]
     reasoner: String,
-    /// What acts: cmc, demonstration, zero, random
+    /// The policy: cmc, demonstration, zero, random
     #[arg(long, default_value = "cmc", value_parser = policy_name)]
     policy: String,
     #[command(flatten)]
@@ -39,31 +39,32 @@ pub struct Args {
     /// Control steps of a round, of all workers together
     #[arg(long, default_value_t = 20_000, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
     interval: u64,
-    /// Most rounds
+    /// Maximal number of rounds
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     rounds: u64,
-    /// Most control steps, of all rounds together
+    /// Maximal number of control steps of all rounds together
     #[arg(long, value_name = "STEPS")]
     steps: Option<u64>,
     /// Largest relative change of a weight in one round
     #[arg(long, default_value_t = 0.2, value_name = "PART")]
     step: f64,
-    /// Keep the sum of the sizes of all weights in scope at this number; they are scaled to it first
+    /// Keep the sum of the absolute values of all weights in scope at this number; they are scaled to it first
     #[arg(long)]
     norm: Option<f64>,
-    /// What is tuned and counts in the norm: all terms, or only those paid while an episode goes on, not the price of its end
+    /// The terms that are tuned and part of the norm: all, or only those of a running episode, without the cost of
+    /// termination
     #[arg(long, value_enum, default_value_t = Scope::All)]
     scope: Scope,
-    /// Terms that stay as they are and do not count in the norm, such as the price of a fall; may be repeated
+    /// Terms that stay unchanged and are not part of the norm, such as the cost of a fall; can be repeated
     #[arg(long, value_name = "TERM")]
     outside: Vec<String>,
-    /// What makes a round better: success, survival, or a metric of the task, with - before it if less is better
+    /// The objective: success, survival, or a metric of the task, with a - before it if lower is better
     #[arg(long, default_value = "success", allow_hyphen_values = true)]
     objective: String,
-    /// What to do when the reasoner fails or cannot be understood
+    /// Behaviour when the reasoner fails or its response is invalid
     #[arg(long, value_enum, default_value_t = Failure::Keep)]
     on_failure: Failure,
-    /// Seed of all chance
+    /// Random seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Worker threads; results do not depend on it [default: all cores]
@@ -88,7 +89,7 @@ enum Scope {
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Failure {
-    /// Keep the weights, log it, go on
+    /// Keep the weights, log the failure, continue
     Keep,
     /// Stop
     Stop,
@@ -96,8 +97,7 @@ enum Failure {
 
 /// Runs the session.
 ///
-/// # Errors
-/// Errors in the file, a folder or reasoner that cannot be used, or a policy that cannot act.
+/// # Errors Errors in the file, a folder or reasoner that cannot be used, or a policy that does not support the task.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (project, mut trial) = Project::find(&args.task, &args.parameters.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
@@ -134,7 +134,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let bar = progress.bar.clone();
     let mut session = Session::open(&folder, settings, trial, move |message| bar.suspend(|| say(message)))?;
     if !session.rounds().is_empty() {
-        say(&format!("continuing `{}`: {} of {} rounds are there", folder.display(), session.rounds().len(), args.rounds));
+        say(&format!("resuming `{}`: {} of {} rounds exist", folder.display(), session.rounds().len(), args.rounds));
     }
     let interrupt = Interrupt::listen()?;
     let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
@@ -144,7 +144,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     finish(&session, ended, &interrupt)
 }
 
-/// Says what came of it.
+/// Prints the result.
 fn finish(session: &Session, ended: Ended, interrupt: &Interrupt) -> Result<ExitCode, Error> {
     let folder = session.folder().display();
     let mut out = io::stdout().lock();
@@ -158,21 +158,21 @@ fn finish(session: &Session, ended: Ended, interrupt: &Interrupt) -> Result<Exit
     match ended {
         Ended::Budget => Ok(ExitCode::SUCCESS),
         Ended::Interrupted => {
-            writeln!(io::stderr(), "interrupted; the same command with `--out {folder}` continues")?;
+            writeln!(io::stderr(), "interrupted; the same command with `--out {folder}` resumes")?;
             Ok(interrupt.code())
         }
         Ended::Failed => {
             let why = session.rounds().last().and_then(|round| round.rejected.clone()).unwrap_or_default();
             writeln!(
                 io::stderr(),
-                "error: {why}\n  hint: the same command with `--out {folder}` goes on, with --on-failure keep also past failures"
+                "error: {why}\n  hint: the same command with `--out {folder}` resumes, with --on-failure keep also after failures"
             )?;
             Ok(ExitCode::from(FAILURE))
         }
     }
 }
 
-/// A round in a line: what it came to and what changed after it.
+/// A round in one line: its result and the changed weights.
 fn line(round: &Round) -> String {
     let statistics = &round.statistics;
     let head = format!(

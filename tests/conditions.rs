@@ -77,7 +77,7 @@ fn what_a_body_cannot_have_is_refused_in_words() {
         "the body `human` has no muscle or group of muscles `solus_r`; did you mean `soleus_r`?"
     );
     let text = refused(&condition(vec![weak(None, 1.5)]));
-    assert_eq!(text, "the strength of a muscle condition is 1.5; it lies between 0 and 1");
+    assert_eq!(text, "the strength of a muscle condition is 1.5; it must be between 0 and 1");
     let fatigue = Some(Fatigue { recovery: f64::NAN, ..Fatigue::default() });
     assert!(refused(&MuscleCondition { weakness: vec![], fatigue }).contains("rate of recovery"));
 }

@@ -374,7 +374,7 @@ fn a_draw_that_never_fits_is_a_fault_of_that_episode() {
     let mut episode = episode(&[never, ("observe { com", "observe { goal; com")]);
     episode.reset(KEY);
     let Some(Ending::Fault(fault @ Fault::Draw(_))) = episode.ending() else { panic!("{:?}", episode.ending()) };
-    assert!(fault.to_string().starts_with("none of 64 draws of `goal` at step 0 fulfils `goal > 2`"), "{fault}");
+    assert!(fault.to_string().starts_with("none of 64 draws of `goal` at step 0 satisfies `goal > 2`"), "{fault}");
 }
 
 #[test]

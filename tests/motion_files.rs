@@ -108,5 +108,5 @@ fn a_gait_that_slides_or_sinks_is_told() {
     let slow = change("root.x", |x| 0.9 * x);
     assert!(slow.iter().any(|fault| fault.contains("slides by")), "{slow:?}");
     let low = change("root.height", |z| z - 0.02);
-    assert!(low.iter().any(|fault| fault.contains("deep in the ground")), "{low:?}");
+    assert!(low.iter().any(|fault| fault.contains("penetrates the ground")), "{low:?}");
 }

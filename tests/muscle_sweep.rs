@@ -79,14 +79,14 @@ fn the_command_prints_path_wraps_and_curve() {
     let output = msk(&["recfem_r", "--joint", "knee_angle_r", "--steps", "4"]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && text.starts_with("recfem_r on knee_angle_r, tendon recfem_r_tendon\n"), "{text}");
-    assert!(text.contains("moving with it: ") && text.contains("knee_angle_beta_translation1_r"), "{text}");
+    assert!(text.contains("coupled joints: ") && text.contains("knee_angle_beta_translation1_r"), "{text}");
     assert!(text.contains("peak force 2212 N") && text.contains("  start ") && text.contains("  on pelvis"), "{text}");
     assert!(text.contains("\n   120.00 ") || text.contains("\n   119.9"), "{text}");
 
     assert!(!text.contains("operating range"), "{text}");
     let output = msk(&["Ps_L1_VB_r", "--joint", "hip_flexion_r", "--steps", "4"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("leaves no tendon: with `tendons elastic` 18.7 mm of the path would stretch"), "{text}");
+    assert!(text.contains("leaves no tendon: with `tendons elastic` 18.7 mm of the path would be elastic"), "{text}");
 
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("soleus.svg");
@@ -111,7 +111,7 @@ fn what_cannot_be_swept_is_refused_in_words() {
     refused(&["soleus_r", "--joint", "ankel_angle_r"], "no hinge or slide `ankel_angle_r`; did you mean `ankle_angle_r`?");
     refused(
         &["recfem_r", "--joint", "knee_angle_translation1_r"],
-        "joint `knee_angle_translation1_r` follows another joint by a coupling; sweep the one that leads, `knee_angle_r`",
+        "joint `knee_angle_translation1_r` is coupled to another joint; sweep the independent one, `knee_angle_r`",
     );
     refused(&["soleus_r", "--joint", "root"], "no hinge or slide `root`");
 }

@@ -4,10 +4,10 @@
 //! itself gives behind `ours:`; nothing else may differ. Compared are contents, not names: the sensors, states and clocks that a
 //! channel or a condition reads, and every constant that it adds to the paper's. `docs/paper.md` lists what differs; `MSK_UPDATE=1` writes it anew.
 
-#[path = "paper/beginning.rs"]
-mod beginning;
+#[path = "paper/initial_state.rs"]
+mod initial_state;
 
-use beginning::Beginning;
+use initial_state::InitialState;
 use msk::compiler::compile;
 use msk::compiler::snapshot::{Section, Snapshot};
 use msk::compiler::task::CompiledTask;
@@ -36,7 +36,7 @@ struct Paper {
     #[serde(default)]
     extra_terms: Vec<Extra>,
     observations: Channels,
-    beginning: Beginning,
+    initial_state: InitialState,
     scene: Option<Saying>,
     ends: Vec<EndRow>,
     #[serde(default)]
@@ -302,7 +302,7 @@ impl Comparison<'_> {
     }
 
     fn channels(&mut self, task: &CompiledTask, base: &Base) {
-        let report = msk::compiler::explain::account(task, &msk::compiler::explain::Options::default());
+        let report = msk::compiler::explain::task_report(task, &msk::compiler::explain::Options::default());
         let (mut own, mut shared) = (BTreeMap::new(), BTreeMap::new());
         for channel in &report.observation.channels {
             let sections: Vec<&Section> = self.section("channel", &channel.name).into_iter().collect();
@@ -329,10 +329,10 @@ impl Comparison<'_> {
         }
     }
 
-    fn beginning(&mut self, task: &CompiledTask) {
+    fn initial_state(&mut self, task: &CompiledTask) {
         let paper = self.paper;
-        self.differs("beginning", &paper.beginning.paper, &paper.beginning.differs);
-        let (problems, mut rows) = beginning::compare(&paper.beginning, &self.snapshot, &task.vocabulary);
+        self.differs("initial state", &paper.initial_state.paper, &paper.initial_state.differs);
+        let (problems, mut rows) = initial_state::compare(&paper.initial_state, &self.snapshot, &task.vocabulary);
         problems.into_iter().for_each(|problem| self.problem(problem));
         self.listed.append(&mut rows);
     }
@@ -341,7 +341,7 @@ impl Comparison<'_> {
         let paper = self.paper;
         let mut told: Vec<&str> = paper.extra_ends.iter().map(|extra| extra.ours.as_str()).collect();
         for row in &paper.ends {
-            let what = format!("end `{}`", row.paper);
+            let what = format!("termination `{}`", row.paper);
             let sections: Vec<Section> = row.ours.iter().filter_map(|name| self.section("terminate", name).cloned()).collect();
             if sections.len() != row.ours.len() {
                 self.problem(format!("{what}: of the ends {:?} only {} are there", row.ours, sections.len()));
@@ -353,7 +353,7 @@ impl Comparison<'_> {
             self.differs(&what, "", &row.differs);
         }
         for extra in &paper.extra_ends {
-            let what = format!("end `{}`", extra.ours);
+            let what = format!("termination `{}`", extra.ours);
             let Some(section) = self.section("terminate", &extra.ours).cloned() else {
                 self.problem(format!("{what} is said to be added, and is not there"));
                 continue;
@@ -457,7 +457,7 @@ fn compared() -> (Vec<String>, String) {
         };
         comparison.terms();
         comparison.channels(task, &base);
-        comparison.beginning(task);
+        comparison.initial_state(task);
         if let Some(scene) = &paper.scene {
             comparison.differs("scene", &scene.paper, &scene.differs);
         }
@@ -473,13 +473,13 @@ fn compared() -> (Vec<String>, String) {
     (problems, list)
 }
 
-const HEAD: &str = "# Where our tasks differ from the paper's tables
+const HEAD: &str = "# Differences between our tasks and the paper's tables
 
 Written by `MSK_UPDATE=1 cargo test --test suite paper`, which compares every row of the tables (typed into `tests/paper/*.toml`) with the
-compiled tasks: weights, constants, what observations, ends and success read, beginnings. What is not listed here is as the paper says;
-where the suite differs because the paper's formula pays for an exploit, [`tasks/paper.msk`](../tasks/paper.msk) has the paper's. Where
-the paper abbreviates a beginning, the figures of its published code stand for it (rad, m, m/s; `noise` as standard deviations).
-Wherever a body begins on the ground, so do its soles, hands or knees, whatever height of the root was published.
+compiled tasks: weights, constants, the inputs of observations, terminations and success, initial states. Everything that is not listed here
+is as in the paper; where the suite differs because the paper's formula rewards an exploit, [`tasks/paper.msk`](../tasks/paper.msk) has the
+paper's formula. Where the paper abbreviates an initial state, the values of its published code are used (rad, m, m/s; `noise` as standard
+deviations). If a body starts on the ground, its soles, hands or knees do, independent of the published height of the root.
 ";
 
 #[test]

@@ -140,7 +140,7 @@ fn excitations_that_do_not_fit_are_refused() {
     let rollout = |rest: &[&str], expected: &str| refused(&[&paths[..], rest].concat(), expected);
     rollout(&[output_text], "cannot read");
     fs::write(&input, b"no array").unwrap();
-    rollout(&[output_text], "is no NumPy array");
+    rollout(&[output_text], "is not a NumPy array");
     // The number of its elements does not fit into 64 bits.
     let shape = "{'descr': '<f8', 'fortran_order': False, 'shape': (1099511627776, 1099511627776), }\n";
     fs::write(&input, [b"\x93NUMPY\x01\0", &(shape.len() as u16).to_le_bytes()[..], shape.as_bytes()].concat()).unwrap();
@@ -178,8 +178,8 @@ fn a_key_frame_is_a_place_to_start_from() {
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((report["time"].as_f64(), report["model"]["na"].as_u64()), (Some(1.5), Some(2)));
     assert_eq!((numbers(&report["act"]), numbers(&report["ctrl"])), (vec![0.4, -2.0], vec![1.0, -3.0, 0.5]));
-    refused(&["forward", "--model", text(&model), "--keyframe", "x"], "no key frame `x`: it has `rest`, `moved`, `placed`");
-    refused(&["forward", "--model", text(&muscles()), "--keyframe", "x"], "no key frame `x`: it has none");
+    refused(&["forward", "--model", text(&model), "--keyframe", "x"], "no keyframe `x`: it has `rest`, `moved`, `placed`");
+    refused(&["forward", "--model", text(&muscles()), "--keyframe", "x"], "no keyframe `x`: it has none");
 
     let folder = tempfile::tempdir().unwrap();
     let (input, output) = (folder.path().join("u.npy"), folder.path().join("traj.npz"));

@@ -1,7 +1,7 @@
-//! `docs/tasks.md` and its pictures are those of the tasks: `MSK_UPDATE=1 cargo test --test suite task_pages` writes them anew.
+//! `docs/tasks.md` and its pictures match the tasks: `MSK_UPDATE=1 cargo test --test suite task_pages` writes them anew.
 
 use msk::compiler::compile;
-use msk::compiler::explain::{Account, EndAccount, Options as Telling, account};
+use msk::compiler::explain::{EndReport, Options as Telling, TaskReport, task_report};
 use msk::compiler::task::CompiledTask;
 use msk::draw::{Options, View, svg};
 use msk::runtime::episode::Environment;
@@ -56,7 +56,7 @@ fn code(text: &str) -> String {
     format!("`{}`", text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|"))
 }
 
-fn ends(text: &mut String, title: &str, ends: &[EndAccount]) {
+fn ends(text: &mut String, title: &str, ends: &[EndReport]) {
     if ends.is_empty() {
         return;
     }
@@ -70,26 +70,26 @@ fn ends(text: &mut String, title: &str, ends: &[EndAccount]) {
     let _ = writeln!(text, "{title}: {}.\n", reasons.join("; "));
 }
 
-fn succeeds(text: &mut String, title: &str, success: Option<&EndAccount>) {
+fn succeeds(text: &mut String, title: &str, success: Option<&EndReport>) {
     if let Some(success) = success {
         let _ = writeln!(text, "{title} when {}.\n", code(&success.condition.source));
     }
 }
 
 /// Section of a task; the `parts` are those that a sequence runs.
-fn section(account: &Account, parts: &[Account]) -> String {
+fn section(report: &TaskReport, parts: &[TaskReport]) -> String {
     let mut text = String::new();
-    let title = account.name.replace('_', " ");
-    let _ = writeln!(text, "### {title}\n\n{}\n", account.summary);
-    let _ = writeln!(text, "![How {title} begins](tasks/{}.svg)\n", account.name);
-    let (seconds, steps, size) = (account.duration, account.horizon, account.observation.size);
-    let _ = writeln!(text, "{steps} steps at {} Hz ({seconds} s), {size} observed numbers.\n", account.control_frequency);
-    for motion in &account.motions {
+    let title = report.name.replace('_', " ");
+    let _ = writeln!(text, "### {title}\n\n{}\n", report.summary);
+    let _ = writeln!(text, "![Initial state of {title}](tasks/{}.svg)\n", report.name);
+    let (seconds, steps, size) = (report.duration, report.horizon, report.observation.size);
+    let _ = writeln!(text, "{steps} steps at {} Hz ({seconds} s), {size} observed values.\n", report.control_frequency);
+    for motion in &report.motions {
         let start = motion.start.map_or("a phase drawn for each episode".to_owned(), |start| format!("phase {start}"));
         let _ = writeln!(text, "Follows the motion {} of {} s from {start}.\n", motion.title, motion.duration);
     }
-    let sequence = account.phases.len() > 1;
-    for phase in &account.phases {
+    let sequence = report.phases.len() > 1;
+    for phase in &report.phases {
         if sequence {
             let left = phase
                 .until
@@ -102,32 +102,32 @@ fn section(account: &Account, parts: &[Account]) -> String {
             let _ = writeln!(text, "| {} | {} | {} |", term.weight, term.name, code(&term.formula.source));
         }
         text.push('\n');
-        ends(&mut text, "Fails", &phase.terminations);
-        ends(&mut text, "Ends otherwise", &phase.finishes);
+        ends(&mut text, "Failures", &phase.terminations);
+        ends(&mut text, "Finishes", &phase.finishes);
         let alone = parts.iter().find(|part| part.name == phase.name).map_or(phase, |part| &part.phases[0]);
         succeeds(&mut text, "Succeeds", alone.success.as_ref());
     }
     if sequence {
-        succeeds(&mut text, "The whole succeeds", account.phases[0].success.as_ref());
+        succeeds(&mut text, "The sequence succeeds", report.phases[0].success.as_ref());
     }
     text
 }
 
 /// Section, with its picture held beside it.
-fn shown(task: &Arc<CompiledTask>, parts: &[Account], bodies: &BodyLibrary) -> String {
+fn shown(task: &Arc<CompiledTask>, parts: &[TaskReport], bodies: &BodyLibrary) -> String {
     let picture = picture(task, bodies);
     assert!(picture.len() < LARGEST, "{}: {} bytes", task.name, picture.len());
     hold(&format!("docs/tasks/{}.svg", task.name), &picture);
-    section(&account(task, &Telling::default()), parts)
+    section(&task_report(task, &Telling::default()), parts)
 }
 
 /// Tasks that are one task but for its parameters.
 fn study(tasks: &[Arc<CompiledTask>]) -> String {
-    let mut text = "| task | what it is | set |\n|:---|:---|:---|\n".to_owned();
+    let mut text = "| task | description | parameters |\n|:---|:---|:---|\n".to_owned();
     for task in tasks {
-        let account = account(task, &Telling::default());
-        let set: Vec<String> = account.parameters.iter().map(|set| format!("{} {} {}", set.name, set.value, set.unit)).collect();
-        let _ = writeln!(text, "| `{}` | {} | {} |", account.name, account.summary, set.join(", "));
+        let report = task_report(task, &Telling::default());
+        let set: Vec<String> = report.parameters.iter().map(|set| format!("{} {} {}", set.name, set.value, set.unit)).collect();
+        let _ = writeln!(text, "| `{}` | {} | {} |", report.name, report.summary, set.join(", "));
     }
     text
 }
@@ -136,8 +136,8 @@ fn study(tasks: &[Arc<CompiledTask>]) -> String {
 fn the_page_of_the_tasks_is_that_of_the_tasks() {
     let bodies = BodyLibrary::default();
     let (tasks, _) = tasks_of(FILE, &bodies);
-    let mut page = "# The tasks\n\nWritten by `MSK_UPDATE=1 cargo test --test suite task_pages` from the texts in `tasks/`. The pictures show how \
-        an episode begins\n(`msk draw --task NAME --plain`): from the right, and from behind or in front; the quartered disc is the centre \
+    let mut page = "# The tasks\n\nWritten by `MSK_UPDATE=1 cargo test --test suite task_pages` from the texts in `tasks/`. The pictures show the \
+        initial state\n(`msk draw --task NAME --plain`): from the right, and from behind or in front; the quartered disc is the centre \
         of mass, arrows are\nforces on the body.\n\n".to_owned();
     for family in FAMILIES {
         let _ = writeln!(page, "## {}{}\n", family[..1].to_uppercase(), &family[1..]);
@@ -145,10 +145,10 @@ fn the_page_of_the_tasks_is_that_of_the_tasks() {
             page += &shown(task, &[], &bodies);
         }
     }
-    page += "## Beyond the paper\n\nSequences run tasks one after the other in one episode (`tasks/composed.msk`); only the terms of the present phase\n\
-        pay. The load study (`tasks/loads.msk`) holds bars of four masses overhead, by the rewards of `powerlift`.\n\n";
+    page += "## Beyond the paper\n\nSequences run tasks one after the other in one episode (`tasks/composed.msk`); only the terms of the current\n\
+        phase contribute to the reward. The load study (`tasks/loads.msk`) holds bars of four masses overhead, by the rewards of `powerlift`.\n\n";
     let (sequences, all) = tasks_of(COMPOSED, &bodies);
-    let parts: Vec<Account> = all.iter().map(|task| account(task, &Telling::default())).collect();
+    let parts: Vec<TaskReport> = all.iter().map(|task| task_report(task, &Telling::default())).collect();
     for sequence in sequences {
         page += &shown(&sequence, &parts, &bodies);
     }

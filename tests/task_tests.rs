@@ -158,12 +158,12 @@ fn pay_is_read_by_term_and_summed() {
             expect 1.999 < reward.tall < 2.001 at rest
             expect -0.251 < reward.effort < -0.249 at tense
             expect reward at tense < reward at rest
-            expect 1.999 < paid < 2.001 at rest
+            expect 1.999 < return < 2.001 at rest
         }
         test \"over time\" {
             pose neutral { root.height = 1 m }
             until 1 s
-            expect 199.9 < paid.tall < 200.1
+            expect 199.9 < return.tall < 200.1
         }",
     );
 }
@@ -310,7 +310,7 @@ fn a_cheat_is_held_to_the_horizon_whenever_it_is_looked_at() {
     let slow = "cheat \"not yet\" { at 2 s pose squatting { root.height = 0.5 m }; until 1 s; expect pelvis.height > 0.7 m }";
     assert_eq!(
         told(&format!("{DEMONSTRATION} {slow}")),
-        "expected not success, held to the horizon, found it succeeds after 300 steps: this is a demonstration, a `test`"
+        "expected no success, held to the horizon, found it succeeds after 300 steps: it is a demonstration, use `test`"
     );
     let reports = played(&format!("{DEMONSTRATION} cheat \"a moment\" {{ until 0.1 s }}"));
     assert_eq!(reports[1].ranking.as_ref().unwrap().returns.steps, 300);
@@ -409,7 +409,7 @@ fn what_another_phase_has_is_told_as_such() {
     let told: Vec<&str> = report.failures.iter().map(|failure| failure.found.as_str()).collect();
     assert_eq!(
         told,
-        ["at 0.40 s the phase is `up`; this is known in `low`", "at its end the phase is `low`; this is known in `up`"]
+        ["at 0.40 s the phase is `up`; this is defined in `low`", "at its end the phase is `low`; this is defined in `up`"]
     );
 }
 

@@ -43,13 +43,13 @@ pub fn fresh(name: &str) -> Result<PathBuf, Error> {
 pub fn explain(error: JournalError) -> Error {
     let hint = match &error {
         JournalError::Unusable { .. } => {
-            "make room or choose a folder that can be written with `--out DIR`; what has ended is kept"
+            "free some space or choose a writable folder with `--out DIR`; completed episodes are kept"
         }
         JournalError::OtherRun { .. } => "choose another folder with `--out DIR`, or repeat that run's settings",
-        JournalError::Unclaimed { .. } => "put its `run.json` back, or choose another folder with `--out DIR`",
+        JournalError::Unclaimed { .. } => "restore its `run.json`, or choose another folder with `--out DIR`",
         JournalError::Empty { .. } => "name a folder of results, such as results/tasks-cmc-1",
         JournalError::Damaged { .. } | JournalError::Foreign { .. } => {
-            "take out the line or put the file back, or choose another folder with `--out DIR`; nothing was changed"
+            "remove the line or restore the file, or choose another folder with `--out DIR`; nothing was changed"
         }
         JournalError::Busy { .. } => "wait for it, or choose another folder with `--out DIR`",
     };

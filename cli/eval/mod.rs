@@ -24,16 +24,16 @@ use std::process::ExitCode;
 
 /// Evaluate a policy: run episodes of every task, write results, print a table
 ///
-/// How many episodes, and from which seed, is the first protocol of the suite, unless --protocol, --episodes or --seed say
-/// otherwise. Each task's row is shown as it ends, one table at the end. Results go to a folder: run.json (what was run),
-/// episodes.jsonl (a line per episode, written as it ends), summary.json and report.md (also terms and metrics). With --out, a
-/// folder that already holds part of the same run is continued; another run there is refused.
+/// The first protocol of the suite defines the number of episodes and the seed, unless --protocol, --episodes or --seed
+/// override it. The row of each task is printed when it is complete, and one table at the end. Results go to a folder:
+/// run.json (the settings), episodes.jsonl (a line per episode, written at its end), summary.json and report.md (with terms
+/// and metrics). With --out, a folder that contains part of the same run is resumed; a folder with another run is rejected.
 ///
-/// Several policies are evaluated one after the other, each in a folder of its own below that of the results.
+/// Several policies are evaluated one after the other, each in a separate subfolder of the results.
 ///
-/// A task that the policy cannot act on is skipped, with the reason in its row. Exit code 0 if all other episodes have ended,
-/// 1 if something failed or the policy can act on no task, 2 for a wrong command line; after SIGINT, SIGTERM or SIGHUP, which
-/// keep all ended episodes, 130, 143 or 129.
+/// A task that the policy does not support is skipped, with the reason in its row. Exit code 0 if all other episodes are
+/// complete, 1 after a failure or if the policy supports none of the tasks, 2 for an invalid command line; 130, 143 or 129
+/// after SIGINT, SIGTERM or SIGHUP, which keep all completed episodes.
 #[derive(clap::Args)]
 pub struct Args {
     /// File with tasks, or with a suite of them
@@ -42,12 +42,11 @@ pub struct Args {
     /// Run this task only
     #[arg(long)]
     task: Option<String>,
-    /// What acts: cmc (computed muscle control along the task's reference motion, or of the beginning
-    /// pose), demonstration (the same along the script of the task's first test that succeeds), zero (every
-    /// muscle at rest), random (every action uniform in -1..1), "process COMMAND" (a program of your own: `msk help
-    /// policies` describes what it reads and writes), "network FILE" (a trained network, as safetensors), "replay FILE"
-    /// (actions from a NumPy file, a row per step).
-    /// Several, each with its own `--policy`, are compared in one table
+    /// The policy: cmc (computed muscle control that tracks the task's reference motion, or holds the initial pose),
+    /// demonstration (tracks the script of the task's first succeeding test), zero (every muscle at rest), random (every
+    /// action uniform in -1..1), "process COMMAND" (an external program: `msk help policies` describes its protocol),
+    /// "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy file, a row per step). Several, each with its own `--policy`, are compared in one
+    /// table
     #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: Vec<String>,
     #[command(flatten)]
@@ -60,7 +59,7 @@ pub struct Args {
     /// Episodes per task [default: the protocol's, else 50]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     episodes: Option<u64>,
-    /// Seed of all chance [default: the protocol's, else 0]
+    /// Random seed [default: the protocol's, else 0]
     #[arg(long)]
     seed: Option<u64>,
     /// Worker threads; results do not depend on it [default: all cores]
@@ -71,7 +70,7 @@ pub struct Args {
     out: Option<PathBuf>,
     #[command(flatten)]
     overlays: Overlays,
-    /// Read the file of --weights anew before every episode; each episode records the version that paid it
+    /// Reload the file of --weights before every episode; each episode records the version of its weights
     #[arg(long, requires = "weights")]
     live: bool,
     #[command(flatten)]
@@ -82,8 +81,7 @@ pub struct Args {
 
 /// Runs the evaluation.
 ///
-/// # Errors
-/// Errors in the file, a folder that cannot be used, or a policy that cannot act.
+/// # Errors Errors in the file, a folder that cannot be used, or a policy that does not support the task.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let policies: Vec<PolicySource> =
         args.policy.iter().map(|policy| args.limits.source(policy)).collect::<Result<_, Error>>()?;
@@ -100,7 +98,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let names: Vec<&str> = plans.iter().map(|plan| plan.policy.name()).collect();
     let Some(first) = plans.first() else { return Ok(ExitCode::SUCCESS) };
     if let Some(twice) = names.iter().enumerate().find_map(|(place, name)| names[..place].contains(name).then_some(name)) {
-        return Err(Error::usage(format!("the policy `{twice}` is named twice")));
+        return Err(Error::usage(format!("the policy `{twice}` is given twice")));
     }
     let folder = match &args.out {
         Some(folder) => folder.clone(),
@@ -135,7 +133,7 @@ impl Evaluation<'_> {
         let (journal, done) = Journal::open(folder, &settings).map_err(explain)?;
         if !done.is_empty() {
             let (there, all) = (done.len(), plan.episodes());
-            writeln!(io::stderr(), "continuing `{}`: {there} of {all} episodes are there", folder.display())?;
+            writeln!(io::stderr(), "resuming `{}`: {there} of {all} episodes exist", folder.display())?;
         }
         let asked = self.args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
         let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
@@ -175,7 +173,7 @@ impl Evaluation<'_> {
     /// The last words after a signal.
     fn leave(&self, summaries: &[Summary], all: u64, folder: &Path) -> ExitCode {
         let done: u64 = summaries.iter().flat_map(|summary| &summary.tasks).map(|task| task.episodes).sum();
-        let again = format!("the same command with `--out {}` continues", folder.display());
+        let again = format!("the same command with `--out {}` resumes", folder.display());
         // The terminal may be what has gone; the results are in their folder.
         let _ = writeln!(io::stderr(), "interrupted after {done} of {all} episodes; {again}");
         self.interrupt.code()
@@ -186,14 +184,14 @@ impl Evaluation<'_> {
 fn acted(summaries: &[Summary]) -> Result<ExitCode, Error> {
     match summaries.iter().find(|summary| summary.tasks.iter().all(|task| task.skipped.is_some())) {
         Some(Summary { policy, .. }) => {
-            let message = format!("policy `{policy}` can act on none of the tasks");
-            Err(Error::new(message).hint("choose another with `--policy`; the rows above say why"))
+            let message = format!("policy `{policy}` supports none of the tasks");
+            Err(Error::new(message).hint("choose another with `--policy`; the rows above show the reasons"))
         }
         None => Ok(ExitCode::SUCCESS),
     }
 }
 
-/// The last screen: one table, and where the rest lies.
+/// The final output: one table, and the paths of the results.
 fn print(table: &str, folder: &Path, rest: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     write!(out, "\n{table}")?;

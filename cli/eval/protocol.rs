@@ -26,7 +26,7 @@ impl Chosen {
                 let hint = if known.is_empty() {
                     "a suite declares one as in `protocol quick { episodes 5, seed 0 }`".to_owned()
                 } else {
-                    format!("there are: {known}")
+                    format!("protocols are {known}")
                 };
                 Error::new(format!("`{}` has no protocol `{name}`", args.file.display())).hint(hint)
             })?),

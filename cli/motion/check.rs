@@ -41,7 +41,7 @@ fn readable(report: &MotionReport, limits: &MotionLimits, faults: &[String]) -> 
     // Writing to a string cannot fail.
     let _ = writeln!(out, "{}: {kind} of {} s in {} rows", report.name, for_people(report.duration), report.rows);
     if let Some([stride, speed]) = report.stride {
-        let _ = writeln!(out, "one turn takes the root {} m further, {} m/s", for_people(stride), for_people(speed));
+        let _ = writeln!(out, "one cycle moves the root by {} m, {} m/s", for_people(stride), for_people(speed));
     }
     let _ =
         writeln!(out, "\n{:<24} {:>5} {:>9} {:>9} {:>19} {:>11}", "column", "unit", "lowest", "highest", "range", "fastest, /s");
@@ -54,8 +54,11 @@ fn readable(report: &MotionReport, limits: &MotionLimits, faults: &[String]) -> 
         let _ = writeln!(out, "{name:<24} {unit:>5} {low:>9} {high:>9} {range:>19} {rate:>11}{residual}");
     }
     if !report.feet.is_empty() {
-        let _ =
-            writeln!(out, "\n{:<24} {:>8} {:>13} {:>12} {:>14}", "foot", "stands", "too deep, mm", "slides, mm", "highest, mm");
+        let _ = writeln!(
+            out,
+            "\n{:<24} {:>8} {:>13} {:>12} {:>14}",
+            "foot", "stands", "penetration, mm", "slides, mm", "highest, mm"
+        );
     }
     for foot in &report.feet {
         let millimetres = |value: f64| format!("{:.1}", 1e3 * value);
@@ -65,14 +68,14 @@ fn readable(report: &MotionReport, limits: &MotionLimits, faults: &[String]) -> 
     let (deep, slides) = (1e3 * limits.penetration, 1e3 * limits.sliding);
     let _ = writeln!(
         out,
-        "\nlimits: feet {deep} mm deep, sliding {slides} mm; joints within their ranges, coupled ones on their couplings"
+        "\nlimits: feet {deep} mm penetration, sliding {slides} mm; joints within their ranges, coupled joints on their couplings"
     );
     if let Some(seam) = report.seam {
         let _ = writeln!(out, "seam: the sharpest bend there is {seam:.2} of the sharpest elsewhere");
     }
     if let Some((difference, later)) = report.sides {
-        let when = if later { "half a turn later" } else { "at the same time" };
-        let _ = writeln!(out, "sides: the left does what the right does {when}, within {:.2} deg", difference.to_degrees());
+        let when = if later { "half a cycle later" } else { "at the same time" };
+        let _ = writeln!(out, "sides: the left side equals the right side {when}, within {:.2} deg", difference.to_degrees());
     }
     for fault in faults {
         let _ = writeln!(out, "wrong: {fault}");

@@ -52,8 +52,9 @@ impl Start {
     /// The motion and the body, which it fits.
     fn load(&self) -> Result<(Motion, BoundBody), Error> {
         let text = FileLoader.load(&self.file).map_err(|problem| match problem {
-            LoadError::Missing(path) => Error::new(format!("there is no motion `{}`", path.display()))
-                .hint("a motion is a file of comma-separated values"),
+            LoadError::Missing(path) => {
+                Error::new(format!("there is no motion `{}`", path.display())).hint("a motion is a CSV file")
+            }
             other => Error::from(other),
         })?;
         let mut sources = SourceMap::default();

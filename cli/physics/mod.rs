@@ -83,7 +83,7 @@ fn named_state(model: &Model, name: &str) -> Result<State<f64>, Error> {
     let frame = named.ok_or_else(|| {
         let known: Vec<String> = model.keyframes.iter().map(|frame| format!("`{}`", frame.name)).collect();
         let known = if known.is_empty() { "it has none".to_owned() } else { format!("it has {}", known.join(", ")) };
-        Error::new(format!("the model has no key frame `{name}`: {known}"))
+        Error::new(format!("the model has no keyframe `{name}`: {known}"))
     })?;
     Ok(frame.state(model))
 }

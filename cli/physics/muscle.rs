@@ -63,7 +63,7 @@ fn readable(sweep: &MuscleSweep) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(out, "{} on {}, tendon {}", sweep.muscle, sweep.joint, sweep.tendon);
     if !sweep.followers.is_empty() {
-        let _ = writeln!(out, "moving with it: {}", sweep.followers.join(", "));
+        let _ = writeln!(out, "coupled joints: {}", sweep.followers.join(", "));
     }
     let _ = writeln!(
         out,
@@ -77,12 +77,12 @@ fn readable(sweep: &MuscleSweep) -> String {
     if sweep.stretching_length > sweep.tendon_slack_length {
         let _ = writeln!(
             out,
-            "the operating range leaves {} tendon: with `tendons elastic` {:.1} mm of the path would stretch",
+            "the operating range leaves {} tendon: with `tendons elastic` {:.1} mm of the path would be elastic",
             if sweep.tendon_slack_length > 0.0 { "little" } else { "no" },
             1e3 * sweep.stretching_length,
         );
     }
-    let _ = writeln!(out, "\npath at the start (world, m; length from the point before, mm)");
+    let _ = writeln!(out, "\npath at the start (world frame, m; length from the previous point, mm)");
     let width = sweep.path.iter().map(|point| point.at.chars().count()).max().unwrap_or(0);
     for point in &sweep.path {
         let [x, y, z] = point.position;
@@ -111,7 +111,7 @@ fn picture(sweep: &MuscleSweep) -> Chart {
     let panel = |label: String, values| Panel { label, curves: vec![(String::new(), values)] };
     let mut arms = vec![(String::new(), curve(&|sample| scale * sample.moment_arm))];
     if !sweep.followers.is_empty() {
-        arms[0].0 = "with what follows the joint".into();
+        arms[0].0 = "with coupled joints".into();
         arms.push(("of the joint alone".into(), curve(&|sample| scale * sample.own_moment_arm)));
     }
     Chart {

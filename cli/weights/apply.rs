@@ -13,7 +13,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Write the weights of a weights file into the source that it lies over: digits change, nothing else
+/// Write the weights of a weights file into the source; only digits change
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -47,16 +47,16 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         overlay.lines().iter().map(|line| Edit::new(format!("{}.{}", line.task, line.term), line.weight)).collect();
     for edit in &edits {
         if opened.weights.find(&edit.term).is_err() {
-            let message = format!("the weight of `{}` is not written in `{}`", edit.term, args.target.file.display());
+            let message = format!("the weight of `{}` is not declared in `{}`", edit.term, args.target.file.display());
             let hint = match writer(&project, &edit.term) {
-                Some(file) => format!("apply them to the file that writes it: {file}"),
-                None => "apply them to the tasks that the file writes itself, and set this one where it is written".into(),
+                Some(file) => format!("apply them to the file that declares it: {file}"),
+                None => "apply them to the tasks that the file declares itself, and set this one where it is declared".into(),
             };
             return Err(Error::new(message).hint(hint));
         }
     }
     if edits.is_empty() {
-        return Err(Error::new(format!("nothing was changed: `{name}` holds no weights")));
+        return Err(Error::new(format!("nothing was changed: `{name}` contains no weights")));
     }
     change(&args.target, "apply", |_| Ok(edits.clone()))
 }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct Args {
     #[command(flatten)]
     target: Target,
-    /// The weights file; what else it holds stays
+    /// The weights file; its other contents are kept
     #[arg(long, value_name = "FILE")]
     weights: PathBuf,
     /// Only the weights of this task
@@ -37,7 +37,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         weights.extend(tunable.map(|term| (task.name.as_str(), task.terms[term].name.as_str(), task.terms[term].weight)));
     }
     if weights.is_empty() {
-        let message = format!("`{}` holds no weight that is not fixed", args.target.file.display());
+        let message = format!("`{}` contains no weight that is not fixed", args.target.file.display());
         return Err(Error::new(message));
     }
     write_overlay(&args.weights, &tasks, &weights, &args.target, "extract")

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// List the weights with what their author allows
+/// List the weights with their bounds
 #[derive(clap::Args)]
 pub struct Args {
     /// The file

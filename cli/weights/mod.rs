@@ -23,7 +23,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// List and change the weights of reward terms in a file, and nothing else in it
+/// List and change the weights of reward terms in a file; only digits change
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -62,7 +62,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 struct Target {
     /// The file
     file: PathBuf,
-    /// Show what would change, and change nothing
+    /// Show what would change, without changing it
     #[arg(long)]
     dry_run: bool,
     /// Print the changes as JSON
@@ -101,8 +101,8 @@ impl Opened {
 
     /// Why there is nothing to list or change.
     fn none(&self) -> Error {
-        Error::new(format!("`{}` holds no weights", self.path.display()))
-            .hint("weights stand in a task: `reward { 10 pose = ... }`")
+        Error::new(format!("`{}` contains no weights", self.path.display()))
+            .hint("weights are declared in a task: `reward { 10 pose = ... }`")
     }
 
     /// The entries of the named terms; of all that are not fixed if none is named.
@@ -157,7 +157,7 @@ fn print(changes: &[Change], target: &Target) -> Result<ExitCode, Error> {
     }
     match (changes.len(), target.dry_run) {
         (0, _) => writeln!(out, "nothing to change")?,
-        (_, true) => writeln!(out, "(dry run: `{}` is as it was)", target.file.display())?,
+        (_, true) => writeln!(out, "(dry run: `{}` is unchanged)", target.file.display())?,
         _ => {}
     }
     Ok(ExitCode::SUCCESS)

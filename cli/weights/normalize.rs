@@ -42,7 +42,7 @@ fn edits(args: &Args, opened: &Opened) -> Result<Vec<Edit>, Error> {
         (None, [only]) => only,
         _ => {
             let names = tasks.into_iter().collect::<Vec<_>>().join(", ");
-            return Err(Error::usage("say which task with --task").hint(format!("the file has: {names}")));
+            return Err(Error::usage("select the task with --task").hint(format!("the file has: {names}")));
         }
     };
     let outside: Vec<usize> =

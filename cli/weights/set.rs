@@ -24,7 +24,7 @@ pub struct Args {
 }
 
 fn wish(text: &str) -> Result<Edit, String> {
-    let (term, value) = text.split_once('=').ok_or("a wish is written `term=weight`, as in `pose=11.5`")?;
+    let (term, value) = text.split_once('=').ok_or("a weight is set as `term=weight`, as in `pose=11.5`")?;
     let value = value.trim().parse().map_err(|_| format!("`{value}` is not a number"))?;
     Ok(Edit::new(term.trim(), value))
 }

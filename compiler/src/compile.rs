@@ -185,7 +185,7 @@ fn describe_bodies(
             };
             let entry = Described { description: Arc::new(description), vocabulary };
             if described.insert(body.name.text.clone(), entry).is_some() {
-                let message = format!("there are two bodies called `{}`", body.name.text);
+                let message = format!("the body `{}` is declared twice", body.name.text);
                 diagnostics.push(Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, body.name.span, message));
             }
         }
@@ -203,7 +203,7 @@ fn bind(
     match bodies.vocabulary(description) {
         Ok(vocabulary) => Ok(vocabulary),
         Err(problems) => {
-            let message = format!("the body `{}` does not fit its model", body.name.text);
+            let message = format!("the body `{}` does not match its model", body.name.text);
             let mut diagnostic = Diagnostic::new(codes::names::BODY, file, body.name.span, message);
             for problem in problems.lines() {
                 diagnostic = diagnostic.help(problem);
@@ -228,7 +228,7 @@ fn task_names<'a>(files: &'a [SourceFile], diagnostics: &mut Vec<Diagnostic>) ->
                 }
                 Entry::Occupied(known) => {
                     let (first_file, first) = *known.get();
-                    let message = format!("there are two tasks called `{}`", task_name.text);
+                    let message = format!("the task `{}` is declared twice", task_name.text);
                     let diagnostic = Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, task_name.span, message)
                         .here("again here")
                         .label(first_file, first, "first here");

@@ -173,7 +173,7 @@ fn files_and_their_bytes_are_bounded_and_each_is_read_once() {
     for (breadth, filling, most, words) in [
         (1, String::new(), compile::MAXIMUM_FILES, "file number 1001"),
         (30, String::new(), compile::MAXIMUM_FILES, "file number 1001"),
-        (1, "// long\n".repeat(30_000), 71, "more than 16 MB"),
+        (1, "// long\n".repeat(30_000), 71, "exceeds 16 MB"),
     ] {
         let endless = Endless { breadth, filling, loads: RefCell::default() };
         let Err(report) = msk_compiler::compile(Path::new("0.msk"), &endless, &Bodies) else { panic!("it ends") };

@@ -102,7 +102,7 @@ fn every_kind_of_change_is_told_in_words() {
             to exp(−12 s/m · com.speed) (+20 %)
       + term new: weight 3, once(ended)
       ~ term sunk
-          computes something else, though it is written as before (pelvis.height < low): a name in it means another thing
+          same source, different value (pelvis.height < low): a name in it has changed
           in SI units 0.8 -> 0.7 (-12.5 %)
       ~ ends by fallen
           from com.height < 0.8 m
@@ -130,13 +130,13 @@ fn a_name_that_means_something_else_is_told_as_it_is_typed() {
     insta::assert_snapshot!(told, @r"
     example
       ~ term sunk
-          computes something else, though it is written as before (pelvis.height < low): a name in it means another thing
+          same source, different value (pelvis.height < low): a name in it has changed
           low = 0.8 m -> 70 cm
       ~ ends by folded
-          computes something else, though it is written as before (bent): a name in it means another thing
+          same source, different value (bent): a name in it has changed
           limit = 40 deg -> 45 deg (+12.5 %)
       ~ success
-          computes something else, though it is written as before (survived and torso.up.z > 0.5): a name in it means another thing
+          same source, different value (survived and torso.up.z > 0.5): a name in it has changed
           in SI units 0.6981 -> 0.7854 (+12.5 %)
     ");
 }

@@ -62,7 +62,7 @@ fn a_table_may_be_cut_at_any_line() {
     }
     let headings = TABLE.find("0, 10").unwrap();
     let report = compile_text(&complete(TASK), &[("wave.csv".to_owned(), TABLE[..headings].to_owned())]).err().unwrap();
-    assert!(report.to_string().contains("a cycle has at least four rows, this one has 0"), "{report}");
+    assert!(report.to_string().contains("a cycle has at least four rows, found 0"), "{report}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
 
-use msk_compiler::explain::{Account, Options, account, html, latex, text};
+use msk_compiler::explain::{Options, TaskReport, html, latex, task_report, text};
 use msk_compiler::task::CompiledTask;
 use std::sync::Arc;
 use support::compiling::{compile_text, complete};
@@ -14,12 +14,12 @@ fn compiled(source: &str) -> Arc<CompiledTask> {
     compilation.tasks[0].clone()
 }
 
-fn told(source: &str) -> Account {
-    account(&compiled(source), &Options::default())
+fn told(source: &str) -> TaskReport {
+    task_report(&compiled(source), &Options::default())
 }
 
 /// The formula of a term that pays for `formula`.
-fn term(formula: &str) -> msk_compiler::explain::FormulaAccount {
+fn term(formula: &str) -> msk_compiler::explain::FormulaReport {
     told(&complete(&format!("reward {{\n1 a = {formula}\n}}"))).phases[0].terms[0].formula.clone()
 }
 
@@ -35,7 +35,7 @@ fn a_task_with_objects_and_chance_is_told_in_full() {
 #[test]
 fn the_account_is_stable_data() {
     for (name, source) in [("stand", STAND), ("catch", CATCH)] {
-        insta::assert_json_snapshot!(format!("{name}_account"), told(source));
+        insta::assert_json_snapshot!(format!("{name}_report"), told(source));
     }
 }
 
@@ -79,7 +79,7 @@ fn signals_have_the_symbols_of_mechanics() {
 
 #[test]
 fn what_formulas_name_is_told_before_its_readers() {
-    let account = told(
+    let report = told(
         &complete(
             "let high = pelvis.height / 1 m
         fn twice(x) = 2 * x
@@ -91,6 +91,6 @@ fn what_formulas_name_is_told_before_its_readers() {
         .replacen("fn twice(x) = 2 * x", "", 1)
         .replacen("task example", "fn twice(x) = 2 * x\ntask example", 1),
     );
-    let names: Vec<&str> = account.phases[0].definitions.iter().map(|definition| definition.name.as_str()).collect();
+    let names: Vec<&str> = report.phases[0].definitions.iter().map(|definition| definition.name.as_str()).collect();
     assert_eq!(names, ["twice", "high", "higher"]);
 }

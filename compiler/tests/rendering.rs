@@ -160,7 +160,7 @@ fn json_holds_places_and_edits() {
             }
           ],
           "lint": null,
-          "message": "a blank is missing between `0.25` and `m`",
+          "message": "missing space between `0.25` and `m`",
           "severity": "error"
         }
       ]

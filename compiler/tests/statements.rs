@@ -84,7 +84,7 @@ fn a_draw_that_never_fits_is_an_error_with_its_numbers() {
     let task = task("random goal = uniform(1 m .. 3 m) where goal > 5 m\nobserve {\ngoal\n}");
     let mut state = TaskState::default();
     let fault = task.begin(&mut Middle, &mut state).unwrap_err();
-    assert_eq!(fault.to_string(), "none of 64 draws of `goal` at step 0 fulfils `goal > 5 m`; the last was 2");
+    assert_eq!(fault.to_string(), "none of 64 draws of `goal` at step 0 satisfies `goal > 5 m`; the last was 2");
 }
 
 #[test]
@@ -156,11 +156,11 @@ fn set(settings: &[(&str, &str)]) -> Result<f64, String> {
 fn parameters_are_set_from_outside_within_their_range() {
     assert_eq!(set(&[]), Ok(1.3));
     assert_eq!(set(&[("pace", "1.5 m/s")]), Ok(1.5));
-    // A plain number has the unit in which the parameter is written.
+    // A number without unit has the unit in which the parameter is written.
     assert_eq!(set(&[("pace", "150")]), Ok(1.5));
     assert_eq!(set(&[("example.pace", "0.6 m/s"), ("pace", "80")]), Ok(0.8));
     for (name, value, wanted) in [
-        ("pace", "5 m/s", "lies outside its range"),
+        ("pace", "5 m/s", "is out of range"),
         ("pace", "1 m", "has another unit"),
         ("pase", "1 m/s", "did you mean `pace`?"),
         ("other.pace", "1 m/s", "no task has a parameter `other.pace`"),

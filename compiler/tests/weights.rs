@@ -60,12 +60,12 @@ fn what_is_not_allowed_is_refused_as_a_whole_and_told_in_one_go() {
     let refused = weights(TEXT).edit(TEXT, &edits).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "several tasks have a term `pose`: say `a.pose` or `b.pose`\n\
-         b.pose may not become -1: it is 0.001 and must stay above 0\n\
+        "several tasks have a term `pose`: write `a.pose` or `b.pose`\n\
+         b.pose cannot be -1: it is 0.001 and must stay above 0\n\
          there is no term `efort` with a weight; did you mean `effort`?\n\
-         a.effort may not become -2: it is -0.5 and may be -1..0\n\
-         a.alive may not become 6: it is 5 and fixed\n\
-         a.off may not become 1: it is 0 and must stay 0\n\
+         a.effort cannot be -2: it is -0.5 and may be -1..0\n\
+         a.alive cannot be 6: it is 5 and fixed\n\
+         a.off cannot be 1: it is 0 and must stay 0\n\
          the weight of `jump` must be a number from -1e9 to 1e9, not NaN\n\
          `jump` is given twice"
     );
@@ -147,7 +147,7 @@ fn the_published_weights_scale_to_a_norm_of_forty() {
     let all = normalized(&free(&WALK), 40.0).unwrap();
     let rounded: Vec<f64> = all.iter().map(|value| (value * 1e3).round() / 1e3).collect();
     assert_eq!(rounded, [1.418, 2.837, 0.851, 1.702, 0.284, 0.0, -28.369, 2.27, 2.27]);
-    // The other reading of the norm: without the end of the episode the sizes sum to 41.
+    // The other reading of the norm: without the termination the sizes sum to 41.
     let mut running = free(&WALK);
     running[6].in_scope = false;
     let scaled = normalized(&running, 40.0).unwrap();

@@ -93,7 +93,7 @@ fn all(
     }
     let change = (path.to_path_buf(), Span::new(0, text.len()), mended);
     Some(CodeAction {
-        title: "mend all that is surely meant".to_owned(),
+        title: "apply all safe fixes".to_owned(),
         kind: Some(FIX_ALL),
         edit: Some(edits.workspace_edit(workspace, vec![change])?),
         ..CodeAction::default()

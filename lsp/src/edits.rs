@@ -20,7 +20,7 @@ pub struct Edits {
 
 impl Edits {
     /// Changes of several files as the client wants them; nothing if one of them cannot be addressed.
-    #[allow(clippy::mutable_key_type, reason = "what may change in an address is not what it is compared by")]
+    #[allow(clippy::mutable_key_type, reason = "the immutable part of an address is not compared")]
     pub fn workspace_edit(&self, workspace: &Workspace<'_>, changes: Vec<(PathBuf, Span, String)>) -> Option<WorkspaceEdit> {
         let mut by_file: BTreeMap<PathBuf, Vec<TextEdit>> = BTreeMap::new();
         for (path, span, new_text) in changes {

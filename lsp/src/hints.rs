@@ -36,7 +36,7 @@ pub fn shares(tree: &File, whole: &Inspection, lines: &Lines<'_>, range: Span) -
                 kind: None,
                 text_edits: None,
                 tooltip: Some(InlayHintTooltip::String(format!(
-                    "share of the sum of all sizes of weights, {}",
+                    "share of the sum of the absolute values of all weights, {}",
                     for_people(total)
                 ))),
                 padding_left: Some(true),

@@ -59,7 +59,7 @@ fn typed(whole: &Inspection, file: FileId, byte: usize) -> Option<(Span, String)
 /// Bounds in words.
 fn within(range: Bounds) -> String {
     match (range.low.is_finite(), range.high.is_finite()) {
-        (true, true) if range.low == range.high => format!("the one value {}", for_people(range.low)),
+        (true, true) if range.low == range.high => format!("the constant {}", for_people(range.low)),
         (true, true) => format!("{} .. {} (SI)", for_people(range.low), for_people(range.high)),
         (true, false) => format!("{} and above (SI)", for_people(range.low)),
         _ => format!("{} and below (SI)", for_people(range.high)),
@@ -83,7 +83,7 @@ fn term(whole: &Inspection, file: FileId, path: &Path, byte: usize) -> Option<(S
             let share = share(paid.weight.abs() / total);
             let per = if reward.per_second { "per second" } else { "per control step" };
             let said =
-                format!("`{}`: a term of the reward\n\nWeight {}, {share} of all, paid {per}.\n\n{docs}", paid.name, paid.weight);
+                format!("`{}`: a term of the reward\n\nWeight {}, {share} of all, {per}.\n\n{docs}", paid.name, paid.weight);
             return Some((found.name.span, said.trim_end().to_owned()));
         }
     }
@@ -125,7 +125,7 @@ fn word(text: &str, byte: usize) -> Option<(Span, String)> {
     let said = match (kind, field) {
         (Some(kind), _) => {
             let (required, optional) = (kind.required.join(" "), kind.optional.join(" "));
-            format!("`{}`: {}\n\nMust say: {required}. May say: {optional}.", kind.name, kind.description)
+            format!("`{}`: {}\n\nRequired: {required}. Optional: {optional}.", kind.name, kind.description)
         }
         (_, Some(field)) => format!("`{}`\n\n{}", field.form, field.description),
         _ => return None,

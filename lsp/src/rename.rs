@@ -47,19 +47,19 @@ pub fn rename(
         places.iter().map(|(file, span)| (index.files[*file].path.clone(), *span, new_name.to_owned())).collect();
     let texts = changed(&index, &places, new_name);
     must_mean_the_same(workspace, &index, here, &places, new_name, &texts)?;
-    edits.workspace_edit(workspace, changes).ok_or_else(|| "a text that comes with the program cannot be changed".to_owned())
+    edits.workspace_edit(workspace, changes).ok_or_else(|| "a built-in file cannot be changed".to_owned())
 }
 
 fn changeable(index: &Index, path: &Path, byte: usize) -> Result<(usize, Occurrence), String> {
-    let file = index.file(path).ok_or("this text cannot be read")?;
-    let here = index.at(file, byte).ok_or("there is no name here that a text declares")?;
+    let file = index.file(path).ok_or("this file cannot be read")?;
+    let here = index.at(file, byte).ok_or("there is no name here that a file declares")?;
     let symbol = &index.symbols[here.symbol];
     if matches!(symbol.space, Space::Body | Space::Part | Space::Pose) {
         return Err(format!("`{}` belongs to a body; tasks of other folders may use it", symbol.name));
     }
     if let Some(pattern) = index.places_of(here.symbol).find(|place| place.pattern) {
         let written = pattern.span.of(&index.files[pattern.file].text);
-        return Err(format!("`{}` is one of the names of `{written}`, which cannot be changed alone", symbol.name));
+        return Err(format!("`{}` is one of the names of `{written}`, which cannot be renamed alone", symbol.name));
     }
     Ok((file, here))
 }
@@ -68,7 +68,9 @@ fn must_be_a_name(name: &str) -> Result<(), String> {
     let first = name.chars().next().is_some_and(|first| first.is_ascii_lowercase() || first == '_');
     let rest = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
     if !first || !rest || name.ends_with('_') {
-        return Err(format!("`{name}` is no name: lower-case letters, digits and `_`, a letter first and no `_` at the end"));
+        return Err(format!(
+            "`{name}` is not a valid name: lower-case letters, digits and `_`, a letter first and no `_` at the end"
+        ));
     }
     if RESERVED.contains(&name) || UNITS.contains(&name) {
         return Err(format!("`{name}` is a word of the language"));
@@ -121,7 +123,7 @@ fn must_mean_the_same(
         places.dedup();
     }
     if found != wanted {
-        return Err(format!("`{new_name}` already means something where `{}` is used", index.symbols[here.symbol].name));
+        return Err(format!("`{new_name}` is already defined where `{}` is used", index.symbols[here.symbol].name));
     }
     for entry in texts.keys().chain(workspace.documents().map(|(path, _)| path)) {
         let errors = |told: &[Diagnostic]| told.iter().filter(|told| told.severity == Severity::Error).count();
@@ -129,7 +131,7 @@ fn must_mean_the_same(
         let told = workspace.diagnostics_assuming(entry, texts);
         if errors(&told) > before {
             let first = told.iter().find(|told| told.message.contains(new_name)).or(told.first());
-            return Err(first.map_or_else(|| "the text would no longer compile".to_owned(), |told| told.message.clone()));
+            return Err(first.map_or_else(|| "the file would no longer compile".to_owned(), |told| told.message.clone()));
         }
     }
     Ok(())

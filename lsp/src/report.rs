@@ -64,7 +64,7 @@ fn defect(words: String) -> Told {
     Told {
         severity: Some(DiagnosticSeverity::ERROR),
         source: Some("msk".to_owned()),
-        message: format!("the compiler cannot go on with this text, which is a defect of it; please report the text: {words}"),
+        message: format!("the compiler cannot continue with this file, which is a bug; please report it with the file: {words}"),
         ..Told::default()
     }
 }

@@ -68,18 +68,18 @@ fn first(connection: &Connection) -> Option<(RequestId, InitializeParams)> {
                 Err((code, refusal)) => (request.id, code, refusal),
             },
             Message::Request(request) => {
-                (request.id, ErrorCode::ServerNotInitialized, "the server waits for `initialize`".to_owned())
+                (request.id, ErrorCode::ServerNotInitialized, "the server has not been initialised".to_owned())
             }
             Message::Notification(notification) if notification.method == told::Exit::METHOD => return None,
             Message::Notification(_) | Message::Response(_) => continue,
         };
-        let _ = connection.sender.send(logged(MessageType::ERROR, format!("a request is refused: {refusal}")));
+        let _ = connection.sender.send(logged(MessageType::ERROR, format!("a request is rejected: {refusal}")));
         let _ = connection.sender.send(Response::new_err(id, code as i32, refusal).into());
     }
     None
 }
 
-#[allow(deprecated, reason = "clients that know no folders give a root")]
+#[allow(deprecated, reason = "clients without folders give a root")]
 fn roots(client: &InitializeParams) -> Vec<PathBuf> {
     let folders = client.workspace_folders.iter().flatten().map(|folder| &folder.uri);
     let mut roots: Vec<PathBuf> = folders.map(paths::path).collect();
@@ -213,7 +213,7 @@ impl Server<'_> {
         // Texts change as the last step of a notification, caches may hold anything after a panic: they are emptied.
         std::panic::catch_unwind(AssertUnwindSafe(|| work(self))).map_err(|panic| {
             self.workspace.forget_all();
-            let message = format!("a defect of the server, please report it: {}", words_of(&*panic));
+            let message = format!("a bug in the server, please report it: {}", words_of(&*panic));
             self.log(MessageType::ERROR, message.clone());
             message
         })
@@ -228,7 +228,7 @@ impl Server<'_> {
             answer.unwrap_or_else(|defect| Err((ErrorCode::InternalError, defect)))
         };
         if let Err((ErrorCode::InvalidRequest | ErrorCode::InvalidParams | ErrorCode::MethodNotFound, reason)) = &answer {
-            self.log(MessageType::WARNING, format!("the request `{method}` is refused: {reason}"));
+            self.log(MessageType::WARNING, format!("the request `{method}` is rejected: {reason}"));
         }
         self.answer(match answer {
             Ok(value) => Response::new_ok(id, value),
@@ -300,7 +300,7 @@ impl Server<'_> {
                 let edit = rename::rename(&self.workspace, &self.edits, &path, byte, &params.new_name).map_err(refused)?;
                 written(edit)
             }
-            _ => Err((ErrorCode::MethodNotFound, format!("`{method}` is not answered here"))),
+            _ => Err((ErrorCode::MethodNotFound, format!("`{method}` is not supported"))),
         }
     }
 
@@ -324,7 +324,7 @@ impl Server<'_> {
     fn notify(&mut self, notification: Notification) {
         let Notification { method, params } = notification;
         if let Ok(Err((_, reason))) = self.survive(|server| server.notification(&method, params)) {
-            self.log(MessageType::WARNING, format!("the notification `{method}` is left out: {reason}"));
+            self.log(MessageType::WARNING, format!("the notification `{method}` is ignored: {reason}"));
         }
     }
 
@@ -343,7 +343,7 @@ impl Server<'_> {
                 let version = params.text_document.version;
                 // A change that comes late would be made to another text than it was meant for.
                 if version < document.version {
-                    let found = format!("it changes version {version}, and the text has version {}", document.version);
+                    let found = format!("it changes version {version}, but the document has version {}", document.version);
                     return Err((ErrorCode::InvalidParams, found));
                 }
                 let mut text = document.text.clone();
@@ -361,7 +361,7 @@ impl Server<'_> {
             // What is on disk is looked at before everything that is understood of it is used.
             told::Initialized::METHOD | told::DidSaveTextDocument::METHOD | told::DidChangeWatchedFiles::METHOD => {}
             optional if optional.starts_with("$/") => {}
-            _ => return Err((ErrorCode::MethodNotFound, "the server does not know it".to_owned())),
+            _ => return Err((ErrorCode::MethodNotFound, "unknown method".to_owned())),
         }
         Ok(())
     }
@@ -395,5 +395,5 @@ fn refused(reason: String) -> (ErrorCode, String) {
 }
 
 fn unreadable() -> (ErrorCode, String) {
-    (ErrorCode::InvalidParams, "this text cannot be read".to_owned())
+    (ErrorCode::InvalidParams, "this file cannot be read".to_owned())
 }

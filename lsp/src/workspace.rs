@@ -248,7 +248,7 @@ pub fn file_of(whole: &Inspection, path: &Path) -> Option<FileId> {
 /// The words of a panic.
 pub fn words_of(panic: &(dyn Any + Send)) -> String {
     let words = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
-    words.unwrap_or("a panic without words").to_owned()
+    words.unwrap_or("a panic without message").to_owned()
 }
 
 /// Bodies that are described once: their vocabularies are large, and texts change with every key.
@@ -337,7 +337,7 @@ mod tests {
             workspace.inspect(&path(number));
             assert!(workspace.inspected.borrow().len() <= MOST_INSPECTIONS + 1);
         }
-        assert!(Rc::ptr_eq(&open, &workspace.inspect(&path(0))), "what is understood of an open text is kept");
+        assert!(Rc::ptr_eq(&open, &workspace.inspect(&path(0))), "the analysis of an open document is kept");
     }
 
     #[test]

@@ -34,9 +34,9 @@ fn a_hover_tells_type_range_and_what_a_thing_is() {
     assert!(signal.contains("`q`: number, rad or m") && signal.contains("an angle (rad)"), "{signal}");
     assert!(signal.contains("0 .. 2.09"), "{signal}");
     let function = reward("ex|p(-com.speed / 1 m/s)");
-    assert!(function.contains("`exp(x)`") && function.contains("exponential of a plain number"), "{function}");
+    assert!(function.contains("`exp(x)`") && function.contains("exponential function"), "{function}");
     let landmark = reward("pel|vis.height / 1 m");
-    assert!(landmark.contains("the landmark `pelvis`") && landmark.contains("Height when standing"), "{landmark}");
+    assert!(landmark.contains("the landmark `pelvis`") && landmark.contains("Height in the standing pose"), "{landmark}");
     assert!(reward("com.speed / 1 m|/s").contains("metre"), "a unit");
 }
 
@@ -44,9 +44,9 @@ fn a_hover_tells_type_range_and_what_a_thing_is() {
 fn a_hover_tells_documentation_and_weights() {
     let text = task("    /// How far it leans.\n    let lean = 1 - torso.up.z\n    reward { 3 a = le|an\n 1 b = exp(-lean) }");
     let said = hover(&text);
-    assert!(said.contains("a plain number") && said.contains("How far it leans."), "{said}");
+    assert!(said.contains("a dimensionless number") && said.contains("How far it leans."), "{said}");
     let said = hover(&task("    reward {\n        3 up|right = torso.up.z\n        1 b = pelvis.up.z\n    }"));
-    assert!(said.contains("Weight 3, 75 % of all, paid per control step."), "{said}");
+    assert!(said.contains("Weight 3, 75 % of all, per control step."), "{said}");
     let said = hover(&task("    scene {\n ground\n bo|x seat { size [1 m, 1 m, 1 m] }\n }\n    reward { 1 b = pelvis.up.z }"));
     assert!(said.contains("a box: full extents"), "{said}");
 }
@@ -164,18 +164,18 @@ fn a_renaming_that_would_change_the_meaning_is_refused() {
         |new: &str| renamed(&task("    let le|an = 1 - torso.up.z\n    let other = 2\n    reward { 1 a = lean * other }"), new);
     assert!(text("upright").is_ok());
     for (new, reason) in [
-        ("other", "already means something"),
-        ("pelvis", "already means something"),
+        ("other", "already defined"),
+        ("pelvis", "already defined"),
         ("m", "a word of the language"),
-        ("Lean", "is no name"),
-        ("lean_", "is no name"),
+        ("Lean", "is not a valid name"),
+        ("lean_", "is not a valid name"),
         ("when", "a word of the language"),
     ] {
         let refused = text(new).unwrap_err();
         assert!(refused.contains(reason), "{new}: {refused}");
     }
     let captured = task("    let le|an = 1 - torso.up.z\n    reward { 1 a = sum([lean * k for k in 0..3]) }");
-    assert!(renamed(&captured, "k").unwrap_err().contains("already means something"));
+    assert!(renamed(&captured, "k").unwrap_err().contains("already defined"));
     let body = task("    reward { 1 a = pel|vis.up.z }");
     assert!(renamed(&body, "hips").unwrap_err().contains("belongs to a body"));
     let pattern = task(

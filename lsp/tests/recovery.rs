@@ -38,7 +38,7 @@ fn notifications_that_cannot_be_followed_are_logged() {
         ("textDocument/didChange", json!({ "textDocument": { "uri": uri(A) } }), "missing field `version`"),
         ("textDocument/didChange", json!(7), "invalid type"),
         ("textDocument/didClose", json!({ "textDocument": { "uri": uri(B) } }), "`/project/b.msk` is not open"),
-        ("textDocument/didInvent", json!({}), "the server does not know it"),
+        ("textDocument/didInvent", json!({}), "unknown method"),
     ];
     for (method, params, reason) in bad {
         client.tell(method, params);
@@ -48,7 +48,7 @@ fn notifications_that_cannot_be_followed_are_logged() {
     }
     client.change(A, 0, "task");
     client.ask_at("textDocument/hover", A, Position::new(0, 0)).unwrap();
-    assert!(client.log.pop().unwrap().contains("the text has version 1"));
+    assert!(client.log.pop().unwrap().contains("the document has version 1"));
     client.tell("$/setTrace", json!({ "value": "off" }));
     assert_eq!(client.ask("textDocument/hover", json!({ "position": 3 })).unwrap_err().0, INVALID_PARAMS);
     assert_eq!(client.log.len(), 1);

@@ -32,7 +32,7 @@ pub enum Outside {
     },
 }
 
-const LEADS_OUT: &str = "leads out of the project: paths are relative to it and stay in it";
+const LEADS_OUT: &str = "leads out of the project: paths are relative to it and must stay in it";
 
 impl Outside {
     /// Puts a refusal of the storage into words, with the path as it was asked for.

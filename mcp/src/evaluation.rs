@@ -120,7 +120,7 @@ pub fn read_results(project: &Project, asked: &ReadResults) -> Result<Value, Fai
     };
     let file = asked.file.as_deref().unwrap_or("summary.json");
     if !FILES.contains(&file) {
-        return Err(Failure(json!({ "error": format!("`{file}` is no file of results"), "files": FILES })));
+        return Err(Failure(json!({ "error": format!("`{file}` is not a file of results"), "files": FILES })));
     }
     let path = Path::new(folder).join(file);
     let limit = if file.ends_with(".jsonl") { LARGEST_JOURNAL } else { LARGEST };

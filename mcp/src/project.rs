@@ -52,7 +52,7 @@ impl Project {
     pub fn compile_with(&self, file: &str, loader: &dyn Loader) -> Result<Compilation, Failure> {
         compile(&self.confined.spelled(Path::new(file)), loader, &self.library).map_err(|report| {
             let mut told = report.to_json();
-            told["error"] = "the text has errors".into();
+            told["error"] = "the file has errors".into();
             told["rendered"] = report.to_string().into();
             Failure(told)
         })

@@ -21,9 +21,7 @@ pub struct Turn {
 
 /// The queue is full.
 #[derive(Debug, thiserror::Error)]
-#[error(
-    "the server is busy: {running} calls run and {waiting} wait, which is all it takes; call again when one has been answered"
-)]
+#[error("the server is busy: {running} calls run and {waiting} wait, which is the limit; call again when one has been answered")]
 pub struct Busy {
     running: usize,
     waiting: usize,

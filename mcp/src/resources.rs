@@ -50,7 +50,7 @@ pub fn read(project: &Project, uri: &str) -> Result<Option<(String, &'static str
 fn vocabulary(project: &Project) -> Result<String, Failure> {
     let file = bodies::builtin("human").ok_or("the human body is not built in")?;
     let compilation = compile(&file.path, &project.confined, &project.library)?;
-    let description = compilation.bodies.first().ok_or("the human body's file holds no body")?;
+    let description = compilation.bodies.first().ok_or("the file of the human body contains no body")?;
     let bound = project.library.bind(description)?;
     let scene = json!({ "elements": elements::KINDS, "joints": elements::JOINTS, "fields": elements::FIELDS });
     let all = json!({ "signals": signals::SIGNALS, "scene": scene, "body": bound.body.vocabulary(&bound.model) });

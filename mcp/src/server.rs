@@ -32,9 +32,7 @@ pub const WAITING_EVALUATIONS: usize = 16;
 /// Other calls that may wait while one runs on each core.
 const WAITING_CALLS: usize = 64;
 
-const INSTRUCTIONS: &str = "MSK tasks describe motor control as text: rewards are sums of weight times term. Begin with list_tasks and \
-    list_terms. Edits of weights are data: propose_weights shows what the rules of change allow, apply_weights writes it (dry run \
-    unless dry_run is false). Paths are relative to the project and stay in it. The resource msk://reference is the language.";
+const INSTRUCTIONS: &str = "MSK tasks describe motor control as text: rewards are sums of weight times term. Begin with list_tasks and list_terms. Edits of weights are data: propose_weights shows what the rules for changes allow, apply_weights writes it (dry run unless dry_run is false). Paths are relative to the project and must stay in it. The resource msk://reference is the language.";
 
 /// The server of one project.
 #[derive(Clone)]
@@ -169,7 +167,7 @@ impl Server {
     ) -> CallToolResult {
         let turn = tokio::select! {
             turn = queue.turn() => turn,
-            () = cancellation.wait() => return CallToolResult::structured_error(json!({ "error": "cancelled before it began" })),
+            () = cancellation.wait() => return CallToolResult::structured_error(json!({ "error": "cancelled before it started" })),
         };
         let turn = match turn {
             Ok(turn) => turn,
@@ -206,7 +204,7 @@ impl Server {
 
     /// Lists terms.
     #[tool(
-        description = "List the reward terms of a task: weight, where it comes from, what it may be, the term's range and formula",
+        description = "List the reward terms of a task: weight and its origin, bounds, the term's range and formula",
         annotations(read_only_hint = true)
     )]
     pub async fn list_terms(&self, Parameters(asked): Parameters<Task>, request: RequestContext<RoleServer>) -> CallToolResult {
@@ -220,7 +218,7 @@ impl Server {
 
     /// Explains a task.
     #[tool(
-        description = "Explain a task: formulas, weights, ranges, values at reset, what each term reads, ends, observation",
+        description = "Explain a task: formulas, weights, ranges, values at reset, inputs of each term, terminations, observation",
         annotations(read_only_hint = true)
     )]
     pub async fn explain(&self, Parameters(asked): Parameters<Task>, request: RequestContext<RoleServer>) -> CallToolResult {
@@ -234,7 +232,7 @@ impl Server {
 
     /// Checks a text.
     #[tool(
-        description = "Check the text of a task file, or a file: errors and warnings with places, what was expected and found, fixes",
+        description = "Check the text of a task file, or a file: errors and warnings with positions, what was expected and found, fixes",
         annotations(read_only_hint = true)
     )]
     pub async fn check(&self, Parameters(asked): Parameters<Check>, request: RequestContext<RoleServer>) -> CallToolResult {
@@ -261,8 +259,7 @@ impl Server {
 
     /// Proposes weights.
     #[tool(
-        description = "What the rules of change make of wished weights: within a step of 20 %, the bounds of the source, signs and \
-                       zeros kept, and a norm if one is given. Writes nothing",
+        description = "Project proposed weights onto the rules for changes: within a step of 20 %, the bounds of the source, signs and zeros kept, and a norm if one is given. Writes nothing",
         annotations(read_only_hint = true)
     )]
     pub async fn propose_weights(
@@ -289,8 +286,7 @@ impl Server {
 
     /// Runs episodes.
     #[tool(
-        description = "Run a few episodes of a task under a built-in policy within a budget of steps and seconds, and sum them up. \
-                       One runs on each core, a few wait; further ones are answered with `busy: true`",
+        description = "Run a few episodes of a task under a built-in policy within a budget of steps and seconds, and summarise them. One runs on each core, a few are queued; further calls are answered with `busy: true`",
         annotations(read_only_hint = true)
     )]
     pub async fn evaluate(&self, Parameters(asked): Parameters<Evaluate>, request: RequestContext<RoleServer>) -> CallToolResult {
@@ -301,8 +297,7 @@ impl Server {
 
     /// Compares two versions.
     #[tool(
-        description = "What two versions of a task differ in: terms, weights, formulas, ends, horizon; of another file, or under \
-                       another weights file",
+        description = "The differences between two versions of a task: terms, weights, formulas, terminations, horizon; in another file, or under another weights file",
         annotations(read_only_hint = true)
     )]
     pub async fn diff(&self, Parameters(asked): Parameters<Diff>, request: RequestContext<RoleServer>) -> CallToolResult {

@@ -102,7 +102,7 @@ pub fn apply(project: &Project, asked: &Apply) -> Result<Value, Failure> {
         None => into_source(project, &compilation, asked, dry_run)?,
     };
     let file = asked.overlay.as_deref().unwrap_or(&asked.file);
-    let hint = if dry_run { "nothing was written: say `dry_run: false` to write it" } else { "written" };
+    let hint = if dry_run { "nothing was written: pass `dry_run: false` to write it" } else { "written" };
     Ok(json!({ "file": file, "written": !dry_run, "changes": changes, "note": hint }))
 }
 

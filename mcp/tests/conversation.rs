@@ -168,7 +168,7 @@ async fn episodes_run_within_a_budget_and_results_are_read() {
     assert!(
         talk.refused("read_results", json!({ "folder": "results/one", "file": "../../tasks.msk" }))
             .await
-            .contains("no file of results")
+            .contains("is not a file of results")
     );
 }
 

@@ -76,7 +76,7 @@ pub enum BodyError {
     #[error(transparent)]
     Bind(#[from] BindError),
     /// The scene cannot be built around it.
-    #[error("the scene around body `{body}` cannot be built")]
+    #[error("the scene and the body `{body}` cannot be merged")]
     Scene {
         /// Name of the body.
         body: String,

@@ -44,9 +44,13 @@ fn an_allow_of_what_only_the_model_shows_is_judged_where_the_model_is_looked_at(
         &LEAN.replace("family   stabilization", "family   stabilization\n    allow starts_inside \"on purpose\""),
     );
     let probed = project.msk(&["check", "lean.msk"]).succeeded();
-    assert!(probed.out.contains("warning[W0513 unfulfilled_allow]: nothing here causes `starts_inside`"), "{}", probed.out);
+    assert!(
+        probed.out.contains("warning[W0513 unfulfilled_allow]: `starts_inside` has no warning here to allow"),
+        "{}",
+        probed.out
+    );
     let unprobed = project.msk(&["check", "--no-probe", "lean.msk"]).succeeded();
-    assert!(unprobed.out.contains("nothing to remark"), "{}", unprobed.out);
+    assert!(unprobed.out.contains("no errors, no warnings"), "{}", unprobed.out);
 }
 
 /// A task with a warning that compiling finds (W0505), and one that takes the body (W0530).
@@ -159,7 +163,7 @@ fn tasks_are_begun_on_their_bodies_unless_they_shall_not_be() {
     let project = Project::lean();
     project.write("deep.msk", &LEAN.replace("height on ground", "height 0.85 m").replace("task lean", "task deep"));
     let probed = project.msk(&["check", "deep.msk"]).succeeded();
-    assert!(probed.out.contains("warning[W0530 starts_inside]") && probed.out.contains("mm inside"), "{}", probed.out);
+    assert!(probed.out.contains("warning[W0530 starts_inside]") && probed.out.contains("penetrates"), "{}", probed.out);
     let unprobed = project.msk(&["check", "--no-probe", "deep.msk"]).succeeded();
-    assert!(unprobed.out.contains("nothing to remark"), "{}", unprobed.out);
+    assert!(unprobed.out.contains("no errors, no warnings"), "{}", unprobed.out);
 }

@@ -19,7 +19,7 @@ fn a_library_is_checked_as_one() {
     let project = Project::empty();
     project.write("lib.msk", "fn half(x) = x / 2\n");
     let done = project.msk(&["check", "lib.msk"]).succeeded();
-    assert_eq!(done.out, "lib.msk: a library without tasks, nothing to remark\n");
+    assert_eq!(done.out, "lib.msk: a library without tasks: no errors, no warnings\n");
     project.write("lib.msk", "fn half(x) = x / 2\nfn half(y) = y / 2\n");
     let done = project.msk(&["check", "lib.msk"]);
     assert!(done.code == Some(1) && done.out.contains("`half` is declared twice"), "{done:?}");
@@ -37,9 +37,9 @@ fn a_task_that_is_not_there() {
 fn a_suite_that_names_what_is_not_there() {
     let project = Project::lean();
     for (suite, said) in [
-        ("suite w { family f { laen } }", "there is no task `laen` in sight"),
-        ("suite w { family f { } }", "the family `f` names no task"),
-        ("suite w { }", "the suite `w` names no task"),
+        ("suite w { family f { laen } }", "undefined task `laen`"),
+        ("suite w { family f { } }", "the family `f` lists no task"),
+        ("suite w { }", "the suite `w` lists no task"),
     ] {
         project.write("suite.msk", &format!("use \"lean.msk\"\n{suite}\n"));
         project.msk(&["eval", "suite.msk", "--policy", "zero", "--out", "out"]).failed(1, &[said]);
@@ -58,7 +58,7 @@ fn a_folder_without_texts_and_a_file_without_weights() {
     for command in ["list", "scale", "reset"] {
         let mut arguments = vec!["weights", command, "lib.msk"];
         arguments.extend((command == "scale").then_some("2"));
-        project.msk(&arguments).failed(1, &["`lib.msk` holds no weights"]);
+        project.msk(&arguments).failed(1, &["`lib.msk` contains no weights"]);
     }
 }
 
@@ -71,6 +71,6 @@ fn a_table_that_is_cut_behind_its_headings() {
     for command in ["check", "test"] {
         let done = project.msk(&[command, "tasks.msk"]);
         assert_eq!(done.code, Some(1), "{done:?}");
-        assert!(format!("{}{}", done.out, done.err).contains("a cycle has at least four rows, this one has 0"), "{done:?}");
+        assert!(format!("{}{}", done.out, done.err).contains("a cycle has at least four rows, found 0"), "{done:?}");
     }
 }

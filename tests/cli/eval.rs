@@ -42,7 +42,7 @@ fn a_suite_may_have_several_protocols() {
     for (out, episodes) in [("default", 2), ("paper", 4), ("other", 1)] {
         assert_eq!(project.read(format!("{out}/episodes.jsonl")).lines().count(), episodes);
     }
-    eval(&project, "none", &["--protocol", "papre"]).failed(1, &["has no protocol `papre`", "there are: quick, paper"]);
+    eval(&project, "none", &["--protocol", "papre"]).failed(1, &["has no protocol `papre`", "protocols are quick, paper"]);
     let alone = project.msk(&["eval", "lean.msk", "--protocol", "paper"]);
     alone.failed(1, &["`lean.msk` has no protocol `paper`", "hint: a suite declares one"]);
 }
@@ -88,7 +88,7 @@ fn a_policy_that_can_act_on_no_task_fails() {
     let project = half_shown();
     let done = project.msk(&["eval", "lean.msk", "--policy", "demonstration", "--episodes", "2", "--out", "out"]);
     assert!(done.out.contains("skipped: no test of `lean`"), "{}", done.out);
-    done.failed(1, &["policy `demonstration` can act on none of the tasks", "hint:"]);
+    done.failed(1, &["policy `demonstration` supports none of the tasks", "hint:"]);
 }
 
 #[test]
@@ -182,9 +182,9 @@ fn results_of_another_run_are_never_overwritten() {
     let project = Project::lean();
     eval(&project, "out", &[]).succeeded();
     let lines = project.read("out/episodes.jsonl");
-    eval(&project, "out", &["--seed", "6"]).failed(1, &["holds another run", "seed is 5, not 6", "hint:"]);
+    eval(&project, "out", &["--seed", "6"]).failed(1, &["contains another run", "seed is 5, not 6", "hint:"]);
     project.write("lean.msk", &super::project::LEAN.replace("10    pose", "11    pose"));
-    eval(&project, "out", &[]).failed(1, &["holds another run", "task `lean` has changed", "hint:"]);
+    eval(&project, "out", &[]).failed(1, &["contains another run", "task `lean` has changed", "hint:"]);
     assert_eq!(project.read("out/episodes.jsonl"), lines);
 }
 
@@ -247,7 +247,7 @@ fn results_that_somebody_changed_are_refused_and_stay_as_they_are() {
         assert_eq!(project.read("out/episodes.jsonl"), before);
     };
     project.write("out/episodes.jsonl", &lines.replacen("\"success\":", "\"success\": ", 1));
-    refused(&[], &["out/episodes.jsonl`, line 1, is not what was written there", "checksum"]);
+    refused(&[], &["out/episodes.jsonl`, line 1, was modified", "checksum"]);
     project.msk(&["run", "lean", "--replay", "out"]).failed(1, &["line 1", "checksum"]);
     project.write("out/episodes.jsonl", &lines);
 
@@ -255,12 +255,12 @@ fn results_that_somebody_changed_are_refused_and_stay_as_they_are() {
     eval(&project, "other", &["--seed", "6"]).succeeded();
     let foreign = project.read("other/episodes.jsonl");
     project.write("out/episodes.jsonl", &format!("{lines}{}\n", foreign.lines().next().unwrap()));
-    refused(&[], &["line 4, is of another run", "seed is 6, not 5"]);
+    refused(&[], &["line 4, belongs to another run", "seed is 6, not 5"]);
     project.write("out/episodes.jsonl", &lines);
 
     // The settings of another run over these episodes, and none.
     project.write("out/run.json", &project.read("other/run.json"));
-    refused(&["--seed", "6"], &["line 1, is of another run", "seed is 5, not 6"]);
+    refused(&["--seed", "6"], &["line 1, belongs to another run", "seed is 5, not 6"]);
     std::fs::remove_file(project.path("out/run.json")).unwrap();
     refused(&["--seed", "6"], &["holds episodes but no `run.json`"]);
     project.write("out/run.json", &settings);
@@ -278,7 +278,7 @@ fn a_full_disk_leaves_whole_lines_and_the_run_goes_on_later() {
     let mut command = std::process::Command::new("sh");
     command.args(["-c", script, env!("CARGO_BIN_EXE_msk")]).args(arguments).args(["--out", "out"]);
     let done = super::project::Done::from(command.current_dir(project.path("")).output().unwrap());
-    done.failed(1, &["cannot keep results in `out`", "because: cannot write `out/episodes.jsonl`", "hint: make room"]);
+    done.failed(1, &["cannot keep results in `out`", "because: cannot write `out/episodes.jsonl`", "hint: free some space"]);
     let kept = project.read("out/episodes.jsonl");
     assert!(kept.ends_with('\n') && (1..12).contains(&kept.lines().count()), "{kept}");
     project.msk(&[&arguments[..], &["--out", "out"]].concat()).succeeded();

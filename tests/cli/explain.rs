@@ -7,7 +7,7 @@ use serde_json::Value;
 fn a_task_is_told_as_text_data_tables_and_page() {
     let project = Project::lean();
     let done = project.msk(&["explain", "lean"]).succeeded();
-    assert!(done.out.contains("Begins on the ground") && done.out.contains("at reset the sum is"), "{}", done.out);
+    assert!(done.out.contains("Initial state: on the ground") && done.out.contains("at reset the reward is"), "{}", done.out);
 
     let done = project.msk(&["explain", "lean", "--format", "json"]).succeeded();
     let accounts: Value = serde_json::from_str(&done.out).unwrap();

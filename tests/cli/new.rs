@@ -9,7 +9,7 @@ fn a_new_task_compiles_without_a_remark_is_laid_out_and_runs() {
     let text = project.read("lean_back.msk");
     assert!(text.contains("task lean_back {") && text.contains("family  balance"), "{text}");
     let done = project.msk(&["check", "lean_back.msk"]).succeeded();
-    assert!(done.out.contains("1 task, nothing to remark"), "{}", done.out);
+    assert!(done.out.contains("1 task: no errors, no warnings"), "{}", done.out);
     project.msk(&["fmt", "--check", "lean_back.msk"]).succeeded();
     project.msk(&["run", "lean_back.msk", "--policy", "zero"]).succeeded();
 }
@@ -28,7 +28,7 @@ fn a_new_task_may_change_another_one() {
     let text = project.read("more/lean_more.msk");
     assert!(text.contains("use \"../lean.msk\"") && text.contains("task lean_more extends lean {"), "{text}");
     let done = project.msk(&["check", "more/lean_more.msk"]).succeeded();
-    assert!(done.out.contains("nothing to remark"), "{}", done.out);
+    assert!(done.out.contains("no errors, no warnings"), "{}", done.out);
     project.msk(&["fmt", "--check", "more/lean_more.msk"]).succeeded();
     project.msk(&["diff", "lean.msk", "more/lean_more.msk@lean_more"]).succeeded();
 }
@@ -53,7 +53,7 @@ fn a_new_body_fits_its_model_and_is_laid_out() {
 #[test]
 fn what_is_no_name_is_refused() {
     let project = Project::empty();
-    project.msk(&["new", "task", "Lean-Back"]).failed(2, &["`Lean-Back` is no name for a task"]);
-    project.msk(&["new", "task", "let"]).failed(1, &["nothing is written"]);
+    project.msk(&["new", "task", "Lean-Back"]).failed(2, &["`Lean-Back` is not a name for a task"]);
+    project.msk(&["new", "task", "let"]).failed(1, &["nothing was written"]);
     assert!(!project.path("let.msk").exists());
 }

@@ -80,9 +80,9 @@ fn a_program_that_breaks_down_is_reported_with_its_last_words() {
         ("exec >&-; sleep 100", "it closed its standard output"),
         ("action 415 0", "its action has 415 numbers, expected 416: one per muscle"),
         ("action 416 NaN", "its action holds NaN, which is no number"),
-        ("echo loading", "its reply is not one of the protocol: `loading` ("),
-        ("echo '{\"ready\": true}'", "its reply holds no `action`"),
-        ("echo '{\"error\": \"out of memory\"}'", "it answers with the error `out of memory`"),
+        ("echo loading", "its reply does not follow the protocol: `loading` ("),
+        ("echo '{\"ready\": true}'", "its reply contains no `action`"),
+        ("echo '{\"error\": \"out of memory\"}'", "it replies with the error `out of memory`"),
         ("sleep 100", "no reply within 0.3 s (`--policy-timeout` sets the limit)"),
     ];
     for (answer, message) in cases {
@@ -96,7 +96,7 @@ fn a_program_that_cannot_be_used_is_refused_at_once() {
     let project = Project::lean();
     let run = |policy: &str| project.msk(&["run", "lean.msk", "--policy", policy]);
     run("process ./nothing").failed(1, &["policy `process ./nothing` failed", "`./nothing` cannot be started"]);
-    run("process").failed(1, &["`process` names no command: write `process python3 policy.py`"]);
+    run("process").failed(1, &["`process` needs a command: write `process python3 policy.py`"]);
     run("replay nothing.npy").failed(1, &["cannot read `nothing.npy`"]);
     run("pocess sh").failed(1, &["there is no policy `pocess sh`", "process COMMAND, network FILE, replay FILE"]);
     project.msk(&["run", "lean.msk", "--policy-timeout", "0"]).failed(2, &["more than 0"]);
@@ -130,7 +130,7 @@ fn recorded_actions_are_played_again_bit_for_bit() {
     let longer = project.read("lean.msk").replace("terminate { sunk when pelvis.height < neutral(pelvis.height) - 2 cm }", "");
     project.write("longer.msk", &longer.replace("horizon  20 steps", "horizon  200 steps"));
     let done = project.msk(&["run", "longer.msk", "--policy", "replay random.npy"]);
-    done.failed(1, &["`random.npy` holds ", " actions, and the episode goes on"]);
+    done.failed(1, &["`random.npy` contains only ", " actions, but the episode continues"]);
     project.write("text.npy", "text");
     project.msk(&["run", "lean.msk", "--policy", "replay text.npy"]).failed(1, &["`text.npy` is no NumPy array"]);
 }

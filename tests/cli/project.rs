@@ -90,7 +90,7 @@ impl Project {
 /// What the program left.
 #[derive(Debug)]
 pub struct Done {
-    /// Exit code; `None` if a signal ended it.
+    /// Exit code; `None` if it was ended by a signal.
     pub code: Option<i32>,
     /// Standard output.
     pub out: String,

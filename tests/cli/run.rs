@@ -68,7 +68,7 @@ fn an_end_is_told_by_its_name() {
 fn a_file_with_several_tasks_is_not_one_task() {
     let project = Project::lean();
     project.write("two.msk", &format!("{LEAN}\n{}", LEAN.replace("task lean", "task loll")));
-    project.msk(&["run", "two.msk", "--policy", "zero"]).failed(1, &["`two.msk` holds 2 tasks: lean, loll"]);
+    project.msk(&["run", "two.msk", "--policy", "zero"]).failed(1, &["`two.msk` contains 2 tasks: lean, loll"]);
 }
 
 #[test]

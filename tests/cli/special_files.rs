@@ -68,7 +68,7 @@ fn a_pipe_is_waited_for_by_no_command() {
 fn no_text_uses_a_device_or_what_the_system_makes_up() {
     let project = Project::empty();
     for (path, found) in
-        [("/dev/zero", "a device"), ("/proc/self/environ", "a file whose size is not what it states"), ("/proc", "a folder")]
+        [("/dev/zero", "a device"), ("/proc/self/environ", "a file whose size differs from its metadata"), ("/proc", "a folder")]
     {
         if !std::path::Path::new(path).exists() {
             continue;

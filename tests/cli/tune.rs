@@ -26,9 +26,9 @@ fn weights_are_tuned_within_the_rules_and_the_source_stays() {
     // All is there already; a larger budget goes on from there.
     let log = project.read("out/rounds.jsonl");
     let done = tune(&project, &[]).succeeded();
-    assert!(done.err.contains("2 of 2 rounds are there"), "{}", done.err);
+    assert!(done.err.contains("2 of 2 rounds exist"), "{}", done.err);
     assert_eq!(project.read("out/rounds.jsonl"), log);
-    tune(&project, &["--seed", "9"]).failed(1, &["holds another"]);
+    tune(&project, &["--seed", "9"]).failed(1, &["contains another"]);
 }
 
 #[cfg(unix)]

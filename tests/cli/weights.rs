@@ -33,7 +33,7 @@ fn a_weight_is_set_and_reset_and_every_other_byte_stays() {
 fn what_may_not_be_is_refused_as_a_whole() {
     let project = Project::lean();
     let done = project.msk(&["weights", "set", "lean.msk", "pose=11", "efort=-0.5", "alive=-5"]);
-    done.failed(1, &["nothing was changed", "did you mean `effort`?", "lean.alive may not become -5"]);
+    done.failed(1, &["nothing was changed", "did you mean `effort`?", "lean.alive cannot be -5"]);
     project.msk(&["weights", "set", "lean.msk", "pose"]).failed(2, &["term=weight"]);
     assert_eq!(project.read("lean.msk"), LEAN);
 }
@@ -64,7 +64,7 @@ fn a_weight_written_alone_keeps_the_range_of_the_task_that_it_extends() {
     let project = Project::empty();
     project.write("lean.msk", &LEAN.replace("10    pose", "10 (5..20)   pose"));
     project.write("more.msk", "use \"lean.msk\"\n\ntask more extends lean {\n    reward { 12 pose }\n}\n");
-    project.msk(&["weights", "set", "more.msk", "pose=21"]).failed(1, &["more.pose may not become 21", "5..20"]);
+    project.msk(&["weights", "set", "more.msk", "pose=21"]).failed(1, &["more.pose cannot be 21", "5..20"]);
     project.msk(&["weights", "set", "more.msk", "pose=20"]).succeeded();
     assert!(project.read("more.msk").contains("{ 20 pose }"));
 }
@@ -111,7 +111,7 @@ fn all_that_is_wrong_with_a_weights_file_is_told_at_its_place() {
     let project = Project::lean();
     project.write("weights.toml", "pose = 1\n[lean]\npsoe = 3\nalive = -5\neffort = \"low\"\n[laen]\npose = 1\n");
     let done = project.msk(&["run", "lean", "--weights", "weights.toml"]);
-    done.failed(1, &["error[E0461]", "weights.toml:1:1", "`pose` stands outside of any task", "weights.toml:5:10", "not a text"]);
+    done.failed(1, &["error[E0461]", "weights.toml:1:1", "`pose` is outside of any task", "weights.toml:5:10", "not a text"]);
     project.write("weights.toml", "[lean]\npsoe = 3\nalive = -5\n[laen]\npose = 1\n");
     let done = project.msk(&["run", "lean", "--weights", "weights.toml"]);
     done.failed(
@@ -122,7 +122,7 @@ fn all_that_is_wrong_with_a_weights_file_is_told_at_its_place() {
             "did you mean `pose`?",
             "error[E0464]",
             "weights.toml:3:9",
-            "lean.alive may not become -5: it is 5 and must stay above 0",
+            "lean.alive cannot be -5: it is 5 and must stay above 0",
             "error[E0462]",
             "weights.toml:4:2",
             "did you mean `lean`?",
@@ -149,7 +149,7 @@ fn a_weights_file_is_written_baked_and_extracted_and_loses_nothing() {
     assert_eq!(project.read("lean.msk"), LEAN);
 
     let told = project.msk(&["weights", "apply", "tasks.msk", "--weights", "weights.toml"]);
-    told.failed(1, &["is not written in `tasks.msk`", "the file that writes it: lean.msk"]);
+    told.failed(1, &["is not declared in `tasks.msk`", "the file that declares it: lean.msk"]);
     project.msk(&["weights", "apply", "lean.msk", "--weights", "weights.toml"]).succeeded();
     assert_eq!(project.read("lean.msk"), LEAN.replace("10    pose", "11.5    pose").replace(" 5    alive", " 6    alive"));
     project.msk(&["weights", "reset", "lean.msk"]).succeeded();
@@ -205,7 +205,7 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
     let episode = records[index]["episode"].to_string();
     let again = project.msk(&["run", "lean", "--replay", "out", "--episode", &episode]).succeeded();
     assert!(again.err.contains("the same as in `out`, bit for bit"), "{}", again.err);
-    project.msk(&["run", "lean", "--replay", "out", "--episode", "99999"]).failed(1, &["holds no episode 99999"]);
+    project.msk(&["run", "lean", "--replay", "out", "--episode", "99999"]).failed(1, &["contains no episode 99999"]);
 }
 
 /// What a folder from somebody else may hold: none of it lets a change out of the folder.

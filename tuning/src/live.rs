@@ -109,7 +109,7 @@ impl Live {
                 }
                 Err(report) => (Some(version.hash), report.to_string()),
             },
-            Ok(None) => (None, format!("there is no weights file `{}` any more\n", self.name)),
+            Ok(None) => (None, format!("the weights file `{}` does not exist any more\n", self.name)),
             Err(error) => (None, format!("{error}\n")),
         };
         // A file that cannot be read is told once, not before every episode.

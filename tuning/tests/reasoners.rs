@@ -97,7 +97,7 @@ fn the_built_in_rules_emphasise_what_is_deficient() {
     assert_eq!(weight("alive"), Some(4.5));
     // Dead and fixed: no weight helps.
     assert_eq!(weight("wave"), None);
-    assert!(proposal.reason.contains("pose up: it is deficient"), "{}", proposal.reason);
+    assert!(proposal.reason.contains("pose up: it has low values"), "{}", proposal.reason);
 }
 
 /// The paper's examples: too slow, so pay more for the speed that is wanted; hunched, so pay more for being upright.
@@ -245,7 +245,7 @@ fn every_failure_says_what_it_was_and_none_shows_the_key() {
     let request = asked();
     let cases: [(Answering, &str); 7] = [
         (late, "timeout"),
-        (wrong, "is no proposal"),
+        (wrong, "is not a proposal"),
         (half, "no answer after 1"),
         (nothing, "no answer after 1"),
         (busy, "status 429"),

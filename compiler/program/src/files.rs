@@ -43,7 +43,7 @@ pub trait BodySource {
     /// The body is not at hand: in words. A source that knows no kinematics always says so.
     fn trace(&self, description: &BodyDescription, motion: &Motion) -> Result<Vec<Vec<[f64; 3]>>, String> {
         let _ = motion;
-        Err(format!("where the landmarks of `{}` are cannot be computed here", description.name))
+        Err(format!("the positions of the landmarks of `{}` cannot be computed here", description.name))
     }
 }
 
@@ -54,10 +54,10 @@ pub enum LoadError {
     #[error("there is no file `{}`", .0.display())]
     Missing(PathBuf),
     /// Larger than [`LARGEST_FILE`].
-    #[error("`{}` is larger than the {LARGEST_FILE} bytes that are read", .0.display())]
+    #[error("`{}` is larger than the limit of {LARGEST_FILE} bytes", .0.display())]
     TooLarge(PathBuf),
     /// Not UTF-8.
-    #[error("`{}` is not a text in UTF-8", .0.display())]
+    #[error("`{}` is not UTF-8 text", .0.display())]
     NotText(PathBuf),
     /// The operating system refuses.
     #[error("cannot read `{}`: {reason}", path.display())]

@@ -240,7 +240,7 @@ pub struct NonFiniteTerm {
 
 /// A random none of whose tries fulfilled its condition: an error of this episode.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("none of {tries} draws of `{random}` at step {step} fulfils `{wanted}`; the last was {last}")]
+#[error("none of {tries} draws of `{random}` at step {step} satisfies `{wanted}`; the last was {last}")]
 pub struct NotDrawn {
     /// Its name.
     pub random: String,

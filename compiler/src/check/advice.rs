@@ -8,14 +8,14 @@ impl Checker<'_> {
     pub(super) fn meant_elsewhere(&self, text: &str) -> Option<String> {
         if self.later_phases.iter().any(|phase| phase == text) {
             return Some(format!(
-                "`{text}` is a later phase of the sequence: a phase reads itself and those before it, such as `NAME.success`"
+                "`{text}` is a later phase of the sequence: a phase can read itself and earlier phases, for example `NAME.success`"
             ));
         }
         if self.phases.iter().any(|phase| phase == text) {
-            return Some(format!("`{text}` is a phase: whether it has succeeded is `{text}.success`"));
+            return Some(format!("`{text}` is a phase; its success is `{text}.success`"));
         }
         if !self.place.in_task && self.names.of_task().any(|(name, _)| name == text) {
-            return Some(format!("a function or constant of a file sees nothing of the task: give it `{text}` as an argument"));
+            return Some(format!("functions and constants cannot read names of the task: pass `{text}` as an argument"));
         }
         self.part_of_a_thing(text).or_else(|| self.beyond_a_row(text))
     }

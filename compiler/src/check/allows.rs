@@ -103,11 +103,9 @@ fn allowance(allow: &Allow, file: FileId, scope: Scope, diagnostics: &mut Vec<Di
     }
     let diagnostic = |message| Diagnostic::new(codes::tasks::UNKNOWN_SETTING, file, span, message);
     diagnostics.push(match found {
-        Ok((_, lint)) if !lint.allowable() => {
-            diagnostic(format!("`{}` is about the text as a whole, not about a task", lint.name))
-                .help(format!("correct what it warns of, or leave it out on the command line: `msk check --allow {}`", lint.name))
-        }
-        Ok((code, lint)) => diagnostic(format!("a lint is allowed by its name, not by its code `{}`", code.id)).suggest(
+        Ok((_, lint)) if !lint.allowable() => diagnostic(format!("`{}` is a lint of the whole file, not of a task", lint.name))
+            .help(format!("fix the cause, or allow the lint on the command line: `msk check --allow {}`", lint.name)),
+        Ok((code, lint)) => diagnostic(format!("`allow` takes the name of a lint, not its code `{}`", code.id)).suggest(
             format!("write `{}`", lint.name),
             span,
             lint.name,

@@ -93,12 +93,12 @@ impl<'a> Checker<'a> {
             if data.kind.element() != Some(ElementType::Bool) {
                 let found = data.kind.described(self.vocabulary);
                 let diagnostic = self
-                    .diagnostic(codes::types::WRONG_TYPE, expr.span, "`and` and `or` join conditions")
-                    .expected("a condition (yes or no)")
+                    .diagnostic(codes::types::WRONG_TYPE, expr.span, "`and` and `or` combine conditions")
+                    .expected("a condition (true or false)")
                     .found(found);
                 let diagnostic = match data.kind.element() {
                     Some(element) if element.is_number() => {
-                        diagnostic.help("compare it, `x > 0.5`; to reward both numbers at once, multiply them, `x * y`")
+                        diagnostic.help("compare it, `x > 0.5`; to combine two rewards, multiply them, `x * y`")
                     }
                     _ => diagnostic,
                 };
@@ -170,10 +170,14 @@ impl<'a> Checker<'a> {
         let message = if subtract { format!("cannot subtract {b} from {a}") } else { format!("cannot add {a} and {b}") };
         let diagnostic = self
             .diagnostic(codes::types::PLACES, left.1.span.to(right.1.span), message)
-            .help("place - place is a vector, place + vector is a place; both must be counted in the same axes");
+            .help("place - place is a vector, place + vector is a place; both must be expressed in the same frame");
         let places = [left, right].map(|(data, _)| matches!(data.kind.element(), Some(ElementType::Place(_))));
         let between = !subtract && places == [true, true];
-        self.report(if between { diagnostic.help("the place between several is their mean: `mean([a, b])`") } else { diagnostic })
+        self.report(if between {
+            diagnostic.help("the point between several places is their mean: `mean([a, b])`")
+        } else {
+            diagnostic
+        })
     }
 
     fn product(&mut self, divide: bool, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<TypedValue> {
@@ -193,7 +197,7 @@ impl<'a> Checker<'a> {
         }
         let (nodes, _) = self.laid_out(&[l, r], right.1.span)?;
         let Some(kind) = l.kind.zip(&r.kind, |a, b| element_of_product(divide, a, b)) else {
-            let message = "a mixed list holds numbers only, and powers of units must stay within reason";
+            let message = "a mixed list contains numbers only, and exponents of units are bounded";
             return Err(self.error(codes::types::MIXED, left.1.span.to(right.1.span), message));
         };
         let node = self.graph.add(Operation::Binary(function), &nodes);
@@ -202,9 +206,9 @@ impl<'a> Checker<'a> {
 
     fn must_be_numbers(&mut self, verb: &str, data: &TypedValue, expr: &Expr) -> Checked<()> {
         let help = match data.kind.element() {
-            Some(ElementType::Bool) => "a condition gates a value with `when`: `x when c`",
-            Some(ElementType::Place(_)) => "subtract two places, or take a component such as `.z`",
-            Some(ElementType::Rotation) => "read `.pitch`, `.roll`, `.yaw` or an axis",
+            Some(ElementType::Bool) => "use `when` to gate a value by a condition: `x when c`",
+            Some(ElementType::Place(_)) => "subtract two places, or use a component such as `.z`",
+            Some(ElementType::Rotation) => "use `.pitch`, `.roll`, `.yaw` or an axis",
             Some(ElementType::Steps) => "write the time in seconds",
             _ => return Ok(()),
         };
@@ -222,7 +226,7 @@ impl<'a> Checker<'a> {
         let plain = power.kind.all(|element| element.is_number() && element.dimension() == Some(Dimension::NONE));
         if !plain || !base_data.kind.all(ElementType::is_number) {
             let diagnostic = self
-                .diagnostic(codes::types::POWER, exponent.1.span, "only numbers can be raised, and only to a plain number")
+                .diagnostic(codes::types::POWER, exponent.1.span, "a power needs a number and a dimensionless exponent")
                 .help("the square of a vector's length is `dot(v, v)`");
             return Err(self.report(diagnostic));
         }
@@ -239,8 +243,8 @@ impl<'a> Checker<'a> {
         let Some(kind) = kind else {
             let found = base_data.kind.described(self.vocabulary);
             let diagnostic = self
-                .diagnostic(codes::types::POWER, exponent.1.span, "the unit of this power would not be known")
-                .found(format!("{found} raised to something that is no simple fraction known while compiling"))
+                .diagnostic(codes::types::POWER, exponent.1.span, "the unit of this power is not known at compile time")
+                .found(format!("{found} with an exponent that is not a constant simple fraction"))
                 .help("divide the base by a unit first: `(x / 1 m)^p`");
             return Err(self.report(diagnostic));
         };
@@ -270,7 +274,7 @@ impl<'a> Checker<'a> {
             });
         }
         let span = operands.first().map_or(Span::default(), |operand| operand.span);
-        held.ok_or_else(|| self.error(codes::types::WRONG_TYPE, span, "a comparison has two sides"))
+        held.ok_or_else(|| self.error(codes::types::WRONG_TYPE, span, "a comparison needs two sides"))
     }
 
     fn compare(&mut self, operator: CompareOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<TypedValue> {
@@ -287,12 +291,12 @@ impl<'a> Checker<'a> {
             if !equality && !data.kind.all(is_ordered) {
                 let found = data.kind.described(self.vocabulary);
                 let help = match data.kind.element() {
-                    Some(ElementType::Vector { .. }) => "take a component such as `.z`, or the length `norm(v)`",
-                    Some(ElementType::Place(_)) => "take a component such as `.z`, or `distance(a, b)`",
-                    Some(ElementType::Bool) => "a condition is already yes or no",
-                    _ => "read one of its numbers",
+                    Some(ElementType::Vector { .. }) => "use a component such as `.z`, or the length `norm(v)`",
+                    Some(ElementType::Place(_)) => "use a component such as `.z`, or `distance(a, b)`",
+                    Some(ElementType::Bool) => "a condition is already true or false",
+                    _ => "use one of its numbers",
                 };
-                let message = format!("there is no greater or smaller among {found}");
+                let message = format!("{found} cannot be ordered");
                 let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, message).help(help);
                 return Err(self.report(diagnostic));
             }
@@ -326,9 +330,9 @@ impl<'a> Checker<'a> {
     pub(crate) fn warn_identical(&mut self, left: NodeId, right: NodeId, span: Span) {
         // The same thing at two moments is what tests compare.
         if left == right && self.in_tests.is_none() && self.graph.constant_lanes(left).is_none() {
-            let message = "both sides are the same thing";
+            let message = "both operands are identical";
             let diagnostic =
-                self.diagnostic(codes::lints::IDENTICAL, span, message).help("one of them was probably to be another");
+                self.diagnostic(codes::lints::IDENTICAL, span, message).help("probably one of them was meant to be different");
             self.diagnostics.push(diagnostic);
         }
     }

@@ -30,7 +30,7 @@ pub(crate) fn describe(body: &Body, file: FileId, diagnostics: &mut Vec<Diagnost
     let missing: Vec<_> = needed.into_iter().filter(|(word, _)| !reader.said.contains_key(*word)).collect();
     if !missing.is_empty() {
         let words: Vec<String> = missing.iter().map(|(word, _)| format!("`{word}`")).collect();
-        let message = format!("the body `{}` does not say its {}", body.name.text, words.join(", "));
+        let message = format!("the body `{}` does not declare its {}", body.name.text, words.join(", "));
         let examples: Vec<&str> = missing.iter().map(|(_, example)| *example).collect();
         let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, body.name.span, message)
             .help(format!("write {}", examples.join(", ")))
@@ -120,7 +120,7 @@ impl Reader<'_> {
         match &element.name {
             Some(ElementName::Name(name)) => self.body.root.clone_from(&name.text),
             Some(ElementName::Quoted(text)) => self.body.root.clone_from(&text.value),
-            None => self.error(codes::tasks::MISSING, element.kind.span, "the root does not say which body of the model it is"),
+            None => self.error(codes::tasks::MISSING, element.kind.span, "the root does not declare a body of the model"),
         }
         let (mut forward, mut up) = (None, None);
         for field in &element.fields {
@@ -135,7 +135,7 @@ impl Reader<'_> {
                 self.must_be_across(forward, up, element.kind.span);
                 (self.body.root_forward, self.body.root_up) = (forward, up);
             }
-            _ => self.error(codes::tasks::MISSING, element.kind.span, "the root must say which axes are `forward` and `up`"),
+            _ => self.error(codes::tasks::MISSING, element.kind.span, "the root must declare its axes `forward` and `up`"),
         }
     }
 
@@ -146,12 +146,12 @@ impl Reader<'_> {
             Axis::PlusZ | Axis::MinusZ => 2,
         };
         if line(forward) == line(up) {
-            self.error(codes::tasks::OUT_OF_RANGE, span, "`forward` and `up` must stand across each other");
+            self.error(codes::tasks::OUT_OF_RANGE, span, "`forward` and `up` must be perpendicular");
         }
     }
 
     fn unknown_field(&mut self, field: &Field, known: &str) {
-        let message = format!("there is no `{}` here; there is {known}", field.name.text);
+        let message = format!("there is no `{}` here; known names are {known}", field.name.text);
         self.error(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
     }
 
@@ -176,7 +176,7 @@ impl Reader<'_> {
         .map(|(word, _)| *word)
         .collect();
         let (Some(point), Some(forward), Some(up)) = (parts.point, parts.forward, parts.up) else {
-            let message = format!("the landmark `{}` does not say `{}`", name.text, missing.join("`, `"));
+            let message = format!("the landmark `{}` does not declare `{}`", name.text, missing.join("`, `"));
             return self.error(codes::tasks::MISSING, name.span, message);
         };
         self.must_be_across(forward, up, name.span);
@@ -266,7 +266,7 @@ impl Reader<'_> {
                 }
             }
             other => {
-                let message = format!("a body has no `{other}`; it groups `joints`, `muscles`, `landmarks` and makes a `family`");
+                let message = format!("a body has no `{other}`; it has groups of `joints`, `muscles`, `landmarks`, and `family`");
                 self.error(codes::tasks::UNKNOWN_SETTING, group.kind.span, message);
             }
         }
@@ -276,7 +276,7 @@ impl Reader<'_> {
         let mut sorted: Vec<&String> = members.iter().collect();
         sorted.sort();
         if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            let message = format!("`{}` is in this list twice", pair[0]);
+            let message = format!("`{}` occurs twice in this list", pair[0]);
             self.error(codes::names::DECLARED_TWICE, span, message);
         }
     }
@@ -287,7 +287,7 @@ impl Reader<'_> {
                 Some(found.value)
             }
             Ok(found) => {
-                let message = format!("a coordinate is an angle or a length, this is {}", found.dimension.described());
+                let message = format!("a coordinate is an angle or a length, found {}", found.dimension.described());
                 self.error(codes::types::DIMENSIONS_DIFFER, value.span, message);
                 None
             }
@@ -307,7 +307,7 @@ impl Reader<'_> {
             ExprKind::List(elements) => elements.iter().flat_map(|element| self.names(element)).collect(),
             ExprKind::Error(_) => Vec::new(),
             _ => {
-                self.error(codes::types::WRONG_TYPE, expr.span, "names of the model are wanted here");
+                self.error(codes::types::WRONG_TYPE, expr.span, "expected names of the model");
                 Vec::new()
             }
         }
@@ -325,7 +325,7 @@ impl Reader<'_> {
                 _ => Vec::new(),
             };
             if choices.is_empty() || texts.len() * choices.len() > LONGEST_PATTERN {
-                let message = "in a body file every name is written out, or listed in braces: `_{l,r}`";
+                let message = "in a body file every name is written in full, or listed in braces: `_{l,r}`";
                 self.error(codes::names::NOTHING_FITS, name.span, message);
                 return Vec::new();
             }

@@ -60,7 +60,7 @@ impl<'a> Checker<'a> {
                 function.call(self, arguments, span).map(Value::Typed)
             }
             None if functions::is_later(&name.text) => {
-                let message = format!("`{}` belongs to the language, but is not supported yet", name.text);
+                let message = format!("`{}` is part of the language, but not supported yet", name.text);
                 Err(self.error(codes::names::NOT_YET, name.span, message))
             }
             None => Err(self.unknown_function(&name.text, name.span)),
@@ -76,11 +76,11 @@ impl<'a> Checker<'a> {
         if let ExprKind::Name(module) = &base.kind
             && is_module(&module.text)
         {
-            let message = format!("there is nothing called `{}`", module.text);
+            let message = format!("undefined name `{}`", module.text);
             let diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, function.span, message);
             let diagnostic = match function_elsewhere(&name.text) {
                 Some(advice) if !own => diagnostic.help(advice),
-                _ => diagnostic.help("functions stand by themselves, without a prefix"),
+                _ => diagnostic.help("functions have no prefix"),
             };
             let offered = format!("write `{}(...)`", name.text);
             return self.report(if own { diagnostic.suggest(offered, function.span, &*name.text) } else { diagnostic });
@@ -88,7 +88,7 @@ impl<'a> Checker<'a> {
         let message = format!("`{}` cannot be called on a value", name.text);
         let diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message);
         if !own {
-            let advice = function_elsewhere(&name.text).unwrap_or("functions stand by themselves: `norm(v)`, `exp(x)`");
+            let advice = function_elsewhere(&name.text).unwrap_or("functions are called without receiver: `norm(v)`, `exp(x)`");
             return self.report(diagnostic.help(advice));
         }
         // `v.norm()` becomes `norm(v)`, `a.distance(b)` becomes `distance(a, b)`.
@@ -108,17 +108,17 @@ impl<'a> Checker<'a> {
         let known = functions::FUNCTIONS.iter().chain(functions::OPERATORS).map(|function| function.name);
         let names: Vec<&str> = known.chain(self.names.in_sight(self.place)).collect();
         let near = nearest(text, names);
-        let message = format!("there is no function `{text}`");
+        let message = format!("undefined function `{text}`");
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
         if let Some(present) = renamed(text).filter(|present| functions::find(present).is_some()) {
-            diagnostic = diagnostic.suggest(format!("it is called `{present}`"), span, present);
+            diagnostic = diagnostic.suggest(format!("it is now called `{present}`"), span, present);
             return self.report(diagnostic);
         }
         if let Some(advice) = function_elsewhere(text) {
             return self.report(diagnostic.help(advice));
         }
         if near.is_empty() {
-            diagnostic = diagnostic.help("functions of a library come with `use \"...\"`");
+            diagnostic = diagnostic.help("import functions of a library with `use \"...\"`");
         }
         for name in near {
             diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), span, name);
@@ -182,7 +182,7 @@ impl<'a> Checker<'a> {
         if self.is_of_type(annotation, file, value)? {
             return Ok(());
         }
-        let message = format!("the value is not of the type `{}`", annotation.text);
+        let message = format!("the value does not have the type `{}`", annotation.text);
         let diagnostic = self.diagnostic(codes::types::ANNOTATION, annotation.span, message);
         let diagnostic = self.compare_types(diagnostic, annotation, value);
         Err(self.report(diagnostic))
@@ -194,8 +194,9 @@ impl<'a> Checker<'a> {
         if self.is_of_type(annotation, file, value)? {
             return Ok(());
         }
-        let message = format!("the argument `{}` is not of the type `{}`", parameter.name.text, annotation.text);
-        let diagnostic = self.diagnostic(codes::types::ANNOTATION, argument, message).label(file, annotation.span, "wanted here");
+        let message = format!("the argument `{}` does not have the type `{}`", parameter.name.text, annotation.text);
+        let diagnostic =
+            self.diagnostic(codes::types::ANNOTATION, argument, message).label(file, annotation.span, "expected here");
         let diagnostic = self.compare_types(diagnostic, annotation, value);
         Err(self.report(diagnostic))
     }
@@ -261,7 +262,7 @@ impl<'a> Checker<'a> {
             Some(ElementType::Vector { size: 3, frame, .. } | ElementType::Place(frame)) => frame,
             _ => {
                 let found = data.kind.described(self.vocabulary);
-                let message = "only places and vectors of three components can be counted in other axes";
+                let message = "only places and vectors with three components can be expressed in another frame";
                 let diagnostic = self.diagnostic(codes::types::FRAMES_DIFFER, value.span, message).found(found);
                 return Err(self.report(diagnostic));
             }
@@ -270,10 +271,10 @@ impl<'a> Checker<'a> {
             return Ok(data);
         }
         if own != Frame::World {
-            let message = format!("this is already counted in the axes of {}", own.name(self.vocabulary));
+            let message = format!("this is already expressed in the frame of {}", own.name(self.vocabulary));
             let diagnostic = self
                 .diagnostic(codes::types::FRAMES_DIFFER, value.span, message)
-                .help("take the vector in world axes and express that");
+                .help("express the vector in the world frame first");
             return Err(self.report(diagnostic));
         }
         let count = data.kind.shape().count();
@@ -300,7 +301,7 @@ impl<'a> Checker<'a> {
             Value::Entity(EntityRef::Landmark(index)) if frame.heading => Ok(Frame::Heading(index)),
             Value::Entity(EntityRef::Landmark(index)) => Ok(Frame::Landmark(index)),
             _ => {
-                let message = format!("`{}` has no axes", frame.name.text);
+                let message = format!("`{}` has no frame", frame.name.text);
                 let diagnostic = self
                     .diagnostic(codes::types::FRAMES_DIFFER, frame.span, message)
                     .help("a frame is `world`, a landmark, or `heading(landmark)`");

@@ -34,7 +34,7 @@ pub(crate) fn quantity(expr: &Expr) -> Result<Quantity, NotConstant> {
             None => Ok(Quantity { value: number.value, dimension: Dimension::NONE }),
             Some(Ok(one)) => Ok(Quantity { value: number.value * one.value, ..one }),
             Some(Err(factor)) => {
-                Err(NotConstant::new(factor.span, format!("`{}` cannot stand in a unit like this", factor.name)))
+                Err(NotConstant::new(factor.span, format!("`{}` cannot be used in a unit like this", factor.name)))
             }
         },
         ExprKind::Paren(inner) => quantity(inner),
@@ -50,7 +50,7 @@ pub(crate) fn quantity(expr: &Expr) -> Result<Quantity, NotConstant> {
                 _ => None,
             };
             let Some(dimension) = dimension else {
-                return Err(NotConstant::dimension(expr.span, "these units do not fit together"));
+                return Err(NotConstant::dimension(expr.span, "these units cannot be combined"));
             };
             let value = match operator {
                 BinaryOperator::Add => a.value + b.value,
@@ -60,7 +60,7 @@ pub(crate) fn quantity(expr: &Expr) -> Result<Quantity, NotConstant> {
             };
             Ok(Quantity { value, dimension })
         }
-        _ => fail("a number with its unit is wanted here"),
+        _ => fail("expected a number with its unit"),
     }
 }
 
@@ -71,11 +71,11 @@ pub(crate) fn quantity(expr: &Expr) -> Result<Quantity, NotConstant> {
 pub(crate) fn of_dimension(expr: &Expr, wanted: Dimension) -> Result<f64, NotConstant> {
     let found = quantity(expr)?;
     if found.dimension != wanted && !(found.value == 0.0 && found.dimension.is_none()) {
-        let message = format!("this is {}, where {} is wanted", found.dimension.described(), wanted.described());
+        let message = format!("found {}, expected {}", found.dimension.described(), wanted.described());
         return Err(NotConstant::dimension(expr.span, message));
     }
     if !found.value.is_finite() {
-        return Err(NotConstant::new(expr.span, "this is no finite number"));
+        return Err(NotConstant::new(expr.span, "not a finite number"));
     }
     Ok(found.value)
 }
@@ -89,7 +89,7 @@ pub(crate) fn whole(expr: &Expr) -> Result<u64, NotConstant> {
     if found >= 0.0 && found.fract() == 0.0 && found <= 9e15 {
         return Ok(found as u64);
     }
-    Err(NotConstant::new(expr.span, "a whole number is wanted here"))
+    Err(NotConstant::new(expr.span, "expected a whole number"))
 }
 
 /// The components of a bracket, each of this dimension.
@@ -98,11 +98,10 @@ pub(crate) fn whole(expr: &Expr) -> Result<u64, NotConstant> {
 /// No bracket, another number of components, or what [`of_dimension`] refuses.
 pub(crate) fn bracket<const SIZE: usize>(expr: &Expr, wanted: Dimension) -> Result<[f64; SIZE], NotConstant> {
     let ExprKind::List(elements) = &expr.kind else {
-        let message = format!("a bracket of {SIZE} numbers is wanted here");
+        let message = format!("expected a list of {SIZE} numbers");
         return Err(NotConstant::new(expr.span, message));
     };
     let values: Vec<f64> = elements.iter().map(|element| of_dimension(element, wanted)).collect::<Result<_, _>>()?;
-    <[f64; SIZE]>::try_from(values).map_err(|values| {
-        NotConstant::new(expr.span, format!("a bracket of {SIZE} numbers is wanted here, this has {}", values.len()))
-    })
+    <[f64; SIZE]>::try_from(values)
+        .map_err(|values| NotConstant::new(expr.span, format!("expected a list of {SIZE} numbers, found {}", values.len())))
 }

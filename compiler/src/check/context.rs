@@ -264,7 +264,7 @@ impl<'a> Checker<'a> {
         if let Some(reported) = self.spent {
             return Err(reported);
         }
-        let message = "the task becomes too large here: functions and lists unroll while compiling";
+        let message = "the task becomes too large here: functions and lists are unrolled at compile time";
         let reported = self.error(codes::tasks::TOO_LARGE, span, message);
         self.spent = Some(reported);
         Err(reported)
@@ -278,9 +278,9 @@ impl<'a> Checker<'a> {
         if self.graph.lanes().saturating_add(amount) <= LANES {
             return Ok(());
         }
-        let message = format!("the task would hold more than {LANES} numbers with the {amount} that this keeps");
+        let message = format!("the task would need more than {LANES} numbers with the {amount} of this operator");
         let diagnostic = self.diagnostic(codes::tasks::TOO_LARGE, span, message);
-        Err(self.report(diagnostic.help("delay fewer numbers, or for a shorter time")))
+        Err(self.report(diagnostic.help("delay fewer numbers, or by a shorter time")))
     }
 
     /// Tries a check whose failure is none of the text's: all that it reported and learned of names is taken back, so that

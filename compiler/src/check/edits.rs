@@ -31,7 +31,7 @@ pub(crate) fn edits<'a>(
 impl<'a> Checker<'a> {
     fn edit(&mut self, edit: &'a BodyEdit, changes: &mut Vec<Change>) -> Checked<()> {
         let ExprKind::Field { base, name } = &edit.target.kind else {
-            let message = "what is changed is a property of muscles or joints";
+            let message = "only properties of muscles or joints can be changed";
             let diagnostic = self.diagnostic(codes::composition::BODY_EDIT, edit.target.span, message);
             return Err(self.report(diagnostic.expected("`core.peak_force *= 3`, `knee_angle_r.damping = 2 N*m*s/rad`")));
         };
@@ -50,11 +50,11 @@ impl<'a> Checker<'a> {
         let Some((_, property)) = known.iter().find(|(word, _)| *word == name.text) else {
             let words = known.iter().map(|(word, _)| *word);
             let mut diagnostic =
-                self.diagnostic(codes::composition::BODY_EDIT, name.span, format!("`{}` cannot be changed by a task", name.text));
+                self.diagnostic(codes::composition::BODY_EDIT, name.span, format!("a task cannot change `{}`", name.text));
             let near = nearest(&name.text, words.clone());
             diagnostic = match near.first() {
                 Some(near) => diagnostic.suggest(format!("did you mean `{near}`?"), name.span, *near),
-                None => diagnostic.help(format!("it can change {}", words.collect::<Vec<_>>().join(", "))),
+                None => diagnostic.help(format!("a task can change {}", words.collect::<Vec<_>>().join(", "))),
             };
             return Err(self.report(diagnostic));
         };
@@ -86,8 +86,8 @@ impl<'a> Checker<'a> {
             return Ok(());
         }
         let diagnostic = self
-            .diagnostic(codes::composition::BODY_EDIT, edit.value.span, "this leaves the body as it is")
-            .help("a change that changes nothing is probably another one than was meant");
+            .diagnostic(codes::composition::BODY_EDIT, edit.value.span, "this change has no effect")
+            .help("probably a different change was meant");
         Err(self.report(diagnostic))
     }
 
@@ -109,7 +109,7 @@ impl<'a> Checker<'a> {
         let fits = data.kind.is_one_number() && (data.kind.dimension() == Some(wanted) || data.is_zero());
         if !fits {
             let diagnostic = self
-                .diagnostic(codes::types::DIMENSIONS_DIFFER, edit.value.span, "this has another unit than what it changes")
+                .diagnostic(codes::types::DIMENSIONS_DIFFER, edit.value.span, "the units do not match")
                 .expected(wanted.described())
                 .found(data.kind.described(self.vocabulary));
             return Err(self.report(diagnostic));
@@ -117,10 +117,10 @@ impl<'a> Checker<'a> {
         match self.graph.constant_value(data.node) {
             Some(value) if value.is_finite() && value >= 0.0 => Ok(value),
             Some(_) => {
-                Err(self.error(codes::tasks::OUT_OF_RANGE, edit.value.span, "forces, damping and stiffness are not negative"))
+                Err(self.error(codes::tasks::OUT_OF_RANGE, edit.value.span, "forces, damping and stiffness cannot be negative"))
             }
             None => {
-                Err(self.error(codes::types::NOT_CONSTANT, edit.value.span, "a body is changed while compiling, by a constant"))
+                Err(self.error(codes::types::NOT_CONSTANT, edit.value.span, "a change of the body needs a compile-time constant"))
             }
         }
     }

@@ -95,7 +95,7 @@ impl<'a> Checker<'a> {
         for entry in &ends.reasons {
             let Some(reason) = self.plain_entry(entry, "reason") else { continue };
             if reasons.iter().any(|known| known.name == reason.name.text) {
-                let message = format!("there are two reasons called `{}`", reason.name.text);
+                let message = format!("the termination reason `{}` is declared twice", reason.name.text);
                 failures.add(self.error(codes::tasks::LABEL_TWICE, reason.name.span, message));
             }
             match self.reason(reason, grace) {
@@ -112,7 +112,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn must_not_share_reasons(&mut self, terminations: &[End], finishes: &[End]) {
         for finish in finishes {
             if let Some(first) = terminations.iter().find(|known| known.name == finish.name) {
-                let message = format!("`{}` is a reason to terminate and one to finish", finish.name);
+                let message = format!("`{}` is declared both in `terminate` and in `finish`", finish.name);
                 let diagnostic = Diagnostic::new(codes::tasks::LABEL_TWICE, finish.file, finish.span, message).label(
                     first.file,
                     first.span,
@@ -209,12 +209,12 @@ impl<'a> Checker<'a> {
             }
             (Some(0.0), Type::One(_)) if data.is_zero() => Ok(0.0),
             (None, Type::One(ElementType::Steps | ElementType::Number(Dimension::TIME))) => {
-                Err(self.error(codes::types::NOT_CONSTANT, expr.span, "this duration must be known while compiling"))
+                Err(self.error(codes::types::NOT_CONSTANT, expr.span, "this duration must be a compile-time constant"))
             }
             _ => {
                 let found = data.kind.described(self.vocabulary);
                 let diagnostic = self
-                    .diagnostic(codes::types::DURATION, expr.span, "a duration is wanted here")
+                    .diagnostic(codes::types::DURATION, expr.span, "expected a duration")
                     .expected("a duration: `25 steps` or `0.25 s`")
                     .found(found);
                 let written = matches!(&expr.kind, ExprKind::Number(number) if number.whole && number.unit.is_none());
@@ -257,7 +257,7 @@ impl<'a> Checker<'a> {
                 None => {
                     let message = format!("the state `{name}` has no value here yet");
                     let diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, message);
-                    self.report(diagnostic.help("what a state begins with may read only states that are declared above it"))
+                    self.report(diagnostic.help("the initial value of a state can read only states that are declared before it"))
                 }
             });
         };

@@ -65,17 +65,19 @@ impl<'a> Checker<'a> {
             ExprKind::When { value, condition } => self.when(value, condition).map(Value::Typed),
             ExprKind::EndedBy(reason) => self.ended_by(reason).map(Value::Typed),
             ExprKind::Range { .. } => {
-                Err(self.error(codes::types::WRONG_TYPE, expr.span, "a range can only stand where bounds are wanted"))
+                Err(self.error(codes::types::WRONG_TYPE, expr.span, "a range is allowed only where bounds are expected"))
             }
             ExprKind::Text(_) => {
-                let message = "a quoted text stands for nothing by itself";
+                let message = "a string has no value by itself";
                 let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, message);
-                let help = "say what it names: `muscle \"...\"`, `joint \"...\"` or `landmark \"...\"`";
+                let help = "name its kind: `muscle \"...\"`, `joint \"...\"` or `landmark \"...\"`";
                 Err(self.report(diagnostic.help(help)))
             }
             // At which moment is the test's business.
             ExprKind::At { value, .. } if self.in_tests.is_some() => self.value(value),
-            ExprKind::At { .. } => Err(self.error(codes::types::WRONG_TYPE, expr.span, "`at` a pose can only stand in `expect`")),
+            ExprKind::At { .. } => {
+                Err(self.error(codes::types::WRONG_TYPE, expr.span, "`at` a pose is allowed only in `expect`"))
+            }
             ExprKind::Error(reported) => Err(*reported),
         }
     }
@@ -97,10 +99,10 @@ impl<'a> Checker<'a> {
             .diagnostic(
                 codes::tasks::INTERNAL,
                 span,
-                "internal error of the compiler: this formula is not laid out as its type says",
+                "internal compiler error: the layout of this formula does not match its type",
             )
             .found(finding)
-            .help("the text is not at fault; please report it, with the text");
+            .help("this is a bug in the compiler; please report it, with the source text");
         self.report(diagnostic)
     }
 
@@ -126,7 +128,7 @@ impl<'a> Checker<'a> {
         };
         let message = format!("this is {what}, not a number");
         let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, span, message);
-        self.report(diagnostic.help(format!("read one of its properties, such as `.{example}`")))
+        self.report(diagnostic.help(format!("use one of its properties, such as `.{example}`")))
     }
 
     fn property_example(&self, thing: EntityRef) -> &'static str {
@@ -153,8 +155,8 @@ impl<'a> Checker<'a> {
     pub(crate) fn not_a_condition(&mut self, data: &TypedValue, expr: &Expr) -> Reported {
         let found = data.kind.described(self.vocabulary);
         let diagnostic = self
-            .diagnostic(codes::types::WRONG_TYPE, expr.span, "a condition is wanted here")
-            .expected("a condition (yes or no)")
+            .diagnostic(codes::types::WRONG_TYPE, expr.span, "expected a condition")
+            .expected("a condition (true or false)")
             .found(found)
             .help("compare it with something: `x > 0.5 m`");
         self.report(diagnostic)
@@ -171,9 +173,9 @@ impl<'a> Checker<'a> {
         }
         let found = data.kind.described(self.vocabulary);
         let diagnostic = self
-            .diagnostic(codes::types::WRONG_TYPE, expr.span, "one condition is wanted here, this is a list")
+            .diagnostic(codes::types::WRONG_TYPE, expr.span, "expected one condition, found a list")
             .found(found)
-            .help("say whether `any(...)` or `all(...)` of them must hold");
+            .help("use `any(...)` or `all(...)`");
         Err(self.report(diagnostic))
     }
 
@@ -191,7 +193,7 @@ impl<'a> Checker<'a> {
                 let node = self.graph.constant(quantity.value);
                 return Ok(TypedValue::new(node, ElementType::Steps));
             }
-            return Err(self.error(codes::types::DURATION, span, "control steps are counted in whole numbers"));
+            return Err(self.error(codes::types::DURATION, span, "a number of control steps must be whole"));
         }
         match unit::evaluate(written) {
             Ok(one) => {
@@ -200,7 +202,7 @@ impl<'a> Checker<'a> {
                 Ok(TypedValue::new(node, ElementType::Number(one.dimension)))
             }
             Err(factor) => {
-                let message = format!("`{}` cannot stand in a unit like this", factor.name);
+                let message = format!("`{}` cannot be used in a unit like this", factor.name);
                 Err(self.error(codes::names::UNIT, factor.span, message))
             }
         }
@@ -215,7 +217,7 @@ impl<'a> Checker<'a> {
             return Ok(TypedValue { node, ..data });
         }
         let found = data.kind.described(self.vocabulary);
-        let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, operand.span, "this has no negative").found(found);
+        let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, operand.span, "this value has no negative").found(found);
         Err(self.report(diagnostic))
     }
 
@@ -241,7 +243,11 @@ impl<'a> Checker<'a> {
             };
         }
         if !things.is_empty() {
-            return Err(self.error(codes::types::WRONG_TYPE, span, "a list holds either numbers or parts of the body, not both"));
+            return Err(self.error(
+                codes::types::WRONG_TYPE,
+                span,
+                "a list contains either numbers or parts of the body, not both",
+            ));
         }
         self.list_of(data, span).map(Value::Typed)
     }
@@ -282,7 +288,7 @@ impl<'a> Checker<'a> {
                 let expected = model.element_described(self.vocabulary);
                 let found = part.kind.element_described(self.vocabulary);
                 let diagnostic = self
-                    .diagnostic(codes::types::DIMENSIONS_DIFFER, *place, "all elements of a list are of one kind")
+                    .diagnostic(codes::types::DIMENSIONS_DIFFER, *place, "all elements of a list must have the same kind")
                     .expected(expected)
                     .found(found);
                 return Err(self.report(diagnostic));
@@ -293,7 +299,7 @@ impl<'a> Checker<'a> {
             elements.iter_mut().filter(|element| **element == ElementType::Int).for_each(|element| *element = ElementType::PLAIN);
         }
         let Some(kind) = Type::list_of(elements) else {
-            return Err(self.error(codes::types::DIMENSIONS_DIFFER, span, "all elements of a list are of one kind"));
+            return Err(self.error(codes::types::DIMENSIONS_DIFFER, span, "all elements of a list must have the same kind"));
         };
         let lanes = kind.element_lanes();
         // A written zero among vectors stands for all their components.
@@ -357,7 +363,7 @@ impl<'a> Checker<'a> {
         let (value_data, condition_data) = (self.data(value), self.condition(condition));
         let (value_data, condition_data) = (value_data?, condition_data?);
         if matches!(value_data.kind.element(), Some(ElementType::Place(_) | ElementType::Rotation)) {
-            let message = "a place or an orientation has no zero to fall back to";
+            let message = "`when` needs a number: a place or an orientation has no zero";
             return Err(self.error(codes::types::WRONG_TYPE, value.span, message));
         }
         if value_data.kind.element() == Some(ElementType::Bool) {
@@ -384,7 +390,7 @@ impl<'a> Checker<'a> {
         let Some(length) = length else {
             let diagnostic = self
                 .diagnostic(codes::types::WRONG_TYPE, span, "only a list can be indexed")
-                .help("components have names: `.x`, `.y`, `.z` in world axes, `.forward`, `.left`, `.up` in those of a landmark");
+                .help("use the names of components: `.x`, `.y`, `.z` in the world frame, `.forward`, `.left`, `.up` in the frame of a landmark");
             return Err(self.report(diagnostic));
         };
         let known = self.graph.constant_value(place.node).filter(|_| place.kind == Type::One(ElementType::Int));
@@ -416,8 +422,8 @@ impl<'a> Checker<'a> {
         let (data, element) = match (base, met) {
             (Value::Typed(data), Some(element)) => (data, element),
             _ => {
-                let message = "which part of the body is meant must be known while compiling";
-                let help = "read the property of all of them first, then choose: `[pole_{0..9}].height[i]`";
+                let message = "the body part must be a compile-time constant";
+                let help = "read the property of all parts first, then select: `[pole_{0..9}].height[i]`";
                 let diagnostic = self.diagnostic(codes::types::NOT_CONSTANT, index.span, message).help(help);
                 return Err(self.report(diagnostic));
             }
@@ -431,9 +437,9 @@ impl<'a> Checker<'a> {
         // An index is a whole number: what rounding may take from its bounds does not reach another.
         if !bounds.iter().all(|bounds| bounds.low.ceil() >= 0.0 && bounds.high.floor() <= highest) {
             let diagnostic = self
-                .diagnostic(codes::types::INDEX, index.span, "nothing shows that this index lies within the list")
+                .diagnostic(codes::types::INDEX, index.span, "the index is not proven to be within the list")
                 .expected(format!("0 .. {last}"))
-                .help(format!("say what is to happen beyond its ends: `clip(i, 0, {last})` or `mod(i, {length})`"));
+                .help(format!("define the result outside of the list: `clip(i, 0, {last})` or `mod(i, {length})`"));
             return Err(self.report(diagnostic));
         }
         let lanes = data.kind.element_lanes();
@@ -488,7 +494,7 @@ impl<'a> Checker<'a> {
                     .map(|place| Value::Typed(TypedValue::new(part(place, self), data.kind.element_at(place))))
                     .collect())
             }
-            _ => Err(self.error(codes::types::WRONG_TYPE, source.span, "a loop runs through a range or a list")),
+            _ => Err(self.error(codes::types::WRONG_TYPE, source.span, "a loop iterates over a range or a list")),
         }
     }
 
@@ -497,7 +503,7 @@ impl<'a> Checker<'a> {
         let data = self.data(expr)?;
         match (self.graph.constant_value(data.node), &data.kind) {
             (Some(value), Type::One(ElementType::Int)) => Ok(value),
-            _ => Err(self.error(codes::types::NOT_CONSTANT, expr.span, "a whole number known while compiling is wanted here")),
+            _ => Err(self.error(codes::types::NOT_CONSTANT, expr.span, "expected a constant whole number")),
         }
     }
 }

@@ -77,7 +77,7 @@ impl<'a> Checker<'a> {
         {
             return Ok(format!("{number}"));
         }
-        let message = format!("`{variable}` is no loop variable here; a list of names has two or more words: `{{l,r}}`");
+        let message = format!("`{variable}` is not a loop variable here; a list of names has two or more words: `{{l,r}}`");
         Err(self.error(codes::names::UNKNOWN_NAME, span, message))
     }
 
@@ -94,7 +94,7 @@ impl<'a> Checker<'a> {
         let whole = |name: &String| fits(&pattern, name) && !(name.contains('.') && of_scene(name));
         let fitting: Vec<String> = known.into_iter().filter(whole).collect();
         if fitting.is_empty() {
-            let message = format!("nothing on this body or in the scene is called `{}`", name.text);
+            let message = format!("no part of the body or the scene is called `{}`", name.text);
             return Err(self.error(codes::names::NOTHING_FITS, name.span, message));
         }
         Ok(fitting)
@@ -142,13 +142,13 @@ impl<'a> Checker<'a> {
     /// Reports a name that means nothing, with those near to it.
     pub(crate) fn unknown_name(&mut self, text: &str, span: Span, candidates: Vec<String>) -> Reported {
         let mut near = nearest(text, candidates.iter().map(String::as_str));
-        let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, format!("there is nothing called `{text}`"));
+        let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, span, format!("undefined name `{text}`"));
         if let Some(advice) = self.meant_elsewhere(text) {
             return self.report(diagnostic.help(advice));
         }
         let meant = synonyms(text, |name| candidates.iter().any(|known| known == name));
         if !meant.is_empty() {
-            diagnostic = diagnostic.help(format!("here it is `{}`", meant.join("`, `")));
+            diagnostic = diagnostic.help(format!("here it is called `{}`", meant.join("`, `")));
             near.clear();
         } else if super::functions::find(text).is_some() {
             diagnostic = diagnostic.help(format!("`{text}` is a function: `{text}(...)`"));
@@ -157,7 +157,7 @@ impl<'a> Checker<'a> {
         } else if near.is_empty() && (1..=12).contains(&candidates.len()) {
             diagnostic = diagnostic.help(format!("there is {}", candidates.join(", ")));
         } else if near.is_empty() {
-            diagnostic = diagnostic.help("`msk vocabulary` lists what the body and the language offer");
+            diagnostic = diagnostic.help("`msk vocabulary` lists all names of the body and the language");
             diagnostic.help.extend(self.objects_in_words());
         }
         for name in near {
@@ -266,7 +266,7 @@ impl<'a> Checker<'a> {
             Definition::Parameter(parameter) => return self.parameter_value(parameter, place.file),
             Definition::Random(random) => return self.random(random, declared, span),
             Definition::Reference(_) => {
-                let message = format!("`{text}` is a motion; read one of its signals: `{text}.q(knee_angle_r)`");
+                let message = format!("`{text}` is a motion; use one of its signals: `{text}.q(knee_angle_r)`");
                 return Err(self.error(codes::types::WRONG_TYPE, span, message));
             }
             Definition::Function(_) => {
@@ -274,7 +274,7 @@ impl<'a> Checker<'a> {
                 return Err(self.error(codes::names::UNKNOWN_NAME, span, message));
             }
             Definition::Observation(_) => {
-                let message = format!("`{text}` is a block of channels; it can only stand in `observe`");
+                let message = format!("`{text}` is a block of channels; it is allowed only in `observe`");
                 return Err(self.error(codes::names::UNKNOWN_NAME, span, message));
             }
         };
@@ -307,15 +307,15 @@ impl<'a> Checker<'a> {
             circle.push(&step.name);
             let drawn = circle.join(" -> ");
             let help = if step.call {
-                "a function cannot call itself: every formula must come to an end"
+                "functions cannot be recursive"
             } else {
-                "to use the value of the step before, write `prev(...)` of a signal or declare a `state`"
+                "to use the value of the previous step, write `prev(...)` of a signal or declare a `state`"
             };
             let message = format!("`{}` depends on itself", step.name);
             let diagnostic = Diagnostic::new(codes::names::CYCLE, step.file, step.span, message)
-                .here("this closes the circle")
+                .here("this closes the cycle")
                 .label(declared.file, declared.definition.span(), "declared here")
-                .help(format!("the circle: {drawn}"))
+                .help(format!("cyclic dependency: {drawn}"))
                 .help(help);
             return Err(self.report(diagnostic));
         }
@@ -345,7 +345,7 @@ impl<'a> Checker<'a> {
                 let message = format!("no {} fits \"{}\"", kind.text.trim_end_matches('s'), pattern.value);
                 let mut diagnostic = self.diagnostic(codes::names::NOTHING_FITS, pattern.span, message);
                 if near.is_empty() {
-                    diagnostic = diagnostic.help("`msk vocabulary` lists what the body has; `*` stands for anything");
+                    diagnostic = diagnostic.help("`msk vocabulary` lists the names of the body; `*` matches any characters");
                 }
                 for name in near {
                     diagnostic = diagnostic.suggest(format!("did you mean \"{name}\"?"), pattern.span, format!("\"{name}\""));

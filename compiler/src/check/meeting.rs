@@ -158,7 +158,7 @@ impl<'a> Checker<'a> {
         }
         match a.per(b) {
             Some(factor) => diagnostic.help(format!(
-                "the missing factor is one in `{factor}`: multiply the second by `1 {factor}`, or a constant like it"
+                "a factor with unit `{factor}` is missing: multiply the second by `1 {factor}`, or by another constant of this unit"
             )),
             None => diagnostic,
         }
@@ -177,23 +177,24 @@ impl<'a> Checker<'a> {
             && fa != fb
         {
             let frame = fa.name(self.vocabulary);
-            let message = format!("cannot {verb} vectors counted in different axes");
+            let message = format!("cannot {verb} vectors in different frames");
             let diagnostic = self
                 .diagnostic(codes::types::FRAMES_DIFFER, span, message)
                 .expected(expected)
                 .found(found)
-                .help(format!("express the second in the axes of the first: `(... in {frame})`"));
+                .help(format!("express the second in the frame of the first: `(... in {frame})`"));
             return self.report(diagnostic);
         }
         let message = format!("cannot {verb} {expected} and {found}");
         let mut diagnostic = self.diagnostic(codes::types::DIMENSIONS_DIFFER, span, message).expected(expected).found(found);
         let sizes = [a, b].map(|element| element.map(ElementType::lanes));
         if sizes[0] != sizes[1] && right.0.kind.element().is_some_and(|element| matches!(element, ElementType::Vector { .. })) {
-            diagnostic = diagnostic.help("a bracket beside a vector has as many components as that");
+            diagnostic = diagnostic.help("a bracketed list combined with a vector needs the same number of components");
         } else if let (Some(da), Some(db)) = (left.0.kind.dimension(), right.0.kind.dimension()) {
             diagnostic = self.units_that_meet(diagnostic, (&left, da), (&right, db));
         } else if [a, b].contains(&Some(ElementType::Steps)) {
-            diagnostic = diagnostic.help("a whole number never meets a duration; `t` is the time in seconds, `step` a count");
+            diagnostic =
+                diagnostic.help("whole numbers and durations cannot be combined; `t` is the time in seconds, `step` a count");
         }
         self.report(diagnostic)
     }

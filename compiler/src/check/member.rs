@@ -105,7 +105,7 @@ impl<'a> Checker<'a> {
                 let message = "this has no properties; it is one side of a contact";
                 let diagnostic = self
                     .diagnostic(codes::names::UNKNOWN_PROPERTY, span, message)
-                    .help("signals of the whole body are those of `com`; the ground is asked with `ground_height(...)`");
+                    .help("signals of the whole body are those of `com`; the height of the ground is `ground_height(...)`");
                 Err(self.report(diagnostic))
             }
             None => {
@@ -120,7 +120,7 @@ impl<'a> Checker<'a> {
         if signal.supported {
             return Ok(());
         }
-        let message = format!("`{}` belongs to the language, but is not supported yet", signal.name);
+        let message = format!("`{}` is part of the language, but not supported yet", signal.name);
         Err(self.error(codes::names::NOT_YET, span, message))
     }
 
@@ -237,9 +237,8 @@ impl<'a> Checker<'a> {
             if let EntityRef::Landmark(index) = thing
                 && !self.vocabulary.landmarks[*index].has_segment
             {
-                let message =
-                    format!("{} has no segment, so nothing of it can touch or clear the ground", self.thing_name(*thing));
-                let help = format!("those that have one: {}", self.segments_in_words());
+                let message = format!("{} has no segment, so it has no contacts and no clearance", self.thing_name(*thing));
+                let help = format!("landmarks with one: {}", self.segments_in_words());
                 let diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, span, message).help(help);
                 return Err(self.report(diagnostic));
             }
@@ -367,15 +366,15 @@ impl<'a> Checker<'a> {
         let axes = frame.name(self.vocabulary);
         let (message, help) = match frame {
             Frame::World if anatomical => (
-                format!("`.{}` needs anatomical axes, this vector is counted in world axes", name.text),
-                format!("say whose: `(v in pelvis).{0}` or `(v in heading(pelvis)).{0}`", name.text),
+                format!("`.{}` needs an anatomical frame, this vector is expressed in the world frame", name.text),
+                format!("choose a frame: `(v in pelvis).{0}` or `(v in heading(pelvis)).{0}`", name.text),
             ),
             Frame::World => (
-                format!("a vector in world axes has no `.{}`", name.text),
+                format!("a vector in the world frame has no `.{}`", name.text),
                 "its components are `.x`, `.y`, `.z` and `.xy`".to_owned(),
             ),
             _ => (
-                format!("a vector in the axes of {axes} has no `.{}`", name.text),
+                format!("a vector in the frame of {axes} has no `.{}`", name.text),
                 "its components are `.forward`, `.left` and `.up`".to_owned(),
             ),
         };

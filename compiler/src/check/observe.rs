@@ -75,9 +75,9 @@ impl<'a> Checker<'a> {
 
     /// Reports a policy that would be shown nothing at all.
     pub(super) fn observes_nothing(&mut self, (file, span): (FileId, Span)) {
-        let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, span, "the policy is shown nothing");
+        let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, span, "the observation is empty");
         self.report(
-            diagnostic.help("name what it sees: `observe { pelvis.height }`, or a block of channels such as `proprioception`"),
+            diagnostic.help("declare its channels: `observe { pelvis.height }`, or a block of channels such as `proprioception`"),
         );
     }
 
@@ -124,12 +124,12 @@ impl<'a> Checker<'a> {
         };
         let node = self.observed(&data);
         if let Some(known) = found.iter().find(|known| known.name == name) {
-            let message = format!("there are two channels called `{name}`");
+            let message = format!("the channel `{name}` is declared twice");
             let diagnostic = self.diagnostic(codes::tasks::LABEL_TWICE, channel.span, message);
             let help = match known.node == node && known.block.is_empty() {
-                true => "both carry the same numbers: leave one out".to_owned(),
-                false if known.node == node => format!("`{}` observes it already: leave this one out", known.block),
-                false => "give one of them a label of its own: `label = value`".to_owned(),
+                true => "both have the same values: remove one".to_owned(),
+                false if known.node == node => format!("`{}` observes it already: remove this channel", known.block),
+                false => "label one of them: `label = value`".to_owned(),
             };
             return Err(self.report(diagnostic.help(help)));
         }

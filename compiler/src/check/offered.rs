@@ -15,20 +15,17 @@ pub(crate) fn offer_unit(diagnostic: Diagnostic, dimension: Dimension, number: &
     let Some((value, end)) = bare(number) else {
         let unit = &likely(dimension, 1.0)[0];
         return diagnostic.help(match dimension {
-            Dimension::ANGLE => {
-                "an angle is written with its unit, `40 deg`; what is in radians already is multiplied by `1 rad`".to_owned()
-            }
+            Dimension::ANGLE => "an angle has a unit, `40 deg`; multiply a value in radians by `1 rad`".to_owned(),
             _ => format!("give it the unit `{unit}`"),
         });
     };
     if !dimension.is_familiar() {
-        return diagnostic
-            .help(format!("nothing is usually measured in `{dimension}`: is a unit beside it another one than was meant?"));
+        return diagnostic.help(format!("`{dimension}` is unusual here: is one of the units wrong?"));
     }
     let units = likely(dimension, value.abs());
     let diagnostic = match dimension {
         Dimension::TIME if value >= 100.0 && value.fract() == 0.0 => {
-            diagnostic.help("a number of control steps is compared with `step`, not with `t`")
+            diagnostic.help("compare a number of control steps with `step`, not with `t`")
         }
         _ => diagnostic,
     };

@@ -60,7 +60,7 @@ impl<'a> Checker<'a> {
     }
 
     fn parameter_here(&mut self, parameter: &'a TaskParameter, file: FileId) -> Checked<(Value, Parameter)> {
-        let (default, dimension) = self.constant_number(&parameter.value, "a parameter is a number known while compiling")?;
+        let (default, dimension) = self.constant_number(&parameter.value, "a parameter is a constant number")?;
         let declared = TypedValue::new(self.graph.constant(default), self.number_type(&parameter.value, dimension));
         self.check_annotation(parameter.annotation.as_ref(), &Value::Typed(declared.clone()))?;
         let range = match &parameter.range {
@@ -119,7 +119,7 @@ impl<'a> Checker<'a> {
         let ExprKind::Range { low, high } = &range.kind else {
             return Err(self.error(codes::types::WRONG_TYPE, range.span, "the range of a parameter is `low .. high`"));
         };
-        let wanted = "the bounds of a parameter are numbers known while compiling";
+        let wanted = "the bounds of a parameter are constant numbers";
         let (top, top_dimension) = self.constant_number(high, wanted)?;
         let (mut bottom, bottom_dimension) = self.constant_number(low, wanted)?;
         let mut fits = top_dimension == dimension && bottom_dimension == dimension;
@@ -142,7 +142,7 @@ impl<'a> Checker<'a> {
 
     /// A value from outside: with its unit, or plain in the unit in which the parameter is written.
     fn set_value(&mut self, expr: &'a Expr, parameter: &TaskParameter, dimension: Dimension) -> Checked<f64> {
-        let (value, found) = self.constant_number(expr, "a parameter is set to a number")?;
+        let (value, found) = self.constant_number(expr, "a parameter takes a number")?;
         if found == dimension {
             return Ok(value);
         }
@@ -167,7 +167,7 @@ impl<'a> Checker<'a> {
             Some([low, high]) if !(low..=high).contains(&value) => {
                 let (range, found) = unit.tell_beside([low, high], value);
                 let diagnostic = self
-                    .diagnostic(codes::tasks::OUT_OF_RANGE, span, format!("the parameter `{name}` lies outside its range"))
+                    .diagnostic(codes::tasks::OUT_OF_RANGE, span, format!("the parameter `{name}` is out of range"))
                     .expected(range)
                     .found(found);
                 Err(self.report(diagnostic))
@@ -181,7 +181,7 @@ impl<'a> Checker<'a> {
         let names = self.names;
         for (name, declared) in names.of_task() {
             if matches!(declared.definition, crate::resolve::scope::Definition::Parameter(_)) && !self.used.contains(name) {
-                let message = format!("nothing reads the parameter `{name}`: setting it would change nothing");
+                let message = format!("unused parameter `{name}`: setting it would have no effect");
                 let span = declared.definition.span();
                 let diagnostic =
                     crate::diagnostics::Diagnostic::new(codes::composition::UNUSED_PARAMETER, declared.file, span, message);

@@ -132,7 +132,7 @@ impl<'a> Checker<'a> {
         if !remembers {
             return Ok(());
         }
-        let message = "a draw is judged as it is: operators that remember cannot look at it";
+        let message = "the condition of a draw is evaluated on a single draw: stateful operators are not allowed";
         Err(self.error(codes::composition::DRAW, span, message))
     }
 
@@ -158,7 +158,7 @@ impl<'a> Checker<'a> {
             Some(("choice", values @ [_, ..])) => self.draw_choice(values, index, expr.span),
             _ => {
                 let diagnostic = self
-                    .diagnostic(codes::composition::DRAW, expr.span, "this is nothing that can be drawn")
+                    .diagnostic(codes::composition::DRAW, expr.span, "not a distribution")
                     .expected("`uniform(low .. high)`, `uniform(low .. high, low .. high, ...)`, `normal(mean, deviation)` or `choice(a, b, ...)`");
                 Err(self.report(diagnostic))
             }
@@ -232,13 +232,13 @@ impl<'a> Checker<'a> {
         let single = width.kind.is_one_number();
         if !numbers || !single || !(dimension == own || middle.is_zero() || width.is_zero()) {
             let diagnostic = self
-                .diagnostic(codes::composition::DRAW, deviation.span, "mean and standard deviation do not fit together")
+                .diagnostic(codes::composition::DRAW, deviation.span, "mean and standard deviation have different units")
                 .expected(middle.kind.described(self.vocabulary))
                 .found(width.kind.described(self.vocabulary));
             return Err(self.report(diagnostic));
         }
         if self.graph.constant_value(width.node).is_some_and(|width| width < 0.0) {
-            return Err(self.error(codes::tasks::OUT_OF_RANGE, deviation.span, "a standard deviation is not negative"));
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, deviation.span, "a standard deviation cannot be negative"));
         }
         let lanes = self.graph.width(middle.node);
         let noise = self.chance(index, Chance::Normal, lanes);

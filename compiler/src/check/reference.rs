@@ -86,7 +86,7 @@ impl<'a> Checker<'a> {
         let known = self.motions.and_then(|motions| motions.tables.get(&(file, named.value.clone())));
         match known {
             Some(table) => table.clone(),
-            None => Err(self.error(codes::composition::MOTION, named.span, "no motion can be followed here")),
+            None => Err(self.error(codes::composition::MOTION, named.span, "this is not a motion")),
         }
     }
 
@@ -116,7 +116,7 @@ impl<'a> Checker<'a> {
         match self.graph.constant_value(data.node) {
             Some(phase) if !(0.0..=1.0).contains(&phase) => {
                 let diagnostic = self
-                    .diagnostic(codes::composition::MOTION, start.span, "a motion starts at a phase of its own")
+                    .diagnostic(codes::composition::MOTION, start.span, "a motion starts at a constant or random phase")
                     .expected("a number from 0 to 1, or `uniform`")
                     .found(for_people(phase));
                 Err(self.report(diagnostic))
@@ -231,7 +231,7 @@ impl<'a> Checker<'a> {
             Some(_) => return Err(self.one_argument("a joint, or a list of joints", span)),
         };
         if things.is_empty() || !things.iter().all(|thing| matches!(thing, EntityRef::Joint(_))) {
-            let message = "a motion is asked for joints";
+            let message = "this signal takes joints";
             let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, place, message).help("write `gait.q(knee_angle_r)`");
             return Err(self.report(diagnostic));
         }
@@ -269,12 +269,12 @@ impl<'a> Checker<'a> {
         } else {
             format!("{} of these {asked} joints: {}", missing.len(), few(missing))
         };
-        let message = format!("the motion `{}` says nothing of {of}", known.motion.name);
+        let message = format!("the motion `{}` has no {of}", known.motion.name);
         let near: Vec<String> = match missing {
             [only] if asked == 1 => nearest(only, known.motion.joints()).into_iter().map(str::to_owned).collect(),
             _ => Vec::new(),
         };
-        let help = format!("`{}.joints` are those that it moves", known.name);
+        let help = format!("`{}.joints` are the joints with a column", known.name);
         let mut diagnostic = self.diagnostic(codes::composition::MOTION, span, message);
         for near in near {
             diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), span, near);
@@ -348,7 +348,7 @@ impl<'a> Checker<'a> {
             _ => None,
         };
         let Some(landmarks) = things.iter().map(landmark).collect::<Option<Vec<usize>>>().filter(|all| !all.is_empty()) else {
-            let message = "a motion says where landmarks of the body are";
+            let message = "this signal takes landmarks";
             let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, value.span, message).help("write `gait.site(ankle_r)`");
             return Err(self.report(diagnostic));
         };
@@ -358,7 +358,8 @@ impl<'a> Checker<'a> {
         let mut places = Vec::new();
         for landmark in landmarks {
             let Some(first) = motion.site(&self.vocabulary.landmarks[landmark].name) else {
-                let message = format!("where `{}` is in the motion is not known", self.vocabulary.landmarks[landmark].name);
+                let message =
+                    format!("the position of `{}` in the motion is not known", self.vocabulary.landmarks[landmark].name);
                 return Err(self.error(codes::composition::MOTION, span, message));
             };
             places.push(self.carried(index, motion.clone(), vec![first, first + 1, first + 2]));
@@ -373,7 +374,7 @@ impl<'a> Checker<'a> {
             return Ok(known.clone());
         }
         let Some(motions) = self.motions else {
-            return Err(self.error(codes::composition::MOTION, span, "no motion can be followed here"));
+            return Err(self.error(codes::composition::MOTION, span, "this is not a motion"));
         };
         // Landmarks move on arcs between rows, which so many places follow to a fraction of a millimetre.
         let motion = self.references[index].motion.finer(PLACES);
@@ -385,7 +386,7 @@ impl<'a> Checker<'a> {
             .map(|landmark| landmark.name.as_str())
             .collect();
         let traced = (motions.trace)(&motion).and_then(|rows| {
-            motion.with_sites(&names, &rows).ok_or_else(|| "the body has other landmarks than its vocabulary".to_owned())
+            motion.with_sites(&names, &rows).ok_or_else(|| "the body has different landmarks than its vocabulary".to_owned())
         });
         match traced {
             Ok(traced) => {
@@ -394,7 +395,7 @@ impl<'a> Checker<'a> {
                 Ok(traced)
             }
             Err(problem) => {
-                let message = format!("where landmarks are in the motion `{}` is not known", motion.name);
+                let message = format!("the positions of landmarks in the motion `{}` are not known", motion.name);
                 let diagnostic = self.diagnostic(codes::composition::MOTION, span, message).help(problem);
                 Err(self.report(diagnostic))
             }
@@ -402,7 +403,7 @@ impl<'a> Checker<'a> {
     }
 
     fn one_argument(&mut self, wanted: &str, span: Span) -> Reported {
-        let message = "a motion is asked for one thing";
+        let message = "this signal takes one argument";
         let diagnostic: Diagnostic = self.diagnostic(codes::types::ARGUMENTS, span, message).expected(wanted);
         self.report(diagnostic)
     }

@@ -56,7 +56,7 @@ impl<'a> Checker<'a> {
         for entry in &reward.terms {
             let Some(term) = self.plain_entry(entry, "term") else { continue };
             if terms.iter().any(|known| known.name == term.name.text) {
-                let message = format!("there are two terms called `{}`", term.name.text);
+                let message = format!("the term `{}` is declared twice", term.name.text);
                 failures.add(self.error(codes::tasks::LABEL_TWICE, term.name.span, message));
             }
             match self.term(term, reward.per_second) {
@@ -73,14 +73,14 @@ impl<'a> Checker<'a> {
             let message = format!("the term `{}` has no formula", term.name.text);
             let diagnostic = self
                 .diagnostic(codes::tasks::MISSING, term.span, message)
-                .help("only a task that extends another may leave it out");
+                .help("only a task that extends another can omit the formula");
             return Err(self.report(diagnostic));
         };
         let expr = self.hir.next();
         let data = self.data(formula).and_then(|data| self.must_be_payable(data, formula, &term.name.text));
         let ((weight, range, fixed), mut data) = (weight?, data?);
         if let Some(value) = self.graph.constant_value(data.node).filter(|value| !value.is_finite()) {
-            let message = format!("the term `{}` is {} whatever the body does", term.name.text, for_people(value));
+            let message = format!("the term `{}` is {} in every state", term.name.text, for_people(value));
             let diagnostic = self.diagnostic(codes::tasks::NOT_FINITE, formula.span, message);
             return Err(self.report(diagnostic.help("every episode would end in a fault at its first step")));
         }
@@ -115,16 +115,18 @@ impl<'a> Checker<'a> {
         let within = |(file, span): (FileId, Span)| file == self.place.file && own.start <= span.start && span.end <= own.end;
         let (here, span) = match event {
             Some((word, place)) if within(place) => (format!("`{word}` holds at one step"), place.1),
-            Some((word, _)) => (format!("behind a name in this, `{word}` holds at one step"), formula.span),
-            None => ("behind a name in this, `once`, `rising` or `falling` holds at one step".to_owned(), formula.span),
+            Some((word, _)) => (format!("a name in this formula uses `{word}`, which holds at one step"), formula.span),
+            None => {
+                ("a name in this formula uses `once`, `rising` or `falling`, which holds at one step".to_owned(), formula.span)
+            }
         };
-        let message = format!("the term `{name}` pays a single step, but `reward per second` pays over time");
+        let message = format!("the term `{name}` rewards a single step, but `reward per second` rewards time");
         let diagnostic = self.diagnostic(codes::composition::ONCE_PER_SECOND, span, message).here(here);
         let diagnostic = match event.filter(|(_, place)| !within(*place)) {
-            Some((word, (file, span))) => diagnostic.label(file, span, format!("`{word}` stands here")),
+            Some((word, (file, span))) => diagnostic.label(file, span, format!("`{word}` is used here")),
             None => diagnostic,
         };
-        Err(self.report(diagnostic.help("move the term into `reward { }`, which pays per control step")))
+        Err(self.report(diagnostic.help("move the term into `reward { }`, which is per control step")))
     }
 
     /// The first call of what holds at one step only, in a formula or behind its names and functions.
@@ -142,15 +144,15 @@ impl<'a> Checker<'a> {
         let Some(weight) = &term.weight else {
             let message = format!("the term `{}` has no weight", term.name.text);
             let diagnostic =
-                self.diagnostic(codes::tasks::MISSING, term.name.span, message).help("the weight stands first: `10 pose = ...`");
+                self.diagnostic(codes::tasks::MISSING, term.name.span, message).help("the weight comes first: `10 pose = ...`");
             return Err(self.report(diagnostic));
         };
         let ends = if let Bounds::Range { low, high, .. } = weight.bounds { [low, high] } else { [weight.value; 2] };
         if ![weight.value, ends[0], ends[1]].into_iter().all(may_be) {
-            let message = format!("the weight of `{}` is larger than any weight may be", term.name.text);
+            let message = format!("the weight of `{}` is too large", term.name.text);
             let diagnostic = Diagnostic::new(codes::tasks::WEIGHT, weight.file, weight.span, message);
             let most = for_people(LARGEST);
-            return Err(self.report(diagnostic.expected(format!("a number from -{most} to {most}, and such a range"))));
+            return Err(self.report(diagnostic.expected(format!("a number from -{most} to {most}, and a range within them"))));
         }
         match weight.bounds {
             Bounds::Free => Ok((weight.value, None, false)),
@@ -160,12 +162,12 @@ impl<'a> Checker<'a> {
                     return Ok((weight.value, Some([low, high]), false));
                 }
                 if low > high {
-                    let message = format!("the range of `{}` is empty: its lower end lies above its upper", term.name.text);
+                    let message = format!("the range of `{}` is empty: its lower end is above its upper end", term.name.text);
                     let diagnostic = Diagnostic::new(codes::tasks::WEIGHT, weight.file, span, message);
                     let swapped = format!("({}..{})", exact(high), exact(low));
                     return Err(self.report(diagnostic.suggest(format!("write `{swapped}`"), span, swapped)));
                 }
-                let message = format!("the weight of `{}` lies outside its own range", term.name.text);
+                let message = format!("the weight of `{}` is outside of its range", term.name.text);
                 let shown = told_apart(&[low, high, weight.value]);
                 let diagnostic = Diagnostic::new(codes::tasks::WEIGHT, weight.file, weight.span, message)
                     .expected(format!("{} .. {}", shown[0], shown[1]))
@@ -181,14 +183,14 @@ impl<'a> Checker<'a> {
         let help = match data.kind {
             Type::One(ElementType::Bool | ElementType::Int | ElementType::PLAIN) => return Ok(data),
             Type::One(ElementType::Number(_) | ElementType::WrappingAngle) => "",
-            Type::One(ElementType::Vector { .. }) => "pay for its length `norm(v)` or for one component",
-            Type::One(ElementType::Place(_)) => "pay for a distance: `distance(a, b) / 1 m`",
-            Type::One(ElementType::Rotation) => "pay for an angle or for an axis: `torso.up.z`",
+            Type::One(ElementType::Vector { .. }) => "use its length `norm(v)` or one component",
+            Type::One(ElementType::Place(_)) => "use a distance: `distance(a, b) / 1 m`",
+            Type::One(ElementType::Rotation) => "use an angle or an axis: `torso.up.z`",
             Type::One(ElementType::Steps) => "write the time in seconds and divide by `1 s`",
-            Type::List(ElementType::Bool, _) => "say `any(...)`, `all(...)` or `mean(...)`",
-            Type::List(..) | Type::Mixed(_) => "make one number of it: `sum(...)`, `mean(...)`, `norm(...)`",
+            Type::List(ElementType::Bool, _) => "use `any(...)`, `all(...)` or `mean(...)`",
+            Type::List(..) | Type::Mixed(_) => "reduce it to one number: `sum(...)`, `mean(...)`, `norm(...)`",
         };
-        let message = format!("the term `{name}` must be a plain number, so that weights can be compared");
+        let message = format!("the term `{name}` must be dimensionless, so that weights can be compared");
         let diagnostic = self
             .diagnostic(codes::types::NOT_PLAIN, formula.span, message)
             .expected(Dimension::NONE.described())

@@ -73,7 +73,7 @@ impl<'a> Checker<'a> {
             let wraps = |kind: &Type| kind.met() == Some(ElementType::WrappingAngle);
             let diagnostic = if wraps(&value.kind) && !wraps(&present.kind) && present.kind.dimension() == value.kind.dimension()
             {
-                diagnostic.help("this angle wraps, the first value of the state does not: begin it with one that wraps, such as `angle_difference(0 rad, 20 deg)`")
+                diagnostic.help("this angle wraps, the initial value of the state does not: use an initial value that wraps, such as `angle_difference(0 rad, 20 deg)`")
             } else {
                 diagnostic
             };

@@ -38,7 +38,7 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
     let mut checked = Suite { name: suite.name.text.clone(), families: Vec::new(), protocols: Vec::new() };
     let mut empty = |what: &str, name: &tree::Ident| {
         let diagnostic =
-            Diagnostic::new(codes::tasks::MISSING, file, name.span, format!("the {what} `{}` names no task", name.text));
+            Diagnostic::new(codes::tasks::MISSING, file, name.span, format!("the {what} `{}` lists no task", name.text));
         diagnostics.push(diagnostic.help("write `family stabilization { stand, walk }`"));
     };
     if suite.families.is_empty() {
@@ -50,10 +50,10 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
         for task in &family.tasks {
             if tasks.binary_search(&task.text.as_str()).is_err() {
                 let near = nearest(&task.text, tasks.iter().copied());
-                let message = format!("there is no task `{}` in sight", task.text);
+                let message = format!("undefined task `{}`", task.text);
                 let mut diagnostic = Diagnostic::new(codes::names::UNKNOWN_NAME, file, task.span, message);
                 if near.is_empty() {
-                    diagnostic = diagnostic.help("bring it in with `use \"...\"`");
+                    diagnostic = diagnostic.help("import it with `use \"...\"`");
                 }
                 for name in near {
                     diagnostic = diagnostic.suggest(format!("did you mean `{name}`?"), task.span, name);
@@ -67,7 +67,7 @@ pub(crate) fn check(suite: &tree::Suite, file: FileId, tasks: &[&str], diagnosti
     for protocol in &suite.protocols {
         let repeated = |name: &tree::Ident| checked.protocols.iter().any(|before| before.name == name.text);
         if let Some(name) = protocol.name.as_ref().filter(|name| repeated(name)) {
-            let message = format!("the suite has a protocol `{}` already", name.text);
+            let message = format!("the protocol `{}` is declared twice", name.text);
             diagnostics.push(Diagnostic::new(codes::tasks::REPEATED, file, name.span, message));
         }
         checked.protocols.push(self::protocol(protocol, file, diagnostics));
@@ -80,14 +80,14 @@ fn protocol(protocol: &tree::Protocol, file: FileId, diagnostics: &mut Vec<Diagn
     let name = protocol.name.as_ref().map(|name| name.text.clone()).unwrap_or_default();
     let mut checked = Protocol { name, ..Protocol::default() };
     let unknown = |name: &str, span| {
-        Diagnostic::new(codes::tasks::UNKNOWN_SETTING, file, span, format!("a protocol has no `{name}` yet"))
+        Diagnostic::new(codes::tasks::UNKNOWN_SETTING, file, span, format!("a protocol has no `{name}`"))
             .help("it takes `episodes 50` and `seed 0`")
     };
     let mut seen: Vec<&str> = Vec::new();
     for field in &protocol.settings.fields {
         let name = field.name.text.as_str();
         if seen.contains(&name) {
-            let message = format!("the protocol says `{name}` already");
+            let message = format!("`{name}` is given twice");
             diagnostics.push(Diagnostic::new(codes::tasks::REPEATED, file, field.span, message));
         }
         seen.push(name);

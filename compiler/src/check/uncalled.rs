@@ -98,7 +98,7 @@ impl<'a> Visitor<'a> for Reader<'a, '_> {
         match &expression.kind {
             ExprKind::Name(name) => {
                 if matches!(name.parts.as_slice(), [NamePart::Literal(_)]) && !self.known(&name.text) {
-                    self.unknown(&name.text, name.span, format!("there is nothing called `{}`", name.text));
+                    self.unknown(&name.text, name.span, format!("undefined name `{}`", name.text));
                 }
             }
             ExprKind::Call { function, arguments } => {
@@ -106,7 +106,7 @@ impl<'a> Visitor<'a> for Reader<'a, '_> {
                     let known = functions::find(&name.text).is_some() || self.names.find(self.place, &name.text).is_some();
                     // A heading is a frame, and a distribution a draw: neither stands in a function, but each is a word.
                     if !known && !matches!(name.text.as_str(), "heading" | "uniform" | "normal" | "choice") {
-                        self.unknown(&name.text, name.span, format!("there is no function `{}`", name.text));
+                        self.unknown(&name.text, name.span, format!("undefined function `{}`", name.text));
                     }
                 } else {
                     self.expression(function);
@@ -200,10 +200,10 @@ impl<'a> Cycles<'a> {
         let circle: Vec<&str> = cycle.iter().map(|(_, name)| *name).collect();
         let message = format!("`{}` depends on itself", function.name.text);
         let diagnostic = Diagnostic::new(codes::names::CYCLE, place.file, first.span, message)
-            .here("this closes the circle")
+            .here("this closes the cycle")
             .label(place.file, function.name.span, "declared here")
             .help(format!("the circle: {}", circle.join(" -> ")))
-            .help("a function cannot call itself: every formula must come to an end");
+            .help("functions cannot be recursive");
         Some(diagnostic)
     }
 }

@@ -52,7 +52,7 @@ fn missing(told: &Diagnostic) -> Vec<&str> {
     if told.code.id == codes::scene::MASS.id {
         return vec!["mass", "density"];
     }
-    let missing = told.message.split_once("does not say").filter(|_| told.code.id == codes::tasks::MISSING.id);
+    let missing = told.message.split_once("does not declare").filter(|_| told.code.id == codes::tasks::MISSING.id);
     missing.map_or_else(Vec::new, |(_, missing)| words(missing).collect())
 }
 

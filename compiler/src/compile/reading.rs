@@ -57,12 +57,12 @@ impl<'a> Reader<'a> {
                     Err(UseError::Load(problem)) => {
                         let message = format!("cannot use \"{}\": {problem}", path.value);
                         let diagnostic = Diagnostic::new(codes::names::FILE, file, path.span, message)
-                            .help("the path is relative to the file that uses it");
+                            .help("the path is relative to the file that contains the `use`");
                         self.diagnostics.push(diagnostic);
                     }
                     Err(UseError::TooMany(message)) => {
                         let diagnostic = Diagnostic::new(codes::tasks::TOO_LARGE, file, path.span, message)
-                            .help("compile its parts by themselves: what this file and the files after it use is not read");
+                            .help("compile its parts separately: this file and later ones are not compiled");
                         self.diagnostics.push(diagnostic);
                         return Ok(());
                     }
@@ -79,13 +79,13 @@ impl<'a> Reader<'a> {
         }
         if self.files.len() >= MAXIMUM_FILES {
             return Err(UseError::TooMany(format!(
-                "this would be file number {}: at most {MAXIMUM_FILES} are read",
+                "this would be file number {}: the limit is {MAXIMUM_FILES}",
                 MAXIMUM_FILES + 1
             )));
         }
         let text = self.loader.load(path)?;
         if self.bytes + text.len() > MAXIMUM_BYTES {
-            let found = format!("with this file there are more than {} MB of text: at most as much is read", MAXIMUM_BYTES >> 20);
+            let found = format!("with this file the total size exceeds {} MB", MAXIMUM_BYTES >> 20);
             return Err(UseError::TooMany(found));
         }
         Ok(self.add(path.to_path_buf(), text))

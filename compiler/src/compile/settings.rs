@@ -89,7 +89,7 @@ fn unknown(setting: &ReadSetting, mut known: Vec<String>) -> Diagnostic {
     let diagnostic = Diagnostic::new(codes::names::UNKNOWN_NAME, setting.file, setting.span, message);
     let near = nearest(&whole, known.iter().map(String::as_str));
     match (near.as_slice(), known.as_slice()) {
-        ([], []) => diagnostic.help("none of these tasks has parameters: they stand in `params { }`"),
+        ([], []) => diagnostic.help("these tasks have no parameters; declare them in `params { }`"),
         ([], known) => diagnostic.help(format!("there is {}", known.join(", "))),
         (near, _) => diagnostic.help(format!("did you mean `{}`?", near.join("` or `"))),
     }

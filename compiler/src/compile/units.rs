@@ -151,11 +151,11 @@ fn phases<'a>(
     for phase in &declared {
         visit(1);
         if !named.insert(phase.task.text.as_str()) {
-            said(format!("the phase `{}` comes twice; results could not tell the two apart", phase.task.text), phase.span);
+            said(format!("the phase `{}` is declared twice; its results would be ambiguous", phase.task.text), phase.span);
         }
     }
     if let Some(last) = declared.last().filter(|last| last.until.is_some()) {
-        said("the last phase ends with its task; no other begins after it".to_owned(), last.span);
+        said("the last phase ends with its task; no other phase follows".to_owned(), last.span);
     }
     for statement in &sequence.statements {
         let (word, span) = match statement {
@@ -165,7 +165,7 @@ fn phases<'a>(
             TaskStatement::Reference(reference) => ("reference", reference.span),
             _ => continue,
         };
-        said(format!("`{word}` belongs into the tasks of a sequence: it starts anew with each phase"), span);
+        said(format!("`{word}` belongs in the tasks of a sequence: it restarts with each phase"), span);
     }
     let own: Vec<Placed> =
         sequence.statements.iter().cloned().map(|statement| Placed { statement, file, layer: 0, allowed: Vec::new() }).collect();
@@ -218,7 +218,7 @@ fn same_body(
                 let diagnostic = Diagnostic::new(codes::composition::SEQUENCE, file, phase.span, message)
                     .expected(first.clone().unwrap_or_default())
                     .found(other.unwrap_or_default())
-                    .help(format!("say `{what}` in the sequence: it then holds for all phases"));
+                    .help(format!("declare `{what}` in the sequence: it then applies to all phases"));
                 failures.add(diagnostic.report(diagnostics));
             }
         }
@@ -407,15 +407,15 @@ impl Compiler<'_> {
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Checked<(Arc<BodyDescription>, Cow<'_, Vocabulary>)> {
         let Some((used, file)) = body_of(&task.statements) else {
-            let message = format!("the task `{}` does not say on which `body`", task.task.name.text);
+            let message = format!("the task `{}` does not declare its `body`", task.task.name.text);
             let diagnostic = Diagnostic::new(codes::tasks::MISSING, task.file, task.task.name.span, message);
-            let diagnostic = diagnostic.help("without a body no name can be looked up, so nothing else was checked");
+            let diagnostic = diagnostic.help("without a body no name can be resolved, so nothing else was checked");
             return Err(diagnostic.report(diagnostics));
         };
         let name = &used.name;
         let Some(described) = self.described.get(&name.text) else {
-            let message = format!("there is no body `{}`", name.text);
-            let help = format!("a body stands in `bodies/{}.msk` beside or above the task, or is built in: `human`", name.text);
+            let message = format!("undefined body `{}`", name.text);
+            let help = format!("a body is defined in `bodies/{}.msk` beside or above the task, or built in: `human`", name.text);
             return Err(Diagnostic::new(codes::names::BODY, file, name.span, message).help(help).report(diagnostics));
         };
         let vocabulary = described.vocabulary.as_ref().map_err(|reported| *reported)?;
@@ -429,7 +429,7 @@ impl Compiler<'_> {
         match self.bodies.vocabulary(&description) {
             Ok(vocabulary) => Ok((Arc::new(description), Cow::Owned(vocabulary))),
             Err(problems) => {
-                let message = format!("the body `{}` cannot be changed like this", name.text);
+                let message = format!("invalid change of the body `{}`", name.text);
                 let diagnostic = Diagnostic::new(codes::names::BODY, file, used.span, message);
                 let diagnostic = problems.lines().fold(diagnostic, |diagnostic, problem| diagnostic.help(problem));
                 Err(diagnostic.report(diagnostics))

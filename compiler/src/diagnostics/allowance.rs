@@ -32,14 +32,13 @@ pub fn unfulfilled<'a>(allowances: impl IntoIterator<Item = &'a Allowance>, stag
 
 fn needless(allowance: &Allowance) -> Diagnostic {
     let (file, span) = allowance.place;
-    let message =
-        format!("nothing here causes `{}`, which this allows", lint_of(allowance).map_or(allowance.code, |lint| lint.name));
+    let message = format!("`{}` has no warning here to allow", lint_of(allowance).map_or(allowance.code, |lint| lint.name));
     let diagnostic = Diagnostic::new(codes::lints::UNFULFILLED_ALLOW, file, span, message);
     match &allowance.scope {
-        Scope::Line(None) => diagnostic.help("it holds for the line below it, and there is none"),
+        Scope::Line(None) => diagnostic.help("an `allow` covers the line below it; there is none"),
         Scope::Line(Some(_)) => {
-            diagnostic.help("it holds for the line below it: remove it, or put it above the line that is warned of")
+            diagnostic.help("an `allow` covers the line below it: remove it, or move it before the line of the warning")
         }
-        Scope::Task => diagnostic.help("remove it: the next mistake of this kind would go unseen"),
+        Scope::Task => diagnostic.help("remove it: it would hide the next mistake of this kind"),
     }
 }

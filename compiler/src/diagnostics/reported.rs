@@ -64,7 +64,7 @@ mod tests {
     use crate::diagnostics::{FileId, Span, codes};
 
     fn warning() -> Diagnostic {
-        Diagnostic::new(codes::lints::UNUSED, FileId::default(), Span::default(), "nothing reads it")
+        Diagnostic::new(codes::lints::UNUSED, FileId::default(), Span::default(), "unused")
     }
 
     #[test]

@@ -11,7 +11,7 @@ impl Display for Difference {
             writeln!(f, "{} -> {}", self.before, self.after)?;
         }
         if self.is_empty() {
-            return writeln!(f, "  means the same");
+            return writeln!(f, "  no semantic difference");
         }
         self.changes.iter().try_for_each(|change| write!(f, "{change}"))
     }
@@ -110,7 +110,7 @@ impl Display for FormulaChange {
             return writeln!(f, "        to {}{ratio}", self.after);
         }
         let formula = if self.after.is_empty() { String::new() } else { format!(" ({})", self.after) };
-        writeln!(f, "      computes something else, though it is written as before{formula}: a name in it means another thing")?;
+        writeln!(f, "      same source, different value{formula}: a name in it has changed")?;
         for name in &self.names {
             let (before, after, ratio) = people::told(&name.before, &name.after);
             writeln!(f, "      {} = {before} -> {after}{ratio}", name.name)?;

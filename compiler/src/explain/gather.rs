@@ -1,6 +1,6 @@
-//! From a compiled task to its account.
+//! Builds the report of a compiled task.
 
-use super::account::*;
+use super::report::*;
 use crate::graph::NodeId;
 use crate::graph::operation::{Memory, Operation};
 use crate::notation::{latex, mathml};
@@ -22,7 +22,7 @@ pub struct Options<'a> {
 }
 
 /// Everything that is told of a task.
-pub fn account(task: &CompiledTask, options: &Options<'_>) -> Account {
+pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
     let at_reset = options.reset.filter(|frame| frame.len() == task.frame.size()).and_then(|frame| {
         let (mut state, mut report) = (TaskState::default(), StepReport::default());
         // A random without a middle that fulfils its condition leaves nothing to show.
@@ -39,9 +39,9 @@ pub fn account(task: &CompiledTask, options: &Options<'_>) -> Account {
     };
     let phases = task.phases.iter().enumerate().map(|(index, phase)| {
         // Only the first phase has the reset as its first snapshot.
-        phase_account(task, phase, at_reset.filter(|_| index == 0))
+        phase_report(task, phase, at_reset.filter(|_| index == 0))
     });
-    Account {
+    TaskReport {
         form: FORM,
         name: task.name.clone(),
         family: task.family.clone(),
@@ -56,7 +56,7 @@ pub fn account(task: &CompiledTask, options: &Options<'_>) -> Account {
         motions: motions(task),
         randoms: randoms(task),
         scene: scene::scene(task, &init),
-        beginning: scene::beginning(task, &init),
+        initial_state: scene::initial_state(task, &init),
         disturbances: scene::disturbances(task),
         phases: phases.collect(),
         observation: observation(task),
@@ -64,8 +64,8 @@ pub fn account(task: &CompiledTask, options: &Options<'_>) -> Account {
     }
 }
 
-fn parameters(task: &CompiledTask) -> Vec<ParameterAccount> {
-    let told = task.parameters.iter().map(|parameter| ParameterAccount {
+fn parameters(task: &CompiledTask) -> Vec<ParameterReport> {
+    let told = task.parameters.iter().map(|parameter| ParameterReport {
         name: parameter.name.clone(),
         value: parameter.value,
         default: parameter.default,
@@ -75,8 +75,8 @@ fn parameters(task: &CompiledTask) -> Vec<ParameterAccount> {
     told.collect()
 }
 
-fn motions(task: &CompiledTask) -> Vec<MotionAccount> {
-    let told = task.motions.iter().map(|followed| MotionAccount {
+fn motions(task: &CompiledTask) -> Vec<MotionReport> {
+    let told = task.motions.iter().map(|followed| MotionReport {
         name: followed.name.clone(),
         title: followed.motion.name.clone(),
         digest: followed.motion.digest().to_owned(),
@@ -88,8 +88,8 @@ fn motions(task: &CompiledTask) -> Vec<MotionAccount> {
     told.collect()
 }
 
-fn randoms(task: &CompiledTask) -> Vec<RandomAccount> {
-    let told = task.randoms.iter().map(|random| RandomAccount {
+fn randoms(task: &CompiledTask) -> Vec<RandomReport> {
+    let told = task.randoms.iter().map(|random| RandomReport {
         name: random.name.clone(),
         source: random.source.clone(),
         accept: random.accept.clone(),
@@ -99,18 +99,18 @@ fn randoms(task: &CompiledTask) -> Vec<RandomAccount> {
 }
 
 /// A formula in all notations.
-fn told(formula: &Notation, source: &str) -> FormulaAccount {
+fn told(formula: &Notation, source: &str) -> FormulaReport {
     let Notation { plain, tree } = formula;
-    FormulaAccount { source: source.to_owned(), text: plain.clone(), latex: latex(tree), mathml: mathml(tree) }
+    FormulaReport { source: source.to_owned(), text: plain.clone(), latex: latex(tree), mathml: mathml(tree) }
 }
 
-fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport>) -> PhaseAccount {
+fn phase_report(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport>) -> PhaseReport {
     let meaning = &phase.debug;
     let terms = phase.terms.clone().zip(&meaning.terms).enumerate().map(|(own, (index, told_of))| {
         let term = &task.terms[index];
         let bounds =
             meaning.term_bounds.get(own).map(|bounds| [bounds.low, bounds.high]).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-        TermAccount {
+        TermReport {
             name: term.name.clone(),
             weight: term.weight,
             weight_in_source: term.written,
@@ -127,20 +127,20 @@ fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepRepor
             at_reset: at_reset.and_then(|report| report.terms.get(index).copied()),
         }
     });
-    let ends = |names: &[String], told_of: &[ConditionDebug], holds: &[bool]| -> Vec<EndAccount> {
+    let ends = |names: &[String], told_of: &[ConditionDebug], holds: &[bool]| -> Vec<EndReport> {
         let told = names.iter().zip(told_of).enumerate();
         told.map(|(index, (name, told))| end(name, told, holds.get(index).copied())).collect()
     };
     let held = |report: fn(&StepReport) -> &[bool], range: std::ops::Range<usize>| {
         at_reset.and_then(|found| report(found).get(range)).unwrap_or_default()
     };
-    let metrics = task.metrics[phase.metrics.clone()].iter().zip(&meaning.metrics).map(|(metric, told_of)| MetricAccount {
+    let metrics = task.metrics[phase.metrics.clone()].iter().zip(&meaning.metrics).map(|(metric, told_of)| MetricReport {
         name: metric.name.clone(),
         size: metric.size,
         unit: metric.unit.clone(),
         formula: told(&told_of.formula, ""),
     });
-    PhaseAccount {
+    PhaseReport {
         name: phase.name.clone(),
         horizon: phase.horizon,
         until: meaning.until.as_ref().map(|until| told(&until.formula, &until.source)),
@@ -161,8 +161,8 @@ fn phase_account(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepRepor
     }
 }
 
-fn end(name: &str, told_of: &ConditionDebug, holds_at_reset: Option<bool>) -> EndAccount {
-    EndAccount {
+fn end(name: &str, told_of: &ConditionDebug, holds_at_reset: Option<bool>) -> EndReport {
+    EndReport {
         name: name.to_owned(),
         condition: told(&told_of.formula, &told_of.source),
         after: told_of.after.clone(),
@@ -171,9 +171,9 @@ fn end(name: &str, told_of: &ConditionDebug, holds_at_reset: Option<bool>) -> En
     }
 }
 
-fn definition(definition: &Definition) -> DefinitionAccount {
+fn definition(definition: &Definition) -> DefinitionReport {
     let part = |(word, formula): &(&'static str, Notation)| ((*word).to_owned(), told(formula, ""));
-    DefinitionAccount {
+    DefinitionReport {
         kind: definition.kind.to_owned(),
         name: definition.name.clone(),
         parameters: definition.parameters.clone(),
@@ -182,13 +182,13 @@ fn definition(definition: &Definition) -> DefinitionAccount {
     }
 }
 
-fn observation(task: &CompiledTask) -> ObservationAccount {
+fn observation(task: &CompiledTask) -> ObservationReport {
     let channels = task.channels.iter().enumerate().map(|(place, channel)| {
         let told_of = task.phases.iter().find_map(|phase| {
             let own = phase.channels.get(place).copied().flatten()?;
             phase.debug.channels.get(own)
         });
-        ChannelAccount {
+        ChannelReport {
             name: channel.name.clone(),
             offset: channel.offset,
             size: channel.size,
@@ -198,7 +198,7 @@ fn observation(task: &CompiledTask) -> ObservationAccount {
             docs: told_of.map(|told_of| told_of.docs.clone()).unwrap_or_default(),
         }
     });
-    ObservationAccount { size: task.observation_size(), channels: channels.collect() }
+    ObservationReport { size: task.observation_size(), channels: channels.collect() }
 }
 
 /// The memories that a node depends on, in words.
@@ -232,20 +232,20 @@ fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
 fn memory_in_words(memory: Memory) -> &'static str {
     match memory {
         Memory::Initial => "as at reset",
-        Memory::Highest => "the highest so far",
-        Memory::Lowest => "the lowest so far",
-        Memory::Accumulate => "summed over the steps",
+        Memory::Highest => "running maximum",
+        Memory::Lowest => "running minimum",
+        Memory::Accumulate => "sum over the steps",
         Memory::Streak => "steps in a row",
         Memory::StepsSince => "steps since it held",
         Memory::Hysteresis => "with hysteresis",
         Memory::Smooth | Memory::SmoothAngle => "smoothed",
-        Memory::Sampled => "as last sampled",
+        Memory::Sampled => "last sampled value",
         Memory::Delay(_) => "from before",
     }
 }
 
-/// What of the beginning chance decides, by name. A place of which one component is drawn is computed whole: what comes out the
-/// same from two different draws is not told.
+/// The random values of the initial state, by name. A place with one random component is evaluated as a whole: a value that is the
+/// same for two different draws is not listed.
 fn drawn(task: &CompiledTask) -> Vec<String> {
     let begun = |share: f64| {
         let mut state = TaskState::default();

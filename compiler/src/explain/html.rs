@@ -1,13 +1,13 @@
 //! A page for browsers: one file with everything in it, formulas as MathML, readable offline, by day and by night.
 
-use super::account::*;
+use super::report::*;
 use crate::extremes::maximum;
 use crate::notation::escaped;
 use crate::numbers::for_people;
 use std::fmt::Write;
 
 /// Tasks as one self-contained page under a title.
-pub fn html(title: &str, tasks: &[Account]) -> String {
+pub fn html(title: &str, tasks: &[TaskReport]) -> String {
     // Writing to a string cannot fail, here and below.
     let mut text = String::new();
     let title = escaped(title);
@@ -28,11 +28,11 @@ pub fn html(title: &str, tasks: &[Account]) -> String {
     text
 }
 
-fn math(formula: &FormulaAccount) -> String {
+fn math(formula: &FormulaReport) -> String {
     format!("<math>{}</math>", formula.mathml)
 }
 
-fn section(task: &Account, text: &mut String) {
+fn section(task: &TaskReport, text: &mut String) {
     let _ = writeln!(text, "<section class=\"task\" id=\"{0}\">\n<h2>{0}</h2>", escaped(&task.name));
     if !task.summary.is_empty() {
         let _ = writeln!(text, "<p class=\"summary\">{}</p>", escaped(&task.summary));
@@ -53,10 +53,10 @@ fn section(task: &Account, text: &mut String) {
         metrics(phase, text);
     }
     if let Some(reward) = task.reward_at_reset {
-        let _ = writeln!(text, "<p class=\"soft\">In the first snapshot the terms add up to {}.</p>", for_people(reward));
+        let _ = writeln!(text, "<p class=\"soft\">In the first snapshot the reward is {}.</p>", for_people(reward));
     }
     scene(task, text);
-    beginning(task, text);
+    initial_state(task, text);
     settings(task, text);
     observation(&task.observation, text);
     let _ = writeln!(text, "<p class=\"soft\">hash <code>{}</code></p>\n</section>", task.hash);
@@ -75,7 +75,7 @@ fn close(text: &mut String) {
     let _ = writeln!(text, "</tbody>\n</table></div>");
 }
 
-fn rewards(phase: &PhaseAccount, text: &mut String) {
+fn rewards(phase: &PhaseReport, text: &mut String) {
     let largest = phase.terms.iter().map(|term| term.weight.abs()).fold(0.0, maximum);
     let _ = writeln!(text, "<h3>Reward per control step</h3>");
     open(&[("Weight", true), ("", false), ("Term", false), ("Formula", false), ("Between", false), ("At reset", true)], text);
@@ -129,10 +129,10 @@ fn rewards(phase: &PhaseAccount, text: &mut String) {
     let _ = writeln!(text, "</div>");
 }
 
-fn ends(phase: &PhaseAccount, text: &mut String) {
-    let _ = writeln!(text, "<h3>Ends</h3>");
+fn ends(phase: &PhaseReport, text: &mut String) {
+    let _ = writeln!(text, "<h3>Terminations</h3>");
     open(&[("", false), ("Reason", false), ("Condition", false)], text);
-    let mut row = |kind: &str, end: &EndAccount| {
+    let mut row = |kind: &str, end: &EndReport| {
         let after = if end.after.is_empty() {
             String::new()
         } else {
@@ -153,11 +153,11 @@ fn ends(phase: &PhaseAccount, text: &mut String) {
     close(text);
 }
 
-fn metrics(phase: &PhaseAccount, text: &mut String) {
+fn metrics(phase: &PhaseReport, text: &mut String) {
     if phase.metrics.is_empty() {
         return;
     }
-    let _ = writeln!(text, "<h3>Logged, never paid</h3>");
+    let _ = writeln!(text, "<h3>Logged, not part of the reward</h3>");
     open(&[("Metric", false), ("Unit", false), ("Formula", false)], text);
     for metric in &phase.metrics {
         let _ = writeln!(
@@ -171,7 +171,7 @@ fn metrics(phase: &PhaseAccount, text: &mut String) {
     close(text);
 }
 
-fn scene(task: &Account, text: &mut String) {
+fn scene(task: &TaskReport, text: &mut String) {
     let scene = &task.scene;
     if scene.objects.is_empty() && scene.connections.is_empty() && task.disturbances.is_empty() {
         return;
@@ -197,7 +197,7 @@ fn scene(task: &Account, text: &mut String) {
     close(text);
     let mut notes: Vec<String> = Vec::new();
     for held in &scene.connections {
-        let release = if held.released { ", may let go" } else { "" };
+        let release = if held.released { ", can be released" } else { "" };
         notes.push(format!("{} {} to {}{release}", held.kind, held.from, held.to));
     }
     notes.extend(scene.groups.iter().map(|(name, members)| format!("group {name}: {}", members.join(", "))));
@@ -205,7 +205,7 @@ fn scene(task: &Account, text: &mut String) {
     for push in &task.disturbances {
         let force = push.force.map(for_people).join(", ");
         notes.push(format!(
-            "{} is pushed by [{force}] N at {} s for {} s",
+            "a force of [{force}] N on {} at {} s for {} s",
             push.on,
             for_people(push.start),
             for_people(push.duration)
@@ -222,25 +222,26 @@ fn list(lines: &[String], text: &mut String) {
     let _ = writeln!(text, "<ul>{items}</ul>");
 }
 
-fn beginning(task: &Account, text: &mut String) {
-    let beginning = &task.beginning;
-    let _ = writeln!(text, "<h3>Beginning</h3>");
-    let mut lines = vec![beginning.root.clone()];
-    let joints = beginning.independent_joints();
+fn initial_state(task: &TaskReport, text: &mut String) {
+    let initial_state = &task.initial_state;
+    let _ = writeln!(text, "<h3>Initial state</h3>");
+    let mut lines = vec![initial_state.root.clone()];
+    let joints = initial_state.independent_joints();
     let joints: Vec<String> = joints.iter().map(|(name, joint)| format!("{name} {}", joint.angle())).collect();
-    lines.extend((!joints.is_empty()).then(|| format!("away from the neutral pose: {}", joints.join(", "))));
-    lines.extend(beginning.noise.iter().map(|noise| format!("noise on {noise}")));
-    lines.extend(beginning.objects.iter().cloned());
-    lines.extend((!beginning.drawn.is_empty()).then(|| format!("drawn for each episode: {}", beginning.drawn.join(", "))));
-    lines.extend((!beginning.settle.is_empty()).then(|| format!("settles for {}", beginning.settle)));
+    lines.extend((!joints.is_empty()).then(|| format!("changes of the neutral pose: {}", joints.join(", "))));
+    lines.extend(initial_state.noise.iter().map(|noise| format!("noise on {noise}")));
+    lines.extend(initial_state.objects.iter().cloned());
+    lines
+        .extend((!initial_state.drawn.is_empty()).then(|| format!("drawn for each episode: {}", initial_state.drawn.join(", "))));
+    lines.extend((!initial_state.settle.is_empty()).then(|| format!("settles for {}", initial_state.settle)));
     list(&lines, text);
 }
 
-fn settings(task: &Account, text: &mut String) {
+fn settings(task: &TaskReport, text: &mut String) {
     if task.parameters.is_empty() && task.randoms.is_empty() && task.motions.is_empty() {
         return;
     }
-    let _ = writeln!(text, "<h3>Parameters, motions and chance</h3>");
+    let _ = writeln!(text, "<h3>Parameters, motions and random values</h3>");
     let mut lines = Vec::new();
     for parameter in &task.parameters {
         let range =
@@ -256,7 +257,7 @@ fn settings(task: &Account, text: &mut String) {
     list(&lines, text);
 }
 
-fn observation(observation: &ObservationAccount, text: &mut String) {
+fn observation(observation: &ObservationReport, text: &mut String) {
     let _ = writeln!(text, "<h3>Observation: {} values</h3>", observation.size);
     open(&[("Channel", false), ("Place", true), ("Size", true), ("Unit", false), ("From", false)], text);
     for channel in &observation.channels {

@@ -1,7 +1,7 @@
 //! Tables for papers, in the layout of the benchmark's: per family one of rewards and one of settings, then one of what
 //! succeeds. The document compiles with `pdflatex`; a table can be cut out between its comments.
 
-use super::account::*;
+use super::report::*;
 use crate::notation::latex_words;
 use crate::numbers::for_people;
 use std::fmt::Write;
@@ -18,7 +18,7 @@ const PREAMBLE: &str = r"\documentclass[10pt]{article}
 ";
 
 /// Tasks as tables, families in the order in which they first come.
-pub fn latex(tasks: &[Account]) -> String {
+pub fn latex(tasks: &[TaskReport]) -> String {
     // Writing to a string cannot fail, here and below.
     let mut text = PREAMBLE.to_owned();
     let mut families: Vec<&str> = Vec::new();
@@ -67,7 +67,7 @@ fn close(label: &str, text: &mut String) {
     let _ = writeln!(text, "\\end{{longtable}}\n% --- end of {label}");
 }
 
-fn math(formula: &FormulaAccount) -> String {
+fn math(formula: &FormulaReport) -> String {
     format!("${}$", formula.latex)
 }
 
@@ -80,7 +80,7 @@ fn weight(value: f64) -> String {
     }
 }
 
-fn rewards(tasks: &[(usize, &Account)], part: &str, family: &str, text: &mut String) {
+fn rewards(tasks: &[(usize, &TaskReport)], part: &str, family: &str, text: &mut String) {
     let label = format!("rewards_{}", if family.is_empty() { "tasks" } else { family });
     let columns = [("Task", "28mm"), ("Term", "34mm"), ("Formula", "165mm"), ("Weight", "20mm")];
     open(
@@ -112,7 +112,7 @@ fn rewards(tasks: &[(usize, &Account)], part: &str, family: &str, text: &mut Str
 }
 
 /// What the formulas of a phase name, in one small row.
-fn where_rows(phase: &PhaseAccount, text: &mut String) {
+fn where_rows(phase: &PhaseReport, text: &mut String) {
     for definition in &phase.definitions {
         let arguments = if definition.parameters.is_empty() {
             String::new()
@@ -134,7 +134,7 @@ fn where_rows(phase: &PhaseAccount, text: &mut String) {
     }
 }
 
-fn settings(tasks: &[(usize, &Account)], part: &str, family: &str, text: &mut String) {
+fn settings(tasks: &[(usize, &TaskReport)], part: &str, family: &str, text: &mut String) {
     let label = format!("settings_{}", if family.is_empty() { "tasks" } else { family });
     let columns = [("Task", "28mm"), ("Observations", "72mm"), ("Initialisation", "72mm"), ("Termination criteria", "75mm")];
     open(&format!("Task settings, observations and termination criteria{part}."), &label, &columns, text);
@@ -154,7 +154,7 @@ fn settings(tasks: &[(usize, &Account)], part: &str, family: &str, text: &mut St
             number + 1,
             title(&task.name),
             observations(&task.observation),
-            beginning(&task.beginning),
+            initial_state(&task.initial_state),
             if ends.is_empty() { "none".to_owned() } else { ends.join("; \\newline ") }
         );
     }
@@ -162,7 +162,7 @@ fn settings(tasks: &[(usize, &Account)], part: &str, family: &str, text: &mut St
 }
 
 /// Blocks by their names, the task's own channels as formulas.
-fn observations(observation: &ObservationAccount) -> String {
+fn observations(observation: &ObservationReport) -> String {
     let mut parts: Vec<String> = Vec::new();
     for channel in &observation.channels {
         let part = match (channel.block.as_str(), channel.formula.latex.as_str()) {
@@ -177,22 +177,22 @@ fn observations(observation: &ObservationAccount) -> String {
     format!("{} \\newline ({} values)", parts.join("; "), observation.size)
 }
 
-fn beginning(beginning: &BeginningAccount) -> String {
-    let mut parts = vec![latex_words(&beginning.root)];
-    let joints = beginning.independent_joints();
+fn initial_state(initial_state: &InitialStateReport) -> String {
+    let mut parts = vec![latex_words(&initial_state.root)];
+    let joints = initial_state.independent_joints();
     let joints: Vec<String> =
         joints.iter().map(|(name, joint)| format!("{} {}", latex_words(name), latex_words(&joint.angle()))).collect();
     parts.extend((!joints.is_empty()).then(|| joints.join(", ")));
-    parts.extend(beginning.noise.iter().map(|noise| format!("noise on {}", latex_words(noise))));
-    parts.extend(beginning.objects.iter().map(|object| latex_words(object)));
-    parts.extend((!beginning.drawn.is_empty()).then(|| format!("drawn: {}", latex_words(&beginning.drawn.join(", ")))));
-    parts.extend((!beginning.settle.is_empty()).then(|| format!("settles for {}", latex_words(&beginning.settle))));
+    parts.extend(initial_state.noise.iter().map(|noise| format!("noise on {}", latex_words(noise))));
+    parts.extend(initial_state.objects.iter().map(|object| latex_words(object)));
+    parts.extend((!initial_state.drawn.is_empty()).then(|| format!("drawn: {}", latex_words(&initial_state.drawn.join(", ")))));
+    parts.extend((!initial_state.settle.is_empty()).then(|| format!("settles for {}", latex_words(&initial_state.settle))));
     parts.join("; \\newline ")
 }
 
-fn successes(tasks: &[Account], text: &mut String) {
+fn successes(tasks: &[TaskReport], text: &mut String) {
     let columns = [("Task", "40mm"), ("Success criterion, at the last step", "165mm"), ("Horizon", "40mm")];
-    open("What counts as success.", "success", &columns, text);
+    open("Success criteria.", "success", &columns, text);
     for task in tasks {
         let success = task.phases.iter().rev().find_map(|phase| phase.success.as_ref());
         let criterion = success.map_or_else(String::new, |success| math(&success.condition));

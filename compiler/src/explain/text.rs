@@ -1,66 +1,66 @@
 //! `msk explain` as text for terminals.
 
-use super::account::*;
-use super::gather::{Options, account};
+use super::gather::{Options, task_report};
+use super::report::*;
 use crate::numbers::{exact, for_people};
 use crate::task::CompiledTask;
 use std::fmt::Write;
 
-/// A task explained: scene, beginning, every term with its formula, weight, range, what it reads and what it remembers; ends;
+/// The text of a task report: scene, initial state, every term with its formula, weight, range, inputs and state; terminations;
 /// channels.
 pub fn text(task: &CompiledTask, options: &Options<'_>) -> String {
-    let account = account(task, options);
+    let report = task_report(task, options);
     // Writing to a string cannot fail, here and below.
     let mut text = String::new();
-    head(&account, &mut text);
-    scene(&account, &mut text);
-    beginning(&account, &mut text);
-    settings(&account, &mut text);
-    for phase in &account.phases {
-        if account.phases.len() > 1 {
+    head(&report, &mut text);
+    scene(&report, &mut text);
+    initial_state(&report, &mut text);
+    settings(&report, &mut text);
+    for phase in &report.phases {
+        if report.phases.len() > 1 {
             let until = phase.until.as_ref().map_or_else(String::new, |until| format!(", until {}", until.source));
             let _ = writeln!(text, "\nPhase {} of {} steps{until}", phase.name, phase.horizon);
         }
         let _ = writeln!(text, "\nReward, per control step: the sum of weight times term");
         phase.terms.iter().for_each(|term| explain_term(term, &mut text));
-        if let (Some(reward), true) = (account.reward_at_reset, phase.terms.iter().any(|term| term.at_reset.is_some())) {
-            let _ = writeln!(text, "\n  at reset the sum is {}", for_people(reward));
+        if let (Some(reward), true) = (report.reward_at_reset, phase.terms.iter().any(|term| term.at_reset.is_some())) {
+            let _ = writeln!(text, "\n  at reset the reward is {}", for_people(reward));
         }
         definitions(phase, &mut text);
         ends(phase, &mut text);
         if !phase.metrics.is_empty() {
-            let _ = writeln!(text, "\nLogs, never paid");
+            let _ = writeln!(text, "\nLogged, not part of the reward");
         }
         let width = phase.metrics.iter().map(|metric| metric.name.chars().count()).max().unwrap_or(0);
         for metric in &phase.metrics {
             let _ = writeln!(text, "  {:<width$}  = {}", metric.name, metric.formula.text);
         }
     }
-    channels(&account, &mut text);
-    let _ = writeln!(text, "\nhash {}", account.hash);
+    channels(&report, &mut text);
+    let _ = writeln!(text, "\nhash {}", report.hash);
     text
 }
 
-fn head(account: &Account, text: &mut String) {
-    let family = if account.family.is_empty() { String::new() } else { format!(" ({})", account.family) };
-    let _ = writeln!(text, "{}{family}", account.name);
-    if !account.summary.is_empty() {
-        let _ = writeln!(text, "{}", account.summary);
+fn head(report: &TaskReport, text: &mut String) {
+    let family = if report.family.is_empty() { String::new() } else { format!(" ({})", report.family) };
+    let _ = writeln!(text, "{}{family}", report.name);
+    if !report.summary.is_empty() {
+        let _ = writeln!(text, "{}", report.summary);
     }
     let _ = writeln!(
         text,
         "\nbody {}, control {} Hz, horizon {} steps ({} s){}",
-        account.body,
-        account.control_frequency,
-        account.horizon,
-        for_people(account.duration),
-        if account.symmetric { ", symmetric" } else { "" }
+        report.body,
+        report.control_frequency,
+        report.horizon,
+        for_people(report.duration),
+        if report.symmetric { ", symmetric" } else { "" }
     );
 }
 
-fn scene(account: &Account, text: &mut String) {
-    let scene = &account.scene;
-    if scene.ground && scene.objects.is_empty() && scene.connections.is_empty() && account.disturbances.is_empty() {
+fn scene(report: &TaskReport, text: &mut String) {
+    let scene = &report.scene;
+    if scene.ground && scene.objects.is_empty() && scene.connections.is_empty() && report.disturbances.is_empty() {
         return;
     }
     let _ = writeln!(text, "\nScene{}", if scene.ground { ", on level ground" } else { ", without ground" });
@@ -77,7 +77,7 @@ fn scene(account: &Account, text: &mut String) {
         let _ = writeln!(text, "  {:<width$}  {}", object.name, parts.join(", "));
     }
     for held in &scene.connections {
-        let release = if held.released { ", may let go" } else { "" };
+        let release = if held.released { ", can be released" } else { "" };
         let _ = writeln!(text, "  {} {} to {}{release}", held.kind, held.from, held.to);
     }
     for (name, members) in &scene.groups {
@@ -86,7 +86,7 @@ fn scene(account: &Account, text: &mut String) {
     if !scene.markers.is_empty() {
         let _ = writeln!(text, "  marked: {}", scene.markers.join(", "));
     }
-    for push in &account.disturbances {
+    for push in &report.disturbances {
         let (force, torque) = (push.force.map(for_people).join(", "), push.torque.map(for_people).join(", "));
         let _ = writeln!(
             text,
@@ -98,30 +98,30 @@ fn scene(account: &Account, text: &mut String) {
     }
 }
 
-fn beginning(account: &Account, text: &mut String) {
-    let beginning = &account.beginning;
-    let _ = writeln!(text, "\nBegins {}", beginning.root);
-    for row in beginning.independent_joints().chunks(4) {
+fn initial_state(report: &TaskReport, text: &mut String) {
+    let initial_state = &report.initial_state;
+    let _ = writeln!(text, "\nInitial state: {}", initial_state.root);
+    for row in initial_state.independent_joints().chunks(4) {
         let joints: Vec<String> = row.iter().map(|(name, joint)| format!("{name} {}", joint.angle())).collect();
         let _ = writeln!(text, "  {}", joints.join(", "));
     }
-    for line in beginning.noise.iter().map(|noise| format!("noise on {noise}")).chain(beginning.objects.iter().cloned()) {
+    for line in initial_state.noise.iter().map(|noise| format!("noise on {noise}")).chain(initial_state.objects.iter().cloned()) {
         let _ = writeln!(text, "  {line}");
     }
-    if !beginning.drawn.is_empty() {
-        let _ = writeln!(text, "  drawn: {}", beginning.drawn.join(", "));
+    if !initial_state.drawn.is_empty() {
+        let _ = writeln!(text, "  drawn: {}", initial_state.drawn.join(", "));
     }
-    if !beginning.settle.is_empty() {
-        let _ = writeln!(text, "  settles for {}", beginning.settle);
+    if !initial_state.settle.is_empty() {
+        let _ = writeln!(text, "  settles for {}", initial_state.settle);
     }
 }
 
 /// Parameters and randoms.
-fn settings(account: &Account, text: &mut String) {
-    if !account.parameters.is_empty() {
+fn settings(report: &TaskReport, text: &mut String) {
+    if !report.parameters.is_empty() {
         let _ = writeln!(text, "\nParameters");
     }
-    for parameter in &account.parameters {
+    for parameter in &report.parameters {
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
         let range =
             parameter.range.map_or(String::new(), |[low, high]| format!(", {} .. {}{unit}", for_people(low), for_people(high)));
@@ -132,23 +132,23 @@ fn settings(account: &Account, text: &mut String) {
         };
         let _ = writeln!(text, "  {} = {}{unit}{range}{set}", parameter.name, for_people(parameter.value));
     }
-    if !account.motions.is_empty() {
+    if !report.motions.is_empty() {
         let _ = writeln!(text, "\nFollows");
     }
-    for motion in &account.motions {
+    for motion in &report.motions {
         let _ = writeln!(text, "  {} = {}", motion.name, motion.in_words());
     }
-    if !account.randoms.is_empty() {
+    if !report.randoms.is_empty() {
         let _ = writeln!(text, "\nDrawn for each episode");
     }
-    for random in &account.randoms {
+    for random in &report.randoms {
         let clause = |word: &str, clause: &str| if clause.is_empty() { String::new() } else { format!(" {word} {clause}") };
         let (accept, redraw) = (clause("where", &random.accept), clause("redraw when", &random.redraw));
         let _ = writeln!(text, "  {} = {}{accept}{redraw}", random.name, random.source);
     }
 }
 
-fn explain_term(term: &TermAccount, text: &mut String) {
+fn explain_term(term: &TermReport, text: &mut String) {
     let bounds = match (term.fixed, term.weight_range) {
         (true, _) => " (fixed)".to_owned(),
         (_, Some([low, high])) => format!(" ({}..{})", exact(low), exact(high)),
@@ -163,7 +163,7 @@ fn explain_term(term: &TermAccount, text: &mut String) {
     if !term.docs.is_empty() {
         let _ = writeln!(text, "          {}", term.docs);
     }
-    let kind = if term.condition { "a condition, counted 0 or 1" } else { "a plain number" };
+    let kind = if term.condition { "a condition, 0 or 1" } else { "dimensionless" };
     let _ = writeln!(text, "          is {kind}, {}", range(term.bounds));
     if !term.reads.is_empty() {
         let _ = writeln!(text, "          reads {}", term.reads.join(", "));
@@ -172,12 +172,12 @@ fn explain_term(term: &TermAccount, text: &mut String) {
         let _ = writeln!(text, "          remembers {}", term.remembers.join("; "));
     }
     if let Some(value) = term.at_reset {
-        let _ = writeln!(text, "          at reset {}, pays {}", for_people(value), for_people(value * term.weight));
+        let _ = writeln!(text, "          at reset {}, contribution {}", for_people(value), for_people(value * term.weight));
     }
 }
 
 /// What formulas name.
-fn definitions(phase: &PhaseAccount, text: &mut String) {
+fn definitions(phase: &PhaseReport, text: &mut String) {
     if !phase.definitions.is_empty() {
         let _ = writeln!(text, "\nWhere");
     }
@@ -192,13 +192,13 @@ fn definitions(phase: &PhaseAccount, text: &mut String) {
     }
 }
 
-fn ends(phase: &PhaseAccount, text: &mut String) {
-    let told = |text: &mut String, end: &EndAccount| {
+fn ends(phase: &PhaseReport, text: &mut String) {
+    let told = |text: &mut String, end: &EndReport| {
         let after = if end.after.is_empty() { String::new() } else { format!(", after {}", end.after) };
         let holds = if end.holds_at_reset == Some(true) { "   (holds at reset!)" } else { "" };
         let _ = writeln!(text, "  {} when {}{after}{holds}", end.name, end.condition.source);
     };
-    let _ = writeln!(text, "\nEnds as a failure");
+    let _ = writeln!(text, "\nTerminates as a failure");
     if phase.terminations.is_empty() {
         let _ = writeln!(text, "  never");
     }
@@ -213,8 +213,8 @@ fn ends(phase: &PhaseAccount, text: &mut String) {
     }
 }
 
-fn channels(account: &Account, text: &mut String) {
-    let observation = &account.observation;
+fn channels(report: &TaskReport, text: &mut String) {
+    let observation = &report.observation;
     let _ = writeln!(text, "\nObserves {} values", observation.size);
     let width = observation.channels.iter().map(|channel| channel.name.chars().count()).max().unwrap_or(0);
     for channel in &observation.channels {

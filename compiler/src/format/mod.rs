@@ -20,10 +20,10 @@ use crate::syntax::{parse, scanner};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FormatError {
     /// What cannot be read cannot be laid out.
-    #[error("the text has errors")]
+    #[error("the file has syntax errors")]
     Unreadable(Vec<Diagnostic>),
     /// The layout would have changed more than blanks: a defect of the formatter. The text is safe.
-    #[error("the formatter would change what the text says; please report this text")]
+    #[error("formatting would change the semantics; please report this file")]
     Changed,
 }
 

@@ -202,7 +202,8 @@ fn entity_docs(body: &Vocabulary, thing: EntityRef) -> String {
         EntityRef::Landmark(index) => {
             let landmark = &body.landmarks[index];
             let height = landmark.neutral_position[2];
-            let place = if landmark.of_scene { String::new() } else { format!("\n\nHeight when standing: {height:.3} m.") };
+            let place =
+                if landmark.of_scene { String::new() } else { format!("\n\nHeight in the standing pose: {height:.3} m.") };
             format!("{}{place}", landmark.description)
         }
         EntityRef::Joint(index) => {
@@ -214,14 +215,14 @@ fn entity_docs(body: &Vocabulary, thing: EntityRef) -> String {
             let range = joint
                 .range
                 .map_or("unlimited".to_owned(), |[low, high]| format!("{:.4} .. {:.4} {unit}", low * factor, high * factor));
-            let role = if joint.independent { "" } else { "; it follows another joint" };
-            format!("Range {range}, when standing {:.4} {unit}{role}.", joint.neutral * factor)
+            let role = if joint.independent { "" } else { "; coupled to another joint" };
+            format!("Range {range}, in the standing pose {:.4} {unit}{role}.", joint.neutral * factor)
         }
         EntityRef::Muscle(index) => {
             let muscle = &body.muscles[index];
             format!("Peak isometric force {:.1} N, family {}.", muscle.peak_force, muscle.family)
         }
-        EntityRef::CentreOfMass => format!("Of the body alone, {:.2} kg.", body.mass),
+        EntityRef::CentreOfMass => format!("Mass of the body alone: {:.2} kg.", body.mass),
         EntityRef::Ground => "The level ground and everything walkable, as one side of a contact.".to_owned(),
         EntityRef::Robot => "All shapes of the body, as one side of a contact.".to_owned(),
     }

@@ -114,13 +114,13 @@ impl ElementType {
     /// What a reader calls it: `a speed (m/s)`, `a vector of 3 components in m/s (axes of pelvis)`.
     pub fn described(self, vocabulary: &Vocabulary) -> String {
         let axes = |frame: Frame| match frame {
-            Frame::World => "world axes".to_owned(),
-            other => format!("axes of {}", other.name(vocabulary)),
+            Frame::World => "world frame".to_owned(),
+            other => format!("frame of {}", other.name(vocabulary)),
         };
         match self {
             Self::Number(dimension) => dimension.described(),
             Self::WrappingAngle => "an angle that wraps (rad)".to_owned(),
-            Self::Bool => "a condition (yes or no)".to_owned(),
+            Self::Bool => "a condition (true or false)".to_owned(),
             Self::Int => "a whole number".to_owned(),
             Self::Steps => "a number of control steps".to_owned(),
             Self::Place(frame) => format!("a place ({})", axes(frame)),

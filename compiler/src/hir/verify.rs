@@ -34,7 +34,7 @@ impl Hir {
     fn formula_of(&self, expr: &Expr) -> Option<String> {
         let ExprId(formula) = expr.formula?;
         let known = self.exprs.get(formula as usize).is_some_and(|formula| formula.value.is_some());
-        (!known).then(|| format!("the name at {:?} stands for a formula without a value", expr.span))
+        (!known).then(|| format!("the name at {:?} refers to a formula without a value", expr.span))
     }
 }
 
@@ -42,7 +42,7 @@ fn width_of(expr: &Expr, graph: &Graph) -> Option<String> {
     let Some(Value::Typed(data)) = &expr.value else { return None };
     let width = graph.nodes().get(data.node.index())?.width;
     let lanes = data.kind.lanes();
-    (width != lanes).then(|| format!("the value of {lanes} lanes at {:?} stands at a node of {width}", expr.span))
+    (width != lanes).then(|| format!("the value of {lanes} lanes at {:?} is at a node of width {width}", expr.span))
 }
 
 #[cfg(test)]

@@ -38,9 +38,8 @@ fn earns_to_and_fro(
     let unit = if rate.turns { "rad/s" } else { "m/s" };
     let shown = |speed: f64| format!("{} {unit}", for_people(speed));
     let cost = if charged == 0.0 { "nothing".to_owned() } else { format!("no more than at {}", shown(charged)) };
-    let message = format!("the term `{}` earns by moving to and fro: moving back at {} costs {cost}", term.name, shown(fast));
-    let help = "charge moving back however fast, as in `clip(v, -10 m/s, 1 m/s)`, or reward what is gained once, \
-        `rate(running_max(x))`";
+    let message = format!("the term `{}` rewards moving to and fro: moving back at {} costs {cost}", term.name, shown(fast));
+    let help = "charge moving back without a cap, as in `clip(v, -10 m/s, 1 m/s)`, or reward progress, `rate(running_max(x))`";
     Some(at(codes::exploits::CHEAP_RETURN, term, message).help(help)).filter(|_| !keeps_progress(task, term))
 }
 

@@ -24,7 +24,7 @@ pub(super) fn long_horizon(checker: &Checker<'_>, task: &CheckedTask<'_>, diagno
     let minutes = for_people(duration / 60.0);
     let message = format!("an episode takes {minutes} minutes: {} control steps", for_people(steps));
     let diagnostic = Diagnostic::new(codes::incentive::LONG_HORIZON, file, span, message).expected("at most 10 minutes").help(
-        "what is learnt from one end is then paid thousands of steps earlier; `horizon 10 s` says seconds, `1000 steps` steps",
+        "discounting and credit assignment over thousands of steps is hard; `horizon 10 s` is in seconds, `1000 steps` in steps",
     );
     diagnostics.push(diagnostic);
 }

@@ -82,13 +82,11 @@ fn grown(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>, exponent: No
         );
         let diagnostic = at(codes::incentive::RUNAWAY, term, message);
         return Some(match sign(term) {
-            Some((span, written)) if size => diagnostic.help("an `exp` that pays for little has a negative exponent").suggest(
-                format!("write `-{written}`"),
-                span,
-                format!("-{written}"),
-            ),
+            Some((span, written)) if size => diagnostic
+                .help("an `exp` that rewards small values has a negative exponent")
+                .suggest(format!("write `-{written}`"), span, format!("-{written}")),
             _ => diagnostic.help(
-                "a fall reaches 4 m/s: let both signs cost, `exp(-k * abs(x))`, or bound the term, `clip(x, 0, 1)`, `tanh(x)`",
+                "a fall reaches 4 m/s: charge both signs, `exp(-k * abs(x))`, or bound the term, `clip(x, 0, 1)`, `tanh(x)`",
             ),
         });
     }
@@ -99,12 +97,12 @@ fn grown(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>, exponent: No
         return None;
     }
     let message = format!(
-        "the term `{}` pays for one side of an error: 1 where {name} is {}, {peak} where it is {}",
+        "the term `{}` rewards one side of an error: 1 where {name} is {}, {peak} where it is {}",
         term.name,
         shown(target),
         shown(end)
     );
-    let help = "an error counts by its size, `abs(x)`, or its square; what lies beyond the target can be cut off, `max(0, x)`";
+    let help = "use the absolute value of an error, `abs(x)`, or its square; to ignore one side, use `max(0, x)`";
     Some(at(codes::incentive::SIGNED_ERROR, term, message).help(help))
 }
 
@@ -158,11 +156,8 @@ fn one_sided_cost(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>, dia
     let (name, unit, scale) = measured.described(checker.vocabulary);
     let shown = |value: f64| format!("{} {unit}", for_people(value * scale)).trim_end().to_owned();
     let side = if *factor > 0.0 { "below" } else { "above" };
-    let message = format!(
-        "the cost `{}` pays for one side of an error: it is negative where {name} is {side} {}",
-        term.name,
-        shown(target)
-    );
-    let help = "an error counts by its size, `abs(x)`, or its square; what lies beyond the target can be cut off, `max(0, x)`";
+    let message =
+        format!("the cost `{}` rewards one side of an error: it is negative where {name} is {side} {}", term.name, shown(target));
+    let help = "use the absolute value of an error, `abs(x)`, or its square; to ignore one side, use `max(0, x)`";
     diagnostics.push(at(codes::incentive::SIGNED_ERROR, term, message).help(help));
 }

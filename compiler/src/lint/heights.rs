@@ -22,7 +22,7 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
     // What of a standing body is low is compared with the top of a thing: whether a foot is on it.
     let counts = |sensor: &Sensor| terrain.is_some() || stands(checker, *sensor) > RAISED;
     let terms = task.terms.iter().map(|term| (format!("the term `{}`", term.name), term.node, term.file, term.formula.span));
-    let ends = task.terminations.iter().map(|end| (format!("the end `{}`", end.name), end.node, end.file, end.span));
+    let ends = task.terminations.iter().map(|end| (format!("the termination `{}`", end.name), end.node, end.file, end.span));
     let found: Vec<_> = terms.chain(ends).filter_map(|root| Some((height(checker, &task.graph, root.1)?, root))).collect();
     let (file, span) = task.success_at;
     let success = ("success".to_owned(), task.success, file, span);
@@ -36,9 +36,9 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
         };
         let under = if name == "com" { "pelvis" } else { name };
         let message =
-            format!("{what} takes the height of `{name}` above the world's zero, but the ground is not level: `{}`", ground.name);
+            format!("{what} reads the height of `{name}` above the world's zero, but the ground is not level: `{}`", ground.name);
         let diagnostic = Diagnostic::new(codes::incentive::ABSOLUTE_HEIGHT, file, span, message)
-            .help(format!("`{name}.height - ground_height({under})` is the height above the ground under it"));
+            .help(format!("`{name}.height - ground_height({under})` is the height above the ground"));
         diagnostics.push(diagnostic);
     }
 }

@@ -28,15 +28,13 @@ pub(crate) fn last_step(task: &CheckedTask<'_>, sequence: InSequence<'_>, diagno
     }
     let failing = task.terminations.iter().find(|end| may_hold_together(graph, task.success, end.node));
     let message = match failing {
-        Some(end) => format!("success is judged at the last step alone, also where `{}` ends the episode as a failure", end.name),
-        None if task.terminations.is_empty() => {
-            "success is judged at the last step alone: what held before is forgotten".to_owned()
-        }
+        Some(end) => format!("success depends on the last step only, even if `{}` ends the episode as a failure", end.name),
+        None if task.terminations.is_empty() => "success depends on the last step only: earlier steps do not matter".to_owned(),
         // Whatever fails does not succeed, and at the end of the time it is asked for.
         None => return,
     };
     let (file, span) = task.success_at;
     let diagnostic = Diagnostic::new(codes::incentive::LAST_STEP, file, span, message)
-        .help("`ever(c)` remembers that it held, `survived and c` asks for it at the end of the time");
+        .help("use `ever(c)` for any earlier step, `survived and c` for the horizon");
     diagnostics.push(diagnostic);
 }

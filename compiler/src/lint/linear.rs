@@ -270,7 +270,7 @@ impl Measured {
             Sensor::MuscleActivation(_) => (plain("an activation".to_owned()), "", 1.0),
             Sensor::MuscleExcitation(_) => (plain("an excitation".to_owned()), "", 1.0),
             Sensor::Action(_) => (plain("an action".to_owned()), "", 1.0),
-            _ => (plain("what it reads".to_owned()), "", 1.0),
+            _ => (plain("a signal that it reads".to_owned()), "", 1.0),
         }
     }
 }

@@ -61,7 +61,7 @@ fn unused(checker: &Checker<'_>, diagnostics: &mut Vec<Diagnostic>) {
         let elsewhere = matches!(declared.definition, Definition::State(_) | Definition::Parameter(_));
         if !checker.used.contains(name) && !elsewhere {
             let span = declared.definition.span();
-            let message = format!("nothing reads `{name}`");
+            let message = format!("unused `{name}`");
             diagnostics.push(Diagnostic::new(codes::lints::UNUSED, declared.file, span, message));
         }
     }
@@ -78,7 +78,7 @@ fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Dia
         factor_in_term(term, diagnostics);
     }
     decided_ends(task, &bounds, diagnostics);
-    twice_observed(task, diagnostics);
+    duplicate_channel(task, diagnostics);
     states(checker, task, diagnostics);
     at_reset(checker, task, &bounds, diagnostics);
     let amounts = amount::of_terms(task, &bounds);
@@ -88,7 +88,7 @@ fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Dia
     sight::fleeting(checker, task, diagnostics);
     sight::unseen(checker, task, diagnostics);
     sight::one_side(checker, task, diagnostics);
-    slips::twice_paid(task, diagnostics);
+    slips::duplicate_term(task, diagnostics);
     slips::counts_steps(task, diagnostics);
     signs::weightless(task, &amounts, diagnostics);
     muscles::of(checker, task, &bounds, &amounts, diagnostics);
@@ -136,27 +136,27 @@ fn named_in(hir: &Hir, term: &PaidTerm<'_>, wanted: impl Fn(Resolution) -> bool)
 fn constant_term(term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
     let Some(value) = bounds.single() else { return };
     if !value.is_finite() {
-        let message = format!("the term `{}` is {} whatever the body does", term.name, for_people(value));
+        let message = format!("the term `{}` is {} in every state", term.name, for_people(value));
         let diagnostic = at(codes::tasks::NOT_FINITE, term, message);
         diagnostics.push(diagnostic.help("every episode would end in a fault at its first step"));
         return;
     }
     let code = if value == 0.0 { codes::lints::DEAD_TERM } else { codes::lints::CONSTANT_TERM };
-    let message = format!("the term `{}` is {} whatever the body does", term.name, for_people(value));
-    let diagnostic = at(code, term, message).help("what it reads cannot change it: look for a swapped side or a saturated bound");
+    let message = format!("the term `{}` is {} in every state", term.name, for_people(value));
+    let diagnostic = at(code, term, message).help("its inputs cannot change it: look for a swapped side or a saturated bound");
     diagnostics.push(diagnostic);
 }
 
 /// A negative weight on a term that is never positive pays for what was to be a cost.
 fn doubled_sign(term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
     if term.weight < 0.0 && bounds.high <= 0.0 && bounds.low < 0.0 {
-        let message = format!("the term `{}` is never positive and its weight is negative: the cost becomes pay", term.name);
+        let message = format!("the term `{}` is never positive and its weight is negative: the cost becomes a reward", term.name);
         let diagnostic = at(codes::lints::DOUBLED_SIGN, term, message).help("keep one of the two signs");
         diagnostics.push(diagnostic);
     }
     if term.weight > 0.0 && bounds.high <= 0.0 && bounds.low < 0.0 {
         let message = format!("the term `{}` is never positive; its sign is hidden in the formula", term.name);
-        let help = "write the formula positive and its weight negative, so that the column of weights tells what is a cost";
+        let help = "make the formula positive and the weight negative, so that the sign of the weight shows the cost";
         diagnostics.push(at(codes::lints::HIDDEN_SIGN, term, message).help(help));
     }
 }
@@ -176,9 +176,9 @@ fn factor_in_term(term: &PaidTerm<'_>, diagnostics: &mut Vec<Diagnostic>) {
             _ => return,
         }
     }
-    let message = format!("the term `{}` has a plain factor", term.name);
+    let message = format!("the term `{}` has a constant factor", term.name);
     let diagnostic = Diagnostic::new(codes::lints::FACTOR_IN_TERM, term.file, expr.span, message)
-        .help("it belongs in the weight, where people and tuners look for it");
+        .help("it belongs in the weight, where people and tuners expect it");
     diagnostics.push(diagnostic);
 }
 
@@ -208,10 +208,10 @@ fn decided_ends(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mu
             let diagnostic = match (sides_in_words(task, node, bounds), held_too_long(task, node, bounds)) {
                 (_, Some(long)) => diagnostic.help(long),
                 (Some(sides), _) if only_time(&task.graph, node) => {
-                    diagnostic.found(sides).help("the episode ends at its `horizon` by itself")
+                    diagnostic.found(sides).help("an episode ends at its `horizon` anyway")
                 }
                 (Some(sides), _) => diagnostic.found(sides),
-                (None, _) => diagnostic.help("the ranges of what it reads decide it; compare `msk explain`"),
+                (None, _) => diagnostic.help("the ranges of its inputs decide it; see `msk explain`"),
             };
             diagnostics.push(diagnostic);
         }
@@ -242,7 +242,7 @@ fn held_too_long(task: &CheckedTask<'_>, node: NodeId, bounds: &[Vec<Bounds>]) -
         let time = |steps: f64| for_people(steps * task.timing.interval);
         held.then(|| {
             let episode = time(f64::from(task.timing.before) + f64::from(task.timing.horizon));
-            format!("nothing is held for {} s in an episode of {episode} s", time(steps))
+            format!("a condition cannot hold for {} s in an episode of {episode} s", time(steps))
         })
     })
 }
@@ -274,9 +274,9 @@ fn phase_end(checker: &Checker<'_>, task: &CheckedTask<'_>, sequence: InSequence
     let bounds = interval::analyse_for(&task.graph, node, &ranges);
     if bounds.iter().all(|lane| lane.single() == Some(0.0)) {
         let length = for_people(f64::from(task.timing.horizon) * task.timing.interval);
-        let message = format!("the phase `{phase}` never gives way: this can never hold");
+        let message = format!("the phase `{phase}` never ends: this can never hold");
         let diagnostic = Diagnostic::new(codes::lints::DECIDED, file, expr.span, message)
-            .help(format!("within a phase `t` counts from its beginning, and its task ends it at its horizon, after {length} s"));
+            .help(format!("within a phase `t` starts at 0, and its task ends it at its horizon, after {length} s"));
         diagnostics.push(diagnostic);
     }
 }
@@ -300,10 +300,10 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
     for (what, node, file, span) in conditions(task) {
         let decided = interval::of_scalar(bounds, node).single().is_some();
         if interval::of_scalar(&reset, node).single() == Some(1.0) && !decided {
-            let message = format!("{what} holds before anything has happened, in the pose in which the task begins");
+            let message = format!("{what} holds in the initial state");
             let diagnostic = Diagnostic::new(codes::lints::HOLDS_AT_RESET, file, span, message);
             let diagnostic = match sides_in_words(task, node, &reset) {
-                Some(sides) => diagnostic.found(sides).help("is the comparison turned round, or its number in another unit?"),
+                Some(sides) => diagnostic.found(sides).help("is the comparison inverted, or its number in another unit?"),
                 None => diagnostic,
             };
             diagnostics.push(diagnostic);
@@ -316,11 +316,11 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
         }
         if start.high < DEAD * range.high && !gated(term.formula, &task.graph, term.node) {
             let most = if start.single().is_some() { "" } else { "at most " };
-            let message = format!("the term `{}` pays almost nothing in the pose in which the task begins", term.name);
+            let message = format!("the term `{}` is almost zero in the initial state", term.name);
             let diagnostic = at(codes::lints::DEAD_AT_RESET, term, message)
                 .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
                 .found(format!("{most}{}", for_people(start.high)))
-                .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
+                .help("look for a wrong axis, side or sign; if the term becomes relevant later, write `allow dead_at_reset \"...\"`");
             diagnostics.push(diagnostic);
         }
     }
@@ -336,12 +336,12 @@ pub(crate) fn gated(formula: &Expr, graph: &Graph, node: NodeId) -> bool {
 }
 
 /// Two channels that carry the same numbers.
-fn twice_observed(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+fn duplicate_channel(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let mut first: BTreeMap<NodeId, &str> = BTreeMap::new();
     for channel in &task.channels {
         if let Some(known) = first.insert(channel.node, &channel.name) {
-            let message = format!("the channels `{known}` and `{}` carry the same numbers", channel.name);
-            let diagnostic = Diagnostic::new(codes::lints::TWICE_OBSERVED, channel.file, channel.span, message);
+            let message = format!("the channels `{known}` and `{}` have the same values", channel.name);
+            let diagnostic = Diagnostic::new(codes::lints::DUPLICATE_CHANNEL, channel.file, channel.span, message);
             diagnostics.push(diagnostic);
         }
     }
@@ -369,16 +369,16 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
     for (hidden, kind, name) in states.chain(randoms) {
         let (file, span) = place(name);
         if !read.contains(&hidden) && kind == "state" {
-            let message = format!("nothing reads `{name}`");
+            let message = format!("unused `{name}`");
             diagnostics.push(Diagnostic::new(codes::lints::UNUSED, file, span, message));
         } else if (paid.contains(&hidden) || ended.contains(&hidden)) && !seen.contains(&hidden) {
             let (what, answered) =
-                if paid.contains(&hidden) { ("the reward", "paid") } else { ("the end of the episode", "ended") };
-            let message = format!("{what} depends on the {kind} `{name}`, which the policy cannot observe");
+                if paid.contains(&hidden) { ("the reward", "rewards") } else { ("the termination", "terminations") };
+            let message = format!("{what} depends on the {kind} `{name}`, which is not observed");
             let diagnostic = Diagnostic::new(codes::lints::UNOBSERVED, file, span, message)
-                .help(format!("add it to `observe`, or the same observation will be {answered} differently"));
+                .help(format!("add it to `observe`: otherwise the same observation can have different {answered}"));
             let diagnostic = match name.strip_suffix(".start") {
-                Some(reference) => diagnostic.help(format!("`{reference}.phase` tells it")),
+                Some(reference) => diagnostic.help(format!("`{reference}.phase` determines it")),
                 None => diagnostic,
             };
             diagnostics.push(diagnostic);

@@ -36,7 +36,7 @@ pub(super) fn of(
         // What few muscles do may be what is asked for.
         let most = read.iter().map(efforts).max().unwrap_or(0);
         if most > 0 && 2 * most >= all {
-            pays_effort(task, (term, &amounts[index]), bounds, diagnostics);
+            rewards_effort(task, (term, &amounts[index]), bounds, diagnostics);
         }
         rest_of_actions(task, term, &read, diagnostics);
         heavy_sum(task, term, &read, (index, amounts), diagnostics);
@@ -48,7 +48,7 @@ fn is_effort(sensor: Sensor) -> bool {
 }
 
 /// A term that pays more the more the muscles work.
-fn pays_effort(
+fn rewards_effort(
     task: &CheckedTask<'_>,
     (term, amount): (&PaidTerm<'_>, &Amount),
     bounds: &[Vec<Bounds>],
@@ -60,14 +60,14 @@ fn pays_effort(
     if term.weight == 0.0 || doubled || trend::of(&task.graph, bounds, term.node, is_effort) != rising {
         return;
     }
-    let message = format!("the term `{}` pays for effort: the harder all muscles work, the more it pays", term.name);
-    let diagnostic = at(codes::incentive::PAYS_EFFORT, term, message);
+    let message = format!("the term `{}` rewards effort: it increases with the activity of all muscles", term.name);
+    let diagnostic = at(codes::incentive::REWARDS_EFFORT, term, message);
     let diagnostic = if term.weight > 0.0 {
         let diagnostic =
             diagnostic.found(format!("a weight of {}", for_people(term.weight))).help("effort is a cost: its weight is negative");
         suggest_weight(diagnostic, term, -term.weight)
     } else {
-        diagnostic.help("the formula falls with effort and its weight is negative: keep one of the two signs")
+        diagnostic.help("the formula decreases with effort and its weight is negative: keep one of the two signs")
     };
     diagnostics.push(diagnostic);
 }
@@ -90,7 +90,7 @@ fn rest_of_actions(task: &CheckedTask<'_>, term: &PaidTerm<'_>, read: &[NodeId],
     }
     let message = format!("the term `{}` takes the size of actions, which are -1 at rest and 0 at half excitation", term.name);
     let diagnostic = at(codes::incentive::ACTION_AT_REST, term, message)
-        .help("`excitation` is 0 at rest: `mean(muscles.excitation^2)`; it costs nothing to do nothing then");
+        .help("`excitation` is 0 at rest: `mean(muscles.excitation^2)`; doing nothing then costs nothing");
     let actions =
         named_in(&task.hir, term, |resolution| matches!(resolution, Resolution::Signal(signal) if signal.read == Read::Action));
     let diagnostic = match actions.as_slice() {
@@ -128,11 +128,11 @@ fn heavy_sum(
     let rest: f64 = amounts.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other.size()).sum();
     let size = amounts[index].size();
     if rest > 0.0 && size.is_finite() && size > rest && size <= rest * f64::from(count) {
-        let message = format!("the term `{}` sums {count} numbers against all other terms", term.name);
+        let message = format!("the term `{}` is a sum of {count} numbers that outweighs all other terms", term.name);
         let diagnostic = at(codes::incentive::HEAVY_SUM, term, message)
-            .expected(format!("at most {} a step, as all others together", for_people(rest)))
+            .expected(format!("at most {} per step, as all others together", for_people(rest)))
             .found(for_people(size))
-            .help("a mean keeps its size whatever the body's number of muscles: `mean(...)`");
+            .help("a mean does not grow with the number of muscles: `mean(...)`");
         // A sum of a library may be right elsewhere.
         let own = *file == term.file;
         diagnostics.push(if own { diagnostic.suggest("write `mean`", *span, "mean") } else { diagnostic });

@@ -37,7 +37,8 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
         span: term.formula.span,
     });
     let ended = task.terminations.iter().chain(&task.finishes);
-    let ended = ended.map(|end| Root { what: format!("the end `{}`", end.name), node: end.node, file: end.file, span: end.span });
+    let ended =
+        ended.map(|end| Root { what: format!("the termination `{}`", end.name), node: end.node, file: end.file, span: end.span });
     let roots: Vec<Root> = paid.chain(ended).collect();
     let channels: Vec<NodeId> = task.channels.iter().map(|channel| channel.node).collect();
     places(checker, task, &roots, terms, &channels, diagnostics);
@@ -67,15 +68,15 @@ fn places(
         let Some(turning) = turning.filter(|_| depends[0][index] && !placed) else { continue };
         let (why, help) = match turning {
             Turning::Start => (
-                "every episode starts with another heading".to_owned(),
-                "read what is meant along the body's own heading: `(com.velocity in heading(pelvis)).forward`".to_owned(),
+                "the initial heading is random".to_owned(),
+                "use a component along the body's own heading: `(com.velocity in heading(pelvis)).forward`".to_owned(),
             ),
             Turning::Object(object) if !reads(checker, task, root.node, object) => {
                 let name = &task.scene.objects[object].name;
                 let help = format!(
-                    "read what is meant along the way to it: `dot(com.velocity, normalize({name}.position - pelvis.position))`"
+                    "use a component along the direction to it: `dot(com.velocity, normalize({name}.position - pelvis.position))`"
                 );
-                (format!("every episode turns `{name}` another way"), help)
+                (format!("the initial orientation of `{name}` is random"), help)
             }
             Turning::Object(_) => continue,
         };
@@ -94,22 +95,22 @@ fn places(
     let hidden = [
         (
             heading,
-            "which way the body faces",
-            "observe it, `sin(pelvis.yaw)` and `cos(pelvis.yaw)`, or read what is meant in `heading(pelvis)`",
+            "the heading of the body",
+            "observe it, `sin(pelvis.yaw)` and `cos(pelvis.yaw)`, or use vectors in `heading(pelvis)`",
         ),
         (
             x.or(y),
             match (x, y) {
-                (Some(_), Some(_)) => "where in the world the body is",
-                (Some(_), None) => "where the body is along the world's x",
-                _ => "where the body is along the world's y",
+                (Some(_), Some(_)) => "the place of the body in the world",
+                (Some(_), None) => "the body's position along the world's x",
+                _ => "the body's position along the world's y",
             },
-            "observe its place, `pelvis.position`, or the way to what matters: `(target - pelvis.position) in heading(pelvis)`",
+            "observe the place, `pelvis.position`, or a relative position: `(target - pelvis.position) in heading(pelvis)`",
         ),
     ];
     for (root, what, help) in hidden {
         if let Some(root) = root.and_then(|index| roots.get(index)) {
-            let message = format!("{} depends on {what}, and no channel tells it", root.what);
+            let message = format!("{} depends on {what}, which no channel contains", root.what);
             diagnostics.push(root.warning(codes::incentive::UNDETERMINED, message).help(help));
         }
     }
@@ -166,8 +167,9 @@ fn time(task: &CheckedTask<'_>, terms: &[Root], seen: &[NodeId], diagnostics: &m
     }
     let ends: BTreeSet<NodeId> = task.terminations.iter().chain(&task.finishes).map(|end| end.node).collect();
     if let Some(root) = terms.iter().find(|root| behind(task, root.node, &ends).iter().any(of_time)) {
-        let message = format!("{} depends on the time, and no channel tells it", root.what);
-        let help = "observe `t`, or of a clock `sin(phase)` and `cos(phase)`: else the same observation is paid differently";
+        let message = format!("{} depends on the time, which no channel contains", root.what);
+        let help =
+            "observe `t`, or of a clock `sin(phase)` and `cos(phase)`: otherwise the same observation can have different rewards";
         diagnostics.push(root.warning(codes::incentive::UNDETERMINED, message).help(help));
     }
 }
@@ -212,7 +214,7 @@ fn latches(task: &CheckedTask<'_>, terms: &[Root], seen: &[NodeId], diagnostics:
     for root in terms {
         let hidden = behind(task, root.node, &ends).into_iter().any(|id| latch(&id) && seen.binary_search(&id).is_err());
         if hidden {
-            let message = format!("{} depends on what has happened before, and no channel tells it", root.what);
+            let message = format!("{} depends on the history of the episode, which no channel contains", root.what);
             let help = "name it and observe it: `let opened = ever(...)`, and `opened` in `observe`";
             diagnostics.push(root.warning(codes::incentive::UNDETERMINED, message).help(help));
             return;
@@ -248,11 +250,11 @@ fn velocities(checker: &Checker<'_>, task: &CheckedTask<'_>, roots: &[Root], see
     let mut warned = BTreeSet::new();
     for root in roots {
         for moving in carriers(&task.graph.reachable([root.node]), &is_motion) {
-            // Of a thing that is not seen at all `unseen` warns.
+            // Of a thing that is not seen at all `unobserved_object` warns.
             let unseen = !placed.contains(&moving);
             if !known.contains(&moving) && !unseen && warned.insert(moving) {
                 let name = &task.scene.objects[moving].name;
-                let message = format!("{} depends on how `{name}` moves, and no channel tells it", root.what);
+                let message = format!("{} depends on the motion of `{name}`, which no channel contains", root.what);
                 let help = format!("observe it: `{name}.velocity in heading(pelvis)`, or `qd` of its joint");
                 diagnostics.push(root.warning(codes::incentive::UNDETERMINED, message).help(help));
             }

@@ -32,7 +32,7 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
             continue;
         }
         let (side, other) = if limit > 0.0 { ("left", "right") } else { ("right", "left") };
-        let message = format!("`{}` ends the episode to the {side} of a line, and nothing to the {other}", end.name);
+        let message = format!("`{}` ends the episode on the {side} of a line, but no termination covers the {other}", end.name);
         let diagnostic = Diagnostic::new(codes::exploits::OPEN_SIDE, end.file, end.span, message)
             .help(format!("both sides: `abs({name}.position.y) > ...`"));
         diagnostics.push(diagnostic);

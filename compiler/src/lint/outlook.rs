@@ -45,7 +45,7 @@ pub(super) fn of(
     let ends_of = |node: NodeId| task.graph.reachable([node]).into_iter().filter(|id| ends.contains(id)).collect();
     let read = task.terms.iter().map(|term| ends_of(term.node)).collect();
     let outlook = Outlook { task, bounds, ranges, amounts, read };
-    if !outlook.pays_failure(diagnostics) {
+    if !outlook.rewards_failure(diagnostics) {
         outlook.failing_is_cheap(diagnostics);
     }
     outlook.forfeits(diagnostics);
@@ -81,7 +81,7 @@ impl Outlook<'_, '_> {
     }
 
     /// Terms that pay more in the step that fails than in any other; whether there are some.
-    fn pays_failure(&self, diagnostics: &mut Vec<Diagnostic>) -> bool {
+    fn rewards_failure(&self, diagnostics: &mut Vec<Diagnostic>) -> bool {
         let mut found = false;
         for (index, term) in self.task.terms.iter().enumerate() {
             let going = self.pay(index, &self.going_on());
@@ -89,18 +89,18 @@ impl Outlook<'_, '_> {
             let failing = read.map(|end| (end, self.pay(index, &[(end.node, true)]))).find(|(_, pay)| pay.low > going.high);
             let Some((end, pay)) = failing else { continue };
             let message = format!(
-                "the term `{}` pays for failing: {} in the step that `{}` ends, at most {} in any other",
+                "the term `{}` rewards failing: {} in the step that `{}` ends, at most {} in any other",
                 term.name,
                 for_people(pay.low),
                 end.name,
                 for_people(going.high)
             );
-            let diagnostic = at(codes::incentive::PAYS_FAILURE, term, message).label(end.file, end.span, "a failure");
+            let diagnostic = at(codes::incentive::REWARDS_FAILURE, term, message).label(end.file, end.span, "a failure");
             diagnostics.push(if term.condition {
-                let help = "a failure is charged by a negative weight, `not terminated` is paid by a positive one";
+                let help = "charge a failure with a negative weight, reward `not terminated` with a positive one";
                 suggest_weight(diagnostic.help(help), term, -term.weight)
             } else {
-                diagnostic.help("a failure is charged: `-100 failed = terminated`")
+                diagnostic.help("charge a failure: `-100 failed = terminated`")
             });
             found = true;
         }
@@ -110,7 +110,7 @@ impl Outlook<'_, '_> {
     /// Steps that never earn and can cost more than failing does.
     fn failing_is_cheap(&self, diagnostics: &mut Vec<Diagnostic>) {
         if !self.read.iter().any(|read| self.task.terminations.iter().any(|end| read.contains(&end.node))) {
-            // Then ending is free, of which `ending_pays` warns where steps can cost.
+            // Then ending is free, of which `free_failure` warns where steps can cost.
             return;
         }
         let going = self.going_on();
@@ -127,7 +127,7 @@ impl Outlook<'_, '_> {
         let cheap = self.task.terminations.iter().take(ENDS).map(|end| (end, charged(end.node))).find(|(_, cost)| *cost < whole);
         let Some((end, cost)) = cheap else { return };
         let message = format!("failing by `{}` costs {}, going on never earns and can cost more", end.name, for_people(cost));
-        let diagnostic = Diagnostic::new(codes::intent::ENDING_PAYS, end.file, end.span, message);
+        let diagnostic = Diagnostic::new(codes::intent::FREE_FAILURE, end.file, end.span, message);
         let diagnostic = if whole.is_finite() {
             let steps = self.task.timing.horizon;
             let expected = format!("a failure that costs at least {}, as {steps} steps can", for_people(whole));
@@ -137,7 +137,7 @@ impl Outlook<'_, '_> {
             diagnostic.found(format!("{}, and steps that cost without bound", for_people(cost)))
         };
         let diagnostic = diagnostic
-            .help("a policy may learn to fail at once: pay for going on, `5 alive = not terminated`, or charge failing more");
+            .help("a policy may learn to fail at once: reward staying alive, `5 alive = not terminated`, or charge failing more");
         diagnostics.push(diagnostic);
     }
 
@@ -153,11 +153,11 @@ impl Outlook<'_, '_> {
             if !step.is_finite() || step <= 0.0 || last >= REST * step * horizon {
                 continue;
             }
-            let message = format!("finishing by `{}` succeeds, and forfeits what all further steps would pay", end.name);
+            let message = format!("finishing by `{}` succeeds, and forfeits the reward of all further steps", end.name);
             let diagnostic = Diagnostic::new(codes::incentive::FORFEITS, end.file, end.span, message)
-                .expected(format!("a last step that pays some {}, as {horizon} steps can", for_people(step * horizon)))
+                .expected(format!("a last step that earns about {}, as {horizon} steps can", for_people(step * horizon)))
                 .found(format!("at most {}", for_people(last)))
-                .help("whoever waits just before it earns more than who finishes: let steps cost until then, pay for progress, `rate(...)`, or pay the end more");
+                .help("waiting just before it earns more than finishing: use costs until then, reward progress, `rate(...)`, or reward the finish more");
             diagnostics.push(diagnostic);
         }
     }

@@ -28,11 +28,12 @@ pub(super) fn of(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics: &mut V
         // An event is paid in one step, the others in all.
         let steps = if is_event(&task.graph, term.node) { f64::from(task.timing.horizon) } else { 1.0 };
         if rest > 0.0 && size(&ranges[index]) > MOST * rest * steps && size(&ranges[index]).is_finite() {
-            let message = format!("the term `{}` can pay more than {MOST} times as much as all others together", term.name);
+            let message =
+                format!("the term `{}` can contribute more than {MOST} times as much as all others together", term.name);
             let diagnostic = at(codes::intent::OUTWEIGHS, term, message)
                 .expected(format!("at most {MOST} times {}", for_people(rest)))
                 .found(for_people(size(&ranges[index])))
-                .help("what the others pay for is lost beside it; a weight that stands in the formula as well is counted twice");
+                .help("the other terms have almost no effect; a weight that is also part of the formula is applied twice");
             diagnostics.push(diagnostic);
         }
         let gains: f64 = others().map(|range| maximum(range.high, 0.0)).sum();
@@ -42,21 +43,21 @@ pub(super) fn of(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics: &mut V
             && !is_event(&task.graph, term.node)
             && !reads_ends(task, term)
         {
-            let message = format!("the term `{}` pays its whole weight at every step at which it holds", term.name);
-            let diagnostic = at(codes::intent::PAID_EVERY_STEP, term, message);
+            let message = format!("the term `{}` contributes its whole weight at every step at which it holds", term.name);
+            let diagnostic = at(codes::intent::REWARDED_EVERY_STEP, term, message);
             let diagnostic = match lasting {
-                true => diagnostic.help("what has ever held goes on holding: the reward is paid at every step from then on"),
+                true => diagnostic.help("`ever` stays true: the reward is given at every later step"),
                 false => diagnostic
-                    .expected(format!("at most {} a step, as all others together", for_people(gains)))
+                    .expected(format!("at most {} per step, as all others together", for_people(gains)))
                     .found(for_people(ranges[index].high)),
             };
-            let diagnostic = diagnostic.help("pay an event once, `once(...)`, or each time that it begins, `rising(...)`");
+            let diagnostic = diagnostic.help("reward an event once, `once(...)`, or each time that it starts, `rising(...)`");
             diagnostics.push(diagnostic);
         }
         if ranges[index].high == f64::INFINITY && jumps(&task.graph, term.node) {
-            let message = format!("the term `{}` pays without bound for what jumps at every contact", term.name);
+            let message = format!("the term `{}` is unbounded in a signal that has peaks at contacts", term.name);
             let diagnostic = at(codes::intent::SPIKE, term, message)
-                .help("bound it: `clip(x, 0, 1)`, `tanh(x)`, or pay for a speed or a height instead");
+                .help("bound it: `clip(x, 0, 1)`, `tanh(x)`, or use a speed or a height instead");
             diagnostics.push(diagnostic);
         }
     }
@@ -78,9 +79,9 @@ fn ending(task: &CheckedTask<'_>, ranges: &[Bounds], diagnostics: &mut Vec<Diagn
     if costs <= SMALL * gains || task.terms.iter().any(|term| reads_ends(task, term)) {
         return;
     }
-    let message = format!("ending as a failure, as with `{}`, costs nothing, though steps can cost", first.name);
-    let diagnostic = Diagnostic::new(codes::intent::ENDING_PAYS, first.file, first.span, message)
-        .help("a policy may learn to end early: pay for going on (`5 alive = not terminated`) or charge the end (`-100 failed = terminated`)");
+    let message = format!("failing, for example by `{}`, costs nothing, although steps can cost", first.name);
+    let diagnostic = Diagnostic::new(codes::intent::FREE_FAILURE, first.file, first.span, message)
+        .help("a policy may learn to fail early: reward staying alive (`5 alive = not terminated`) or charge failing (`-100 failed = terminated`)");
     diagnostics.push(diagnostic);
 }
 

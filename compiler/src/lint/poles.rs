@@ -96,19 +96,20 @@ fn met(checker: &Checker<'_>, graph: &Graph, bounds: &[Vec<Bounds>], node: NodeI
 fn described(checker: &Checker<'_>, term: &PaidTerm<'_>, pole: &Pole, measured: Measured) -> Diagnostic {
     let (name, ..) = measured.described(checker.vocabulary);
     let (what, help) = match pole {
-        Pole::Divisor => {
-            ("divides by what can be 0", "keep the divisor away from 0, as in `x / max(y, 0.1 m/s)` or `x / (abs(y) + 0.1 m/s)`")
-        }
+        Pole::Divisor => (
+            "has a divisor that can be 0",
+            "keep the divisor away from 0, as in `x / max(y, 0.1 m/s)` or `x / (abs(y) + 0.1 m/s)`",
+        ),
         Pole::Logarithm => {
-            ("takes the logarithm of what can be 0 or less", "keep the argument away from 0, as in `log(0.01 + x)`")
+            ("has a logarithm whose argument can be 0 or less", "keep the argument away from 0, as in `log(0.01 + x)`")
         }
         Pole::Root => {
-            ("takes a root of what can be negative", "a root takes what is never negative: `sqrt(max(0, x))`, `sqrt(abs(x))`")
+            ("has a root whose argument can be negative", "keep the argument non-negative: `sqrt(max(0, x))`, `sqrt(abs(x))`")
         }
-        Pole::Power => ("takes a negative power of what can be 0", "keep the base away from 0, as in `max(x, 0.1)^-1`"),
+        Pole::Power => ("has a negative power whose base can be 0", "keep the base away from 0, as in `max(x, 0.1)^-1`"),
     };
     let message = format!("the term `{}` {what}: it reads {name}", term.name);
     at(codes::incentive::POLE, term, message)
         .help(help)
-        .help("a pay that is no finite number ends the episode in a fault; one that is nearly infinite is all that is learnt")
+        .help("a value that is not finite ends the episode in a fault; one that is nearly infinite dominates all others")
 }

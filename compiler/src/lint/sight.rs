@@ -32,7 +32,7 @@ pub(super) fn constant_channels(
         if bounds[channel.node.index()].iter().all(|lane| lane.single().is_some()) && !words.into_iter().any(parameter) {
             let message = format!("the channel `{}` never changes", channel.name);
             let diagnostic = Diagnostic::new(codes::intent::CONSTANT_CHANNEL, channel.file, channel.span, message)
-                .help("it tells the policy nothing: look for a quantity that stands still, or leave it out");
+                .help("it contains no information: is a fixed quantity observed by mistake?");
             diagnostics.push(diagnostic);
         }
     }
@@ -47,9 +47,9 @@ pub(super) fn timed_failures(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], dia
             !operation.is_held() && !matches!(operation, Operation::Sensors(_) | Operation::PhaseSuccess(_))
         };
         if !decided && task.graph.reachable([end.node]).iter().all(by_time) {
-            let message = format!("time alone ends the episode as the failure `{}`", end.name);
+            let message = format!("the failure `{}` depends on time alone", end.name);
             let diagnostic = Diagnostic::new(codes::intent::TIMED_FAILURE, end.file, end.span, message)
-                .help("reaching the end of the time is no failure: say `horizon`, or put the reason into `finish`");
+                .help("reaching the time limit is not a failure: use `horizon`, or move the reason to `finish`");
             diagnostics.push(diagnostic);
         }
     }
@@ -66,9 +66,9 @@ pub(super) fn fleeting(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
     });
     if settled.is_some() {
         let (file, span) = task.success_at;
-        let message = "one step of a speed or of a contact settles the success for the whole episode";
-        let diagnostic = Diagnostic::new(codes::intent::FLEETING, file, span, message)
-            .help("say for how long it must last: `ever(held(c, 0.5 s))`");
+        let message = "a single step of a speed or of a contact decides the success of the whole episode";
+        let diagnostic = Diagnostic::new(codes::intent::TRANSIENT_SUCCESS, file, span, message)
+            .help("require a duration: `ever(held(c, 0.5 s))`");
         diagnostics.push(diagnostic);
     }
 }
@@ -146,17 +146,17 @@ pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics:
         .map(|j| j.name.as_str())
         .collect();
     let mut told = BTreeSet::new();
-    let terms = task.terms.iter().map(|term| ("the pay".to_owned(), term.node, term.file, term.formula.span));
+    let terms = task.terms.iter().map(|term| ("the reward".to_owned(), term.node, term.file, term.formula.span));
     let ends = task.terminations.iter().chain(&task.finishes);
-    let ends = ends.map(|end| (format!("the end `{}`", end.name), end.node, end.file, end.span));
+    let ends = ends.map(|end| (format!("the termination `{}`", end.name), end.node, end.file, end.span));
     for (what, node, file, span) in terms.chain(ends) {
         let read = sensors(&task.graph, std::iter::once(node), |sensor| landmark_of(sensor).is_some());
         for index in read.into_iter().filter_map(landmark_of) {
             let Some(mover) = things.mover(index) else { continue };
             if !seen.contains(&mover) && !things.follows_from(mover, &seen, &measured) && told.insert(index) {
                 let name = &checker.vocabulary.landmarks[index].name;
-                let message = format!("{what} depends on where `{name}` is, which the policy cannot observe");
-                let diagnostic = Diagnostic::new(codes::intent::UNSEEN, file, span, message)
+                let message = format!("{what} depends on the place of `{name}`, which is not observed");
+                let diagnostic = Diagnostic::new(codes::intent::UNOBSERVED_OBJECT, file, span, message)
                     .help(format!("add it to `observe`: `{name}.position - pelvis.position`"));
                 diagnostics.push(diagnostic);
             }
@@ -264,7 +264,7 @@ pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
     };
     let paid: Vec<NodeId> = task.terms.iter().map(|term| term.node).collect();
     let ends: Vec<NodeId> = task.terminations.iter().chain(&task.finishes).map(|end| end.node).collect();
-    for (roots, what) in [(paid, "the pay"), (ends, "what ends the episode")] {
+    for (roots, what) in [(paid, "the reward"), (ends, "a termination")] {
         let read = names(&roots);
         let other = |name: &str| match (name.strip_suffix("_l"), name.strip_suffix("_r")) {
             (Some(stem), _) => Some(format!("{stem}_r")),
@@ -280,7 +280,7 @@ pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
         let Some((_, file, span)) = place.next() else { continue };
         let message = format!("the task is `symmetric`, but {what} reads `{name}` and never `{missing}`");
         let diagnostic = Diagnostic::new(codes::intent::ONE_SIDE, file, span, message)
-            .help(format!("read both, `{}`, or leave out `symmetric`", pair(name)));
+            .help(format!("read both, `{}`, or remove `symmetric`", pair(name)));
         diagnostics.push(diagnostic);
     }
 }
@@ -298,7 +298,7 @@ fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec
             let (name, unlike) = (&joint.name, &joints[other].name);
             let unit = SpokenUnit::of(if joint.kind == JointKind::Hinge { Dimension::ANGLE } else { Dimension::LENGTH });
             let message = format!(
-                "the task is `symmetric`, but begins with `{name}` at {} and `{unlike}` at {}",
+                "the task is `symmetric`, but starts with `{name}` at {} and `{unlike}` at {}",
                 unit.tell(left),
                 unit.tell(right)
             );
@@ -309,7 +309,7 @@ fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec
             });
             let (file, span) = span.unwrap_or(place);
             let diagnostic = Diagnostic::new(codes::intent::ONE_SIDE, file, span, message)
-                .help(format!("pose both alike, `{} = ...`, or leave out `symmetric`", pair(name)));
+                .help(format!("set both to the same value, `{} = ...`, or remove `symmetric`", pair(name)));
             diagnostics.push(diagnostic);
             return;
         }

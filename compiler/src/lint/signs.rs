@@ -10,10 +10,9 @@ pub(super) fn weightless(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics
         let tuned = term.range.is_some_and(|[low, high]| low < high);
         // `dead_term` and `constant_term` warn of a formula that never changes.
         if term.weight == 0.0 && !tuned && amount.value.single().is_none() {
-            let message = format!("the term `{}` has the weight 0: it pays nothing and is computed all the same", term.name);
-            let diagnostic = Diagnostic::new(codes::incentive::WEIGHTLESS, term.weight_at.0, term.weight_at.1, message).help(
-                "a tuner may raise it within a range, `0 (0..10)`; what is only to be watched belongs in `metrics { ... }`",
-            );
+            let message = format!("the term `{}` has weight 0: it contributes nothing but is still computed", term.name);
+            let diagnostic = Diagnostic::new(codes::incentive::ZERO_WEIGHT, term.weight_at.0, term.weight_at.1, message)
+                .help("a range lets a tuner raise it, `0 (0..10)`; values that are only logged belong in `metrics { ... }`");
             diagnostics.push(diagnostic);
         }
     }

@@ -12,13 +12,13 @@ use std::collections::BTreeMap;
 const FEW: f64 = 20.0;
 
 /// Two terms that compute the same number.
-pub(super) fn twice_paid(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
+pub(super) fn duplicate_term(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let mut first: BTreeMap<NodeId, &str> = BTreeMap::new();
     for term in task.terms.iter().filter(|term| task.graph.constant_lanes(term.node).is_none()) {
         if let Some(known) = first.insert(term.node, &term.name) {
-            let message = format!("the terms `{known}` and `{}` compute the same number", term.name);
-            let help = "their weights add up: one of them was probably to be about something else";
-            let diagnostic = at(codes::slips::TWICE_PAID, term, message).help(help);
+            let message = format!("the terms `{known}` and `{}` have the same formula", term.name);
+            let help = "their weights add up: probably one of them was meant to be different";
+            let diagnostic = at(codes::slips::DUPLICATE_TERM, term, message).help(help);
             diagnostics.push(diagnostic);
         }
     }
@@ -40,9 +40,9 @@ pub(super) fn counts_steps(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnos
             continue;
         }
         let time = for_people(number * task.timing.interval);
-        let message = format!("`{}` counts control steps: it comes to {} after {time} s", state.name, for_people(number));
+        let message = format!("`{}` counts control steps: it reaches {} after {time} s", state.name, for_people(number));
         let diagnostic = Diagnostic::new(codes::slips::COUNTS_STEPS, compared.file, compared.span, message).help(
-            "it grows at every step at which its condition holds; `rising(...)` of that holds once each time that it begins",
+            "it grows at every step at which its condition holds; `rising(...)` holds once each time the condition becomes true",
         );
         diagnostics.push(diagnostic);
     }

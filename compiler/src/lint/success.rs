@@ -41,24 +41,23 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
         }
         let diagnostic = match success.iter().find_map(|alternative| survived(task, alternative)) {
             Some(end) => {
-                let message =
-                    format!("success can never hold: it asks for what `{}` ends as a failure, and not to fail", end.name);
+                let message = format!("success can never hold: it requires the failure `{}` and no failure", end.name);
                 Diagnostic::new(codes::incentive::CONTRADICTS, file, span, message).label(end.file, end.span, "ends the episode")
             }
             None => {
-                let message = "success can never hold: it asks for conditions that exclude each other";
+                let message = "success can never hold: its conditions exclude each other";
                 Diagnostic::new(codes::incentive::CONTRADICTS, file, span, message)
             }
         };
-        diagnostics.push(diagnostic.help("join alternatives with `or`, or turn round one of the comparisons"));
+        diagnostics.push(diagnostic.help("combine alternatives with `or`, or invert one of the comparisons"));
         return;
     }
     let ended = possible.iter().find_map(|alternative| implied(graph, alternative, &task.terminations));
     if let Some(end) = ended {
-        let message = format!("success is reached by failing: it holds when `{}` terminates the episode", end.name);
+        let message = format!("success requires failing: it holds when `{}` terminates the episode", end.name);
         let diagnostic = Diagnostic::new(codes::incentive::FAILURE_SUCCEEDS, file, span, message)
             .label(end.file, end.span, "a failure")
-            .help("name what ends the episode without failing in `finish { ... }`, or ask for the opposite: `not ...`");
+            .help("move reasons that are not failures to `finish { ... }`, or negate the condition: `not ...`");
         diagnostics.push(diagnostic);
         return;
     }
@@ -66,10 +65,10 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
     let waits = |alternative: &&&Alternative| alternative.iter().any(|literal| reaches(graph, *literal, task.timing.horizon));
     let finished = possible.iter().filter(waits).find_map(|alternative| implied(graph, alternative, &task.finishes));
     if let Some(end) = finished {
-        let message = format!("success asks for the horizon and for `{}`, which ends the episode before", end.name);
+        let message = format!("success requires the horizon and `{}`, which ends the episode earlier", end.name);
         let diagnostic = Diagnostic::new(codes::incentive::CONTRADICTS, file, span, message)
             .label(end.file, end.span, "ends the episode as soon as it holds")
-            .help(format!("ask for one of the two: `success ended by {}`", end.name));
+            .help(format!("require one of the two: `success ended by {}`", end.name));
         diagnostics.push(diagnostic);
         return;
     }
@@ -78,11 +77,11 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
         && checker.statements.iter().any(|placed| matches!(placed.statement, TaskStatement::Terminate(_)));
     let comes = |alternative: &Alternative| alternative.iter().all(|literal| comes(graph, *literal, task.timing.horizon));
     if !unread && possible.iter().any(|alternative| comes(alternative)) {
-        let message = "success holds at the end whatever the policy does";
+        let message = "success does not depend on the policy";
         let message =
             if task.terminations.is_empty() { format!("{message}: nothing terminates the episode") } else { message.to_owned() };
         let diagnostic = Diagnostic::new(codes::incentive::CANNOT_FAIL, file, span, message).help(
-            "name failures, `terminate { fallen when pelvis.height < 0.6 m }`, or say what must hold: `success survived and ...`",
+            "declare failures, `terminate { fallen when pelvis.height < 0.6 m }`, or require more: `success survived and ...`",
         );
         diagnostics.push(diagnostic);
     }

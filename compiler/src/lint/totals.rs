@@ -15,9 +15,11 @@ pub(super) fn of(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &m
     for term in &task.terms {
         let summands = summands::of(task, term.node, term.weight);
         let Some(total) = summands.iter().find_map(|summand| total(task, bounds, term, summand)) else { continue };
-        let message =
-            format!("the term `{}` rewards {total} at every step: what was gained once earns again and again", term.name);
-        let help = "reward what is new, `rising(c)`, `rate(running_max(x))`, or the total once, `x when ended`";
+        let message = format!(
+            "the term `{}` rewards {total} at every step: a single gain is rewarded again at every later step",
+            term.name
+        );
+        let help = "reward the increment, `rising(c)`, `rate(running_max(x))`, or the total once, `x when ended`";
         diagnostics.push(at(codes::exploits::RUNNING_TOTAL, term, message).help(help));
     }
 }
@@ -43,7 +45,7 @@ fn total(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], term: &PaidTerm<'_>, su
             let what = if counts { "a count" } else { "an integral" };
             (summand.factor * sign(input()?) > 0.0).then(|| what.to_owned())
         }
-        // `ever` is an event that lasts, of which `paid_every_step` warns.
+        // `ever` is an event that lasts, of which `rewarded_every_step` warns.
         Operation::Memory(extreme @ (Memory::Highest | Memory::Lowest)) if !is_condition(graph, input()?) => {
             let (name, rises) = if extreme == Memory::Highest { ("the highest value", 1.0) } else { ("the lowest value", -1.0) };
             let compared = reads_besides(graph, term.node, summand.node, input()?);

@@ -35,10 +35,10 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
         return;
     }
     for (channel, limb) in placed {
-        let message = format!("the channel `{}` tells where in the world `{limb}` is, which nothing depends on", channel.name);
+        let message = format!("the channel `{}` is the world position of `{limb}`, which nothing depends on", channel.name);
         let diagnostic = Diagnostic::new(codes::incentive::WORLD_PLACE, channel.file, channel.span, message)
-            .help("what is learnt at one place would not hold at another")
-            .help(format!("where it is on the body: `({limb}.position - pelvis.position) in heading(pelvis)`"));
+            .help("what is learnt at one place does not generalise to another")
+            .help(format!("use the position relative to the body: `({limb}.position - pelvis.position) in heading(pelvis)`"));
         diagnostics.push(diagnostic);
     }
 }

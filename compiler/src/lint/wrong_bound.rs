@@ -41,7 +41,7 @@ fn constant_below(checker: &Checker<'_>, task: &CheckedTask<'_>, term: &PaidTerm
         rests.then(|| (bound, format!("{name} is {side} {}", format!("{} {unit}", for_people(met)).trim_end())))
     })?;
     let message = format!(
-        "the bound of the term `{}` is on the wrong side: it is {} wherever {name}, and has no bound beyond",
+        "the bound of the term `{}` is on the wrong side: it is {} wherever {name}, and unbounded beyond",
         term.name,
         for_people(bound)
     );

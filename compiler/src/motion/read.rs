@@ -132,7 +132,7 @@ impl Reader {
         }
         let end = Span::at(text.len());
         let Some(headings) = headings else {
-            let help = "after the lines that begin with `#` come headings, `phase, hip_flexion_r [deg]`, and the rows";
+            let help = "after the lines that begin with `#` come the column names, `phase, hip_flexion_r [deg]`, and the rows";
             return Err(self.failed(codes::composition::MOTION_TABLE, end, "there is no table here", Some(help)));
         };
         let (clock, mut columns) = self.headings(headings)?;
@@ -144,7 +144,7 @@ impl Reader {
         let (mut times, values) = table?;
         if rows.len() < FEWEST[usize::from(!cycle)] {
             let (kind, fewest) = if cycle { ("a cycle", "four") } else { ("a motion", "two") };
-            let message = format!("{kind} has at least {fewest} rows, this one has {}", rows.len());
+            let message = format!("{kind} has at least {fewest} rows, found {}", rows.len());
             return Err(self.failed(codes::composition::MOTION_TABLE, headings.span(), message, None));
         }
         let duration = self.timing(&head, clock, &mut times, &rows, headings.span())?;
@@ -168,21 +168,23 @@ impl Reader {
                 "yes" => head.cycle = Some(true),
                 "no" => head.cycle = Some(false),
                 _ => {
-                    self.error(codes::composition::MOTION_TABLE, value.span(), "a motion is a cycle or is none: `yes` or `no`");
+                    self.error(codes::composition::MOTION_TABLE, value.span(), "a motion is cyclic or not: `yes` or `no`");
                 }
             },
             "duration" if head.duration.is_none() => head.duration = self.duration(value),
             "advances" if head.advances.is_empty() => head.advances = value.cells(),
             known if WORDS.contains(&known) => {
-                let message = format!("`{known}` is said twice");
+                let message = format!("`{known}` is given twice");
                 self.error(codes::composition::MOTION_TABLE, word.span(), message);
             }
             other => {
                 let near = nearest(other, WORDS);
-                let message = format!("the head of a motion says nothing called `{other}`");
+                let message = format!("unknown header `{other}` of a motion");
                 let diagnostic = self.error(codes::composition::MOTION_TABLE, word.span(), message);
                 diagnostic.help.extend(near.first().map(|near| format!("did you mean `{near}`?")));
-                diagnostic.help.push(format!("it says {}; a remark has no colon after its first word", WORDS.join(", ")));
+                diagnostic
+                    .help
+                    .push(format!("known headers are {}; a comment has no colon after its first word", WORDS.join(", ")));
             }
         }
     }
@@ -214,7 +216,7 @@ impl Reader {
             _ => None,
         };
         if clock.is_none() {
-            let message = "the first column says when each row is";
+            let message = "the first column is the time or phase of each row";
             let diagnostic = Diagnostic::new(codes::composition::MOTION_COLUMN, self.file, first.span(), message)
                 .expected("`time [s]`, or `phase` from 0 to 1")
                 .found(first.text);
@@ -224,7 +226,7 @@ impl Reader {
         for cell in others {
             let Some(column) = failures.catch(self.column(*cell)) else { continue };
             if let Some(known) = columns.iter().find(|known| known.target == column.target) {
-                let message = format!("there are two columns `{}`", column.target.name());
+                let message = format!("the column `{}` is declared twice", column.target.name());
                 let diagnostic = Diagnostic::new(codes::composition::MOTION_COLUMN, self.file, cell.span(), message);
                 let diagnostic = diagnostic.label(self.file, known.span, "the first");
                 failures.add(diagnostic.report(&mut self.diagnostics));
@@ -233,7 +235,7 @@ impl Reader {
             columns.push(column);
         }
         if others.is_empty() {
-            let message = "the table moves nothing: it has no column but the first";
+            let message = "the table has no column but the first";
             failures.add(self.failed(codes::composition::MOTION_COLUMN, line.span(), message, None));
         }
         // Without a clock there is a failure.
@@ -268,11 +270,11 @@ impl Reader {
         };
         let Some(unit) = unit.filter(|unit| fits(unit.dimension)) else {
             let (span, found) = written.map_or((cell.span(), "no unit"), |unit| (unit.span(), unit.text));
-            let message = format!("`{}` needs a unit that fits", name.text);
+            let message = format!("`{}` needs a matching unit", name.text);
             let expected = match wanted {
                 Some(Dimension::LENGTH) => format!("a length: `{} [m]`", name.text),
                 Some(_) => format!("an angle: `{} [deg]`", name.text),
-                None => format!("an angle or, along a slide, a length: `{} [deg]`", name.text),
+                None => format!("an angle or, for a slide, a length: `{} [deg]`", name.text),
             };
             let diagnostic = Diagnostic::new(codes::composition::MOTION_COLUMN, self.file, span, message);
             return Err(diagnostic.expected(expected).found(found).report(&mut self.diagnostics));
@@ -285,10 +287,10 @@ impl Reader {
         match columns.iter_mut().find(|column| column.target.name() == wanted.text && can_advance(&column.target)) {
             Some(column) => column.advances = true,
             None => {
-                let message = format!("`{}` is no column that can go on from turn to turn", wanted.text);
+                let message = format!("`{}` is not a column that can advance from cycle to cycle", wanted.text);
                 self.error(codes::composition::MOTION_CYCLE, wanted.span(), message)
                     .help
-                    .push("root.x, root.y and root.height can; joints and turns of the root come back".to_owned());
+                    .push("root.x, root.y and root.height can; joints and angles of the root are periodic".to_owned());
             }
         }
     }
@@ -300,7 +302,7 @@ impl Reader {
         for row in rows {
             let cells = row.cells();
             if cells.len() != width {
-                let message = "a row has a number for every heading";
+                let message = "a row has one number per column";
                 let diagnostic = Diagnostic::new(codes::composition::MOTION_TABLE, self.file, row.span(), message)
                     .expected(format!("{width} numbers"))
                     .found(cells.len().to_string());
@@ -320,7 +322,7 @@ impl Reader {
                 let message = format!("{word} increase from row to row");
                 failures.add(self.failed(codes::composition::MOTION_TABLE, cells[0].span(), message, None));
             } else if times.is_empty() && time != 0.0 {
-                let message = "the first row stands at 0";
+                let message = "the first row is at 0";
                 failures.add(self.failed(codes::composition::MOTION_TABLE, cells[0].span(), message, None));
             }
             times.push(time);
@@ -335,7 +337,7 @@ impl Reader {
             Ok(number) if number.is_finite() => {
                 format!("`{}` is too large: the largest number of a motion is {}", cell.text, for_people(LARGEST))
             }
-            _ => format!("`{}` is no number", cell.text),
+            _ => format!("`{}` is not a number", cell.text),
         };
         Err(self.failed(codes::composition::MOTION_TABLE, cell.span(), message, None))
     }
@@ -347,11 +349,11 @@ impl Reader {
         for (word, _) in missing.iter().filter(|(_, missing)| *missing) {
             let example = match *word {
                 "name" => "# name: walk",
-                "source" => "# source: where the figures come from",
+                "source" => "# source: where the values come from",
                 _ => "# cycle: yes",
             };
             let (message, help) =
-                (format!("the motion does not say its `{word}`"), format!("write `{example}` above the headings"));
+                (format!("the motion does not declare its `{word}`"), format!("write `{example}` above the column names"));
             failures.add(self.failed(codes::composition::MOTION_TABLE, place, message, Some(&help)));
         }
         // What is missing is a failure.
@@ -366,17 +368,17 @@ impl Reader {
         let (factor, duration) = match (clock, head.duration) {
             (Clock::Phase, None) => {
                 let (message, help) =
-                    ("a table over phases must say its `duration`", "write `# duration: 1.1 s` above the headings");
+                    ("a table over phases must declare its `duration`", "write `# duration: 1.1 s` above the column names");
                 return Err(self.failed(codes::composition::MOTION_TABLE, headings, message, Some(help)));
             }
             (Clock::Phase, Some((duration, _))) if last == 1.0 => (duration, duration),
             (Clock::Phase, Some(_)) => {
-                return Err(self.failed(codes::composition::MOTION_TABLE, last_row, "the last row stands at phase 1", None));
+                return Err(self.failed(codes::composition::MOTION_TABLE, last_row, "the last row must be at phase 1", None));
             }
             (Clock::Time(factor), None) => (factor, last * factor),
             (Clock::Time(factor), Some((duration, span))) => {
                 if (last * factor - duration).abs() > TIMING * duration {
-                    let message = "the last row does not stand at the duration";
+                    let message = "the last row must be at the duration";
                     let diagnostic = Diagnostic::new(codes::composition::MOTION_TABLE, self.file, last_row, message)
                         .expected(format!("{} s", for_people(duration)))
                         .found(format!("{} s", for_people(last * factor)))
@@ -404,13 +406,13 @@ impl Reader {
                 let tidy = |value: f64| (value / factor * 1e6).round() / 1e6;
                 let shown = told_apart(&[tidy(*first), tidy(*last)]).map(|value| format!("{value} {}", column.unit));
                 let ([expected, found], file, span) = (shown, self.file, column.span);
-                let message = format!("the cycle does not close: `{name}` ends elsewhere than it begins");
+                let message = format!("the cycle does not close: first and last value of `{name}` differ");
                 let diagnostic = self.error(codes::composition::MOTION_CYCLE, last_row, message);
                 (diagnostic.expected, diagnostic.found) = (Some(expected), Some(found));
                 diagnostic.labels.push(crate::diagnostics::Label { file, span, text: "this column".to_owned() });
-                let mut help = "the last row is the first of the next turn".to_owned();
+                let mut help = "the last row is the first row of the next cycle".to_owned();
                 if can_advance(&column.target) {
-                    help += &format!("; what goes on is said: `# advances: {name}`");
+                    help += &format!("; declare columns that advance: `# advances: {name}`");
                 }
                 diagnostic.help.push(help);
             }

@@ -130,9 +130,9 @@ impl Budget {
             self.0.set(left);
             return Ok(());
         }
-        let message = format!("here the tasks come to inherit more than {MAXIMUM_INHERITED} statements in all");
+        let message = format!("here the inherited statements of all tasks exceed {MAXIMUM_INHERITED}");
         let diagnostic = Diagnostic::new(codes::tasks::TOO_LARGE, file, name.span, message)
-            .help("every task that extends another, and every phase of a sequence, is a copy of what it inherits");
+            .help("every task that extends another, and every phase of a sequence, copies the statements that it inherits");
         Err(diagnostic.report(diagnostics))
     }
 }
@@ -159,12 +159,12 @@ pub(crate) fn whole<'a>(
             let mut names: Vec<&str> = chain.iter().map(|known| known.task.name.text.as_str()).collect();
             names.push(&name.text);
             let diagnostic = Diagnostic::new(codes::names::CYCLE, file, name.span, "a task cannot extend itself")
-                .here("this closes the circle")
+                .here("this closes the cycle")
                 .help(format!("the circle: {}", names.join(" -> ")));
             return Err(diagnostic.report(diagnostics));
         }
         if chain.len() > MAXIMUM_EXTENDED {
-            let message = format!("`{}` extends more than {MAXIMUM_EXTENDED} tasks, over each other", task.task.name.text);
+            let message = format!("`{}` has more than {MAXIMUM_EXTENDED} levels of `extends`", task.task.name.text);
             let start = task.task.extends.as_ref().map_or(task.task.name.span, |name| name.span);
             return Err(Diagnostic::new(codes::tasks::TOO_LARGE, task.file, start, message).report(diagnostics));
         }
@@ -222,9 +222,9 @@ pub(crate) fn in_sequence(phase: WholeTask, first: &WholeTask, sequence: &[Place
 }
 
 pub(crate) fn unknown_task(name: &Ident, file: FileId, known: &[String]) -> Diagnostic {
-    let message = format!("there is no task `{}` in sight", name.text);
+    let message = format!("undefined task `{}`", name.text);
     let mut diagnostic = Diagnostic::new(codes::names::UNKNOWN_NAME, file, name.span, message)
-        .help("it stands in this file or in one that this file uses: `use \"...\"`");
+        .help("a base task is declared in this file or imported: `use \"...\"`");
     for near in nearest(&name.text, known.iter().map(String::as_str)) {
         diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), name.span, near);
     }
@@ -413,10 +413,10 @@ fn narrowed(weight: &Weight, old: &Term, file: FileId, diagnostics: &mut Vec<Dia
         {
             let shown = told_apart(&[low, high, weight.value]);
             let diagnostic =
-                Diagnostic::new(codes::tasks::WEIGHT, file, weight.span, "this weight lies outside the range that the term has")
+                Diagnostic::new(codes::tasks::WEIGHT, file, weight.span, "this weight is outside of the range of the term")
                     .expected(format!("{} .. {}", shown[0], shown[1]))
                     .found(&*shown[2])
-                    .help("another range may be written behind the weight: `40 (5..50) name`");
+                    .help("a new range can be given after the weight: `40 (5..50) name`");
             return Err(diagnostic.report(diagnostics));
         }
         new.bounds = old.bounds.clone();
@@ -460,7 +460,7 @@ fn take_out(section: Section, remove: &Remove, file: FileId, rows: &mut Rows, di
 }
 
 fn lacks(word: &str, name: &str) -> String {
-    format!("the extended task has no {word} `{name}`")
+    format!("the base task has no {word} `{name}`")
 }
 
 /// Reports that a name is overridden or removed which is not there; `names` are those that are.

@@ -96,8 +96,7 @@ impl Stop {
 }
 
 /// What to write for a loop without its brackets.
-const COMPREHENSION: &str = "a list made by a loop stands in square brackets, `[f(i) for i in 0..5]`; what is read of a list of names is \
-    read of each: `mean((knee_angle_{l,r}.q - 40 deg)^2)`";
+const COMPREHENSION: &str = "a list comprehension is in square brackets, `[f(i) for i in 0..5]`; properties of a list of names map over it: `mean((knee_angle_{l,r}.q - 40 deg)^2)`";
 
 /// A statement that fits no rule, with all that is known of it.
 struct Failure<'a> {
@@ -141,7 +140,9 @@ impl Failure<'_> {
             "=" if stop.after_operand() => return Some(wording::single_equals(file, here)),
             "=" if stop.expects_value() => return Some(wording::needless_equals(file, here)),
             "when" if stop.after_operand() => return Some(wording::bare_when(file, here)),
-            "if" if stop.after_operand() => return Some(self.plain().help("a choice is written `if condition then a else b`")),
+            "if" if stop.after_operand() => {
+                return Some(self.plain().help("a conditional is written `if condition then a else b`"));
+            }
             "for" if stop.after_operand() => return Some(self.plain().help(COMPREHENSION)),
             "is" if stop.after_operand() => return Some(wording::is_compares(file, here)),
             "not" => return Some(wording::misplaced_not(file, here)),
@@ -156,7 +157,7 @@ impl Failure<'_> {
         }
         if found.starts_with(|first: char| first.is_ascii_digit()) {
             if self.context == Rule::one_term && stop.before_at == 0 && stop.expects(Rule::equals) {
-                return Some(self.plain().help(format!("the weight stands before the name: `{found} {before} = ...`")));
+                return Some(self.plain().help(format!("the weight comes before the name: `{found} {before} = ...`")));
             }
             let glued = found.bytes().any(|byte| !byte.is_ascii_digit());
             return glued.then(|| wording::glued_number(file, here, found));
@@ -367,7 +368,7 @@ fn in_word(rule: Rule) -> Option<String> {
         Rule::newline | Rule::semicolon | Rule::close_brace | Rule::EOI => "the end of the statement",
         Rule::identifier | Rule::name => "a name",
         Rule::word => "a field",
-        Rule::text => "a text in quotes",
+        Rule::text => "a string in quotes",
         Rule::number | Rule::signed_number | Rule::weight | Rule::digits => "a number",
         Rule::expression | Rule::chain | Rule::postfixed | Rule::if_then_else | Rule::argument | Rule::side => "a value",
         Rule::exponent => "an exponent",
@@ -444,10 +445,10 @@ fn elsewhere(context: Rule, word: &str) -> Option<&'static str> {
         (Rule::one_declaration, "let") => Some("write `const` outside tasks; `let` belongs to a task"),
         (Rule::one_task_statement | Rule::one_sequence_statement, "const") => Some("write `let` inside a task"),
         (Rule::one_task_statement | Rule::one_sequence_statement, "fn" | "use" | "observation") => {
-            Some("it stands at the top of a file, outside tasks")
+            Some("it belongs at the top level of a file, outside of tasks")
         }
         (Rule::one_task_statement, "phase") => Some("phases belong to a `sequence`"),
-        (Rule::one_declaration, _) if statements(Rule::one_task_statement).contains(&word) => Some("it belongs into a task"),
+        (Rule::one_declaration, _) if statements(Rule::one_task_statement).contains(&word) => Some("it belongs inside a task"),
         _ => None,
     }
 }

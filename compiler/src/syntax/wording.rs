@@ -39,8 +39,11 @@ pub(super) fn foreign_comment(file: FileId, span: Span, mark: &str) -> Diagnosti
 pub(super) fn foreign_sign(file: FileId, span: Span, foreign: &str, ours: &str) -> Diagnostic {
     let word = ours.trim();
     match (foreign, word) {
-        (_, "") => Diagnostic::new(codes::FOREIGN_SIGN, file, span, "this is a blank that does not look like one, or not at all")
-            .fix("write an ordinary blank", span, ours),
+        (_, "") => Diagnostic::new(codes::FOREIGN_SIGN, file, span, "this is a typographic or invisible space").fix(
+            "use an ordinary space",
+            span,
+            ours,
+        ),
         _ => Diagnostic::new(codes::FOREIGN_SIGN, file, span, format!("`{foreign}` is written `{word}` here")).fix(
             format!("write `{word}`"),
             span,
@@ -50,7 +53,7 @@ pub(super) fn foreign_sign(file: FileId, span: Span, foreign: &str, ours: &str) 
 }
 
 pub(super) fn foreign_quotes(file: FileId, span: Span, ours: &str) -> Diagnostic {
-    Diagnostic::new(codes::FOREIGN_SIGN, file, span, "texts are quoted with `\"`").fix(format!("write `{ours}`"), span, ours)
+    Diagnostic::new(codes::FOREIGN_SIGN, file, span, "strings are quoted with `\"`").fix(format!("write `{ours}`"), span, ours)
 }
 
 /// `|x|`
@@ -65,8 +68,8 @@ pub(super) fn absolute_bars(file: FileId, span: Span, inside: &str) -> Diagnosti
 
 pub(super) fn meaningless_character(file: FileId, span: Span, character: char) -> Diagnostic {
     if character == '?' {
-        return Diagnostic::new(codes::FOREIGN_SIGN, file, span, "`?` chooses nothing here")
-            .help("a choice is written `if condition then a else b`");
+        return Diagnostic::new(codes::FOREIGN_SIGN, file, span, "`?` is not an operator")
+            .help("a conditional is written `if condition then a else b`");
     }
     let shown = if character.is_control() || character.is_whitespace() {
         format!("the character U+{:04X}", u32::from(character))
@@ -82,7 +85,7 @@ pub(super) fn meaningless_character(file: FileId, span: Span, character: char) -
 
 pub(super) fn unclosed_text(file: FileId, span: Span) -> Diagnostic {
     let end = Span { start: span.end, end: span.end };
-    Diagnostic::new(codes::UNCLOSED_TEXT, file, span, "this text is never closed").suggest("close it here", end, "\"")
+    Diagnostic::new(codes::UNCLOSED_TEXT, file, span, "this string is never closed").suggest("close it here", end, "\"")
 }
 
 pub(super) fn unclosed_bracket(file: FileId, span: Span, closer: char) -> Diagnostic {
@@ -136,12 +139,12 @@ pub(super) fn too_many_operators(file: FileId, span: Span, most: usize) -> Diagn
 }
 
 pub(super) fn file_too_big(file: FileId, size: usize, most: usize) -> Diagnostic {
-    let message = format!("the file has {size} bytes; at most {most} are read");
+    let message = format!("the file has {size} bytes; the limit is {most}");
     Diagnostic::new(codes::FILE_TOO_BIG, file, Span::default(), message)
 }
 
 pub(super) fn unreadable(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(codes::UNREADABLE, file, span, "this text is too deeply nested to be read")
+    Diagnostic::new(codes::UNREADABLE, file, span, "this text is nested too deeply")
 }
 
 pub(super) fn missing_expression(file: FileId) -> Diagnostic {
@@ -149,7 +152,7 @@ pub(super) fn missing_expression(file: FileId) -> Diagnostic {
 }
 
 pub(super) fn stray_docs(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(lints::STRAY_DOCS, file, span, "this documentation belongs to nothing")
+    Diagnostic::new(lints::STRAY_DOCS, file, span, "documentation without a declaration")
         .help("put it directly above a declaration, or write an ordinary comment with `//`")
 }
 
@@ -166,7 +169,7 @@ pub(super) fn trailing_underscore(file: FileId, span: Span, text: &str) -> Diagn
 }
 
 pub(super) fn empty_brace_range(file: FileId, span: Span, text: &str) -> Diagnostic {
-    Diagnostic::new(codes::BRACE_PATTERN, file, span, format!("`{text}` holds no number"))
+    Diagnostic::new(codes::BRACE_PATTERN, file, span, format!("`{text}` contains no number"))
         .help("the lower end comes first and the upper end is excluded: `{0..3}` is 0, 1, 2")
 }
 
@@ -182,8 +185,8 @@ pub(super) fn unclosed_pattern(file: FileId, span: Span) -> Diagnostic {
 
 /// `sole{l,r}`
 pub(super) fn misplaced_pattern(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(codes::BRACE_PATTERN, file, span, "these braces belong to no name")
-        .help("a brace pattern is glued to an underscore: `sole_{l,r}`")
+    Diagnostic::new(codes::BRACE_PATTERN, file, span, "these braces do not belong to a name")
+        .help("braces directly follow an underscore: `sole_{l,r}`")
 }
 
 pub(super) fn more_errors(file: FileId, span: Span, shown: usize) -> Diagnostic {
@@ -195,15 +198,14 @@ pub(super) fn number_too_big(file: FileId, span: Span) -> Diagnostic {
 }
 
 pub(super) fn unit_exponent(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(codes::UNIT_EXPONENT, file, span, "this exponent is beyond what a unit can have")
+    Diagnostic::new(codes::UNIT_EXPONENT, file, span, "this exponent is too large for a unit")
 }
 
 /// `0.25m`, `30%`, `10x`
 pub(super) fn glued_number(file: FileId, span: Span, text: &str) -> Diagnostic {
     let digits = text.find(|character: char| character.is_ascii_alphabetic() || matches!(character, '_' | '%'));
     let (number, word) = text.split_at(digits.unwrap_or(text.len()));
-    let diagnostic =
-        Diagnostic::new(codes::GLUED_NUMBER, file, span, format!("a blank is missing between `{number}` and `{word}`"));
+    let diagnostic = Diagnostic::new(codes::GLUED_NUMBER, file, span, format!("missing space between `{number}` and `{word}`"));
     if begins_with_unit(word) {
         diagnostic.fix(format!("write `{number} {word}`"), span, format!("{number} {word}"))
     } else {
@@ -224,8 +226,8 @@ fn begins_with_unit(word: &str) -> bool {
 pub(super) fn bare_unit(file: FileId, span: Span, unit: &str, meant: Option<(Span, String)>) -> Diagnostic {
     match meant {
         Some((place, quantity)) => {
-            Diagnostic::new(codes::BARE_UNIT, file, span, format!("the unit `{unit}` is cut off from its number"))
-                .help("a unit expression follows its number and holds no blanks")
+            Diagnostic::new(codes::BARE_UNIT, file, span, format!("the unit `{unit}` is separated from its number"))
+                .help("a unit expression follows its number and contains no spaces")
                 .fix(format!("write `{quantity}`"), place, quantity)
         }
         None => Diagnostic::new(codes::BARE_UNIT, file, span, format!("`{unit}` is a unit and needs a number before it"))
@@ -252,37 +254,36 @@ pub(super) fn chained_power(file: FileId, span: Span) -> Diagnostic {
 }
 
 pub(super) fn not_a_frame(file: FileId, span: Span, written: &str) -> Diagnostic {
-    let diagnostic = Diagnostic::new(codes::NOT_A_FRAME, file, span, format!("`{written}` cannot be a frame"))
+    let diagnostic = Diagnostic::new(codes::NOT_A_FRAME, file, span, format!("`{written}` is not a frame"))
         .expected("a name or `heading(NAME)`");
     match written.rsplit_once('.') {
-        Some((frame, part)) if !part.is_empty() => {
-            diagnostic.help(format!("for a component of the result, put the whole in brackets: `(... in {frame}).{part}`"))
-        }
+        Some((frame, part)) if !part.is_empty() => diagnostic
+            .help(format!("to read a component of the result, put the expression in brackets: `(... in {frame}).{part}`")),
         _ => diagnostic,
     }
 }
 
 pub(super) fn mixed_frame(file: FileId, operator: Span, frame: Span) -> Diagnostic {
-    Diagnostic::new(codes::MIXED_FRAME, file, operator, "brackets must say whether `in` covers this operator")
-        .label(file, frame, "re-expressed here")
+    Diagnostic::new(codes::MIXED_FRAME, file, operator, "brackets are needed: does `in` include this operator?")
+        .label(file, frame, "`in` is here")
         .help("write `(a + b) in pelvis` or `a + (b in pelvis)`")
 }
 
 pub(super) fn mixed_comparison(file: FileId, first: Span, second: Span, equality: bool) -> Diagnostic {
-    let message = if equality { "`==` and `!=` cannot be chained" } else { "chained comparisons must point the same way" };
+    let message = if equality { "`==` and `!=` cannot be chained" } else { "chained comparisons must have the same direction" };
     Diagnostic::new(codes::MIXED_COMPARISON, file, second, message)
         .label(file, first, "the chain begins here")
         .help("write two comparisons with `and` between them")
 }
 
 pub(super) fn element_in_placement(file: FileId, span: Span, object: &str) -> Diagnostic {
-    Diagnostic::new(codes::MISPLACED, file, span, format!("`{object}` gets no new parts at the beginning of an episode"))
+    Diagnostic::new(codes::MISPLACED, file, span, format!("`{object}` cannot get new parts in `init`"))
         .help("parts are declared in `scene`")
 }
 
 pub(super) fn nameless_protocol(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(codes::MISPLACED, file, span, "of several protocols in a suite each has a name")
-        .help("`protocol quick { episodes 5 }` and `protocol paper { episodes 50 }`; the first is used unless another is chosen")
+    Diagnostic::new(codes::MISPLACED, file, span, "each of several protocols in a suite needs a name")
+        .help("`protocol quick { episodes 5 }` and `protocol paper { episodes 50 }`; the first is the default")
 }
 
 // ------------------------------------------------------------------------------------- statements that fit no rule
@@ -297,14 +298,14 @@ pub(super) fn unknown_statement(file: FileId, span: Span, word: &str, known: &[&
 
 /// A statement that belongs to another block.
 pub(super) fn elsewhere(file: FileId, span: Span, word: &str, place: &str) -> Diagnostic {
-    Diagnostic::new(codes::UNKNOWN_STATEMENT, file, span, format!("`{word}` cannot stand here")).help(place)
+    Diagnostic::new(codes::UNKNOWN_STATEMENT, file, span, format!("`{word}` is not allowed here")).help(place)
 }
 
 pub(super) fn reserved_word(file: FileId, span: Span, word: &str) -> Diagnostic {
     let unit = units::UNITS.contains(&word);
     let (kind, help) = match unit {
-        true => ("is a unit and cannot be a name", "a longer name is free, or a letter that is no unit, such as `i`"),
-        false => ("is reserved and cannot be a name", "a longer name is free"),
+        true => ("is a unit and cannot be a name", "choose a longer name, or a letter that is not a unit, such as `i`"),
+        false => ("is reserved and cannot be a name", "choose a longer name"),
     };
     Diagnostic::new(codes::RESERVED_WORD, file, span, format!("`{word}` {kind}")).help(help)
 }
@@ -313,22 +314,20 @@ pub(super) fn reserved_word(file: FileId, span: Span, word: &str) -> Diagnostic 
 pub(super) fn assignment(file: FileId, span: Span, word: &str) -> Diagnostic {
     Diagnostic::new(codes::UNKNOWN_STATEMENT, file, span, format!("a value cannot be assigned to `{word}`"))
         .help(format!("a name for a formula is made by `let {word} = ...`"))
-        .help(format!(
-            "a value that changes over time says so where it is declared: `state {word} = 0 becomes {word} + 1 when ...`"
-        ))
+        .help(format!("declare a value that changes over time as a state: `state {word} = 0 becomes {word} + 1 when ...`"))
 }
 
 /// `x is not y`
 pub(super) fn is_compares(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(codes::UNEXPECTED, file, span, "`is` compares nothing here").help(
+    Diagnostic::new(codes::UNEXPECTED, file, span, "`is` is not a comparison").help(
         "whole numbers and conditions are compared with `==` and `!=`, measured numbers with `<` and `>`: `abs(a - b) < 1 cm`",
     )
 }
 
 pub(super) fn spaced_call(file: FileId, blank: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(codes::SPACED_CALL, file, blank, format!("a blank stands between `{name}` and its bracket"))
-        .help("call and index brackets touch their name")
-        .suggest("remove the blank", blank, "")
+    Diagnostic::new(codes::SPACED_CALL, file, blank, format!("space between `{name}` and its bracket"))
+        .help("no space separates a name from the bracket of its call or index")
+        .suggest("remove the space", blank, "")
 }
 
 pub(super) fn missing_comma(file: FileId, before: Span, word: &str) -> Diagnostic {
@@ -341,7 +340,7 @@ pub(super) fn missing_comma(file: FileId, before: Span, word: &str) -> Diagnosti
 pub(super) fn missing_semicolon(file: FileId, span: Span, word: &str) -> Diagnostic {
     let at = Span { start: span.start, end: span.start };
     Diagnostic::new(codes::MISSING_SEPARATOR, file, span, format!("a new statement seems to begin with `{word}`"))
-        .help("a statement ends with its line; several on one line are separated by `;`")
+        .help("a statement ends at the end of its line; separate several on one line by `;`")
         .suggest("add a semicolon", at, "; ")
 }
 
@@ -350,14 +349,13 @@ pub(super) fn single_equals(file: FileId, span: Span) -> Diagnostic {
 }
 
 pub(super) fn needless_equals(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(codes::UNEXPECTED, file, span, "no `=` stands here")
-        .help("`=` gives a name to a formula; settings and fields are followed by their value")
+    Diagnostic::new(codes::UNEXPECTED, file, span, "no `=` is allowed here")
+        .help("`=` names a formula; settings and fields are followed directly by their value")
         .fix("remove it", span, "")
 }
 
 pub(super) fn lonely_point(file: FileId, span: Span, number: &str) -> Diagnostic {
-    Diagnostic::new(codes::UNEXPECTED, file, span, "digits stand on both sides of a decimal point")
-        .help(format!("write `{number}`"))
+    Diagnostic::new(codes::UNEXPECTED, file, span, "a decimal point needs digits on both sides").help(format!("write `{number}`"))
 }
 
 /// `align a to x, b to y`
@@ -382,25 +380,25 @@ pub(super) fn bare_when(file: FileId, span: Span) -> Diagnostic {
 }
 
 pub(super) fn misplaced_not(file: FileId, span: Span) -> Diagnostic {
-    Diagnostic::new(codes::MISPLACED_NOT, file, span, "`not` cannot stand here")
+    Diagnostic::new(codes::MISPLACED_NOT, file, span, "`not` is not allowed here")
         .help("it begins a condition or follows `and` or `or`; elsewhere write `(not ...)`")
 }
 
 pub(super) fn weight_with_unit(file: FileId, span: Span, unit: &str) -> Diagnostic {
-    Diagnostic::new(codes::UNEXPECTED, file, span, "a weight is a plain number")
+    Diagnostic::new(codes::UNEXPECTED, file, span, "a weight is a number without unit")
         .expected("the name of the term")
         .found(format!("the unit `{unit}`"))
 }
 
 pub(super) fn missing_block(file: FileId, end: Span) -> Diagnostic {
-    Diagnostic::new(codes::MISSING_BLOCK, file, end, "a block in braces is missing here").expected("`{`")
+    Diagnostic::new(codes::MISSING_BLOCK, file, end, "missing block in braces").expected("`{`")
 }
 
 /// Anything else. `found` is what is there, empty at the end of the statement.
 pub(super) fn unexpected(file: FileId, span: Span, expected: &[String], found: &str) -> Diagnostic {
     let (message, found) = match found {
         "" => ("the statement is not complete".to_owned(), "the end of the statement".to_owned()),
-        found => (format!("`{found}` cannot stand here"), format!("`{found}`")),
+        found => (format!("`{found}` is not allowed here"), format!("`{found}`")),
     };
     let mut diagnostic = Diagnostic::new(codes::UNEXPECTED, file, span, message);
     // What is written elsewhere for what is wanted here.
@@ -412,14 +410,14 @@ pub(super) fn unexpected(file: FileId, span: Span, expected: &[String], found: &
         }
     }
     if found == "`,`" {
-        diagnostic = diagnostic.help("numbers have a decimal point; lines of a list end without a sign");
+        diagnostic = diagnostic.help("numbers have a decimal point; lines of a list have no separator at the end");
     }
     if expected.is_empty() { diagnostic } else { diagnostic.expected(choices(expected.iter().cloned())).found(found) }
 }
 
 pub(super) fn leading_minus(file: FileId, span: Span) -> Diagnostic {
     Diagnostic::new(codes::BEGINS_WITH_OPERATOR, file, span, "a line cannot begin with `-` here")
-        .help("if it goes on with the line before, end that line with `-`")
+        .help("if it continues the previous line, end that line with `-`")
 }
 
 /// `a`, `a or b`, `a, b or c`

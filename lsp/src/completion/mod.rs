@@ -185,7 +185,7 @@ fn poses(vocabulary: &Vocabulary) -> Vec<Proposal> {
 fn frames(vocabulary: &Vocabulary) -> Vec<Proposal> {
     let landmarks = vocabulary.landmarks.iter().filter(|landmark| plain(&landmark.name));
     let own = landmarks
-        .map(|landmark| proposal(&landmark.name, CompletionItemKind::VARIABLE, "axes of a landmark", &landmark.description));
+        .map(|landmark| proposal(&landmark.name, CompletionItemKind::VARIABLE, "frame of a landmark", &landmark.description));
     let rest = [
         proposal("world", CompletionItemKind::KEYWORD, "world axes", ""),
         proposal("heading", CompletionItemKind::FUNCTION, "heading(landmark)", "the yaw of a landmark only"),

@@ -5,50 +5,50 @@ pub type Table = &'static [(&'static str, &'static str)];
 
 /// At the top of a file.
 pub const FILE: Table = &[
-    ("use", "use \"PATH\": bring in another file"),
-    ("const", "const NAME = FORMULA: a value known while compiling"),
+    ("use", "use \"PATH\": import another file"),
+    ("const", "const NAME = FORMULA: a compile-time constant"),
     ("fn", "fn NAME(a, b) = FORMULA: a pure function"),
-    ("observation", "observation NAME { CHANNELS }: a block of channels"),
+    ("observation", "observation NAME { CHANNELS }: a named block of channels"),
     ("task", "task NAME { ... }"),
     ("sequence", "sequence NAME { ... }: tasks one after the other in one episode"),
-    ("suite", "suite NAME { ... }: families of tasks and their protocol"),
+    ("suite", "suite NAME { ... }: families of tasks and evaluation protocols"),
     ("body", "body NAME { ... }: names for the parts of a model"),
 ];
 
 /// In a task.
 pub const TASK: Table = &[
     ("family", "family NAME"),
-    ("body", "body NAME: on which body"),
-    ("control", "control 100 Hz: how often the policy acts"),
-    ("horizon", "horizon 1000 steps: the length of an episode"),
-    ("symmetric", "mirroring left and right must not change the pay"),
-    ("params", "params { NAME: TYPE = VALUE (LOW..HIGH) }: numbers that may be set from outside"),
+    ("body", "body NAME: the body of the task"),
+    ("control", "control 100 Hz: the control frequency"),
+    ("horizon", "horizon 1000 steps: the maximal length of an episode"),
+    ("symmetric", "exchanging left and right must not change the reward"),
+    ("params", "params { NAME: TYPE = VALUE (LOW..HIGH) }: constants that a caller may set"),
     ("let", "let NAME = FORMULA"),
     ("state", "state NAME = INITIAL becomes VALUE when CONDITION"),
-    ("clock", "clock NAME at FREQUENCY: an angle that turns"),
+    ("clock", "clock NAME at FREQUENCY: an angle that advances at a constant rate"),
     ("random", "random NAME = DRAW where CONDITION redraw when CONDITION"),
     ("reference", "reference NAME = motion \"NAME\" start WHERE: a motion to follow"),
-    ("scene", "scene { ... }: what surrounds the body"),
-    ("init", "init { ... }: how an episode begins"),
-    ("observe", "observe { ... }: what the policy sees"),
-    ("reward", "reward { WEIGHT NAME = FORMULA }: what it is paid for"),
-    ("metrics", "metrics { ... }: logged, never paid"),
+    ("scene", "scene { ... }: terrain and objects"),
+    ("init", "init { ... }: the initial state"),
+    ("observe", "observe { ... }: the observation"),
+    ("reward", "reward { WEIGHT NAME = FORMULA }: the reward terms"),
+    ("metrics", "metrics { ... }: logged, not part of the reward"),
     ("terminate", "terminate { REASON when CONDITION }: failures"),
-    ("finish", "finish { REASON when CONDITION }: ends that are no failures"),
-    ("success", "success CONDITION: read at the last step"),
+    ("finish", "finish { REASON when CONDITION }: terminations that are not failures"),
+    ("success", "success CONDITION: evaluated at the last step"),
     ("disturb", "disturb PART { force, torque, at, for }"),
     ("phase", "phase TASK until CONDITION: of a sequence"),
     ("test", "test \"TITLE\" { ... }"),
-    ("cheat", "cheat \"TITLE\" { ... }: what must not succeed"),
+    ("cheat", "cheat \"TITLE\" { ... }: an exploit, which must not succeed"),
     ("allow", "allow LINT \"REASON\""),
 ];
 
 /// In a scene, beside the elements.
 pub const SCENE: Table = &[
-    ("weld", "weld A to B: holds place and turn"),
-    ("connect", "connect A to B: holds the place"),
-    ("group", "group NAME = LIST: objects that count as one thing in contacts"),
-    ("marker", "marker NAME at PLACE: shown, never touched"),
+    ("weld", "weld A to B: constrains position and orientation"),
+    ("connect", "connect A to B: constrains the position"),
+    ("group", "group NAME = LIST: objects that act as one entity in contacts"),
+    ("marker", "marker NAME at PLACE: drawn, without contacts"),
     ("repeat", "repeat NAME in LOW..HIGH { ... }"),
     ("remove", "remove NAME"),
 ];
@@ -65,16 +65,16 @@ pub const INIT: Table = &[
 pub const ROOT: Table = &[
     ("height", "height on ground, or a length"),
     ("at", "at [x, y]"),
-    ("heading", "turn about the vertical"),
+    ("heading", "rotation about the vertical"),
     ("pitch", "nose down"),
     ("roll", "right side down"),
-    ("velocity", "velocity [x, y, z], world axes"),
-    ("align", "align PLACE to PLACE: moved until they meet"),
+    ("velocity", "velocity [x, y, z], world frame"),
+    ("align", "align PLACE to PLACE: moves the body so that both coincide"),
 ];
 
 /// Where an object starts.
 pub const START: Table =
-    &[("at", "where"), ("orientation", "how it is turned"), ("velocity", "how fast"), ("spin", "how fast it turns")];
+    &[("at", "where"), ("orientation", "orientation"), ("velocity", "how fast"), ("spin", "angular velocity")];
 
 /// In a suite.
 pub const SUITE: Table =
@@ -106,13 +106,13 @@ pub const DISTURB: Table =
 pub const TEST: Table = &[
     ("pose", "pose NAME { JOINT = VALUE }"),
     ("at", "at TIME pose NAME"),
-    ("repeat", "repeat NAME in LOW..HIGH { ... }: copies of moments"),
-    ("play", "play motion \"FILE\" start PHASE for TIME: the body as a motion has it"),
-    ("given", "given RANDOM = VALUE: instead of chance"),
-    ("until", "until TIME: when it ends if the task does not end it"),
-    ("moment", "moment NAME { ... }: an episode of its own, read at its end"),
+    ("repeat", "repeat NAME in LOW..HIGH { ... }: repeats statements"),
+    ("play", "play motion \"FILE\" start PHASE for TIME: plays a motion"),
+    ("given", "given RANDOM = VALUE: fixes a random value"),
+    ("until", "until TIME: the end if the task does not end it earlier"),
+    ("moment", "moment NAME { ... }: a separate episode, evaluated at its end"),
     ("run", "run POLICY for DURATION"),
-    ("reset", "reset 50 times: the initial state as the task draws it"),
+    ("reset", "reset 50 times: the task's initial state"),
     ("expect", "expect CONDITION"),
 ];
 
@@ -132,9 +132,9 @@ pub const FORMULA: Table = &[
 pub const SETS: Table = &[
     ("com", "the centre of mass of the body"),
     ("joints", "all joints"),
-    ("hinges", "joints that turn"),
-    ("slides", "joints that slide"),
-    ("independent", "hinges that follow no other joint"),
+    ("hinges", "rotational joints"),
+    ("slides", "translational joints"),
+    ("independent", "hinges that are not coupled to another joint"),
     ("muscles", "all muscles"),
     ("robot", "all shapes of the body"),
     ("ground", "the ground and everything walkable"),

@@ -68,7 +68,7 @@ fn classify(value: Value) -> Result<Message, Malformed> {
     let invalid = |id: Value, reason: &str| Err(Malformed::new(echoed(id), ErrorCode::InvalidRequest, reason));
     let mut fields = match value {
         Value::Object(fields) => fields,
-        Value::Array(_) => return invalid(Value::Null, "expected one message, found a list: batches are not served"),
+        Value::Array(_) => return invalid(Value::Null, "expected one message, found a list: batches are not supported"),
         _ => return invalid(Value::Null, "expected a message: an object with `method`"),
     };
     let id = fields.remove("id");

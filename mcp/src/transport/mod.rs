@@ -285,7 +285,7 @@ fn parse(line: Line) -> Parsed {
             Parsed::Wrong(Wrong {
                 id: scanner.id().into(),
                 code: ErrorCode::PARSE_ERROR,
-                reason: format!("the line is no JSON: {error}"),
+                reason: format!("the line is not JSON: {error}"),
             })
         }
     }
@@ -299,7 +299,7 @@ fn is_notification(value: &Value) -> bool {
 /// Why a JSON value is no message.
 fn fault(value: &Value) -> &'static str {
     match value {
-        Value::Array(_) => "expected one JSON-RPC message a line, found an array: batches are not supported",
+        Value::Array(_) => "expected one JSON-RPC message per line, found an array: batches are not supported",
         Value::Object(_) if value["jsonrpc"] != "2.0" => "expected a JSON-RPC message with `\"jsonrpc\": \"2.0\"`",
         Value::Object(object) if object.contains_key("method") && !value["method"].is_string() => "expected a string as `method`",
         Value::Object(object) if object.get("id").is_some_and(|id| !is_id(id)) => "expected a string or an integer as `id`",

@@ -504,5 +504,5 @@ fn a_giant_file_is_not_read_to_its_end() {
     // Sparse: a terabyte that takes no room.
     fs::File::create(&path).unwrap().set_len(1 << 40).unwrap();
     let message = Model::from_file(&path).map(|model| model.name).unwrap_err().to_string();
-    assert!(message.contains("larger than 67108864 bytes"), "{message}");
+    assert!(message.contains("larger than the limit of 67108864 bytes"), "{message}");
 }

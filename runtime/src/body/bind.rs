@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// A body file does not fit its model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("body `{body}` does not fit its model:{}", list(.problems))]
+#[error("body `{body}` does not match its model:{}", list(.problems))]
 pub struct BindError {
     /// Name of the body.
     pub body: String,
@@ -62,7 +62,7 @@ pub enum Problem {
         nearest: Option<String>,
     },
     /// A name given to two things.
-    #[error("the name `{name}` is given to two {kind}s")]
+    #[error("the name `{name}` is used for two {kind}s")]
     Twice {
         /// Kind of thing.
         kind: &'static str,
@@ -76,7 +76,7 @@ pub enum Problem {
         user: String,
     },
     /// A landmark on scenery.
-    #[error("landmark `{landmark}` is on `{body}`, which does not hang on the root")]
+    #[error("landmark `{landmark}` is on `{body}`, which is not a descendant of the root")]
     NotOnBody {
         /// The landmark.
         landmark: String,
@@ -84,7 +84,7 @@ pub enum Problem {
         body: String,
     },
     /// An actuator that tasks could not command, because they command muscles.
-    #[error("actuator `{actuator}` is no muscle that pulls a tendon; tasks need a body that moves by muscles alone")]
+    #[error("actuator `{actuator}` is not a muscle on a tendon; tasks need a body with muscles only")]
     NotAMuscle {
         /// The actuator.
         actuator: String,
@@ -106,7 +106,7 @@ pub enum Problem {
         second: String,
     },
     /// A pose that sets a joint which follows another.
-    #[error("pose `{pose}` sets `{joint}`, which follows another joint by a coupling")]
+    #[error("pose `{pose}` sets `{joint}`, which is coupled to another joint")]
     Coupled {
         /// The pose.
         pose: String,
@@ -133,7 +133,7 @@ pub enum Problem {
     #[error("there is no pose `neutral`")]
     NoNeutral,
     /// Couplings that lead each other.
-    #[error("the couplings of these joints lead each other in a circle: {}", .joints.join(", "))]
+    #[error("the couplings of these joints are cyclic: {}", .joints.join(", "))]
     CircularCouplings {
         /// The joints.
         joints: Vec<String>,

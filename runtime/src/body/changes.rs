@@ -8,7 +8,7 @@ use msk_program::body::{Change, Property};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ChangeError {
     /// There is no such muscle or joint.
-    #[error("the body `{body}` has no muscle or joint `{part}` with such a parameter")]
+    #[error("the body `{body}` has no muscle or joint `{part}` with this parameter")]
     Part {
         /// The body.
         body: String,
@@ -16,7 +16,7 @@ pub enum ChangeError {
         part: String,
     },
     /// A factor on a parameter that is zero.
-    #[error("`{part}` has none of what is to be multiplied: zero stays zero, so give it a value instead")]
+    #[error("`{part}` is zero, so multiplying has no effect; assign a value instead")]
     Nothing {
         /// The muscle or joint.
         part: String,

@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 /// The model has no body on which a body file could stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the model has no body that hangs on the world and has a name")]
+#[error("the model has no named body that is a child of the world")]
 pub struct NoRoot;
 
 /// A body file called `name` for a model that stands at `path`, relative to the file: its root, a landmark on every body that has
@@ -45,15 +45,11 @@ pub fn scaffold(name: &str, model: &Model, path: &str) -> Result<String, NoRoot>
     }
 
     let mut text = format!(
-        "//! NAME: say here what this body is, and where its model comes from.\n//!\n\
-         //! Points are in the frame of the model's body that carries them, in metres. Which axes point `forward` and `up` was read off\n\
-         //! the model's initial configuration: look at each. `msk check` of this file tells what does not fit the model.\n\n\
-         body {name} {{\n    model \"{path}\"\n"
+        "//! NAME: describe this body and the origin of its model.\n//!\n//! Points are in metres, in the frame of the model's body. The axes `forward` and `up` were derived from the model's initial\n//! configuration: check each. `msk check` of this file reports everything that does not match the model.\n\nbody {name} {{\n    model \"{path}\"\n"
     );
     let _ = writeln!(text, "    root  \"{}\" {{ {} }}", model.bodies.name[root], axes(root));
-    text += "\n    // Landmarks: what tasks name, such as `pelvis.height`. The tasks of the library read `pelvis`, `torso`, `head`, `sole_{l,r}`\n";
-    text +=
-        "    // and `palm_{l,r}`: rename the landmarks that are these. A segment is what can touch: its shapes in the model.\n\n";
+    text += "\n    // Landmarks: the points that tasks can read, such as `pelvis.height`. The tasks of the library read `pelvis`, `torso`, `head`,\n    // `sole_{l,r}`\n";
+    text += "    // and `palm_{l,r}`: rename the corresponding landmarks. A segment lists the shapes of the model that have contacts.\n\n";
     for body in members.clone().filter(|&body| !model.bodies.name[body].is_empty()) {
         let shapes: Vec<String> = (0..model.geoms.body.len())
             .filter(|&geom| model.geoms.body[geom] == body && !model.geoms.name[geom].is_empty())
@@ -70,9 +66,9 @@ pub fn scaffold(name: &str, model: &Model, path: &str) -> Result<String, NoRoot>
         let _ = writeln!(text, "    landmark {own} {{ on \"{original}\", at [0, 0, 0], {}{segment} }}", axes(body));
     }
     if !aliases.is_empty() {
-        let _ = write!(text, "\n    // Joints whose names in the model are no names of tasks.\n\n{aliases}");
+        let _ = write!(text, "\n    // Joints whose names in the model are not valid names of tasks.\n\n{aliases}");
     }
-    text += "\n    // Poses: joints that are not named stand at zero.\n\n";
+    text += "\n    // Poses: joints that are not listed are zero.\n\n";
     let neutral = neutral(model, &joints, &called);
     let _ = writeln!(text, "    pose {NEUTRAL} {{ {neutral}}}\n}}");
     Ok(text.replace("NAME", name))

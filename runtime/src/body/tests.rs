@@ -155,18 +155,18 @@ fn everything_that_does_not_fit_is_reported_at_once() {
     });
     assert_eq!(
         report,
-        "body `legs` does not fit its model:
-  - the name `sole_r` is given to two landmarks
+        "body `legs` does not match its model:
+  - the name `sole_r` is used for two landmarks
   - landmark `sole_l` names the body `shank_left`, which does not exist; did you mean `shank_l`?
   - landmark `sole_r` names the shape `shank_rr`, which does not exist; did you mean `shank_r`?
-  - landmark `knob` is on `door`, which does not hang on the root
+  - landmark `knob` is on `door`, which is not a descendant of the root
   - landmark `sole_r`: forward and up must be different axes
   - the alias `door` names the joint `swings`, which does not exist; did you mean `swing`?
   - family \"Calves\" names the muscle `soleus`, which does not exist
   - group `hips` names the joint `ankle`, which does not exist
   - there is no pose `neutral`
   - pose `kick` sets `hip_l` to 401.1 deg, outside of its range -28.65 .. 114.6 deg
-  - pose `kick` sets `knee_l`, which follows another joint by a coupling"
+  - pose `kick` sets `knee_l`, which is coupled to another joint"
     );
 }
 

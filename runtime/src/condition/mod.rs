@@ -46,7 +46,7 @@ pub struct Weakness {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ConditionError {
     /// A factor or rate out of range.
-    #[error("the {what} of a muscle condition is {value}; it lies between 0 and {high}")]
+    #[error("the {what} of a muscle condition is {value}; it must be between 0 and {high}")]
     Range {
         /// Which figure.
         what: &'static str,

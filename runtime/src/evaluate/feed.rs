@@ -41,7 +41,7 @@ impl Fed {
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// It is an episode of something else.
-    #[error("the record is of another {what}: {there} there, {here} here")]
+    #[error("the record is of another {what}: {there} in the record, {here} here")]
     Other {
         /// Task, body, or terms.
         what: &'static str,
@@ -66,7 +66,7 @@ pub fn replay(trial: &Trial, record: &EpisodeRecord) -> Result<EpisodeRecord, Re
         false => Err(ReplayError::Other { what, there: there.to_owned(), here: here.to_owned() }),
     };
     same("task", &record.task, &trial.task.name)?;
-    same("text of the task", &record.task_hash, &trial.task.hash)?;
+    same("source text of the task", &record.task_hash, &trial.task.hash)?;
     same("body", &record.model_hash, trial.body.hash())?;
     let mut episode = trial.episode().map_err(EvaluationError::from)?;
     let fed =

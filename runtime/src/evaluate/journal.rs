@@ -33,7 +33,7 @@ pub enum JournalError {
         source: StorageError,
     },
     /// The folder holds the results of another run.
-    #[error("`{}` holds another run: {difference}", folder.display())]
+    #[error("`{}` contains another run: {difference}", folder.display())]
     OtherRun {
         /// The folder.
         folder: PathBuf,
@@ -41,19 +41,19 @@ pub enum JournalError {
         difference: String,
     },
     /// The folder holds episodes and nothing that says of which run they are.
-    #[error("`{}` holds episodes but no `run.json` that says of which run they are", folder.display())]
+    #[error("`{}` contains episodes but no `run.json` that identifies their run", folder.display())]
     Unclaimed {
         /// The folder.
         folder: PathBuf,
     },
     /// The folder holds no journal.
-    #[error("`{}` holds no results: it has no `run.json`", folder.display())]
+    #[error("`{}` contains no results: it has no `run.json`", folder.display())]
     Empty {
         /// The folder.
         folder: PathBuf,
     },
     /// A file of the folder is damaged, or somebody has changed it.
-    #[error("`{}`, line {line}, is not what was written there: {reason}", path.display())]
+    #[error("`{}`, line {line}, was modified: {reason}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -63,7 +63,7 @@ pub enum JournalError {
         reason: String,
     },
     /// A line of the journal is of another run than the folder.
-    #[error("`{}`, line {line}, is of another run than `run.json` beside it: {reason}", path.display())]
+    #[error("`{}`, line {line}, belongs to another run than `run.json` beside it: {reason}", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
@@ -199,10 +199,10 @@ fn read(folder: &Folder, lines: &[u8], settings: &RunSettings) -> Result<Vec<Epi
             return foreign(reason);
         }
         if of != run {
-            return foreign(format!("it is of run {of}, not {run}"));
+            return foreign(format!("it belongs to run {of}, not {run}"));
         }
         if !seen.insert((settings.place(&record), record.episode)) {
-            return Err(damaged(number, format!("episode {} of `{}` is there already", record.episode, record.task)));
+            return Err(damaged(number, format!("episode {} of `{}` already exists", record.episode, record.task)));
         }
         records.push(record);
     }
@@ -276,7 +276,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         Journal::open(folder.path(), &settings(0)).unwrap().0.append(&record(0)).unwrap();
         let error = Journal::open(folder.path(), &settings(1)).unwrap_err().to_string();
-        assert!(error.ends_with("holds another run: its seed is 0, not 1"), "{error}");
+        assert!(error.ends_with("contains another run: its seed is 0, not 1"), "{error}");
         assert_eq!(Journal::open(folder.path(), &settings(0)).unwrap().1, [record(0)]);
     }
 
@@ -350,7 +350,7 @@ mod tests {
         {
             assert!(lines.contains(before), "{lines}");
             let said = refusal(folder.path(), &lines.replacen(before, after, 1));
-            assert!(said.contains("line 1") && said.contains("its checksum is not that of its content"), "{said}");
+            assert!(said.contains("line 1") && said.contains("its checksum does not match its content"), "{said}");
         }
         let bare = lines.replacen(",\"checksum\"", ",\"other\"", 1);
         assert!(refusal(folder.path(), &bare).contains("it has no checksum"));
@@ -375,10 +375,10 @@ mod tests {
         let others: [(Change<'_>, &str); 6] = [
             (&|s| s.protocol.seed = 7, "its seed is 0, not 7"),
             (&|s| s.policy = "random".into(), "its policy is zero, not random"),
-            (&|s| s.tasks[0].hash = "c".into(), "none of the run's tasks is its `stand`"),
-            (&|s| s.tasks[0].model_hash = "c".into(), "none of the run's tasks is its `stand`"),
-            (&|s| s.protocol.episodes = 2, "it is of run"),
-            (&|s| s.build = "3".into(), "it is of run"),
+            (&|s| s.tasks[0].hash = "c".into(), "no task of the run is its `stand`"),
+            (&|s| s.tasks[0].model_hash = "c".into(), "no task of the run is its `stand`"),
+            (&|s| s.protocol.episodes = 2, "it belongs to run"),
+            (&|s| s.build = "3".into(), "it belongs to run"),
         ];
         for (change, reason) in others {
             let mut other = settings(0);
@@ -398,11 +398,13 @@ mod tests {
         let (folder, lines) = three_episodes();
         let run = settings(0).identity();
         let more = |record: EpisodeRecord| refusal(folder.path(), &format!("{lines}{}\n", Line::written(&record, &run)));
-        assert!(more(record(3)).contains("line 4, is of another run than `run.json` beside it: it is episode 3 of a run of 3"));
-        assert!(more(record(1)).contains("line 4, is not what was written there: episode 1 of `stand` is there already"));
+        assert!(
+            more(record(3)).contains("line 4, belongs to another run than `run.json` beside it: it is episode 3 of a run of 3")
+        );
+        assert!(more(record(1)).contains("line 4, was modified: episode 1 of `stand` already exists"));
         let fatigue = MuscleCondition { fatigue: Some(Fatigue::default()), ..MuscleCondition::default() };
         let said = more(EpisodeRecord { condition: fatigue, ..record(0) });
-        assert!(said.contains("none of the run's tasks is its `stand` with muscles in the condition `fatigue`"), "{said}");
+        assert!(said.contains("no task of the run is its `stand` with muscles in the condition `fatigue`"), "{said}");
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub(super) struct Line {
 pub(super) enum LineError {
     #[error("it has no checksum")]
     Bare,
-    #[error("its checksum is not that of its content")]
+    #[error("its checksum does not match its content")]
     Changed,
     #[error("it is not UTF-8 text")]
     Text(#[from] core::str::Utf8Error),

@@ -133,7 +133,7 @@ impl RunSettings {
                 true => String::new(),
                 false => format!(" with muscles in the condition `{}`", record.condition),
             };
-            return Some(format!("none of the run's tasks is its `{}`{condition}", record.task));
+            return Some(format!("no task of the run is its `{}`{condition}", record.task));
         }
         (episodes > 0 && record.episode >= episodes)
             .then(|| format!("it is episode {} of a run of {episodes}, counted from 0", record.episode))
@@ -180,7 +180,7 @@ impl RunSettings {
                     });
                 }
                 if changed.0.condition != changed.1.condition {
-                    return Some(format!("the condition of the muscles in task `{}` is another", changed.0.name));
+                    return Some(format!("the condition of the muscles in task `{}` differs", changed.0.name));
                 }
                 let what = if changed.0.model_hash == changed.1.model_hash { "task" } else { "body of task" };
                 Some(format!("the {what} `{}` has changed since", changed.0.name))
@@ -271,7 +271,7 @@ mod tests {
         let weak = Weakness { muscles: None, factor: 0.5 };
         let condition = MuscleCondition { weakness: vec![weak], fatigue: None };
         let found = difference(&|s| s.tasks[0].condition = condition.clone());
-        assert_eq!(found, "the condition of the muscles in task `stand` is another");
+        assert_eq!(found, "the condition of the muscles in task `stand` differs");
         assert_eq!(difference(&|s| s.tasks[0].model_hash = "c".into()), "the body of task `stand` has changed since");
     }
 }

@@ -15,7 +15,7 @@ pub struct Excitations {
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum ExcitationsError {
     /// Not the beginning of a `.npy` file.
-    #[error("is no NumPy array: {0}")]
+    #[error("is not a NumPy array: {0}")]
     Format(&'static str),
     /// Numbers of another type.
     #[error("must hold doubles in rows (`<f8`, not in Fortran's order), found {0}")]
@@ -29,13 +29,13 @@ pub enum ExcitationsError {
         found: String,
     },
     /// Fewer bytes than the shape promises.
-    #[error("promises {rows} rows, but ends before the last of them")]
+    #[error("declares {rows} rows, but ends before the last of them")]
     Short {
         /// Rows in the header.
         rows: u64,
     },
     /// A number that is none.
-    #[error("row {row}, column {column} (from 0) is {value}, which is no finite number")]
+    #[error("row {row}, column {column} (from 0) is {value}, which is not a finite number")]
     NotFinite {
         /// Its row.
         row: usize,
@@ -53,15 +53,15 @@ impl Excitations {
     /// Bytes that are no such array, that end too soon, or hold numbers that are not finite.
     pub fn from_npy(bytes: &[u8], width: usize) -> Result<Self, ExcitationsError> {
         let (header, data) = parts(bytes)?;
-        let header = std::str::from_utf8(header).map_err(|_| ExcitationsError::Format("its header is no text"))?;
+        let header = std::str::from_utf8(header).map_err(|_| ExcitationsError::Format("its header is not text"))?;
         let big_endian = match (value_of(header, "descr"), value_of(header, "fortran_order")) {
             (Some(kind), Some(order)) if order.starts_with("False") && is(kind, "<f8") => false,
             (Some(kind), Some(order)) if order.starts_with("False") && is(kind, ">f8") => true,
             (Some(_), Some(_)) => return Err(ExcitationsError::Type(shortened(header))),
-            _ => return Err(ExcitationsError::Format("its header names no type or no order")),
+            _ => return Err(ExcitationsError::Format("its header has no type or no order")),
         };
         let shape = value_of(header, "shape").and_then(|value| value.strip_prefix('(')?.split_once(')'));
-        let (shape, _) = shape.ok_or(ExcitationsError::Format("its header names no shape"))?;
+        let (shape, _) = shape.ok_or(ExcitationsError::Format("its header has no shape"))?;
         let rows = rows(shape, width).ok_or_else(|| ExcitationsError::Shape { width, found: shortened(shape) })?;
         let short = ExcitationsError::Short { rows };
         let size = |rows: usize| rows.checked_mul(width)?.checked_mul(8);
@@ -90,7 +90,7 @@ impl Excitations {
 /// Header and data.
 fn parts(bytes: &[u8]) -> Result<(&[u8], &[u8]), ExcitationsError> {
     const CUT: ExcitationsError = ExcitationsError::Format("it ends within its header");
-    let rest = bytes.strip_prefix(b"\x93NUMPY").ok_or(ExcitationsError::Format("it does not begin as one"))?;
+    let rest = bytes.strip_prefix(b"\x93NUMPY").ok_or(ExcitationsError::Format("it has no NumPy signature"))?;
     let (version, rest) = rest.split_first_chunk::<2>().ok_or(CUT)?;
     let (length, rest) = match version[0] {
         1 => rest.split_first_chunk::<2>().map(|(length, rest)| (usize::from(u16::from_le_bytes(*length)), rest)).ok_or(CUT)?,
@@ -167,17 +167,17 @@ mod tests {
     fn what_does_not_fit_is_refused() {
         let told = |bytes: &[u8]| Excitations::from_npy(bytes, 2).unwrap_err().to_string();
         let with = |header: &str, numbers: &[f64]| told(&file(1, header, numbers));
-        assert_eq!(told(b"PK\x03\x04"), "is no NumPy array: it does not begin as one");
-        assert_eq!(told(&file(1, &header("1, 2"), &[])[..20]), "is no NumPy array: it ends within its header");
-        assert_eq!(told(&file(7, "", &[])), "is no NumPy array: its version is not 1, 2 or 3");
-        assert_eq!(with("{}", &[]), "is no NumPy array: its header names no type or no order");
+        assert_eq!(told(b"PK\x03\x04"), "is not a NumPy array: it has no NumPy signature");
+        assert_eq!(told(&file(1, &header("1, 2"), &[])[..20]), "is not a NumPy array: it ends within its header");
+        assert_eq!(told(&file(7, "", &[])), "is not a NumPy array: its version is not 1, 2 or 3");
+        assert_eq!(with("{}", &[]), "is not a NumPy array: its header has no type or no order");
         for shape in ["2", "2,", "2, 3", "2, 2, 2", "-1, 2", "x, 2", ""] {
             assert!(with(&header(shape), &[0.0; 8]).contains("must hold rows of 2 numbers"), "{shape}");
         }
         assert!(with(&header("1, 2").replace("<f8", "<f4"), &[0.0; 2]).contains("must hold doubles"));
         assert!(with(&header("1, 2").replace("False", "True"), &[0.0; 2]).contains("must hold doubles"));
-        assert_eq!(with(&header("2, 2"), &[0.0; 3]), "promises 2 rows, but ends before the last of them");
-        assert_eq!(with(&header("1, 2"), &[0.0, f64::NAN]), "row 0, column 1 (from 0) is NaN, which is no finite number");
+        assert_eq!(with(&header("2, 2"), &[0.0; 3]), "declares 2 rows, but ends before the last of them");
+        assert_eq!(with(&header("1, 2"), &[0.0, f64::NAN]), "row 0, column 1 (from 0) is NaN, which is not a finite number");
     }
 
     #[test]

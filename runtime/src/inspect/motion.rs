@@ -116,10 +116,10 @@ impl MotionReport {
         for foot in &self.feet {
             let millimetres = |value: f64| format!("{:.1} mm", 1e3 * value);
             if foot.penetration > limits.penetration {
-                faults.push(format!("{} is {} deep in the ground", foot.name, millimetres(foot.penetration)));
+                faults.push(format!("{} penetrates the ground by {}", foot.name, millimetres(foot.penetration)));
             }
             if foot.sliding > limits.sliding {
-                faults.push(format!("{} slides by {} while it stands", foot.name, millimetres(foot.sliding)));
+                faults.push(format!("{} slides by {} during stance", foot.name, millimetres(foot.sliding)));
             }
         }
         if let Some(seam) = self.seam.filter(|seam| *seam > limits.seam) {

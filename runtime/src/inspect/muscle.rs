@@ -28,7 +28,7 @@ pub enum SweepError {
         nearest: Option<String>,
     },
     /// A joint that follows another.
-    #[error("joint `{joint}` follows another joint by a coupling; sweep the one that leads, `{leader}`")]
+    #[error("joint `{joint}` is coupled to another joint; sweep the independent one, `{leader}`")]
     Follower {
         /// The joint.
         joint: String,
@@ -36,7 +36,7 @@ pub enum SweepError {
         leader: String,
     },
     /// The couplings of the model cannot be solved.
-    #[error("the couplings of these joints lead each other in a circle: {}", .joints.join(", "))]
+    #[error("the couplings of these joints are cyclic: {}", .joints.join(", "))]
     CircularCouplings {
         /// The joints.
         joints: Vec<String>,

@@ -102,7 +102,7 @@ pub enum PolicyError {
         present: &'static str,
     },
     /// The policy cannot act on this body or task.
-    #[error("policy `{policy}` cannot act: {reason}")]
+    #[error("policy `{policy}` does not support this: {reason}")]
     Unable {
         /// Its name.
         policy: String,

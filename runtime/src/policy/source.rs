@@ -110,9 +110,9 @@ mod tests {
         assert_eq!(name("process  python3   p.py"), Ok("process python3 p.py".to_owned()));
         assert!(matches!(name("processes"), Err(PolicyError::Unknown(_))));
         let message = |text: &str| name(text).err().map(|error| error.to_string()).unwrap_or_default();
-        assert_eq!(message("process "), "`process` names no command: write `process python3 policy.py`");
-        assert_eq!(message("network"), "`network` names no file: write `network agent.safetensors`");
-        assert_eq!(message("replay"), "`replay` names no file: write `replay actions.npy`");
+        assert_eq!(message("process "), "`process` needs a command: write `process python3 policy.py`");
+        assert_eq!(message("network"), "`network` needs a file: write `network agent.safetensors`");
+        assert_eq!(message("replay"), "`replay` needs a file: write `replay actions.npy`");
         assert!(message("replay nothing.npy").starts_with("cannot read `nothing.npy`"), "{}", message("replay nothing.npy"));
     }
 }

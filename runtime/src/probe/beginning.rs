@@ -61,8 +61,8 @@ pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, told: &mut V
             Some(begun)
         }
         Err(reason) => {
-            let message = format!("the task `{}` cannot begin", task.name);
-            let diagnostic = at(probing::CANNOT_BEGIN, task.places.init, message).found(reason);
+            let message = format!("the task `{}` cannot be reset or stepped", task.name);
+            let diagnostic = at(probing::CANNOT_RESET, task.places.init, message).found(reason);
             told.push(diagnostic);
             None
         }
@@ -77,11 +77,11 @@ fn dead(task: &CompiledTask, found: &Tally, told: &mut Vec<Diagnostic>) {
         let (range, term) = (subject.range, &task.terms[index]);
         let Some(&most) = found.terms.get(index).filter(|_| term.weight > 0.0) else { continue };
         if range.low >= 0.0 && range.high.is_finite() && range.single().is_none() && most < DEAD * range.high {
-            let message = format!("the term `{}` pays almost nothing where the task begins", term.name);
+            let message = format!("the term `{}` is almost zero in the initial state", term.name);
             let diagnostic = at(lints::DEAD_AT_RESET, subject.at, message)
                 .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
                 .found(format!("{} at most in {SEEDS} episodes", for_people(most)))
-                .help("look for a wrong axis, side or sign; if it is to be earned later, say `allow dead_at_reset \"...\"`");
+                .help("look for a wrong axis, side or sign; if the term becomes relevant later, write `allow dead_at_reset \"...\"`");
             told.push(diagnostic);
         }
     }
@@ -96,9 +96,10 @@ pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, told: &mut Vec<Dia
     }
     let height = room.height_of_beginning();
     if height > HIGHEST && height.is_finite() {
-        let message = format!("the task `{}` begins with the body {:.1} cm above everything: it falls", task.name, 1e2 * height);
-        let diagnostic = at(probing::STARTS_ABOVE, task.places.init, message)
-            .help("`height on ground` puts its lowest point on the ground; if it is to drop, say `allow starts_above \"...\"`");
+        let message = format!("the task `{}` starts with the body {:.1} cm above everything: it falls", task.name, 1e2 * height);
+        let diagnostic = at(probing::STARTS_ABOVE, task.places.init, message).help(
+            "`height on ground` puts its lowest point on the ground; if a drop is intended, write `allow starts_above \"...\"`",
+        );
         told.push(diagnostic);
     }
 }
@@ -124,9 +125,9 @@ pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, told: &mut Vec<Diagnost
     }
     overlaps.sort_by(|a, b| b.depth.total_cmp(&a.depth));
     if let Some(deepest) = overlaps.first() {
-        let message = format!("the task `{}` has the body wear {}", task.name, overlap(deepest));
+        let message = format!("the task `{}` starts with attached objects inside the body: {}", task.name, overlap(deepest));
         let diagnostic = others(at(probing::STARTS_INSIDE, task.places.init, message), overlaps.iter().map(overlap));
-        let help = "say where it is: `at` with a place in the frame of what carries it, or `allow starts_inside \"...\"`";
+        let help = "set their place: `at` in the frame of the parent, or write `allow starts_inside \"...\"`";
         told.push(diagnostic.help(help));
     }
 }
@@ -191,22 +192,24 @@ fn tell(task: &CompiledTask, found: &Tally) -> Vec<Diagnostic> {
     let places = &task.places;
     let mut told = Vec::new();
     if let Some(deepest) = found.penetrations.first() {
-        let message = format!("the task `{}` begins with {}", task.name, overlap(deepest));
+        let message = format!("the task `{}` starts with penetrations: {}", task.name, overlap(deepest));
         let diagnostic = at(probing::STARTS_INSIDE, places.init, message);
         let diagnostic = others(diagnostic, found.penetrations.iter().map(overlap));
         let raised = task.init.root.height.is_some();
         let help = if raised {
-            "`root { height on ground }` puts the lowest point of the body on the ground; else move"
+            "`root { height on ground }` puts the lowest point of the body on the ground; otherwise move"
         } else {
             "move"
         };
-        told.push(diagnostic.help(format!("{help} one of them, or say `allow starts_inside \"...\"`")));
+        told.push(diagnostic.help(format!("{help} one of the shapes, or write `allow starts_inside \"...\"`")));
     }
     if let Some(first) = found.residuals.first() {
-        let message = format!("the task `{}` begins with {}", task.name, gap(first));
+        let message = format!("the task `{}` starts with penetrations: {}", task.name, gap(first));
         let diagnostic = at(probing::STARTS_APART, places.init, message);
         let diagnostic = others(diagnostic, found.residuals.iter().map(gap));
-        told.push(diagnostic.help("begin where both meet, hold them `here`, or say `allow starts_apart \"...\"`"));
+        told.push(
+            diagnostic.help("start where both ends coincide, keep the offset with `here`, or write `allow starts_apart \"...\"`"),
+        );
     }
     // A failure is wrong in any episode; what is no failure may be met by chance, but not always.
     let failures = task.terminations.iter().zip(&places.terminations).zip(&found.terminations);
@@ -226,12 +229,13 @@ fn tell(task: &CompiledTask, found: &Tally) -> Vec<Diagnostic> {
 
 fn holds(what: &str, place: (FileId, Span), count: u64) -> Diagnostic {
     let message = format!("{what} holds at the first step, with muscles at rest, in {count} of {SEEDS} episodes");
-    at(lints::HOLDS_AT_RESET, place, message).help("mend the condition or the beginning, or say `allow holds_at_reset \"...\"`")
+    at(lints::HOLDS_AT_RESET, place, message)
+        .help("fix the condition or the initial state, or write `allow holds_at_reset \"...\"`")
 }
 
 fn overlap(found: &Penetration) -> String {
     let [one, other] = &found.shapes;
-    format!("`{one}` {:.1} mm inside `{other}`", 1e3 * found.depth)
+    format!("`{one}` penetrates `{other}` by {:.1} mm", 1e3 * found.depth)
 }
 
 fn gap(found: &Residual) -> String {

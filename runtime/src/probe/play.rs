@@ -63,10 +63,10 @@ fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diag
     let mut episode = Environment::new(staged.model, staged.body, task.clone()).ok()?;
     let rest = play(&mut episode, &mut Zero, MOST_STEPS)?;
     if rest.success {
-        let message = format!("doing nothing succeeds: so does the policy `zero` in `{}`", task.name);
+        let message = format!("doing nothing succeeds: the policy `zero` succeeds in `{}`", task.name);
         let diagnostic = at(probing::REST_SUCCEEDS, task.places.success, message)
             .found(format!("success after {} steps with every muscle at rest", rest.steps))
-            .help("ask for what only the movement reaches, or say `allow rest_succeeds \"...\"`");
+            .help("require something that only the movement achieves, or write `allow rest_succeeds \"...\"`");
         warnings.push(diagnostic);
     }
     // A policy that cannot act sets no measure.
@@ -77,11 +77,13 @@ fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diag
         let most = (0..task.terms.len()).max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
         let name = &task.terms[most].name;
         let message =
-            format!("in `{}` doing nothing is paid more than holding the pose, most of all by the term `{name}`", task.name);
-        let diagnostic = at(probing::REST_PAYS, *task.places.terms.get(most)?, message)
+            format!("in `{}` doing nothing earns more than holding the pose, most of all by the term `{name}`", task.name);
+        let diagnostic = at(probing::REWARDS_REST, *task.places.terms.get(most)?, message)
             .expected(format!("at rest less than {} per step, as `cmc` earns over {} steps", for_people(holding), held.steps))
             .found(format!("{} per step, {} more by `{name}`", for_people(resting), for_people(gain(most))))
-            .help("pay for what a fall ends, or charge the end; if holding the pose is not asked, say `allow rest_pays \"...\"`");
+            .help(
+                "reward what a fall ends, or charge the termination; if holding the pose is not intended, write `allow rewards_rest \"...\"`",
+            );
         warnings.push(diagnostic);
     }
     Some(())

@@ -123,7 +123,7 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], b
 
 fn unreached(place: (FileId, Span), message: String) -> Diagnostic {
     at(probing::UNREACHED, place, message)
-        .help("look for a wrong landmark, unit or sign; if it is meant, say `allow unreached \"...\"`")
+        .help("look for a wrong landmark, unit or sign; if it is intended, write `allow unreached \"...\"`")
 }
 
 /// What a subject is called in messages.
@@ -138,11 +138,11 @@ fn named(task: &CompiledTask, subject: &Subject) -> String {
 }
 
 fn warning(code: &'static Code, subject: &Subject, message: String) -> Diagnostic {
-    let help = if code == probing::ALWAYS_PAID {
-        "pay what can be missed, or say `allow always_paid \"...\"`".to_owned()
+    let help = if code == probing::ALWAYS_REWARDED {
+        "reward something that can be missed, or write `allow always_rewarded \"...\"`".to_owned()
     } else {
         let lint = code.lint.map_or(code.id, |lint| lint.name);
-        format!("look for a wrong landmark, unit or sign; if it is meant, say `allow {lint} \"...\"`")
+        format!("look for a wrong landmark, unit or sign; if it is intended, write `allow {lint} \"...\"`")
     };
     at(code, subject.at, message).help(help)
 }
@@ -254,8 +254,8 @@ fn term(
             return None;
         }
         let poses = search.looked - looked + shown.len();
-        let message = format!(" is {} at most in {poses} poses: it pays nothing", amount(tally.all.size()));
-        return Some((probing::NEVER_PAID, true, message));
+        let message = format!(" is {} at most in {poses} poses: it contributes nothing", amount(tally.all.size()));
+        return Some((probing::NEVER_REWARDED, true, message));
     }
     if !standing || about.reads_ends || tally.standing.high.1.is_none() {
         return None;
@@ -268,11 +268,11 @@ fn term(
             let (low, high) = (tally.standing.low.0, about.range.high);
             let poses = search.looked - looked + shown.iter().filter(|shown| shown.stands).count();
             let message = format!(
-                " is at least {} of {} in {poses} poses with a flat foot on the ground: it pays whatever is done",
+                " is at least {} of {} in {poses} poses with a flat foot on the ground: it rewards almost any behaviour",
                 for_people(low),
                 for_people(high)
             );
-            return Some((probing::ALWAYS_PAID, true, message));
+            return Some((probing::ALWAYS_REWARDED, true, message));
         }
     }
     None

@@ -67,7 +67,7 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], e
         let message = format!("the task is `symmetric`, but `{name}` {message}");
         let warning = at(probing::UNMIRRORED, subject.at, message)
             .found(format!("{} of {} states differ, by {} at most", unlike.len(), values.len(), for_people((here - there).abs())))
-            .help("read both sides alike, or leave out `symmetric`");
+            .help("read both sides alike, or remove `symmetric`");
         told.push(warning);
     }
     told

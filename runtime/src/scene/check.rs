@@ -78,7 +78,7 @@ impl SceneBuilder<'_> {
         let dofs: usize = joints().map(|joint| assembly::widths(joint.kind)[1]).sum();
         match (joints().find(|joint| joint.kind == JointKind::Free), joints().next_back()) {
             (Some(free), _) if joints().count() > 1 => refuse(free, "a free body has no other joints"),
-            (Some(free), _) if body.parent != 0 => refuse(free, "only what the world carries can be free"),
+            (Some(free), _) if body.parent != 0 => refuse(free, "only a body that is a child of the world can be free"),
             (None, Some(last)) if dofs > 6 => refuse(last, "its joints have more than six degrees of freedom together"),
             _ => Ok(()),
         }
@@ -145,7 +145,7 @@ fn check_joint(joint: &NewJoint) -> Result<(), BuildError> {
             name: name.clone(),
             what: "axis' length",
             value: 0.0,
-            expected: "it needs a direction",
+            expected: "it must not be a zero vector",
         });
     }
     if let Some([low, high]) = joint.range {
@@ -182,7 +182,7 @@ fn check_heights(name: &str, geom: &NewGeom) -> Result<(), BuildError> {
     };
     let Some(field) = &geom.heights else {
         return if geom.kind == GeomKind::HeightField {
-            wrong("number of heights", 0.0, "a height field needs them")
+            wrong("number of heights", 0.0, "a height field needs heights")
         } else {
             Ok(())
         };

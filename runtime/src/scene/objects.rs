@@ -159,7 +159,7 @@ impl Bits {
 fn carrier(object: &Object, model: &Model, body: &Body, bodies: &[usize]) -> Result<NewBody, SceneError> {
     let name = free_name(&object.name, &model.bodies.name);
     let wrong = |reason: &str| SceneError::Object { object: object.name.clone(), reason: reason.to_owned() };
-    let orientation = rotation::normalized(object.orientation).ok_or_else(|| wrong("its orientation is no rotation"))?;
+    let orientation = rotation::normalized(object.orientation).ok_or_else(|| wrong("its orientation is not a rotation"))?;
     let position = Vector3::from(object.position);
     let unknown = |name: String| SceneError::Unknown { user: format!("object `{}`", object.name), name };
     Ok(match &object.parent {

@@ -142,7 +142,7 @@ fn outcome(changed: &WithText<'_>, known: &Known<'_>, bodies: &BodyLibrary) -> (
         }
     };
     let Some(found) = compilation.tasks.iter().find(|found| found.name == known.task.name) else {
-        return (Outcome::Killed(Killer::Checks), "the task is gone".to_owned());
+        return (Outcome::Killed(Killer::Checks), "the task does not exist".to_owned());
     };
     if let Some(code) = one_more(&compilation.warnings, known.warnings) {
         return (Outcome::Killed(Killer::Lints), code);
@@ -169,7 +169,7 @@ fn one_more(found: &[Diagnostic], before: &[Diagnostic]) -> Option<String> {
 /// The title of the first test that fails, the short ones played first.
 fn first_failure(tests: &TaskTests, task: &CompiledTask, bodies: &BodyLibrary) -> Option<String> {
     let Ok(body) = bodies.stage(&task.body, &task.scene) else { return Some("the scene cannot be built".to_owned()) };
-    let Ok(mut stage) = Stage::new(tests, &body) else { return Some("the task does not fit its body".to_owned()) };
+    let Ok(mut stage) = Stage::new(tests, &body) else { return Some("the task does not match its body".to_owned()) };
     let mut order: Vec<usize> = (0..tests.tests.len()).collect();
     order.sort_by_key(|&place| length(&tests.tests[place]));
     let failed = order.into_iter().find(|&place| !stage.play(place).passed())?;

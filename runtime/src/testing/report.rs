@@ -177,10 +177,10 @@ impl Judge<'_> {
 
     fn state_of(&self, take: usize, step: Option<u32>) -> String {
         if self.played.get(take).is_some_and(|played| !played.resets.is_empty()) {
-            return format!("{}not so at the reset", self.prefix(take));
+            return format!("{}does not hold at reset", self.prefix(take));
         }
         match step {
-            Some(step) => format!("not so at {}", self.time(step)),
+            Some(step) => format!("does not hold at {}", self.time(step)),
             None => format!("{}{}", self.prefix(take), self.end_of(take)),
         }
     }
@@ -194,7 +194,7 @@ impl Judge<'_> {
                 (0..probe.len()).filter(|&phase| probe[phase].is_some()).map(|phase| format!("`{}`", name(phase))).collect();
             let moment = step.map_or("its end".to_owned(), |step| self.time(step));
             let (prefix, present) = (self.prefix(take), name(seen.phase));
-            return format!("{prefix}at {moment} the phase is `{present}`; this is known in {}", of.join(", "));
+            return format!("{prefix}at {moment} the phase is `{present}`; this is defined in {}", of.join(", "));
         }
         let moment = step.map_or("its end".to_owned(), |step| self.time(step));
         format!("{}{moment} was not reached: {}", self.prefix(take), self.end_of(take))
@@ -206,7 +206,7 @@ impl Judge<'_> {
 
     /// How a take ended.
     fn end_of(&self, take: usize) -> String {
-        let Some(played) = self.played.get(take) else { return "nothing was shown".into() };
+        let Some(played) = self.played.get(take) else { return "the script is empty".into() };
         let time = self.time(played.steps);
         let task = &self.tests.task;
         match &played.ending {

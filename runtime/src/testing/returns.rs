@@ -161,8 +161,8 @@ impl Ranking {
     pub(super) fn failures(&self, test: &TaskTest) -> Vec<Failure> {
         // An exploit that only takes longer is none: what it earns would be what the task asks for.
         if self.returns.success {
-            let expected = "not success, held to the horizon".to_owned();
-            let found = format!("it succeeds after {} steps: this is a demonstration, a `test`", self.returns.steps);
+            let expected = "no success, held to the horizon".to_owned();
+            let found = format!("it succeeds after {} steps: it is a demonstration, use `test`", self.returns.steps);
             return vec![Failure { expected, found, at: test.at, sides: Vec::new() }];
         }
         let Some(demonstration) = &self.demonstration else { return Vec::new() };

@@ -31,13 +31,13 @@ pub enum StorageError {
         found: &'static str,
     },
     /// A link where following one could change a file elsewhere.
-    #[error("`{}` is a symbolic link, which is not followed here: replace the link with a file or folder of its own", path.display())]
+    #[error("`{}` is a symbolic link, which is not followed here: replace the link with a regular file or folder", path.display())]
     Link {
         /// The link.
         path: PathBuf,
     },
     /// Larger than the caller's limit.
-    #[error("`{}` is larger than {limit} bytes, the most that is read of it", path.display())]
+    #[error("`{}` is larger than the limit of {limit} bytes", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -63,7 +63,7 @@ pub enum StorageError {
         path: PathBuf,
     },
     /// A log whose end could not be repaired after a failed append.
-    #[error("`{}` is not written to any more: an append failed and its remains could not be removed; open the log again", path.display())]
+    #[error("`{}` is closed: an append failed and its remains could not be removed; open the log again", path.display())]
     Poisoned {
         /// The log.
         path: PathBuf,
@@ -95,7 +95,7 @@ impl StorageError {
             Self::Outside { .. } => "the path leads out of the folder".into(),
             Self::NotRegular { found, .. } => format!("not a regular file, but {found}"),
             Self::Link { .. } => "a symbolic link, which is not followed here".into(),
-            Self::TooLarge { limit, .. } => format!("larger than {limit} bytes, the most that is read of it"),
+            Self::TooLarge { limit, .. } => format!("larger than the limit of {limit} bytes"),
             Self::NotText { .. } => "not UTF-8 text".into(),
             Self::ReadOnly { .. } => "read-only".into(),
             Self::NoName { .. } => "the path does not name a file".into(),

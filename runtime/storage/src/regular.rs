@@ -55,7 +55,7 @@ pub(crate) fn read(mut file: File, path: &Path, limit: u64) -> Result<Vec<u8>, S
             return Ok(bytes);
         }
     }
-    Err(StorageError::NotRegular { path: path.into(), found: "a file whose size is not what it states" })
+    Err(StorageError::NotRegular { path: path.into(), found: "a file whose size differs from its metadata" })
 }
 
 /// Passes the metadata of regular files on.
@@ -73,6 +73,6 @@ fn kind(kind: FileType) -> &'static str {
         () if kind.is_fifo() => "a named pipe",
         () if kind.is_socket() => "a socket",
         () if kind.is_char_device() || kind.is_block_device() => "a device",
-        () => "no file of a known kind",
+        () => "not a file of a known kind",
     }
 }

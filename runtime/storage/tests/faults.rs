@@ -106,7 +106,7 @@ fn a_log_whose_end_cannot_be_repaired_takes_no_further_line() {
     // Opening is call 0, writing call 1; a crash fails the repair, too.
     let mut log = folder.clone().with_faults(Arc::new(FailAt::new(1, Failure::Crash))).log("log").unwrap();
     log.append(b"second").unwrap_err();
-    assert!(log.append(b"third").unwrap_err().to_string().contains("not written to any more"));
+    assert!(log.append(b"third").unwrap_err().to_string().contains("is closed: an append failed"));
     assert_eq!(fs::read_to_string(place.path().join("log")).unwrap(), "first\nsec");
     let mut log = folder.log("log").unwrap();
     log.append(b"fourth").unwrap();

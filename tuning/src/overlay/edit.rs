@@ -40,7 +40,7 @@ fn added(text: &str, weights: &[(&str, &str, f64)]) -> Result<String, EditError>
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| EditError(error.to_string()))?;
     for &(task, term, weight) in weights {
         let item = document.entry(task).or_insert_with(|| Item::Table(Table::new()));
-        let table = item.as_table_like_mut().ok_or_else(|| EditError(format!("`{task}` is no table of weights")))?;
+        let table = item.as_table_like_mut().ok_or_else(|| EditError(format!("`{task}` is not a table of weights")))?;
         put(table, term, weight);
     }
     let added = document.to_string();
@@ -96,6 +96,6 @@ mod tests {
     fn what_is_no_weights_file_is_not_changed() {
         assert!(edited("pose: 1", &[]).is_err());
         let told = edited("stand = 1", &[("stand", "pose", 1.0)]).unwrap_err().to_string();
-        assert!(told.contains("`stand` stands outside of any task"), "{told}");
+        assert!(told.contains("`stand` is outside of any task"), "{told}");
     }
 }

@@ -54,7 +54,7 @@ impl Overlay {
             let span = error.span().map_or(Span::default(), |span| Span::new(span.start, span.end));
             let message = error.message().lines().next().unwrap_or("this is not TOML").trim().to_owned();
             let told = Diagnostic::new(codes::weights::WEIGHTS_FILE, file, span, message);
-            vec![told.help("a weights file holds a table for each task: `[stand]`, then `pose = 11.5`")]
+            vec![told.help("a weights file contains a table for each task: `[stand]`, then `pose = 11.5`")]
         })?;
         let mut reader = Reader {
             file,
@@ -141,7 +141,7 @@ struct Reader {
 impl Reader {
     fn task(&mut self, name: &str, at: Span, item: &Item) {
         let Some(table) = item.as_table_like() else {
-            let message = format!("`{name}` stands outside of any task");
+            let message = format!("`{name}` is outside of any task");
             let told = Diagnostic::new(codes::weights::NO_WEIGHT, self.file, at, message);
             self.told.push(told.help(format!("write the name of its task above it: `[stand]`, then `{name} = ...`")));
             return;

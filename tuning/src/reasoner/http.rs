@@ -45,9 +45,9 @@ impl Http {
         let url = url.trim_end_matches('/').to_owned();
         let host = url.split_once("://").map(|(_, rest)| rest.split(['/', '?']).next().unwrap_or_default());
         let host =
-            host.filter(|host| !host.is_empty()).ok_or_else(|| format!("`{url}` is no address such as https://host/v1"))?;
+            host.filter(|host| !host.is_empty()).ok_or_else(|| format!("`{url}` is not an address such as https://host/v1"))?;
         if host.contains('@') {
-            return Err("an address holds no name and password: keys come from the environment".into());
+            return Err("an address must not contain a name and password: keys come from the environment".into());
         }
         let name = host.trim_start_matches('[').split([']']).next().unwrap_or_default();
         let name = if host.starts_with('[') { name } else { name.split(':').next().unwrap_or_default() };
@@ -90,7 +90,7 @@ impl Http {
                     return Err(Failure::Lasting(silent(&error.to_string())));
                 }
                 Ok(Err(error)) => return Err(Failure::Passing(silent(&error.to_string()))),
-                Err(RecvTimeoutError::Disconnected) => return Err(Failure::Passing(silent("the call broke off"))),
+                Err(RecvTimeoutError::Disconnected) => return Err(Failure::Passing(silent("the connection was interrupted"))),
                 Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => {
                     return Err(Failure::Lasting(ReasonerError::Interrupted));
                 }

@@ -75,10 +75,10 @@ pub enum ReasonerError {
         reason: String,
     },
     /// It will not answer, however often it is asked.
-    #[error("the reasoner refuses: {0}")]
+    #[error("the reasoner rejects the request: {0}")]
     Refuses(String),
     /// Its answer is no proposal.
-    #[error("the reasoner's answer is no proposal: {source}")]
+    #[error("the reasoner's answer is not a proposal: {source}")]
     Reply {
         /// What is wrong with it.
         source: ReplyError,
@@ -86,7 +86,7 @@ pub enum ReasonerError {
         said: String,
     },
     /// The run was interrupted while it was asked.
-    #[error("interrupted while the reasoner was asked")]
+    #[error("interrupted during a request to the reasoner")]
     Interrupted,
 }
 

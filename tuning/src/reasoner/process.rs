@@ -66,7 +66,7 @@ impl Reasoner for Process {
 impl Process {
     fn ask(&self, question: String, stop: &AtomicBool) -> Result<String, ReasonerError> {
         let silent = |reason: String| ReasonerError::Silent { attempts: 1, reason };
-        let system = |error: io::Error| silent(format!("it cannot be waited for: {error}"));
+        let system = |error: io::Error| silent(format!("waiting for it failed: {error}"));
         let mut group = self.start()?;
         let child = group.child();
         let (Some(mut input), Some(output), Some(errors)) = (child.stdin.take(), child.stdout.take(), child.stderr.take()) else {
@@ -110,7 +110,7 @@ impl Process {
     }
 
     fn failure(&self, status: ExitStatus, errors: &[u8]) -> String {
-        let code = status.code().map_or("a signal ended it".into(), |code| format!("it ended with code {code}"));
+        let code = status.code().map_or("it was ended by a signal".into(), |code| format!("it ended with code {code}"));
         match self.secrets.shown(String::from_utf8_lossy(errors).trim()) {
             errors if errors.is_empty() => code,
             errors => format!("{code}: {errors}"),

@@ -23,14 +23,13 @@ pub fn prompt(request: &Request) -> String {
 }
 
 fn terms(request: &Request, text: &mut String) {
-    let _ = writeln!(text, "Terms (plain numbers without unit):");
+    let _ = writeln!(text, "Terms (dimensionless):");
     for (term, (_, formula)) in request.statistics.terms.iter().zip(&request.formulas) {
         let _ = writeln!(text, "- {} = {formula}", term.term);
         let _ = writeln!(text, "  weight {}, {}; value {}", written(term.weight), allowed(term), range(term.range));
         let _ = writeln!(
             text,
-            "  per step: mean {}, spread {}; share of all pay {}; saturated {}, dead {} of the steps; correlation with success {}, \
-             with survival {}",
+            "  per step: mean {}, standard deviation {}; share of the reward {}; saturated {}, dead {} of the steps; correlation with success {}, with survival {}",
             number(term.mean),
             number(term.deviation),
             percent(term.share),
@@ -93,18 +92,15 @@ fn outcome(request: &Request, text: &mut String) {
 fn rules(request: &Request, text: &mut String) {
     let _ = writeln!(
         text,
-        "Rules: a weight may change by at most {} % of its size; signs stay; a weight of 0 stays 0; each weight stays in what \
-         is allowed above.",
+        "Rules: a weight may change by at most {} % of its size; signs stay; a weight of 0 stays 0; each weight stays within its bounds above.",
         written(100.0 * request.step)
     );
     if let Some(norm) = request.norm {
-        let _ = writeln!(text, "The sizes of all weights that may be changed must sum to {}.", written(norm));
+        let _ = writeln!(text, "The absolute values of all weights that may be changed must sum to {}.", written(norm));
     }
     let _ = write!(
         text,
-        "Weights that you leave out stay as they are.\n\n\
-         Answer with data only: one JSON object {{\"weights\": {{\"term\": number, ...}}, \"reason\": \"one sentence\"}}. \
-         No code, no other words.\n"
+        "Weights that you leave out stay unchanged.\n\nAnswer with data only: one JSON object {{\"weights\": {{\"term\": number, ...}}, \"reason\": \"one sentence\"}}. No code, no other words.\n"
     );
 }
 

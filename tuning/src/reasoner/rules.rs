@@ -39,7 +39,7 @@ impl Reasoner for RuleBook {
             let why: Vec<&str> = found.iter().map(|(_, why)| *why).collect();
             reasons.push(format!("{} {}: {}", term.term, if change > 0.0 { "up" } else { "down" }, why.join(", ")));
         }
-        let reason = if reasons.is_empty() { "nothing stands out".into() } else { reasons.join("; ") };
+        let reason = if reasons.is_empty() { "no term is unusual".into() } else { reasons.join("; ") };
         Ok(Proposal { weights, reason, by: String::new() })
     }
 }
@@ -55,11 +55,11 @@ fn judge(term: &TermStatistics) -> Vec<(f64, &'static str)> {
     let paid = term.weight > 0.0;
     let top = term.range[1].filter(|top| *top > 0.0);
     if always(term.saturated) && paid {
-        found.push((-0.5, "it is always fully paid and teaches nothing"));
+        found.push((-0.5, "it is always saturated and gives no signal"));
     } else if let (true, Some(mean), Some(top)) = (paid, term.mean, top)
         && mean < 0.5 * top
     {
-        found.push((1.0 - (mean / top).at_least(0.0), "it is deficient"));
+        found.push((1.0 - (mean / top).at_least(0.0), "it has low values"));
     }
     let related = term.with_success.or(term.with_survival).unwrap_or(0.0);
     if related > RELATED && paid {
@@ -73,7 +73,7 @@ fn judge(term: &TermStatistics) -> Vec<(f64, &'static str)> {
         found.push((-0.5, "it outweighs all others"));
     }
     if !paid && share < -DEAR {
-        found.push((-1.0, "the price outweighs what is won"));
+        found.push((-1.0, "the cost outweighs the reward"));
     }
     found
 }

@@ -16,7 +16,7 @@ pub enum SettingsError {
     #[error("cannot read the reasoner's settings: {0}")]
     Unreadable(#[from] StorageError),
     /// The file is not what is expected.
-    #[error("`{}` holds no settings of a reasoner: {reason}", path.display())]
+    #[error("`{}` contains no settings of a reasoner: {reason}", path.display())]
     Wrong {
         /// The file.
         path: PathBuf,
@@ -30,7 +30,7 @@ pub enum SettingsError {
         variable: String,
     },
     /// A variable that a program is to get is not in the environment.
-    #[error("the environment variable `{variable}` is not set: `environment` names it for the reasoner")]
+    #[error("the environment variable `{variable}` is not set: `environment` lists it for the reasoner")]
     NoVariable {
         /// The variable.
         variable: String,

@@ -100,7 +100,7 @@ pub enum SessionError {
         counted: u64,
     },
     /// The weights cannot keep the rules from the beginning.
-    #[error("the weights cannot be brought to the norm: {0}")]
+    #[error("the weights cannot be scaled to the norm: {0}")]
     Norm(String),
     /// A setting that makes no sense.
     #[error("{0}")]

@@ -120,7 +120,7 @@ impl Settings {
             return wrong("the interval and the number of rounds must be at least 1".into());
         }
         if !(self.rules.step > 0.0 && self.rules.step <= 1.0) {
-            return wrong(format!("a step is a part of a weight, above 0 and at most 1, not {}", self.rules.step));
+            return wrong(format!("a step is a fraction of a weight, above 0 and at most 1, not {}", self.rules.step));
         }
         if let Some(norm) = self.rules.norm.filter(|norm| !(*norm > 0.0 && norm.is_finite())) {
             return wrong(format!("a norm is a number above 0, not {norm}"));
@@ -130,7 +130,7 @@ impl Settings {
             let label = name.split('[').next().unwrap_or(name);
             if !known.contains(&label) {
                 let known = if known.is_empty() { "it logs none".into() } else { format!("it logs: {}", known.join(", ")) };
-                return wrong(format!("task `{}` has no metric `{name}`; {known}; or say success or survival", task.name));
+                return wrong(format!("task `{}` has no metric `{name}`; {known}; or use success or survival", task.name));
             }
         }
         Ok(())
@@ -157,7 +157,7 @@ impl Settings {
         });
         let text = format!("{identity:#}\n");
         let other = |difference: String| {
-            SessionError::Setting(format!("`{}` holds another session: {difference}", folder.path().display()))
+            SessionError::Setting(format!("`{}` contains another session: {difference}", folder.path().display()))
         };
         let path = Path::new("tune.json");
         let Some(before) = folder.read_text(path, LARGEST)? else { return Ok(folder.replace(path, text.as_bytes())?) };

@@ -189,7 +189,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, present: Option<&Version>) -> Resu
     Ok(entries)
 }
 
-const STRAY: &str = "the end of a change that was not begun";
+const STRAY: &str = "the end of a change that was not started";
 
 fn parse(line: &[u8]) -> Result<Line, String> {
     let line = serde_json::from_slice(line).map_err(|error| error.to_string())?;

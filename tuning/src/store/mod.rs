@@ -40,7 +40,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// The history holds something else than what is written there.
-    #[error("the history `{}` is damaged, {line}: {reason}; move the file away to begin a new history", path.display())]
+    #[error("the history `{}` is damaged, {line}: {reason}; move the file away to start a new history", path.display())]
     History {
         /// The history.
         path: PathBuf,

@@ -40,7 +40,7 @@ impl Graph {
             | Operation::Noise(..)
             | Operation::PhaseSuccess(_) => true,
         };
-        if fits { Ok(()) } else { wrong("widths that do not meet") }
+        if fits { Ok(()) } else { wrong("widths that do not match") }
     }
 
     /// Looks whether a node is as wide as it must be.
@@ -48,7 +48,7 @@ impl Graph {
         let width = self.width(id);
         if width != expected {
             let name = self.node(id).operation.name();
-            self.found(format!("a value of {expected} lanes stands at a node of {width} ({name})"));
+            self.found(format!("a value of {expected} lanes at a node of width {width} ({name})"));
         }
     }
 
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "a value of 3 lanes stands at a node of 1")]
+    #[should_panic(expected = "a value of 3 lanes at a node of width 1")]
     fn a_value_is_as_wide_as_its_node() {
         let mut graph = Graph::default();
         let one = graph.constant(1.0);

@@ -9,7 +9,7 @@ macro_rules! words {
         impl $kind {
             /// All of them.
             #[cfg(test)]
-            #[allow(dead_code, reason = "what chance draws from is no operation on numbers")]
+            #[allow(dead_code, reason = "a distribution is not an operation on numbers")]
             pub const ALL: &[Self] = &[$(Self::$variant),*];
 
             pub(super) fn word(self) -> &'static str {

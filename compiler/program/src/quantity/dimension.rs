@@ -155,7 +155,7 @@ impl Dimension {
     /// What a reader calls such a quantity: `a speed (m/s)`, `a plain number`.
     pub fn described(self) -> String {
         if self.is_none() {
-            return "a plain number".to_owned();
+            return "a dimensionless number".to_owned();
         }
         match NAMED.iter().find(|(_, dimension)| *dimension == self) {
             Some((name, _)) => {

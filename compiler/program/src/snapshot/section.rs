@@ -79,7 +79,7 @@ impl Display for Snapshot {
 
 /// Why a text is no snapshot.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line} of the snapshot: expected {expected}, found `{found}`; write it anew with `msk snapshot`")]
+#[error("line {line} of the snapshot: expected {expected}, found `{found}`; rewrite it with `msk snapshot`")]
 pub struct Unreadable {
     /// Counted from 1.
     pub line: usize,

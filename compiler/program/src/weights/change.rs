@@ -41,7 +41,7 @@ pub enum Problem {
         nearest: Vec<String>,
     },
     /// Several tasks have it.
-    #[error("several tasks have a term `{term}`: say {}", .tasks.iter().map(|task| format!("`{task}.{term}`")).collect::<Vec<_>>().join(" or "))]
+    #[error("several tasks have a term `{term}`: write {}", .tasks.iter().map(|task| format!("`{task}.{term}`")).collect::<Vec<_>>().join(" or "))]
     Ambiguous {
         /// As wished.
         term: String,
@@ -63,7 +63,7 @@ pub enum Problem {
         value: f64,
     },
     /// The author does not allow it.
-    #[error("{task}.{term} may not become {}: it is {} and {}", written(*.wished), written(*.now), allowed(*.bounds, *.now))]
+    #[error("{task}.{term} cannot be {}: it is {} and {}", written(*.wished), written(*.now), allowed(*.bounds, *.now))]
     OutOfBounds {
         /// The task.
         task: String,

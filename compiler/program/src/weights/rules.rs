@@ -76,7 +76,7 @@ pub enum RuleError {
         value: f64,
     },
     /// The weights cannot reach the norm in one step.
-    #[error("sizes that sum to {} cannot be reached in one step: within bounds they sum to {} to {}", for_people(*.wanted), for_people(*.low), for_people(*.high))]
+    #[error("a sum of absolute values of {} cannot be reached in one step: within bounds it is {} to {}", for_people(*.wanted), for_people(*.low), for_people(*.high))]
     Unreachable {
         /// The norm.
         wanted: f64,

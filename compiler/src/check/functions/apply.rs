@@ -67,7 +67,7 @@ pub(super) fn apply<'a>(checker: &mut Checker<'a>, call: &Call<'a>, signatures: 
     let (bound, shape) = bind(checker, call, signature, exprs, data)?;
     let reduces = matches!(signature.parameter(0).shapes, Shapes::List | Shapes::OneOrList);
     let Some(kind) = signature.gives.kind(&bound, (!reduces).then_some(shape)) else {
-        let message = format!("the unit of this {} is beyond reason", signature.gives.noun());
+        let message = format!("the exponents of the unit of this {} are too large", signature.gives.noun());
         return Err(checker.error(codes::types::POWER, bound.exprs[0].span, message));
     };
     let node = match &signature.computes {
@@ -99,7 +99,7 @@ fn in_order<'a>(
     let span = exprs[bottom].span.to(exprs[top].span);
     let unit = spoken_unit(&data[top].kind, [exprs[top]]);
     let (range, _) = unit.tell_beside([high, low], low);
-    let message = format!("the bounds of `{}` are exchanged: the lower comes first", call.name);
+    let message = format!("the bounds of `{}` are swapped: the lower bound comes first", call.name);
     let diagnostic = checker.diagnostic(codes::tasks::OUT_OF_RANGE, span, message).expected(range);
     Err(checker.report(diagnostic))
 }
@@ -153,10 +153,10 @@ fn same_axes<'a>(checker: &mut Checker<'a>, call: &Call<'a>, kinds: &[Type]) -> 
     let Some((_, frame)) = axes(left).filter(|own| Some(*own) != axes(right)) else { return Ok(()) };
     let (expected, found) = (left.described(checker.vocabulary), right.described(checker.vocabulary));
     let diagnostic = checker
-        .diagnostic(codes::types::FRAMES_DIFFER, call.span, "these vectors are counted in different axes")
+        .diagnostic(codes::types::FRAMES_DIFFER, call.span, "these vectors are expressed in different frames")
         .expected(expected)
         .found(found)
-        .help(format!("express the second in the axes of the first: `(... in {})`", frame.name(checker.vocabulary)));
+        .help(format!("express the second in the frame of the first: `(... in {})`", frame.name(checker.vocabulary)));
     Err(checker.report(diagnostic))
 }
 
@@ -245,7 +245,7 @@ impl<'a> Checker<'a> {
             let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, message).found(found);
             let single = call.name == "norm" && data.kind.all(ElementType::is_number);
             return Err(self.report(if single {
-                diagnostic.help("this is one number already; its size is `abs(x)`")
+                diagnostic.help("this is a single number; its absolute value is `abs(x)`")
             } else {
                 diagnostic
             }));
@@ -257,13 +257,13 @@ impl<'a> Checker<'a> {
         let diagnostic = self
             .diagnostic(codes::types::MIXED, expr.span, message)
             .found(found)
-            .help("take the hinges or the slides alone: `hinges.q`, `slides.q`, `independent.q`");
+            .help("use only hinges or only slides: `hinges.q`, `slides.q`, `independent.q`");
         Err(self.report(diagnostic))
     }
 
     fn not_one(&mut self, call: &Call<'a>, parameter: &Parameter, data: &TypedValue, expr: &'a Expr) -> Reported {
         let found = data.kind.described(self.vocabulary);
-        let message = format!("`{}` takes one value for its {}, this is a list", call.name, parameter.name);
+        let message = format!("`{}` takes one value for its {}, found a list", call.name, parameter.name);
         let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, message).found(found);
         self.report(diagnostic)
     }
@@ -301,15 +301,15 @@ impl<'a> Checker<'a> {
             (Takes::Summed | Takes::Averaged, _) => {
                 let place = matches!(data.kind.element(), Some(ElementType::Place(_)));
                 let code = if place { codes::types::PLACES } else { codes::types::WRONG_TYPE };
-                let message = format!("`{name}` has no meaning here");
+                let message = format!("`{name}` is not defined for this value");
                 self.diagnostic(code, expr.span, message).help("`mean` of places is a place")
             }
             (_, Shapes::List) => diagnostic(self, format!("`{name}` takes a list of numbers")),
             _ => {
                 let told = diagnostic(self, format!("`{name}` takes numbers"));
                 match data.kind.element() {
-                    Some(ElementType::Vector { .. }) => told.help("take its length, `norm(v)`, or one component, such as `.z`"),
-                    Some(ElementType::Bool) => told.help("a condition begins at `rising(c)` and ends at `falling(c)`"),
+                    Some(ElementType::Vector { .. }) => told.help("use its length, `norm(v)`, or one component, such as `.z`"),
+                    Some(ElementType::Bool) => told.help("`rising(c)` and `falling(c)` are the start and the end of a condition"),
                     _ => told,
                 }
             }

@@ -43,7 +43,7 @@ fn pairs<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Pairs> {
     let (first, second) = (checker.value(a), checker.value(b));
     let (first, second) = (first?, second?);
     if first == second && !matches!(first, Value::Typed(_)) {
-        let message = format!("both sides of `{}` are the same thing", call.name);
+        let message = format!("both arguments of `{}` are identical", call.name);
         return Err(checker.error(codes::types::WRONG_TYPE, call.span, message));
     }
     let with_ground = [&first, &second].contains(&&Value::Entity(EntityRef::Ground));
@@ -63,14 +63,14 @@ fn pairs<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Pairs> {
         _ => some.iter().flat_map(|&part| others.iter().map(move |&other| (part, other))).collect(),
     };
     if list && union {
-        let message = "a list cannot meet a pattern here";
+        let message = "a list and a pattern cannot be paired";
         let diagnostic = checker
             .diagnostic(codes::types::WRONG_TYPE, call.span, message)
-            .help("name the set as a `group`, which counts as one thing");
+            .help("declare the set as a `group`, which acts as one entity");
         return Err(checker.report(diagnostic));
     }
     if pairs.is_empty() {
-        return Err(checker.error(codes::names::NOTHING_FITS, call.span, "one side of this is empty: there is nothing to touch"));
+        return Err(checker.error(codes::names::NOTHING_FITS, call.span, "one argument is empty: there is nothing to touch"));
     }
     checker.spend(pairs.len(), call.span)?;
     Ok(Pairs { pairs, list })
@@ -105,11 +105,11 @@ fn part(checker: &mut Checker<'_>, thing: EntityRef, span: Span) -> Checked<Part
         EntityRef::Ground => Err(checker.no_ground(span)),
         EntityRef::Landmark(index) if checker.can_touch(index) => Ok(Part::Landmark(index)),
         other => {
-            let message = format!("{} has nothing solid, so it cannot touch anything", checker.thing_name(other));
+            let message = format!("{} has no solid shape, so it cannot touch anything", checker.thing_name(other));
             let diagnostic = checker.diagnostic(codes::names::UNKNOWN_PROPERTY, span, message);
             let own = matches!(other, EntityRef::Landmark(index) if !checker.vocabulary.landmarks[index].of_scene);
             let help = if own {
-                format!("those that have one: {}", checker.segments_in_words())
+                format!("landmarks with one: {}", checker.segments_in_words())
             } else {
                 "a landmark with a segment, an object, `robot` or `ground` can touch".to_owned()
             };
@@ -137,7 +137,7 @@ impl Checker<'_> {
     pub(crate) fn no_ground(&mut self, span: Span) -> Reported {
         let diagnostic = self
             .diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground")
-            .help("say `ground` in the scene, or that something of it is `walkable`");
+            .help("declare `ground` in the scene, or mark an object `walkable`");
         self.report(diagnostic)
     }
 

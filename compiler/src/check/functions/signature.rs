@@ -221,8 +221,8 @@ impl fmt::Display for Takes {
             Self::Place => "a place",
             Self::Rotation => "an orientation",
             Self::Anything => "anything",
-            Self::Duration => "a duration known while compiling",
-            Self::TimeConstant => "a positive time known while compiling",
+            Self::Duration => "a constant duration",
+            Self::TimeConstant => "a constant positive time",
         })
     }
 }
@@ -230,24 +230,24 @@ impl fmt::Display for Takes {
 impl fmt::Display for Gives {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Same => "what it takes",
+            Self::Same => "the type of its argument",
             Self::ElementAt { .. } => "that element",
             Self::Quantity(dimension) => return formatter.write_str(&dimension.described()),
             Self::Whole => "a whole number",
             Self::Condition => "a condition",
             Self::WrappingAngle => "an angle that wraps",
             Self::Magnitude => "a number of that dimension, which does not wrap",
-            Self::Unsigned => "what it takes, which does not wrap",
-            Self::Blend => "what it takes, never whole",
-            Self::Sum => "what it takes; of conditions a whole number",
-            Self::Mean => "what it takes, never whole",
+            Self::Unsigned => "the type of its argument, without wrapping",
+            Self::Blend => "the type of its argument, never whole",
+            Self::Sum => "the type of its argument; of conditions a whole number",
+            Self::Mean => "the type of its argument, never whole",
             Self::Root => "a number, half the powers of the dimension",
-            Self::Rate => "what it takes over time; of places a vector",
+            Self::Rate => "the type of its argument per time; of places a vector",
             Self::Integral => "a number, times time",
-            Self::Product => "a number, as many powers of the dimension",
-            Self::Dot => "a number of both dimensions",
-            Self::Cross => "a vector of both dimensions",
-            Self::Direction => "a vector without unit",
+            Self::Product => "a number, the power of the dimension by the length of the list",
+            Self::Dot => "a number, the product of the dimensions",
+            Self::Cross => "a vector, the product of the dimensions",
+            Self::Direction => "a dimensionless vector",
         })
     }
 }
@@ -338,10 +338,10 @@ impl Signature {
             let names: Vec<String> = group.iter().map(|parameter| format!("`{}`", parameter.name)).collect();
             let (names, takes) = (names.join(", "), group[0].takes);
             match group[0].shapes {
-                Shapes::List => format!("{names}: a list, each {takes}"),
+                Shapes::List => format!("{names}: a list, each element {takes}"),
                 Shapes::OneOrList => format!("{names}: {takes}, or a list"),
                 Shapes::One => format!("{names}: {takes}, never a list"),
-                Shapes::Each if group[0].alike && group.len() > 1 => format!("{names}: each {takes}, alike"),
+                Shapes::Each if group[0].alike && group.len() > 1 => format!("{names}: each {takes}, of the same type"),
                 Shapes::Each => format!("{names}: {takes}"),
             }
         });

@@ -112,7 +112,7 @@ impl<'a> Checker<'a> {
     pub(super) fn time_constant(&mut self, expr: &'a Expr) -> Checked<f64> {
         let time = self.number_of(expr, Dimension::TIME, "`smooth`'s time constant")?;
         self.graph.constant_value(time.node).filter(|time| *time > 0.0).ok_or_else(|| {
-            let message = "the time constant must be known while compiling and positive";
+            let message = "the time constant must be positive and a compile-time constant";
             self.error(codes::types::NOT_CONSTANT, expr.span, message)
         })
     }

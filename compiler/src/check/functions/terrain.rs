@@ -84,9 +84,9 @@ impl<'a> Checker<'a> {
 
     fn not_a_query(&mut self, expr: &Expr) -> Reported {
         let diagnostic = self
-            .diagnostic(codes::scene::QUERY, expr.span, "no sensor can look there")
-            .expected("a landmark, the position of one, or a place known while compiling")
-            .help("an offset along the heading is given apart: `ground_height(pelvis, [0.3 m, 0, 0])`");
+            .diagnostic(codes::scene::QUERY, expr.span, "a sensor cannot measure here")
+            .expected("a landmark, the position of one, or a constant place")
+            .help("pass an offset along the heading as a separate argument: `ground_height(pelvis, [0.3 m, 0, 0])`");
         self.report(diagnostic)
     }
 
@@ -106,7 +106,7 @@ impl<'a> Checker<'a> {
         match self.value(inner)? {
             Value::Entity(EntityRef::Landmark(index)) => Ok(index),
             _ => {
-                let message = "only a landmark looks";
+                let message = "expected a landmark as the origin";
                 let example = if heading { "write `scan(heading(pelvis), ...)`" } else { "name one: `torso`" };
                 let diagnostic = self.diagnostic(codes::scene::QUERY, expr.span, message).help(example);
                 Err(self.report(diagnostic))
@@ -119,7 +119,7 @@ impl<'a> Checker<'a> {
         if value > 0.0 {
             return Ok(value);
         }
-        Err(self.error(codes::scene::SIZE, expr.span, format!("{name} is above 0")))
+        Err(self.error(codes::scene::SIZE, expr.span, format!("{name} must be positive")))
     }
 }
 
@@ -134,7 +134,7 @@ fn ground<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<(Vec<Origin
     let offset = checker.fixed_bracket(offset, Dimension::LENGTH, "the offset")?;
     let (origins, list) = checker.origins(place, offset)?;
     if origins.iter().any(|origin| matches!(origin, Origin::World(_))) {
-        let message = "an offset is counted along the heading of a landmark; a place has none";
+        let message = "an offset is along the heading of a landmark; a place has no heading";
         return Err(checker.error(codes::scene::QUERY, call.span, message));
     }
     Ok((origins, list))
@@ -169,7 +169,7 @@ pub(super) fn scan<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<Ty
     let lanes = checker.graph.constant_lanes(data.node).filter(|lanes| lengths && lanes.len() % 2 == 0);
     let Some(lanes) = lanes.filter(|lanes| !lanes.is_empty() && lanes.len() as f64 <= 2.0 * MOST) else {
         let diagnostic = checker
-            .diagnostic(codes::scene::QUERY, offsets.span, "`scan` looks at points ahead of a landmark, known while compiling")
+            .diagnostic(codes::scene::QUERY, offsets.span, "`scan` takes constant offsets from a landmark")
             .expected("pairs of lengths, forward and left: `[[0.3 m, 0.3 m], [0.3 m, 0 m], [0.3 m, -0.3 m]]`")
             .found(data.kind.described(checker.vocabulary));
         return Err(checker.report(diagnostic));
@@ -192,8 +192,8 @@ pub(super) fn radar<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> Checked<T
         checker.vocabulary.groups.iter().position(|known| known.kind == GroupKind::Landmarks && known.members == landmarks);
     let Some(known) = known else {
         let diagnostic = checker
-            .diagnostic(codes::scene::QUERY, group.span, "a radar looks for the members of a group of objects")
-            .help("name the set in the scene: `group poles = pole_{*}`");
+            .diagnostic(codes::scene::QUERY, group.span, "a radar detects the members of a group of objects")
+            .help("declare the set in the scene: `group poles = pole_{*}`");
         return Err(checker.report(diagnostic));
     };
     let count = checker.whole(sectors)?;

@@ -60,8 +60,8 @@ pub(super) fn neutral<'a>(checker: &mut Checker<'a>, bound: &Bound<'a>) -> Check
     let lanes: Option<Vec<f64>> = known.iter().map(|bounds| bounds.single()).collect();
     let Some(lanes) = lanes else {
         let diagnostic = checker
-            .diagnostic(codes::types::NOT_CONSTANT, bound.exprs[0].span, "the standing pose does not settle this value")
-            .help("places, axes, joint coordinates and velocities are known there; forces and muscle lengths are not");
+            .diagnostic(codes::types::NOT_CONSTANT, bound.exprs[0].span, "the standing pose does not determine this value")
+            .help("places, axes, joint coordinates and velocities are known in the standing pose; forces and muscle lengths are not");
         return Err(checker.report(diagnostic));
     };
     Ok(checker.graph.constants(&lanes))

@@ -79,8 +79,8 @@ impl<'a> Checker<'a> {
             return Ok(());
         }
         let diagnostic = self
-            .diagnostic(codes::types::NOT_CONSTANT, span, format!("{wanted_by} is needed before the first snapshot"))
-            .help("it may read numbers, constants and what a `random` draws, but no signal of the body");
+            .diagnostic(codes::types::NOT_CONSTANT, span, format!("{wanted_by} is evaluated before the first snapshot"))
+            .help("it may read numbers, constants and a `random`, but no signal of the body");
         Err(self.report(diagnostic))
     }
 }

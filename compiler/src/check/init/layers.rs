@@ -51,8 +51,8 @@ impl<'a> Checker<'a> {
             if !rows.take_out_where(inherited) {
                 let names = rows.keys().filter(|(_, of)| *of < layer).filter_map(|(name, _)| name.as_deref());
                 let message = match layer {
-                    0 => "only a task that extends another can remove a part of its beginning".to_owned(),
-                    _ => format!("the extended task's beginning has no `{pattern}`"),
+                    0 => "only a task that extends another can remove a part of `init`".to_owned(),
+                    _ => format!("the `init` of the base task has no `{pattern}`"),
                 };
                 let diagnostic = overrides_nothing(message, &pattern, self.place.file, remove.name.span, names);
                 failures.add(self.report(diagnostic));

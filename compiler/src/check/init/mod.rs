@@ -49,11 +49,9 @@ impl<'a> Checker<'a> {
             let InitStatement::Object(element) = entry else { continue };
             let name = element.object.text.as_str();
             if placed.contains(&name) {
-                let message = format!("`{name}` is said twice");
+                let message = format!("`{name}` is declared twice");
                 let diagnostic = self.diagnostic(codes::tasks::REPEATED, element.object.span, message);
-                self.report(
-                    diagnostic.help(format!("write all of it in one block: `{name} {{ height on ground, heading 90 deg }}`")),
-                );
+                self.report(diagnostic.help(format!("write one block: `{name} {{ height on ground, heading 90 deg }}`")));
             }
             placed.push(name);
         }
@@ -85,7 +83,7 @@ impl<'a> Checker<'a> {
         }
         if posed.is_none() {
             let diagnostic = self
-                .diagnostic(codes::tasks::MISSING, span, "`init` does not say in which pose the body begins")
+                .diagnostic(codes::tasks::MISSING, span, "`init` does not declare a `pose`")
                 .help("write `pose neutral`, or another pose of the body, or the name of a `reference`");
             return Err(self.report(diagnostic));
         }
@@ -93,8 +91,8 @@ impl<'a> Checker<'a> {
         let placed = beginning.init.drawn.iter().any(|(setting, _)| *setting == Setting::RootHeight);
         if root.height.is_none() && root.meets.is_empty() && !placed && !failures.any() && !self.has_ground() {
             let diagnostic =
-                self.diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground on which the body could begin").help(
-                    "say `ground` in the scene, or where the root is: `root { height 1 m }`, `root { align palm_l to bar.grip }`",
+                self.diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground for the initial state").help(
+                    "declare `ground` in the scene, or place the root: `root { height 1 m }`, `root { align palm_l to bar.grip }`",
                 );
             return Err(self.report(diagnostic));
         }
@@ -121,7 +119,7 @@ impl<'a> Checker<'a> {
     /// `settle 50 ms with activation 0.2 at rest`: a whole number of physics steps.
     fn settle(&mut self, settle: &'a Settle, init: &mut Init) -> Checked<()> {
         if init.settle.is_some() {
-            return Err(self.error(codes::tasks::REPEATED, settle.span, "`settle` is said twice"));
+            return Err(self.error(codes::tasks::REPEATED, settle.span, "`settle` is declared twice"));
         }
         let steps = self.physics_steps(&settle.duration)?;
         let activation = match &settle.activation {
@@ -146,7 +144,7 @@ impl<'a> Checker<'a> {
             (Some(seconds), Type::One(ElementType::Number(Dimension::TIME))) => seconds / step,
             _ => {
                 let diagnostic = self
-                    .diagnostic(codes::types::DURATION, expr.span, "`settle` takes a duration known while compiling")
+                    .diagnostic(codes::types::DURATION, expr.span, "`settle` takes a constant duration")
                     .expected("`50 ms`, or `50 steps` of the physics");
                 return Err(self.report(diagnostic));
             }

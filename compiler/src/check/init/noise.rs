@@ -26,7 +26,7 @@ impl<'a> Checker<'a> {
         list.resize(self.vocabulary.joints.len(), Spread::None);
         for &joint in &target.joints {
             if list[joint] != Spread::None {
-                let message = format!("the noise of the joint `{}` is said twice", self.vocabulary.joints[joint].name);
+                let message = format!("the noise of the joint `{}` is declared twice", self.vocabulary.joints[joint].name);
                 return Err(self.error(codes::tasks::REPEATED, noise.span, message));
             }
             list[joint] = spread;
@@ -47,12 +47,12 @@ impl<'a> Checker<'a> {
             return Ok(());
         }
         let unit = spoken::written(dimension, [&noise.distribution]);
-        let message = "this noise is wider than the range of every joint that it shakes";
+        let message = "this noise is wider than the range of every joint that it affects";
         let diagnostic = self
             .diagnostic(codes::tasks::OUT_OF_RANGE, noise.distribution.span, message)
             .expected(format!("at most {}", unit.tell(widest)))
             .found(unit.tell(size));
-        Err(self.report(if unit.name == "rad" { diagnostic.help("was it meant in `deg`?") } else { diagnostic }))
+        Err(self.report(if unit.name == "rad" { diagnostic.help("did you mean `deg`?") } else { diagnostic }))
     }
 
     fn noise_target(&mut self, noise: &'a Noise, members: Vec<usize>, dimension: Dimension) -> Checked<Target> {
@@ -64,10 +64,10 @@ impl<'a> Checker<'a> {
             _ if coordinates.contains(&dimension) => (dimension, false),
             _ if rates.contains(&dimension) => (dimension, true),
             _ => {
-                let message = "noise goes on coordinates or velocities of joints";
+                let message = "noise applies to coordinates or velocities of joints";
                 let diagnostic = self
                     .diagnostic(codes::types::DIMENSIONS_DIFFER, noise.distribution.span, message)
-                    .expected("rad or rad/s, of slides m or m/s")
+                    .expected("rad or rad/s, for slides m or m/s")
                     .found(dimension.described());
                 return Err(self.report(diagnostic));
             }
@@ -86,8 +86,8 @@ impl<'a> Checker<'a> {
         let joints: Vec<usize> = members.iter().copied().filter(free).collect();
         if joints.is_empty() {
             let diagnostic = self
-                .diagnostic(codes::tasks::SLAVED, noise.target.span, "none of these joints can have this noise")
-                .help("noise goes on independent joints of its unit: coupled ones follow, and the root keeps its place");
+                .diagnostic(codes::tasks::SLAVED, noise.target.span, "none of these joints has this unit")
+                .help("noise applies to independent joints of its unit: coupled joints follow, and the root keeps its place");
             return Err(self.report(diagnostic));
         }
         Ok(Target { joints, velocities })
@@ -112,9 +112,9 @@ impl<'a> Checker<'a> {
             Some(joints) if !joints.is_empty() => Ok(joints),
             _ => {
                 let diagnostic = self
-                    .diagnostic(codes::tasks::UNKNOWN_SETTING, target.span, "noise cannot be put on this")
+                    .diagnostic(codes::tasks::UNKNOWN_SETTING, target.span, "noise cannot be applied to this")
                     .expected("`noise joints ...`, `noise velocities ...`, or `noise` on joints by name or group")
-                    .help("noise goes on independent joints: coupled ones follow, and the root keeps its place");
+                    .help("noise applies to independent joints: coupled joints follow, and the root keeps its place");
                 Err(self.report(diagnostic))
             }
         }
@@ -138,7 +138,7 @@ impl<'a> Checker<'a> {
                 _ => {}
             }
         }
-        let message = "the noise of a beginning is `normal(0, deviation)` or `uniform(low .. high)`";
+        let message = "noise is `normal(0, deviation)` or `uniform(low .. high)`";
         Err(self.error(codes::tasks::UNKNOWN_SETTING, distribution.span, message))
     }
 
@@ -151,7 +151,7 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::tasks::OUT_OF_RANGE, mean.span, "noise has mean 0; put the offset into the pose"));
         }
         if value < 0.0 {
-            return Err(self.error(codes::tasks::OUT_OF_RANGE, deviation.span, "a standard deviation is not negative"));
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, deviation.span, "a standard deviation cannot be negative"));
         }
         Ok((Spread::Normal(value), dimension))
     }
@@ -160,7 +160,7 @@ impl<'a> Checker<'a> {
         let dimension = self.dimension_of(high)?;
         let [low_value, high_value] = self.fixed_range(low, high, dimension, "the noise")?;
         if low_value >= high_value {
-            return Err(self.error(codes::tasks::OUT_OF_RANGE, span.span, "the lower end is not below the upper"));
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, span.span, "the lower end must be below the upper end"));
         }
         Ok((Spread::Uniform(low_value, high_value), dimension))
     }
@@ -171,7 +171,7 @@ impl<'a> Checker<'a> {
             Some(dimension) => Ok(dimension),
             None => {
                 let found = data.kind.described(self.vocabulary);
-                let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, "a number is wanted here").found(found);
+                let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, expr.span, "expected a number").found(found);
                 Err(self.report(diagnostic))
             }
         }

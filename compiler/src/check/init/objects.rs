@@ -71,7 +71,7 @@ impl<'a> Checker<'a> {
             }
             other => {
                 let message =
-                    format!("{} is no object of the scene; joints of the body are set in the pose", self.thing_name(other));
+                    format!("{} is not an object of the scene; set joints of the body in the pose", self.thing_name(other));
                 return Err(self.error(codes::types::WRONG_TYPE, field.span, message));
             }
         };
@@ -104,10 +104,10 @@ impl<'a> Checker<'a> {
                 Ok(())
             }
             _ => {
-                let message = format!("`{name}` cannot be given `{word}`");
+                let message = format!("`{name}` does not take `{word}`");
                 let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
                 let diagnostic =
-                    diagnostic.help(format!("a free object is given {}", FREE.map(|word| format!("`{word}`")).join(", ")));
+                    diagnostic.help(format!("a free object takes {}", FREE.map(|word| format!("`{word}`")).join(", ")));
                 Err(self.report(diagnostic))
             }
         }
@@ -123,11 +123,11 @@ impl<'a> Checker<'a> {
             .filter(|word| !word.contains('.'))
             .collect();
         let help = if joints.is_empty() {
-            "it stands still; where it is, the scene says".to_owned()
+            "it is fixed; its place is declared in the scene".to_owned()
         } else {
             format!("it has the joints {}: `{name} {{ {} ... }}`", joints.join(", "), joints[0])
         };
-        let message = format!("`{name}` is not free, so it cannot be given `{}`", field.name.text);
+        let message = format!("`{name}` is not free, so it does not take `{}`", field.name.text);
         let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message).help(help);
         self.report(diagnostic)
     }

@@ -98,7 +98,7 @@ impl<'a> Checker<'a> {
         }
         for thing in things {
             let EntityRef::Joint(index) = thing else {
-                let message = format!("a pose sets joints; this is {}", self.thing_name(thing));
+                let message = format!("a pose sets joints, found {}", self.thing_name(thing));
                 return Err(self.error(codes::types::WRONG_TYPE, adjustment.target.span, message));
             };
             if std::mem::replace(&mut set[index], true) {
@@ -119,10 +119,10 @@ impl<'a> Checker<'a> {
         };
         let chosen = self.fixed_number(value, dimension, &format!("the joint `{}`", joint.name))?;
         if !joint.independent {
-            let message = format!("the joint `{}` follows another by a coupling; its coordinate cannot be chosen", joint.name);
+            let message = format!("the joint `{}` is coupled to another joint; its coordinate cannot be set", joint.name);
             let diagnostic = self
                 .diagnostic(codes::tasks::SLAVED, named, message)
-                .help("set the joint that it follows; `msk vocabulary` lists the independent ones");
+                .help("set the independent joint of its coupling; `msk vocabulary` lists the independent joints");
             return Err(self.report(diagnostic));
         }
         if let Some([low, high]) = joint.range
@@ -130,7 +130,7 @@ impl<'a> Checker<'a> {
         {
             let shown = told_apart(&[low * factor, high * factor, chosen * factor]);
             let diagnostic = self
-                .diagnostic(codes::tasks::OUT_OF_RANGE, value.span, format!("`{}` cannot be placed there", joint.name))
+                .diagnostic(codes::tasks::OUT_OF_RANGE, value.span, format!("`{}` cannot have this value", joint.name))
                 .expected(format!("{} .. {} {unit}", shown[0], shown[1]))
                 .found(format!("{} {unit}", shown[2]));
             return Err(self.report(diagnostic));
@@ -154,10 +154,10 @@ impl<'a> Checker<'a> {
                     .diagnostic(
                         codes::tasks::OUT_OF_RANGE,
                         span,
-                        format!("`{}` begins at {} {unit}, outside its range", joint.name, shown[2]),
+                        format!("`{}` starts at {} {unit}, outside its range", joint.name, shown[2]),
                     )
                     .expected(format!("{} .. {} {unit}", shown[0], shown[1]))
-                    .help(format!("say in `init` where it begins: `{object} {{ {word} ... }}`"));
+                    .help(format!("set its initial coordinate in `init`: `{object} {{ {word} ... }}`"));
                 failures.add(self.report(diagnostic));
             }
         }

@@ -11,8 +11,7 @@ use crate::syntax::tree::{Expr, ExprKind, Field, FieldValue, Placement};
 use crate::task::Setting;
 
 /// How the fields of the root are written.
-const HELP: &str = "it takes `height on ground` or `height 1 m`, `lift 5 cm` above the ground, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and \
-    `align palm_l to bar.grip_l`";
+const HELP: &str = "`root` takes `height on ground` or `height 1 m`, `lift 5 cm` above the ground, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and `align palm_l to bar.grip_l`";
 
 impl Beginning {
     /// What `root` says itself is not taken from the motion of a pose.
@@ -36,14 +35,14 @@ impl<'a> Checker<'a> {
         for field in &element.fields {
             let word = field.name.text.as_str();
             if said.contains(&word) && word != "align" {
-                failures.add(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is said twice")));
+                failures.add(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is given twice")));
                 continue;
             }
             said.push(word);
             failures.catch(self.root_field(field, beginning));
         }
         if !failures.any() && said.contains(&"align") && (said.contains(&"height") || said.contains(&"at")) {
-            let message = "`align` already says where the root is; `height` and `at` would say it again";
+            let message = "`align` already places the root; `height` and `at` are redundant";
             return Err(self.error(codes::tasks::REPEATED, element.span, message));
         }
         failures.or(())
@@ -52,10 +51,10 @@ impl<'a> Checker<'a> {
     fn root_field(&mut self, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {
         let word = field.name.text.as_str();
         if let (Some(motion), "heading") = (&beginning.motion, word) {
-            let message = format!("the motion `{motion}` says where the root faces");
+            let message = format!("the motion `{motion}` already sets the heading of the root");
             let diagnostic = self
                 .diagnostic(codes::composition::MOTION, field.span, message)
-                .help("a motion goes along the x axis of the world, as its table says");
+                .help("a motion follows the x axis of the world, as in its table");
             return Err(self.report(diagnostic));
         }
         beginning.unfollow(word);
@@ -88,7 +87,7 @@ impl<'a> Checker<'a> {
             }
             ("align", FieldValue::Meets { place, target }) => self.meeting(place, target, &mut beginning.init.root.meets),
             (name, _) => {
-                let message = format!("the root cannot be given `{name}` like this");
+                let message = format!("`root` does not take `{name}` like this");
                 let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message).help(HELP);
                 Err(self.report(diagnostic))
             }
@@ -106,7 +105,7 @@ impl<'a> Checker<'a> {
         let landmark = match value {
             Value::Entity(EntityRef::Landmark(index)) if !self.vocabulary.landmarks[index].of_scene => index,
             _ => {
-                let message = "the root is moved so that a landmark of the body is somewhere";
+                let message = "`align` places a landmark of the body";
                 let diagnostic =
                     self.diagnostic(codes::types::WRONG_TYPE, place.span, message).help("write `align palm_l to bar.grip_l`");
                 return Err(self.report(diagnostic));
@@ -120,7 +119,7 @@ impl<'a> Checker<'a> {
                 Origin::Landmark(index, [0.0; 3])
             }
             Value::Entity(_) | Value::Entities { .. } => {
-                let message = "the body is put to a place of the scene, not to a part of itself";
+                let message = "`align` moves the body to a place of the scene, not to a part of the body";
                 return Err(self.error(codes::types::WRONG_TYPE, target.span, message));
             }
             Value::Typed(_) => Origin::World(self.fixed_bracket(target, Dimension::LENGTH, "`align`")?),

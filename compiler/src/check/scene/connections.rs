@@ -68,11 +68,11 @@ impl<'a> Checker<'a> {
         let release = connection.release.as_ref().map(|condition| self.single_condition(condition)).transpose();
         let (from, to, release) = (from?, to?, release?);
         if from == to {
-            return Err(self.error(codes::scene::MOTION, connection.span, "a thing cannot be held to itself"));
+            return Err(self.error(codes::scene::MOTION, connection.span, "an object cannot be connected to itself"));
         }
         let still = |index: usize| self.stands_still(index);
         if still(from) && still(to) {
-            let message = "both ends stand still: there is nothing to hold";
+            let message = "both ends are fixed: the connection has no effect";
             return Err(self.error(codes::scene::MOTION, connection.span, message));
         }
         let name = |index: usize| self.vocabulary.landmarks[index].name.clone();
@@ -87,13 +87,13 @@ impl<'a> Checker<'a> {
             other => {
                 let found = match &other {
                     Value::Entity(thing) => self.thing_name(*thing),
-                    Value::Entities { .. } => "a list of things".to_owned(),
+                    Value::Entities { .. } => "a list of entities".to_owned(),
                     Value::Typed(data) => data.kind.described(self.vocabulary),
                 };
                 let diagnostic = self
-                    .diagnostic(codes::types::WRONG_TYPE, expr.span, "a landmark or an object is held, by its name")
+                    .diagnostic(codes::types::WRONG_TYPE, expr.span, "expected the name of a landmark or an object")
                     .found(found)
-                    .help("name a place of an object with a point: `point grip { at [0, 0.15 m, 0] }`, then `bar.grip`");
+                    .help("name a place on an object with a point: `point grip { at [0, 0.15 m, 0] }`, then `bar.grip`");
                 Err(self.report(diagnostic))
             }
         }
@@ -109,7 +109,7 @@ impl<'a> Checker<'a> {
             let found = self.in_file(*file, |checker| {
                 let place = checker.with_locals(locals, |checker| checker.marked_place(&marker.at))?;
                 if markers.iter().any(|(known, _)| *known == name) {
-                    let message = format!("there are two markers called `{name}`");
+                    let message = format!("the marker `{name}` is declared twice");
                     return Err(checker.error(codes::tasks::LABEL_TWICE, marker.span, message));
                 }
                 Ok(place)
@@ -160,8 +160,8 @@ impl<'a> Checker<'a> {
         }
         let found = data.kind.described(self.vocabulary);
         let diagnostic = self
-            .diagnostic(codes::types::WRONG_TYPE, expr.span, "a marker is shown at a place")
-            .expected("a place (world axes)")
+            .diagnostic(codes::types::WRONG_TYPE, expr.span, "a marker needs a place")
+            .expected("a place (world frame)")
             .found(found);
         Err(self.report(diagnostic))
     }
@@ -169,7 +169,7 @@ impl<'a> Checker<'a> {
     /// `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`
     fn disturbance(&mut self, element: &'a Element) -> Checked<Disturbance> {
         let Some(ElementName::Name(name)) = &element.name else {
-            return Err(self.error(codes::tasks::MISSING, element.span, "`disturb` names what is pushed"));
+            return Err(self.error(codes::tasks::MISSING, element.span, "`disturb` needs a landmark or an object"));
         };
         let landmark = match self.name(name)? {
             Value::Entity(EntityRef::Landmark(index)) if !self.stands_still(index) => index,
@@ -177,11 +177,11 @@ impl<'a> Checker<'a> {
                 return Err(self.error(
                     codes::scene::MOTION,
                     name.span,
-                    format!("`{}` stands still: nothing pushes it", name.text),
+                    format!("`{}` is fixed: a force has no effect", name.text),
                 ));
             }
             _ => {
-                let message = "a force acts on a landmark of the body or an object that moves";
+                let message = "a force applies to a landmark of the body or to an object that moves";
                 return Err(self.error(codes::types::WRONG_TYPE, name.span, message));
             }
         };
@@ -190,7 +190,7 @@ impl<'a> Checker<'a> {
         for field in &element.fields {
             let word = field.name.text.as_str();
             if said.contains(&word) {
-                return Err(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is said twice")));
+                return Err(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is given twice")));
             }
             said.push(word);
             match word {
@@ -225,15 +225,15 @@ impl<'a> Checker<'a> {
                 .diagnostic(
                     codes::tasks::MISSING,
                     element.span,
-                    "a disturbance says how strong it is, when it begins and how long it lasts",
+                    "a disturbance needs a force or torque, a start time and a duration",
                 )
                 .help("write `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`");
             return Err(self.report(diagnostic));
         }
         let horizon = self.timing.horizon;
         let message = match disturbance.start >= horizon {
-            true => "the episode is over before this begins",
-            false if disturbance.steps > horizon => "this lasts longer than the whole episode",
+            true => "the disturbance starts after the end of the episode",
+            false if disturbance.steps > horizon => "the duration is longer than the episode",
             false => return Ok(disturbance),
         };
         let in_words = |steps: u32| format!("{steps} steps ({} s)", for_people(f64::from(steps) * self.timing.interval));

@@ -49,25 +49,25 @@ const JOINT: &[&str] = &["at", "range", "damping", "stiffness", "friction"];
 #[rustfmt::skip]
 pub const KINDS: &[Kind] = &[
     kind("ground", "the level ground z = 0, walkable; without it a scene has none", &[], &["friction"]),
-    kind("plane", "an infinite plane, its normal along z before it is turned", &[], TERRAIN),
+    kind("plane", "an infinite plane, its normal along z before rotation", &[], TERRAIN),
     kind("box", "a box: full extents, its centre at its place", &["size"], SOLID),
     kind("sphere", "a sphere, its centre at its place", &["radius"], SOLID),
-    kind("capsule", "a cylinder with round ends; its length is that of the cylindrical part", &["radius"], LONG),
-    kind("cylinder", "a cylinder, its axis along z before it is turned", &["radius"], LONG),
+    kind("capsule", "a cylinder with hemispherical ends; the length is that of the cylindrical part", &["radius"], LONG),
+    kind("cylinder", "a cylinder, its axis along z before rotation", &["radius"], LONG),
     kind("ellipsoid", "an ellipsoid: full extents, its centre at its place", &["size"], SOLID),
-    kind("body", "a frame without a shape that carries its parts", &[], &["at", "orientation", "free"]),
-    kind("point", "a place on what carries it: where hands weld, where eyes look", &[], &["at", "orientation"]),
-    kind("stairs", "a flight of steps that goes up along x from its place; a negative rise goes down", &["count", "rise", "run", "width"], TERRAIN),
+    kind("body", "a frame without a shape, with parts", &[], &["at", "orientation", "free"]),
+    kind("point", "a named place on its parent, for welds, aligned hands or targets", &[], &["at", "orientation"]),
+    kind("stairs", "a flight of steps that ascends along x from its place; with a negative rise it descends", &["count", "rise", "run", "width"], TERRAIN),
     kind("slope", "an inclined rectangle that rises along x from its place", &["length", "width", "angle"], TERRAIN),
-    kind("heights", "a rectangle along x from its place, centred in y, with a height by formula", &["size", "samples", "height"], TERRAIN),
+    kind("heights", "a rectangle along x from its place, centred in y, with its height given by a formula", &["size", "samples", "height"], TERRAIN),
 ];
 
 /// Joints, which stand inside the element that they let move.
 #[rustfmt::skip]
 pub const JOINTS: &[Kind] = &[
-    kind("hinge", "turns about an axis", &["axis"], JOINT),
+    kind("hinge", "rotates about an axis", &["axis"], JOINT),
     kind("slide", "slides along an axis", &["axis"], JOINT),
-    kind("ball", "turns about a point; it has no coordinate to be read", &[], &["at", "damping", "stiffness", "friction"]),
+    kind("ball", "rotates about a point; it has no readable coordinate", &[], &["at", "damping", "stiffness", "friction"]),
 ];
 
 const fn field(name: &'static str, form: &'static str, description: &'static str) -> FieldRow {
@@ -77,30 +77,30 @@ const fn field(name: &'static str, form: &'static str, description: &'static str
 /// Fields.
 #[rustfmt::skip]
 pub const FIELDS: &[FieldRow] = &[
-    field("at", "at [x, y, z]", "place in the frame of what carries it: the world, the element around it, or the landmark after `on` (forward, left, up); of a joint, its anchor"),
-    field("orientation", "orientation 30 deg, or orientation [roll, pitch, yaw]", "orientation: about the vertical, or yaw, then pitch (nose down positive), then roll"),
-    field("size", "size [x, y, z]", "full extents; of `heights`, length and width"),
-    field("radius", "radius 3 cm", "of spheres, capsules and cylinders"),
-    field("length", "length 1.2 m", "along the axis; of a slope, its horizontal length"),
-    field("along", "along [0, 1, 0]", "direction of the axis, z if nothing is said"),
+    field("at", "at [x, y, z]", "place in the frame of its parent: the world, the enclosing element, or the landmark after `on` (forward, left, up); for a joint, its anchor"),
+    field("orientation", "orientation 30 deg, or orientation [roll, pitch, yaw]", "rotation about the vertical, or roll, pitch and yaw: yaw is applied first, then pitch (nose down positive), then roll"),
+    field("size", "size [x, y, z]", "full extents; for `heights`, length and width"),
+    field("radius", "radius 3 cm", "radius of spheres, capsules and cylinders"),
+    field("length", "length 1.2 m", "length along the axis; for a slope, its horizontal length"),
+    field("along", "along [0, 1, 0]", "direction of the axis, z by default"),
     field("from", "from [x, y, z] to [x, y, z]", "both ends of the axis, instead of `at`, `along` and `length`"),
     field("width", "width 2 m", "across, centred"),
     field("count", "count 4", "number of steps"),
     field("rise", "rise 15 cm", "height of a step"),
     field("run", "run 50 cm", "depth of a step"),
-    field("angle", "angle 5 deg", "inclination; negative goes down"),
-    field("samples", "samples [101, 11]", "of `heights`: how many along x and y, at least 2 each"),
-    field("height", "height FORMULA", "of `heights`: a length that may read `x` (from the near edge) and `y` (from the middle line)"),
-    field("mass", "mass 20 kg", "of what moves; without it `density`"),
-    field("density", "density 500 kg/m^3", "of what moves, instead of `mass`"),
-    field("free", "free", "nothing holds it: six ways to move"),
-    field("friction", "friction 1.5, or friction [1.5, 5 mm, 0.1 mm]", "of shapes: sliding, or sliding, torsional and rolling (1, 5 mm and 0.1 mm if nothing is said); of joints, the friction torque or force"),
-    field("solid", "solid false", "whether it can be touched; true if nothing is said"),
-    field("walkable", "walkable", "whether it counts as ground for `clearance`, `ground_height` and `touching(_, ground)`; stairs, slopes and heights are walkable unless they say `walkable false`"),
-    field("axis", "axis [0, 0, 1]", "direction of a hinge or slide in the frame of what it moves"),
+    field("angle", "angle 5 deg", "inclination; negative descends"),
+    field("samples", "samples [101, 11]", "for `heights`: number of samples along x and y, at least 2 each"),
+    field("height", "height FORMULA", "for `heights`: a length that may read `x` (from the near edge) and `y` (from the middle line)"),
+    field("mass", "mass 20 kg", "mass of a moving object; otherwise `density`"),
+    field("density", "density 500 kg/m^3", "density of a moving object, instead of `mass`"),
+    field("free", "free", "six degrees of freedom"),
+    field("friction", "friction 1.5, or friction [1.5, 5 mm, 0.1 mm]", "for shapes: sliding, or sliding, torsional and rolling (default 1, 5 mm and 0.1 mm); for joints, the friction torque or force"),
+    field("solid", "solid false", "whether it has contacts; true by default"),
+    field("walkable", "walkable", "whether it is ground for `clearance`, `ground_height` and `touching(_, ground)`; stairs, slopes and heights are walkable unless `walkable false`"),
+    field("axis", "axis [0, 0, 1]", "direction of a hinge or slide in the frame of the element that it moves"),
     field("range", "range 0 deg .. 90 deg", "limits of a hinge or slide"),
-    field("damping", "damping 0.05 N*m*s/rad", "of a hinge or ball; of a slide in N*s/m"),
-    field("stiffness", "stiffness 2 N*m/rad", "of a spring towards 0; of a slide in N/m"),
+    field("damping", "damping 0.05 N*m*s/rad", "for a hinge or ball; for a slide in N*s/m"),
+    field("stiffness", "stiffness 2 N*m/rad", "stiffness of a spring towards 0; for a slide in N/m"),
 ];
 
 /// The kind called `name`, joints included.
@@ -138,13 +138,13 @@ pub fn table() -> String {
 
 /// The tables as they stand in the reference.
 pub fn markdown() -> String {
-    let mut text = String::from("| element | what it is | fields; in brackets those that may be left out |\n|---|---|---|\n");
+    let mut text = String::from("| element | description | fields (optional ones in brackets) |\n|---|---|---|\n");
     for kind in KINDS.iter().chain(JOINTS) {
         let required = kind.required.iter().map(|field| format!("`{field}`"));
         let fields: Vec<String> = required.chain(kind.optional.iter().map(|field| format!("[`{field}`]"))).collect();
         text += &format!("| `{}` | {} | {} |\n", kind.name, kind.description, fields.join(" "));
     }
-    text += "\n| field | written | what it says |\n|---|---|---|\n";
+    text += "\n| field | syntax | description |\n|---|---|---|\n";
     for field in FIELDS {
         text += &format!("| `{}` | `{}` | {} |\n", field.name, field.form.replace(", or ", "` or `"), field.description);
     }

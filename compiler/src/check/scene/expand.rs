@@ -109,7 +109,7 @@ impl<'a> Checker<'a> {
             };
             let Some(number) = number else {
                 let diagnostic = self
-                    .diagnostic(codes::types::NOT_CONSTANT, repeat.range.span, "a scene repeats over whole numbers")
+                    .diagnostic(codes::types::NOT_CONSTANT, repeat.range.span, "`repeat` in a scene iterates over whole numbers")
                     .help("write the range of a number: `repeat i in 0..4 { ... }`");
                 self.report(diagnostic);
                 return;
@@ -130,7 +130,7 @@ impl<'a> Checker<'a> {
             return Ok(());
         }
         let told = Reported::among(self.diagnostics.iter().filter(|told| told.code == codes::tasks::TOO_LARGE));
-        Err(told.unwrap_or_else(|| self.error(codes::tasks::TOO_LARGE, span, format!("a scene holds at most {MOST} elements"))))
+        Err(told.unwrap_or_else(|| self.error(codes::tasks::TOO_LARGE, span, format!("a scene has at most {MOST} elements"))))
     }
 
     fn expand_removal(&mut self, remove: &'a Remove, locals: &Locals, found: &mut Merging<'a>) {
@@ -147,7 +147,7 @@ impl<'a> Checker<'a> {
                 let (things, held) = (found.elements.keys(), found.connections.keys());
                 let all = things.chain(held).chain(found.groups.keys()).chain(found.markers.keys());
                 let names = all.filter_map(|(name, _)| name.as_deref());
-                let message = format!("there is no `{pattern}` above that could be removed");
+                let message = format!("no element `{pattern}` is declared above");
                 self.report(overrides_nothing(message, &pattern, self.place.file, remove.name.span, names));
             }
         }
@@ -170,21 +170,22 @@ impl<'a> Checker<'a> {
         let name = match &element.name {
             Some(ElementName::Name(name)) => name,
             Some(ElementName::Quoted(text)) => {
-                let message = "the name of an element is a word of the language, without quotes";
+                let message = "the name of an element is an unquoted word";
                 return Err(self.error(codes::tasks::UNKNOWN_SETTING, text.span, message));
             }
             None if element.kind.text == "ground" => return Ok(None),
             None => {
                 let message = format!("this `{}` has no name", element.kind.text);
-                let diagnostic = self
-                    .diagnostic(codes::tasks::MISSING, element.kind.span, message)
-                    .help(format!("every element has one, by which formulas read it: `{} seat {{ ... }}`", element.kind.text));
+                let diagnostic = self.diagnostic(codes::tasks::MISSING, element.kind.span, message).help(format!(
+                    "every element needs a name, by which formulas read it: `{} seat {{ ... }}`",
+                    element.kind.text
+                ));
                 return Err(self.report(diagnostic));
             }
         };
         let several = name.parts.iter().any(|part| !matches!(part, NamePart::Literal(_) | NamePart::Variable(_)));
         if several {
-            let message = format!("`{}` would give several things one place", name.text);
+            let message = format!("`{}` would put several objects at one place", name.text);
             let diagnostic = self
                 .diagnostic(codes::tasks::UNKNOWN_SETTING, name.span, message)
                 .help("repeat the element: `repeat i in 0..10 { cylinder pole_{i} { ... } }`");

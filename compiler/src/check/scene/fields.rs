@@ -40,14 +40,14 @@ impl<'a> Checker<'a> {
             if !kind.fields().any(|known| known == name) {
                 failures.add(self.unknown_field(field, kind));
             } else if element.fields[..index].iter().any(|earlier| earlier.name.text == name) {
-                failures.add(self.error(codes::tasks::REPEATED, field.span, format!("`{name}` is said twice")));
+                failures.add(self.error(codes::tasks::REPEATED, field.span, format!("`{name}` is declared twice")));
             }
         }
         let missing: Vec<&str> =
             kind.required.iter().copied().filter(|name| !element.fields.iter().any(|field| field.name.text == *name)).collect();
         if !missing.is_empty() && !failures.any() {
             let forms = FIELDS.iter().filter(|row| missing.contains(&row.name)).map(|row| format!("`{}`", row.form));
-            let message = format!("this `{}` does not say its {}", kind.name, missing.join(", "));
+            let message = format!("this `{}` does not declare its {}", kind.name, missing.join(", "));
             let diagnostic = self
                 .diagnostic(codes::tasks::MISSING, element.kind.span, message)
                 .help(format!("write {}", forms.collect::<Vec<_>>().join(", ")));
@@ -62,7 +62,7 @@ impl<'a> Checker<'a> {
         let message = format!("`{}` has no field `{name}`", kind.name);
         let mut diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
         if let Some(present) = renamed(name).filter(|present| known.contains(present)) {
-            diagnostic = diagnostic.suggest(format!("it is called `{present}`"), field.name.span, present);
+            diagnostic = diagnostic.suggest(format!("it is now called `{present}`"), field.name.span, present);
             return self.report(diagnostic);
         }
         let near = nearest(name, known.iter().copied());
@@ -83,7 +83,7 @@ impl<'a> Checker<'a> {
         let name = field.name.text.as_str();
         let form = FIELDS.iter().find(|row| row.name == name).map_or_else(|| format!("{name} VALUE"), |row| row.form.to_owned());
         let diagnostic = self
-            .diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, format!("`{name}` is not written like this"))
+            .diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, format!("invalid value of `{name}`"))
             .expected(format!("`{form}`"));
         Err(self.report(diagnostic))
     }
@@ -159,7 +159,7 @@ impl<'a> Checker<'a> {
         let diagnostic = self
             .diagnostic(codes::scene::SIZE, span, message)
             .expected("more than 0")
-            .help("a thing without extent or mass can neither be touched nor moved");
+            .help("an object without extent or mass has no contacts and no inertia");
         Err(self.report(diagnostic))
     }
 
@@ -178,7 +178,7 @@ impl<'a> Checker<'a> {
         match fields.get(name) {
             Some(field) => Ok(field),
             None => {
-                let message = format!("this `{}` does not say its {name}", fields.kind());
+                let message = format!("this `{}` does not declare its {name}", fields.kind());
                 Err(self.error(codes::tasks::MISSING, fields.span, message))
             }
         }
@@ -234,7 +234,7 @@ impl<'a> Checker<'a> {
         };
         let found = data.kind.described(self.vocabulary);
         let diagnostic = self
-            .diagnostic(code, span, format!("{wanted_by} takes a bracket of {size} numbers"))
+            .diagnostic(code, span, format!("{wanted_by} takes a list of {size} numbers"))
             .expected(format!("{size} numbers {unit}"))
             .found(found);
         Err(self.report(diagnostic))
@@ -243,8 +243,8 @@ impl<'a> Checker<'a> {
     /// Reports a value that depends on the episode.
     pub(crate) fn must_be_known(&mut self, span: Span, wanted_by: &str) -> Reported {
         let diagnostic = self
-            .diagnostic(codes::types::NOT_CONSTANT, span, format!("{wanted_by} must be known while compiling"))
-            .help("numbers, constants, parameters, and sizes and places of what stands still in the scene are");
+            .diagnostic(codes::types::NOT_CONSTANT, span, format!("{wanted_by} must be a compile-time constant"))
+            .help("allowed are numbers, constants, parameters, and sizes and places of fixed objects of the scene");
         self.report(diagnostic)
     }
 }

@@ -113,7 +113,7 @@ impl<'a> Checker<'a> {
             };
             let own = data.kind.element_at(0);
             if *kind.get_or_insert(own) != own {
-                let message = "only things of one kind share sizes";
+                let message = "only objects of one kind share sizes";
                 return Err(self.error(codes::names::UNKNOWN_PROPERTY, span, message));
             }
             parts.push(data.node);
@@ -133,11 +133,9 @@ impl<'a> Checker<'a> {
             .filter(|key| !key.contains('.') && *key != "position")
             .collect();
         let help = match read {
-            Read::Top | Read::Bottom => {
-                "only what stands still and has a shape has one; of what moves, read `position`".to_owned()
-            }
-            _ if known.is_empty() => "it has no shape of its own; read a part of it".to_owned(),
-            _ => format!("it has {}, and what every landmark has", known.join(", ")),
+            Read::Top | Read::Bottom => "only fixed objects with a shape have it; for moving objects use `position`".to_owned(),
+            _ if known.is_empty() => "it has no shape of its own; use one of its parts".to_owned(),
+            _ => format!("it has {}, and the signals of landmarks", known.join(", ")),
         };
         let diagnostic = self.diagnostic(codes::names::UNKNOWN_PROPERTY, name.span, message).help(help);
         self.report(diagnostic)

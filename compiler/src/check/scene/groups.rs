@@ -14,7 +14,7 @@ impl<'a> Checker<'a> {
         let objects = stage.scene.objects.iter().any(|object| object.name == name);
         let groups = stage.scene.groups.iter().any(|(known, _)| known == name);
         if objects || groups || self.means_something(name) || ["root", "world", "robot"].contains(&name) {
-            let message = format!("`{name}` already means something");
+            let message = format!("`{name}` is already defined");
             return Err(self.error(codes::names::DECLARED_TWICE, group.name.span, message));
         }
         let mut members = Vec::new();
@@ -36,7 +36,7 @@ impl<'a> Checker<'a> {
             _ => match dotted(expr) {
                 Some(name) => self.add_members(stage, &name, expr, members),
                 None => {
-                    let message = "a group of a scene holds objects by their names";
+                    let message = "a group of a scene lists objects by name";
                     let diagnostic = self
                         .diagnostic(codes::types::WRONG_TYPE, expr.span, message)
                         .help("write `group poles = pole_{*}` or `group chair = [seat, back]`");
@@ -54,7 +54,7 @@ impl<'a> Checker<'a> {
         let fitting: Vec<usize> = (0..objects.len()).filter(|&index| whole(&objects[index].name)).collect();
         if fitting.is_empty() {
             if self.means_something(pattern) {
-                let message = format!("`{pattern}` is no object of the scene; groups of the body stand in its file");
+                let message = format!("`{pattern}` is not an object of the scene; groups of the body are declared in its file");
                 return Err(self.error(codes::types::WRONG_TYPE, expr.span, message));
             }
             let known = objects.iter().map(|object| object.name.clone()).collect();
@@ -62,7 +62,7 @@ impl<'a> Checker<'a> {
         }
         for index in fitting {
             if members.contains(&index) {
-                let message = format!("`{}` is in the group twice", objects[index].name);
+                let message = format!("`{}` occurs twice in the group", objects[index].name);
                 return Err(self.error(codes::tasks::REPEATED, expr.span, message));
             }
             members.push(index);

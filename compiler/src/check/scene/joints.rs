@@ -22,7 +22,7 @@ impl<'a> Checker<'a> {
         let name = format!("{owner}.{name}");
         let Some(kind) = elements::find(word) else { return Err(self.unknown_element(element)) };
         if let Some(part) = element.parts.first() {
-            let message = format!("a `{word}` holds no parts; they stand beside it in the element that it lets move");
+            let message = format!("a `{word}` has no parts; declare them beside it in the element that it moves");
             return Err(self.error(codes::tasks::UNKNOWN_SETTING, part.span, message));
         }
         let fields = self.fields(element, kind)?;
@@ -61,7 +61,7 @@ impl<'a> Checker<'a> {
         };
         let [low_value, high_value] = self.fixed_range(low, high, units.coordinate, "`range`")?;
         if low_value >= high_value {
-            let message = "the lower end of the range is not below the upper";
+            let message = "the lower end of the range must be below the upper end";
             return Err(self.error(codes::scene::SIZE, field.span, message));
         }
         Ok(Some([low_value, high_value]))

@@ -116,7 +116,7 @@ pub(super) fn head(element: &Element) -> Span {
 }
 
 /// No name of a task: it holds a blank.
-const CARRIER: &str = "what carries it";
+const CARRIER: &str = "its parent";
 
 /// Checks the scene of a task, on the vocabulary of its body.
 pub(crate) fn of_task<'a>(
@@ -140,7 +140,7 @@ pub(crate) fn of_task<'a>(
         // An inherited scene is read where it was written.
         checker.in_file(placed.file, |checker| {
             if said.replace(placed.layer) == Some(placed.layer) {
-                checker.error(codes::tasks::REPEATED, block.keyword, "`scene` is said twice");
+                checker.error(codes::tasks::REPEATED, block.keyword, "`scene` is declared twice");
             }
             merging.layer = placed.layer;
             checker.expand_scene(&block.entries, &Locals::new(), &mut merging);
@@ -196,12 +196,12 @@ impl<'a> Checker<'a> {
         };
         let fields = self.fields(element, kind)?;
         if let Some(part) = element.parts.first() {
-            let message = "the ground holds no parts; elements stand beside it";
+            let message = "the ground has no parts; declare elements beside it";
             return Err(self.error(codes::tasks::UNKNOWN_SETTING, part.span, message));
         }
         let surface = Surface { friction: self.friction(&fields)?, ..GROUND };
         if stage.scene.ground.replace(surface).is_some() {
-            return Err(self.error(codes::tasks::REPEATED, element.span, "`ground` is said twice"));
+            return Err(self.error(codes::tasks::REPEATED, element.span, "`ground` is declared twice"));
         }
         Ok(())
     }
@@ -226,9 +226,9 @@ impl<'a> Checker<'a> {
             }
             let [x, y, _] =
                 object.position.map(|lane| if lane == 0.0 { "0".to_owned() } else { format!("{} m", for_people(lane)) });
-            let message = format!("the lower half of `{}` is in the ground: `at` says where its middle is", object.name);
+            let message = format!("the lower half of `{}` is in the ground: `at` is the place of its centre", object.name);
             let diagnostic = Diagnostic::new(codes::slips::HALF_BURIED, file, span, message)
-                .help(format!("on the ground it stands with `at [{x}, {y}, {} m]`", for_people(half)));
+                .help(format!("to put it on the ground write `at [{x}, {y}, {} m]`", for_people(half)));
             self.diagnostics.push(diagnostic);
         }
     }
@@ -240,15 +240,15 @@ impl<'a> Checker<'a> {
         for (index, object) in objects.iter().enumerate() {
             let (file, span) = stage.spans[index];
             if object.motion != Motion::Fixed && total[index] <= 0.0 {
-                let message = format!("`{}` moves, but nothing of it has a mass", object.name);
+                let message = format!("`{}` moves, but none of its parts has a mass", object.name);
                 let diagnostic = Diagnostic::new(codes::scene::MASS, file, span, message)
-                    .help("give a shape of it `mass 2 kg` or `density 500 kg/m^3`");
+                    .help("give one of its shapes `mass 2 kg` or `density 500 kg/m^3`");
                 self.report(diagnostic);
             }
             if stage.fixed[index] && object.mass > 0.0 {
-                let message = format!("`{}` stands still: its mass means nothing", object.name);
+                let message = format!("`{}` is fixed: its mass has no effect", object.name);
                 let diagnostic = Diagnostic::new(codes::lints::IDLE_MASS, file, span, message)
-                    .help("leave it out, or let the thing move: `free`, or a joint");
+                    .help("remove it, or make the object movable: `free`, or a joint");
                 self.diagnostics.push(diagnostic);
             }
         }

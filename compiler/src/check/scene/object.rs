@@ -16,7 +16,7 @@ impl<'a> Checker<'a> {
     pub(super) fn unknown_element(&mut self, element: &'a Element) -> Reported {
         let word = element.kind.text.as_str();
         let names = || KINDS.iter().map(|kind| kind.name);
-        let message = format!("there is no element `{word}`");
+        let message = format!("unknown element `{word}`");
         let mut diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, element.kind.span, message);
         let near = nearest(word, names());
         if near.is_empty() {
@@ -39,7 +39,7 @@ impl<'a> Checker<'a> {
     ) -> Checked<()> {
         let Some(kind) = KINDS.iter().find(|kind| kind.name == element.kind.text) else {
             if elements::is_joint(&element.kind.text) {
-                let message = format!("a `{}` stands inside what it lets move", element.kind.text);
+                let message = format!("a `{}` is declared inside the element that it moves", element.kind.text);
                 let diagnostic = self
                     .diagnostic(codes::tasks::UNKNOWN_SETTING, element.kind.span, message)
                     .help("write `body door { hinge swing { ... }, box leaf { ... } }`");
@@ -48,7 +48,7 @@ impl<'a> Checker<'a> {
             return Err(self.unknown_element(element));
         };
         if kind.name == "ground" {
-            let message = "the ground is level and lies at 0; it is no part of anything and has no name";
+            let message = "the ground is level at height 0; it is not part of another element and has no name";
             return Err(self.error(codes::tasks::UNKNOWN_SETTING, element.span, message));
         }
         self.must_be_new(stage, element, name)?;
@@ -71,7 +71,7 @@ impl<'a> Checker<'a> {
         }
         let terrain = matches!(placed.shape, Some(Shape::Plane | Shape::Terrain(_)));
         if terrain && !fixed {
-            let message = format!("{} cannot be carried by what moves", kind.name);
+            let message = format!("{} cannot be part of a moving element", kind.name);
             return Err(self.error(codes::scene::MOTION, element.kind.span, message));
         }
         stage.push(
@@ -101,7 +101,7 @@ impl<'a> Checker<'a> {
         let Ok(Some(own)) = self.element_name(part) else { return };
         let taken = [Owner::Landmark, Owner::Object].into_iter().any(|owner| signals::find(owner, &own).is_some());
         if taken {
-            let message = format!("`{own}` is a signal of every object, so no part can be called so");
+            let message = format!("`{own}` is a signal of every object, so it cannot be the name of a part");
             self.error(codes::names::DECLARED_TWICE, head(part), message);
             return;
         }
@@ -112,17 +112,17 @@ impl<'a> Checker<'a> {
     fn must_be_new(&mut self, stage: &Stage<'a>, element: &'a Element, name: &str) -> Checked<()> {
         let span = head(element);
         if let Some(first) = stage.scene.objects.iter().position(|object| object.name == name) {
-            let message = format!("there are two things called `{name}`");
+            let message = format!("the object `{name}` is declared twice");
             let diagnostic = self.diagnostic(codes::names::DECLARED_TWICE, span, message).here("again here");
             let (file, span) = stage.spans[first];
             let diagnostic = diagnostic.label(file, span, "first here");
             return Err(self.report(diagnostic));
         }
         if !name.contains('.') && (self.means_something(name) || ["root", "world", "robot"].contains(&name)) {
-            let message = format!("`{name}` already means something: it is a part of the body, a signal or a function");
+            let message = format!("`{name}` is already defined: it is a part of the body, a signal or a function");
             let diagnostic = self
                 .diagnostic(codes::names::DECLARED_TWICE, span, message)
-                .help("choose another name; `msk vocabulary` lists those taken");
+                .help("choose another name; `msk vocabulary` lists the names in use");
             return Err(self.report(diagnostic));
         }
         Ok(())
@@ -134,7 +134,7 @@ impl<'a> Checker<'a> {
             (None, None) => Ok(Parent::World),
             (Some(index), None) => Ok(Parent::Object(index)),
             (Some(_), Some(on)) => {
-                let message = "a part is carried by the element around it; it cannot be `on` another as well";
+                let message = "a part is attached to its enclosing element; it cannot also have `on`";
                 Err(self.error(codes::tasks::REPEATED, on.span, message))
             }
             (None, Some(on)) => self.carrier(stage, on),
@@ -174,7 +174,7 @@ impl<'a> Checker<'a> {
             let joint = self.object_joint(part, name)?;
             let known = stage.scene.objects.iter().any(|object| object.name == joint.name);
             if known || joints.iter().any(|other| other.name == joint.name) {
-                let message = format!("there are two things called `{}`", joint.name);
+                let message = format!("`{}` is declared twice", joint.name);
                 return Err(self.error(codes::names::DECLARED_TWICE, part.span, message));
             }
             joints.push(joint);
@@ -183,16 +183,14 @@ impl<'a> Checker<'a> {
         match (free, joints.is_empty()) {
             (false, true) => Ok(Motion::Fixed),
             (false, false) => Ok(Motion::Joints(joints)),
-            (true, false) => Err(self.error(
-                codes::scene::MOTION,
-                element.kind.span,
-                format!("`{name}` is free and has joints: one of the two"),
-            )),
+            (true, false) => {
+                Err(self.error(codes::scene::MOTION, element.kind.span, format!("`{name}` is free and has joints: choose one")))
+            }
             (true, true) if *parent != Parent::World => {
-                let message = format!("`{name}` is free, so nothing can carry it");
+                let message = format!("`{name}` is free, so it cannot be part of another element");
                 let diagnostic = self
                     .diagnostic(codes::scene::MOTION, element.kind.span, message)
-                    .help("write it beside the others, or give it a joint instead");
+                    .help("declare it at the top level, or give it a joint instead");
                 Err(self.report(diagnostic))
             }
             (true, true) => Ok(Motion::Free),
@@ -204,7 +202,7 @@ impl<'a> Checker<'a> {
         surface.solid = self.flag(fields, "solid", true)?;
         surface.walkable = self.flag(fields, "walkable", matches!(shape, Some(Shape::Terrain(_))) && surface.solid)?;
         if surface.walkable && !surface.solid {
-            let message = "what cannot be touched cannot be walked on";
+            let message = "an object without contacts cannot be walkable";
             return Err(self.error(codes::scene::MOTION, fields.span, message));
         }
         Ok(surface)
@@ -233,7 +231,7 @@ impl<'a> Checker<'a> {
     fn mass(&mut self, fields: &Fields<'a>, shape: Option<&Shape>) -> Checked<f64> {
         match (fields.get("mass"), fields.get("density")) {
             (Some(_), Some(density)) => {
-                Err(self.error(codes::tasks::REPEATED, density.span, "`mass` already says how heavy it is"))
+                Err(self.error(codes::tasks::REPEATED, density.span, "`mass` and `density` exclude each other"))
             }
             (Some(_), None) => self.positive(fields, "mass", Dimension::MASS),
             (None, Some(_)) => {
@@ -254,10 +252,10 @@ impl<'a> Checker<'a> {
         if !surface.walkable || fixed && shape.is_some() {
             return Ok(());
         }
-        let message = "only what stands still counts as ground";
+        let message = "only fixed objects can be ground";
         let diagnostic = self
             .diagnostic(codes::scene::MOTION, fields.span, message)
-            .help("a thing that moves can be touched all the same: `touching(sole_l, board)`");
+            .help("contacts with a moving object: `touching(sole_l, board)`");
         Err(self.report(diagnostic))
     }
 

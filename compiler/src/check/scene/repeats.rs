@@ -73,16 +73,16 @@ impl Checker<'_> {
     /// Warnings about the scene, once all formulas are checked.
     pub(crate) fn scene_lints(&self, diagnostics: &mut Vec<Diagnostic>) {
         diagnostics.extend(self.repeated.iter().map(|(file, span, name)| {
-            let message = format!("the scene already says this: `{name}`");
+            let message = format!("this repeats a size or place of the scene: `{name}`");
             Diagnostic::new(codes::lints::REPEATS_SCENE, *file, *span, message).help(format!(
-                "read it, so that both change together: `{name}`; a chance likeness says `allow repeats_scene \"...\"`"
+                "read it, so that both change together: `{name}`; if the equality is accidental, write `allow repeats_scene \"...\"`"
             ))
         }));
         let groups = self.scene.into_iter().flat_map(|scene| &scene.statements.groups);
         for group in groups {
             let name = &group.statement.name;
             if !self.used.contains(&name.text) {
-                let message = format!("nothing reads the group `{}`", name.text);
+                let message = format!("unused group `{}`", name.text);
                 diagnostics.push(Diagnostic::new(codes::lints::UNUSED, group.file, name.span, message));
             }
         }

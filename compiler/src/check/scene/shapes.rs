@@ -80,7 +80,7 @@ impl<'a> Checker<'a> {
             Some(field) => {
                 for other in ["at", "along", "orientation", "length"] {
                     if let Some(other) = fields.get(other) {
-                        let message = format!("`from ... to` already says what `{}` says", other.name.text);
+                        let message = format!("`from ... to` already determines `{}`", other.name.text);
                         return Err(self.error(codes::tasks::REPEATED, other.span, message));
                     }
                 }
@@ -89,7 +89,7 @@ impl<'a> Checker<'a> {
                 let end: [f64; 3] = self.fixed_bracket(to, Dimension::LENGTH, "`to`")?;
                 let along: [f64; 3] = core::array::from_fn(|k| end[k] - start[k]);
                 let Some(direction) = rotation::unit(along) else {
-                    return Err(self.error(codes::scene::SIZE, field.span, "both ends are the same place"));
+                    return Err(self.error(codes::scene::SIZE, field.span, "both ends are at the same place"));
                 };
                 let middle = core::array::from_fn(|k| 0.5 * (start[k] + end[k]));
                 (rotation::length(along), (middle, None), rotation::z_to(direction))
@@ -99,7 +99,7 @@ impl<'a> Checker<'a> {
                 let orientation = match (fields.get("along"), fields.get("orientation")) {
                     (Some(along), None) => rotation::z_to(self.direction(along)?),
                     (Some(_), Some(turned)) => {
-                        let message = "`along` already says how it lies";
+                        let message = "`along` already determines the orientation";
                         return Err(self.error(codes::tasks::REPEATED, turned.span, message));
                     }
                     _ => self.orientation_of(fields)?,
@@ -113,7 +113,7 @@ impl<'a> Checker<'a> {
 
     fn unread_ends(&mut self, span: crate::diagnostics::Span) -> crate::check::context::Reported {
         let diagnostic = self
-            .diagnostic(codes::tasks::UNKNOWN_SETTING, span, "`from` is not written like this")
+            .diagnostic(codes::tasks::UNKNOWN_SETTING, span, "invalid value of `from`")
             .expected("`from [x, y, z] to [x, y, z]`");
         self.report(diagnostic)
     }
@@ -125,7 +125,7 @@ impl<'a> Checker<'a> {
         let vector = self.fixed_bracket(expr, Dimension::NONE, &format!("`{name}`"))?;
         match rotation::unit(vector) {
             Some(direction) => Ok(direction),
-            None => Err(self.error(codes::scene::SIZE, expr.span, format!("`{name}` has no direction"))),
+            None => Err(self.error(codes::scene::SIZE, expr.span, format!("`{name}` must not be a zero vector"))),
         }
     }
 
@@ -140,7 +140,7 @@ impl<'a> Checker<'a> {
         let expr = self.field_value(field)?;
         let rise = self.fixed_number(expr, Dimension::LENGTH, "`rise`")?;
         if rise == 0.0 {
-            return Err(self.error(codes::scene::SIZE, expr.span, "`rise` is 0: these are no stairs"));
+            return Err(self.error(codes::scene::SIZE, expr.span, "`rise` must not be 0"));
         }
         let run = self.positive(fields, "run", Dimension::LENGTH)?;
         let width = self.positive(fields, "width", Dimension::LENGTH)?;
@@ -154,7 +154,11 @@ impl<'a> Checker<'a> {
         let expr = self.field_value(field)?;
         let angle = self.fixed_number(expr, Dimension::ANGLE, "`angle`")?;
         if angle.abs() > 80.0 * PI / 180.0 {
-            return Err(self.error(codes::scene::SIZE, expr.span, "a slope is at most 80 deg steep; a wall is a box"));
+            return Err(self.error(
+                codes::scene::SIZE,
+                expr.span,
+                "the angle of a slope is at most 80 deg; use a box for a wall",
+            ));
         }
         Ok(Terrain::Slope { length, width, angle })
     }

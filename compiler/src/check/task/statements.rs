@@ -77,7 +77,7 @@ impl<'a> Checker<'a> {
     }
 
     fn said_twice(&mut self, span: Span, word: &str) {
-        let message = format!("`{word}` is said twice");
+        let message = format!("`{word}` is given twice");
         self.error(codes::tasks::REPEATED, span, message);
     }
 
@@ -97,10 +97,10 @@ impl<'a> Checker<'a> {
     }
 
     pub(super) fn incomplete(&mut self, task: &WholeTask, missing: &str) -> Reported {
-        let message = format!("the task `{}` does not say {missing}", task.task.name.text);
+        let message = format!("the task `{}` does not declare {missing}", task.task.name.text);
         let diagnostic = self
             .diagnostic(codes::tasks::MISSING, task.task.name.span, message)
-            .help("nothing has a silent default: an episode must say how it begins, what is seen, what pays and what succeeds");
+            .help("there are no silent defaults: a task declares its initial state, observation, reward and success");
         self.report(diagnostic)
     }
 
@@ -110,10 +110,10 @@ impl<'a> Checker<'a> {
         // The few names that are taken are looked up among those in sight, which may be as many as a text holds.
         for name in self.taken_names() {
             if let Some((declared, _)) = names.find(self.task_place, name) {
-                let message = format!("`{name}` already means something: it is a part of the body, a signal or a function");
+                let message = format!("`{name}` is already defined: it is a part of the body, a signal or a function");
                 let diagnostic =
                     Diagnostic::new(codes::names::DECLARED_TWICE, declared.file, declared.definition.span(), message)
-                        .help("choose another name; `msk vocabulary` lists those taken");
+                        .help("choose another name; `msk vocabulary` lists the names in use");
                 self.report(diagnostic);
             }
         }

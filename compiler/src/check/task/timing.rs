@@ -11,11 +11,7 @@ impl<'a> Checker<'a> {
     pub(super) fn control(&mut self, expr: &'a Expr) -> Checked<f64> {
         let frequency = self.number_of(expr, Dimension::FREQUENCY, "`control`")?;
         let Some(frequency) = self.graph.constant_value(frequency.node).filter(|f| *f > 0.0 && f.is_finite()) else {
-            return Err(self.error(
-                codes::types::NOT_CONSTANT,
-                expr.span,
-                "`control` is a positive frequency known while compiling",
-            ));
+            return Err(self.error(codes::types::NOT_CONSTANT, expr.span, "`control` is a positive constant frequency"));
         };
         let steps = 1.0 / (frequency * self.vocabulary.physics_step);
         if (steps - steps.round()).abs() > 1e-6 || steps.round() < 1.0 {

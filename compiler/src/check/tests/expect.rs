@@ -39,7 +39,7 @@ impl<'a> Checker<'a> {
             if test.cheat && matches!(&wanted.condition.kind, ExprKind::Name(name) if name.text == "success") {
                 let message = "a cheat expects that the task does not succeed";
                 let diagnostic = self.diagnostic(codes::tests::TEST_PLACE, wanted.span, message);
-                failures.add(self.report(diagnostic.help("what is to succeed is a `test`")));
+                failures.add(self.report(diagnostic.help("use `test` for a script that succeeds")));
                 continue;
             }
             let locals = std::mem::replace(&mut self.locals, wanted.locals.clone());
@@ -116,7 +116,7 @@ impl<'a> Checker<'a> {
         if !single {
             return match moments {
                 Some(moment) => {
-                    let message = "at moments single numbers are compared";
+                    let message = "moments are compared by single numbers";
                     Err(self.error(codes::types::WRONG_TYPE, moment.span, message))
                 }
                 None => Ok(None),
@@ -128,12 +128,8 @@ impl<'a> Checker<'a> {
         let takes: BTreeSet<usize> = several.map(|(_, reading, ..)| reading.take).collect();
         if takes.len() > 1 {
             let diagnostic = self
-                .diagnostic(
-                    codes::types::WRONG_TYPE,
-                    part.span,
-                    "episodes of different moments have nothing to do with each other",
-                )
-                .help("compare what is taken over all of them: `mean(x at one) < mean(x at other)`");
+                .diagnostic(codes::types::WRONG_TYPE, part.span, "episodes of different moments are independent")
+                .help("compare aggregates: `mean(x at one) < mean(x at other)`");
             return Err(self.report(diagnostic));
         }
         let mut told = Vec::new();
@@ -188,14 +184,14 @@ impl<'a> Checker<'a> {
                 return Ok(Reading { take, step: Some(*step) });
             }
         }
-        let message = format!("the test has no moment called `{}`", moment.text);
+        let message = format!("undefined moment `{}`", moment.text);
         let mut diagnostic = self.diagnostic(codes::tests::UNKNOWN_MOMENT, moment.span, message);
         let names = drafts.iter().flat_map(|draft| draft.name.iter().chain(draft.labels.iter().map(|(name, _)| name)));
         let names: Vec<&str> = names.map(String::as_str).collect();
         for near in nearest(&moment.text, names) {
             diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), moment.span, near);
         }
-        let help = "name it in the script, `at 1 s pose squatting as low`, or make it: `moment low { pose squatting }`";
+        let help = "name it in the script, `at 1 s pose squatting as low`, or declare it: `moment low { pose squatting }`";
         Err(self.report(diagnostic.help(help)))
     }
 }

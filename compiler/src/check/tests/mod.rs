@@ -205,10 +205,10 @@ impl<'a> Checker<'a> {
         let mut failures = Failures::default();
         failures.catch(self.test_statements(&test.statements, test.cheat, 0, &mut reader, drawn));
         if reader.wanted.is_empty() && !test.cheat && !failures.any() {
-            let message = format!("the test \"{}\" expects nothing", test.title.value);
-            let diagnostic = self.diagnostic(codes::tests::EXPECTS_NOTHING, test.title.span, message).help(
-                "say what must hold: `expect success`, `expect ended by fallen`, `expect reward.pose at a < reward.pose at b`",
-            );
+            let message = format!("the test \"{}\" has no expectation", test.title.value);
+            let diagnostic = self
+                .diagnostic(codes::tests::EXPECTS_NOTHING, test.title.span, message)
+                .help("add one: `expect success`, `expect ended by fallen`, `expect reward.pose at a < reward.pose at b`");
             return Err(self.report(diagnostic));
         }
         for draft in &reader.drafts {
@@ -337,7 +337,7 @@ impl<'a> Checker<'a> {
                 let step = self.script_step(time)?;
                 self.must_be_seen(step, time.span)?;
                 if draft.until.replace(step).is_some() || draft.run.is_some() || step == 0 {
-                    let message = "`until` is said once, behind every `at`, and not beside `run`";
+                    let message = "`until` appears at most once, after every `at`, and not together with `run`";
                     return Err(self.error(codes::tests::TEST_ORDER, *span, message));
                 }
                 Ok(())
@@ -349,7 +349,7 @@ impl<'a> Checker<'a> {
                 let from = draft.keys.last().map_or(0, |key| key.step);
                 self.must_be_seen(from.saturating_add(steps.unwrap_or(0)), *span)?;
                 if draft.run.replace((policy.text.clone(), steps)).is_some() || draft.until.is_some() || steps == Some(0) {
-                    let message = "`run` is said once, for a time, and not beside `until`";
+                    let message = "`run` appears at most once, with a duration, and not together with `until`";
                     return Err(self.error(codes::tests::TEST_ORDER, *span, message));
                 }
                 Ok(())
@@ -357,7 +357,7 @@ impl<'a> Checker<'a> {
             TestStatement::Reset { times, span } => self.reset(times.as_ref(), *span, cheat, &mut reader.drafts[take]),
             TestStatement::Moment { name, statements, span } => {
                 if take != 0 {
-                    return Err(self.error(codes::tests::TEST_PLACE, *span, "a moment holds no further moments"));
+                    return Err(self.error(codes::tests::TEST_PLACE, *span, "a moment cannot contain moments"));
                 }
                 self.must_be_fresh(name, *span, reader)?;
                 let own = &reader.drafts[0];
@@ -374,7 +374,7 @@ impl<'a> Checker<'a> {
             }
             TestStatement::Expect { condition, moment, span } => {
                 if take != 0 {
-                    let message = "a moment holds no expectations; they stand behind it: `expect ... at NAME`";
+                    let message = "a moment contains no expectations; write them after it: `expect ... at NAME`";
                     return Err(self.error(codes::tests::TEST_PLACE, *span, message));
                 }
                 let locals = self.locals.clone();
@@ -391,15 +391,15 @@ impl<'a> Checker<'a> {
             return Ok(());
         }
         let diagnostic = self
-            .diagnostic(codes::tests::TEST_PLACE, span, "how a test begins is said before anything moves")
-            .help("what comes later has a time: `at 2 s pose squatting { root.at = [1 m, 0 m] }`");
+            .diagnostic(codes::tests::TEST_PLACE, span, "the initial state of a test comes before its keyframes")
+            .help("later changes need a time: `at 2 s pose squatting { root.at = [1 m, 0 m] }`");
         Err(self.report(diagnostic))
     }
 
     fn must_be_fresh(&mut self, name: &Ident, span: Span, reader: &Reader<'_>) -> Checked<()> {
         let names = reader.drafts.iter().flat_map(|draft| draft.name.iter().chain(draft.labels.iter().map(|(name, _)| name)));
         if names.into_iter().any(|known| *known == name.text) {
-            let message = format!("there are two moments called `{}`", name.text);
+            let message = format!("the moment `{}` is declared twice", name.text);
             return Err(self.error(codes::tasks::LABEL_TWICE, span, message));
         }
         Ok(())
@@ -409,8 +409,8 @@ impl<'a> Checker<'a> {
     fn must_move_by_script(&mut self, draft: &Draft) -> Checked<()> {
         let (Some(span), true) = (draft.velocity, draft.run.is_none() || !draft.keys.is_empty()) else { return Ok(()) };
         let diagnostic = self
-            .diagnostic(codes::tests::TEST_PLACE, span, "a script has the velocities of its motion")
-            .help("let it move: `at 0.1 s pose neutral { root.at = [5 cm, 0 m] }`");
+            .diagnostic(codes::tests::TEST_PLACE, span, "velocities of a script follow from its motion")
+            .help("move it with keyframes: `at 0.1 s pose neutral { root.at = [5 cm, 0 m] }`");
         Err(self.report(diagnostic))
     }
 
@@ -422,14 +422,14 @@ impl<'a> Checker<'a> {
         if draft.is_open() && draft.keys.last().is_none_or(|last| last.step < step) {
             return Ok(step);
         }
-        Err(self.error(codes::tests::TEST_ORDER, time.span, "this comes at or before what stands above"))
+        Err(self.error(codes::tests::TEST_ORDER, time.span, "this time is not after the previous one"))
     }
 
     /// A time of a script, control steps.
     fn script_step(&mut self, time: &'a Expr) -> Checked<u32> {
         let steps = self.steps(time)?;
         if steps > 1e7 {
-            return Err(self.error(codes::tests::TEST_ORDER, time.span, "no test is that long"));
+            return Err(self.error(codes::tests::TEST_ORDER, time.span, "the test is too long"));
         }
         Ok(steps as u32)
     }
@@ -443,17 +443,17 @@ impl<'a> Checker<'a> {
         let interval = self.timing.interval;
         let in_words = |steps: u32| format!("{steps} steps ({} s)", for_people(f64::from(steps) * interval));
         let diagnostic = self
-            .diagnostic(codes::tests::TEST_LONG, span, "the episode is over before this is shown")
+            .diagnostic(codes::tests::TEST_LONG, span, "this is after the end of the episode")
             .expected(format!("at most {}, the task's horizon", in_words(horizon)))
             .found(in_words(step))
-            .help("show it earlier, or give the task a longer `horizon`");
+            .help("use an earlier time, or a longer `horizon` of the task");
         Err(self.report(diagnostic))
     }
 
     /// `given target = [0.5 m, 0, 1 m]`
     fn given(&mut self, name: &'a Ident, value: &'a Expr) -> Checked<(usize, Vec<f64>)> {
         let Some(index) = self.randoms.iter().position(|random| random.name == name.text) else {
-            let message = format!("the task has no random called `{}`", name.text);
+            let message = format!("undefined random `{}`", name.text);
             let mut diagnostic = self.diagnostic(codes::tests::NOT_GIVEN, name.span, message);
             let names: Vec<String> = self.randoms.iter().map(|random| random.name.clone()).collect();
             for near in crate::diagnostics::nearest(&name.text, names.iter().map(String::as_str)) {
@@ -468,7 +468,7 @@ impl<'a> Checker<'a> {
         match self.graph.constant_lanes(data.node) {
             Some(lanes) if same || data.is_zero() && lanes.len() == width => Ok((index, lanes)),
             lanes => {
-                let what = if lanes.is_none() { "a value known while compiling" } else { "a value of its type" };
+                let what = if lanes.is_none() { "a constant" } else { "a value of its type" };
                 let (expected, found) = (wanted.kind.described(self.vocabulary), data.kind.described(self.vocabulary));
                 let diagnostic = self
                     .diagnostic(codes::tests::NOT_GIVEN, value.span, format!("`{}` takes {what}", name.text))
@@ -479,12 +479,12 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// What names mean in tests only: `success`, `reward`, `paid`.
+    /// Names that only tests have: `success`, `reward`, `return`.
     pub(crate) fn test_name(&mut self, name: &str) -> Option<TypedValue> {
         let in_tests = self.in_tests.as_ref()?;
         match name {
             "success" => Some(TypedValue::new(in_tests.success, ElementType::Bool)),
-            "reward" | "paid" => {
+            "reward" | "return" => {
                 let pays: Vec<NodeId> = in_tests.pays.iter().map(|(_, node)| *node).collect();
                 let sum = if pays.is_empty() {
                     self.graph.constant(0.0)
@@ -492,14 +492,14 @@ impl<'a> Checker<'a> {
                     let joined = self.graph.join(&pays);
                     self.graph.reduce(crate::graph::operation::Reduction::Sum, pays.len(), joined)
                 };
-                Some(TypedValue::new(self.paid(name, sum), ElementType::PLAIN))
+                Some(TypedValue::new(self.reward_or_return(name, sum), ElementType::PLAIN))
             }
             _ => None,
         }
     }
 
-    /// `reward.pose`: what a term pays in a step, weight and all; `paid.pose`: in all steps so far. `walk.present`: whether
-    /// that phase of a sequence is the present one.
+    /// `reward.pose`: the contribution of a term in a step; `return.pose`: the sum of its contributions so far. `walk.present`:
+    /// whether that phase of a sequence is the current one.
     pub(crate) fn test_field(&mut self, base: &Expr, name: &crate::syntax::tree::Name) -> Option<Checked<TypedValue>> {
         let in_tests = self.in_tests.as_ref()?;
         let crate::syntax::tree::ExprKind::Name(word) = &base.kind else { return None };
@@ -511,12 +511,12 @@ impl<'a> Checker<'a> {
             let channel = in_tests.channels.iter().find(|(known, _)| *known == name.text).map(|(_, data)| data.clone());
             return Some(channel.ok_or_else(|| self.unknown_channel(name)));
         }
-        if !["reward", "paid"].contains(&word.text.as_str()) {
+        if !["reward", "return"].contains(&word.text.as_str()) {
             return None;
         }
         let found = in_tests.pays.iter().find(|(known, _)| *known == name.text).map(|(_, node)| *node);
         Some(match found {
-            Some(node) => Ok(TypedValue::new(self.paid(&word.text, node), ElementType::PLAIN)),
+            Some(node) => Ok(TypedValue::new(self.reward_or_return(&word.text, node), ElementType::PLAIN)),
             None => {
                 let names = in_tests.pays.iter().map(|(name, _)| name.clone()).collect();
                 Err(self.unknown_name(&name.text, name.span, names))
@@ -524,8 +524,8 @@ impl<'a> Checker<'a> {
         })
     }
 
-    fn paid(&mut self, word: &str, pay: NodeId) -> NodeId {
-        if word == "paid" { self.graph.memory(Memory::Accumulate, &[pay]) } else { pay }
+    fn reward_or_return(&mut self, word: &str, reward: NodeId) -> NodeId {
+        if word == "return" { self.graph.memory(Memory::Accumulate, &[reward]) } else { reward }
     }
 }
 

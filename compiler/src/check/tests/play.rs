@@ -24,7 +24,7 @@ impl<'a> Checker<'a> {
             Some(time) => self.next_step(time, draft)?,
             None if draft.keys.is_empty() && draft.is_open() => 0,
             None => {
-                let message = "a motion behind others says when it begins";
+                let message = "a motion after others needs a start time";
                 let diagnostic = self.diagnostic(codes::tests::TEST_ORDER, playing.span, message);
                 return Err(self.report(diagnostic.help("write `at 2 s play ...`")));
             }
@@ -73,7 +73,7 @@ impl<'a> Checker<'a> {
                 };
                 if let (false, Some(written)) = ((0.0..=1.0).contains(&start), &playing.start) {
                     let diagnostic = self
-                        .diagnostic(codes::composition::MOTION, written.span, "a motion starts at a phase of its own")
+                        .diagnostic(codes::composition::MOTION, written.span, "a motion starts at a constant or random phase")
                         .expected("a number from 0 to 1")
                         .found(for_people(start));
                     return Err(self.report(diagnostic));
@@ -96,11 +96,9 @@ impl<'a> Checker<'a> {
                 let known = self.known_reference(&name.text, name.span)?;
                 let known = self.references[known].clone();
                 if let Some(start) = &playing.start {
-                    let message = "a reference has a phase of its own at every moment of the episode";
+                    let message = "a reference determines its own phase at every time";
                     let diagnostic = self.diagnostic(codes::composition::MOTION, start.span, message);
-                    return Err(
-                        self.report(diagnostic.help("its table by itself starts anywhere: `play motion \"...\" start 0.5`"))
-                    );
+                    return Err(self.report(diagnostic.help("play its table to choose a phase: `play motion \"...\" start 0.5`")));
                 }
                 let start = match self.graph.constant_value(known.start) {
                     Some(phase) => Start::Phase(phase),
@@ -134,7 +132,7 @@ impl<'a> Checker<'a> {
             return Ok(steps);
         }
         let span = playing.duration.as_ref().map_or(playing.span, |duration| duration.span);
-        Err(self.error(codes::tests::TEST_ORDER, span, "a motion is played for a time"))
+        Err(self.error(codes::tests::TEST_ORDER, span, "`play` takes a duration"))
     }
 
     /// What the scene takes from a motion: all that it moves but for what the changes set.
@@ -155,10 +153,10 @@ impl<'a> Checker<'a> {
         if init.root.meets.is_empty() && !init.drawn.iter().any(drawn) && !on_a_path {
             return Ok(());
         }
-        let message = "where the path of this motion begins is not known while compiling";
+        let message = "the start of the path of this motion is not known at compile time";
         let diagnostic = self
             .diagnostic(codes::composition::MOTION, playing.span, message)
-            .help("say it: `play ... { root.at = [0 m, 0 m], root.heading = 0 deg }`");
+            .help("set it: `play ... { root.at = [0 m, 0 m], root.heading = 0 deg }`");
         Err(self.report(diagnostic))
     }
 }

@@ -34,7 +34,7 @@ impl<'a> Checker<'a> {
         if !(1.0..=MOST_RESETS).contains(&count) || count.fract() != 0.0 {
             let at = times.map_or(span, |times| times.span);
             let diagnostic = self
-                .diagnostic(codes::tasks::OUT_OF_RANGE, at, "a task cannot be reset so many times in a test")
+                .diagnostic(codes::tasks::OUT_OF_RANGE, at, "too many resets")
                 .expected(format!("a whole number from 1 to {}", for_people(MOST_RESETS)))
                 .found(for_people(count));
             return Err(self.report(diagnostic));
@@ -53,9 +53,9 @@ impl<'a> Checker<'a> {
     }
 
     fn reset_stands_alone(&mut self, span: Span) -> Reported {
-        let message = "`reset` shows the initial state as the task draws it, and nothing else";
+        let message = "`reset` is the task's own initial state and cannot be combined with other statements";
         let diagnostic = self.diagnostic(codes::tests::TEST_PLACE, span, message);
-        self.report(diagnostic.help("give it a moment of its own: `moment begun { reset }`"))
+        self.report(diagnostic.help("use a separate moment: `moment begun { reset }`"))
     }
 
     /// `observation.gaze`, and no channel has that label.
@@ -63,11 +63,11 @@ impl<'a> Checker<'a> {
         let labels = self.in_tests.iter().flat_map(|in_tests| &in_tests.channels).map(|(label, _)| label.as_str());
         let words: Vec<&str> =
             labels.filter(|label| label.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')).collect();
-        let message = format!("no channel of the observation is labelled `{}`", name.text);
+        let message = format!("no channel of the observation has the label `{}`", name.text);
         let mut diagnostic = self.diagnostic(codes::names::UNKNOWN_NAME, name.span, message);
         let near = nearest(&name.text, words.iter().copied());
         if near.is_empty() {
-            diagnostic = diagnostic.help(format!("labels are {}; others are given in `observe`: `goal = ...`", words.join(", ")));
+            diagnostic = diagnostic.help(format!("labels are {}; declare others in `observe`: `goal = ...`", words.join(", ")));
         }
         for label in near {
             diagnostic = diagnostic.suggest(format!("did you mean `{label}`?"), name.span, label);
@@ -78,21 +78,21 @@ impl<'a> Checker<'a> {
     /// `min(x at drawn)`: a number of the type of x.
     pub(crate) fn statistic(&mut self, function: &'a Expr, arguments: &'a [Argument], span: Span) -> Checked<TypedValue> {
         let Some((value, _)) = over_resets(arguments) else {
-            return Err(self.error(codes::types::WRONG_TYPE, span, "`at` a moment can only stand in `expect`"));
+            return Err(self.error(codes::types::WRONG_TYPE, span, "`at` a moment is allowed only in `expect`"));
         };
         if statistic_of(function).is_none() {
             let names: Vec<&str> = Statistic::ALL.iter().map(|statistic| statistic.name()).collect();
-            let message = "this is not taken over the episodes of a moment";
+            let message = "not an aggregate over the episodes of a moment";
             let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, function.span, message);
-            return Err(self.report(diagnostic.help(format!("taken over them are {}", names.join(", ")))));
+            return Err(self.report(diagnostic.help(format!("aggregates are {}", names.join(", ")))));
         }
         let data = self.data(value)?;
         if !data.kind.is_one_number() {
             let found = data.kind.described(self.vocabulary);
             let diagnostic = self
-                .diagnostic(codes::types::WRONG_TYPE, value.span, "one number of each episode is wanted here")
+                .diagnostic(codes::types::WRONG_TYPE, value.span, "expected one number per episode")
                 .found(found)
-                .help("take a component, or one number of a list, before it is read at the moment");
+                .help("use a component, or one number of a list, inside of `at`");
             return Err(self.report(diagnostic));
         }
         Ok(data)

@@ -102,7 +102,7 @@ impl<'a> Checker<'a> {
             other => {
                 let message = format!("a test cannot set `root.{other}`");
                 let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, span, message);
-                Err(self.report(diagnostic.help(format!("it sets {ROOT}, and `align palm_l to bar.grip_l`"))))
+                Err(self.report(diagnostic.help(format!("a test can set {ROOT}, and `align palm_l to bar.grip_l`"))))
             }
         }
     }
@@ -122,8 +122,8 @@ impl<'a> Checker<'a> {
         };
         let Some(place) = place else {
             let diagnostic = self
-                .diagnostic(codes::tasks::UNKNOWN_SETTING, base.span, "only a free object can be put somewhere")
-                .help("joints of objects are set by name: `door.swing = 30 deg`");
+                .diagnostic(codes::tasks::UNKNOWN_SETTING, base.span, "only a free object can be placed")
+                .help("set joints of objects by name: `door.swing = 30 deg`");
             return Err(self.report(diagnostic));
         };
         if name.text == "at" {

@@ -29,19 +29,19 @@ impl Checker<'_> {
         let written = factors(left).into_iter().chain([right]).filter_map(angle).next();
         if !into_radians {
             let diagnostic = self
-                .diagnostic(codes::incentive::BY_HAND, span, "this turns radians into degrees by hand")
-                .help("an angle divided by `1 deg` is its number of degrees: `knee_angle_r.q / 1 deg`");
+                .diagnostic(codes::incentive::MANUAL_CONVERSION, span, "manual conversion from radians to degrees")
+                .help("the number of degrees of an angle is `knee_angle_r.q / 1 deg`");
             self.diagnostics.push(diagnostic);
             return;
         }
         let in_degrees = |quantity: &Quantity| quantity.unit.as_ref().is_some_and(|unit| unit.text == "deg");
         let message = match written {
-            Some(quantity) if in_degrees(quantity) => "this turns degrees into radians that are an angle already",
-            _ => "this turns degrees into radians by hand",
+            Some(quantity) if in_degrees(quantity) => "manual conversion of an angle that already is in radians",
+            _ => "manual conversion from degrees to radians",
         };
         let diagnostic = self
-            .diagnostic(codes::incentive::BY_HAND, span, message)
-            .help("angles carry their unit: `40 deg` meets `knee_angle_r.q` as it is");
+            .diagnostic(codes::incentive::MANUAL_CONVERSION, span, message)
+            .help("angles have units: `40 deg` can be combined with `knee_angle_r.q` directly");
         let diagnostic = match written {
             Some(quantity) => {
                 let angle = format!("{} deg", exact(quantity.value));

@@ -13,9 +13,9 @@ impl Checker<'_> {
     /// Warns of the absolute value of what tells upright from upside down, or forwards from backwards.
     pub(crate) fn warn_folded(&mut self, node: NodeId, span: Span) {
         let (same, instead) = if (0..self.graph.width(node)).any(|lane| traced(&self.graph, node, lane) == Some(UP_Z)) {
-            ("upright and upside down are the same", "`max(0, torso.up.z)` counts what is upside down as lying")
+            ("upright and upside down are the same", "`max(0, torso.up.z)` is 0 upside down")
         } else if turns_right_round(&self.graph, node) {
-            ("facing forwards and facing backwards are the same", "the angle itself tells them apart: `abs(pelvis.yaw)`")
+            ("facing forwards and facing backwards are the same", "the angle distinguishes them: `abs(pelvis.yaw)`")
         } else {
             return;
         };

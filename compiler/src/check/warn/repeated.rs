@@ -34,9 +34,9 @@ impl<'a> Checker<'a> {
             };
             if let Some(known) = first.get(&same) {
                 let diagnostic = self
-                    .diagnostic(codes::incentive::REPEATED, *span, "this element stands in the list for the second time")
-                    .label(self.place.file, *known, "the same stands here")
-                    .help("a mean or sum counts it twice, and misses what was meant instead");
+                    .diagnostic(codes::incentive::DUPLICATE_ELEMENT, *span, "this element occurs for the second time in the list")
+                    .label(self.place.file, *known, "first occurrence")
+                    .help("a mean or sum counts it twice and omits another element");
                 let diagnostic = self.with_other_side(element, diagnostic);
                 self.diagnostics.push(diagnostic);
             } else {

@@ -33,7 +33,7 @@ impl Checker<'_> {
             return;
         }
         let (range, found) = spoken_unit(kind, written).tell_beside([low, high], target);
-        let message = format!("`{name}` never comes to {found}");
+        let message = format!("`{name}` never reaches {found}");
         let span = written[0].span.to(written[1].span);
         let diagnostic = self.diagnostic(codes::slips::BEYOND_RANGE, span, message).expected(range).found(found);
         let people = SpokenUnit::of(kind.dimension().unwrap_or(Dimension::NONE));
@@ -41,7 +41,7 @@ impl Checker<'_> {
             told if diagnostic.expected.as_ref() == Some(&told) => diagnostic,
             told => diagnostic.help(format!("its range is {told}")),
         };
-        self.diagnostics.push(diagnostic.help("look for a wrong sign, or for degrees written as radians"));
+        self.diagnostics.push(diagnostic.help("check the sign, and degrees written as radians"));
     }
 
     /// Warns of a sum or mean of several errors of which only the size is taken.
@@ -49,10 +49,10 @@ impl Checker<'_> {
         if !sums_errors(&self.graph, node) {
             return;
         }
-        let message = "errors of opposite sign cancel each other before their size is taken";
+        let message = "errors of opposite sign cancel before the absolute value or square is taken";
         let diagnostic = self
             .diagnostic(codes::slips::ERRORS_CANCEL, span, message)
-            .help("take the size of each first: `mean((x - target)^2)`, `mean(abs(x - target))`");
+            .help("take it of each error first: `mean((x - target)^2)`, `mean(abs(x - target))`");
         self.diagnostics.push(diagnostic);
     }
 
@@ -64,13 +64,13 @@ impl Checker<'_> {
             return;
         }
         let verdict = match function {
-            Binary::Or if low < high => "always holds: every number lies above the one or below the other",
-            Binary::And if low > high => "can never hold: no number lies above the one and below the other",
+            Binary::Or if low < high => "always holds: every number is above the one or below the other",
+            Binary::And if low > high => "can never hold: no number is above the one and below the other",
             _ => return,
         };
         let instead = if function == Binary::Or { "`and`" } else { "`or`" };
         let diagnostic = self.diagnostic(codes::lints::DECIDED, span, format!("this {verdict}"));
-        self.diagnostics.push(diagnostic.help(format!("was {instead} meant, or is a comparison turned round?")));
+        self.diagnostics.push(diagnostic.help(format!("did you mean {instead}, or is a comparison inverted?")));
     }
 }
 

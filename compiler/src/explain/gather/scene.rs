@@ -1,6 +1,6 @@
-//! Scene and beginning in words.
+//! Scene and initial state as text.
 
-use super::super::account::*;
+use super::super::report::*;
 use super::drawn;
 use crate::numbers::for_people;
 use crate::scene::{Motion, Object, ObjectJointKind, Parent, Shape, Terrain};
@@ -8,14 +8,14 @@ use crate::snapshot::names;
 use crate::task::{CompiledTask, Init, Spread};
 use crate::vocabulary::JointKind;
 
-pub(super) fn scene(task: &CompiledTask, init: &Init) -> SceneAccount {
+pub(super) fn scene(task: &CompiledTask, init: &Init) -> SceneReport {
     let scene = &task.scene;
     let name_of = |index: usize| scene.objects.get(index).map_or_else(|| index.to_string(), |object| object.name.clone());
     let objects = scene.objects.iter().enumerate().map(|(index, object)| {
         let (kind, size) = shape(object);
         // Where chance places an object, the scene cannot say where it is.
         let start = init.objects.iter().find(|start| start.object == index && task.init.objects != init.objects);
-        ObjectAccount {
+        ObjectReport {
             name: object.name.clone(),
             description: object.description.clone(),
             kind: kind.to_owned(),
@@ -34,13 +34,13 @@ pub(super) fn scene(task: &CompiledTask, init: &Init) -> SceneAccount {
             walkable: object.surface.walkable,
         }
     });
-    let connections = scene.connections.iter().enumerate().map(|(index, held)| ConnectionAccount {
+    let connections = scene.connections.iter().enumerate().map(|(index, held)| ConnectionReport {
         kind: if held.weld { "weld" } else { "connect" }.to_owned(),
         from: held.from.clone(),
         to: held.to.clone(),
         released: task.releases.contains(&index),
     });
-    SceneAccount {
+    SceneReport {
         ground: scene.ground.is_some(),
         objects: objects.collect(),
         connections: connections.collect(),
@@ -69,7 +69,7 @@ fn shape(object: &Object) -> (&'static str, String) {
         Some(Shape::Cylinder(radius, length)) => {
             ("cylinder", format!("radius {} m, length {} m", for_people(*radius), for_people(*length)))
         }
-        Some(Shape::Ellipsoid(axes)) => ("ellipsoid", format!("half axes {}", extents(axes))),
+        Some(Shape::Ellipsoid(axes)) => ("ellipsoid", format!("semi-axes {}", extents(axes))),
         Some(Shape::Plane) => ("plane", String::new()),
         Some(Shape::Terrain(Terrain::Stairs { count, rise, run, width })) => (
             "stairs",
@@ -105,8 +105,8 @@ fn motion(motion: &Motion) -> String {
     }
 }
 
-pub(super) fn disturbances(task: &CompiledTask) -> Vec<DisturbanceAccount> {
-    let told = task.disturbances.iter().map(|disturbance| DisturbanceAccount {
+pub(super) fn disturbances(task: &CompiledTask) -> Vec<DisturbanceReport> {
+    let told = task.disturbances.iter().map(|disturbance| DisturbanceReport {
         on: names::landmark(&task.vocabulary, disturbance.landmark),
         force: disturbance.force,
         torque: disturbance.torque,
@@ -116,9 +116,9 @@ pub(super) fn disturbances(task: &CompiledTask) -> Vec<DisturbanceAccount> {
     told.collect()
 }
 
-pub(super) fn beginning(task: &CompiledTask, init: &Init) -> BeginningAccount {
+pub(super) fn initial_state(task: &CompiledTask, init: &Init) -> InitialStateReport {
     let joints = task.vocabulary.joints.iter().zip(&init.coordinates);
-    let joints = joints.filter(|(joint, value)| **value != joint.neutral).map(|(joint, &value)| JointAccount {
+    let joints = joints.filter(|(joint, value)| **value != joint.neutral).map(|(joint, &value)| JointReport {
         name: joint.name.clone(),
         value,
         neutral: joint.neutral,
@@ -139,7 +139,7 @@ pub(super) fn beginning(task: &CompiledTask, init: &Init) -> BeginningAccount {
             noise.push(format!("{what}: {} on {whom}", spread_in_words(spread, per)));
         }
     }
-    BeginningAccount {
+    InitialStateReport {
         root: root(task, init),
         joints: joints.collect(),
         noise,
@@ -183,7 +183,7 @@ fn root(task: &CompiledTask, init: &Init) -> String {
         }
     }
     if init.follows.is_some() {
-        parts.push("on the motion it follows".to_owned());
+        parts.push("on its reference motion".to_owned());
     }
     if root.velocity != [0.0; 3] {
         parts.push(format!("moving at {} m/s", vector(root.velocity)));

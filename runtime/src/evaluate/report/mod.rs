@@ -50,9 +50,7 @@ pub fn markdown(summary: &Summary) -> String {
         let _ = write!(text, "\n## {}: metrics\n\n{}", task.task, metrics(&task.metrics));
     }
     text.push_str(
-        "\nReturn and steps: mean ± standard deviation over episodes. Interval: Wilson's. Families: means over\n\
-         tasks; horizon: mean part of it that an episode lasted. Value: mean over all steps; pay: weight\n\
-         times value; share: pay over the sum of the magnitudes of all pay.\n",
+        "\nReturn and steps: mean ± standard deviation over episodes. Interval: Wilson's. Families: means over\ntasks; horizon: mean fraction of it that an episode lasted. Value: mean over all steps; reward:\nweight times value; share: reward over the sum of the absolute values of all rewards.\n",
     );
     text
 }

@@ -32,7 +32,7 @@ pub fn overview(summary: &Summary) -> String {
         table.row(means(&summary.overall));
     }
     text.push_str(&table.plain(WIDTH));
-    text.push_str("\n[ ]: Wilson's interval; horizon: mean part of it that an episode lasted\n");
+    text.push_str("\n[ ]: Wilson's interval; horizon: mean fraction of it that an episode lasted\n");
     let faulty: Vec<&TaskSummary> = summary.tasks.iter().filter(|task| !task.faults.is_empty()).collect();
     for task in faulty.iter().take(FAULTS) {
         let [(episode, fault), ..] = task.faults.as_slice() else { continue };

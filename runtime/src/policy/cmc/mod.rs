@@ -210,7 +210,7 @@ impl Controller {
             return Err(unable("the body has no muscles"));
         }
         if pose.len() != body.joints.len() {
-            return Err(unable(format!("the task places {} joints of {}", pose.len(), body.joints.len())));
+            return Err(unable(format!("the task aligns {} joints of {}", pose.len(), body.joints.len())));
         }
         let coordinates = Coordinates::new(model);
         let mut support = Support::new(body);

@@ -96,8 +96,8 @@ impl Reply {
             let text = String::from_utf8_lossy(line);
             let no_number = ["NaN", "Infinity"].into_iter().find(|word| text.contains(word) && text.contains("\"action\""));
             match no_number {
-                Some(word) => format!("its action holds {word}, which is no number"),
-                None => format!("its reply is not one of the protocol: `{}` ({error})", shortened(text.trim())),
+                Some(word) => format!("its action contains {word}, which is not a number"),
+                None => format!("its reply does not follow the protocol: `{}` ({error})", shortened(text.trim())),
             }
         })
     }
@@ -126,9 +126,9 @@ mod tests {
     #[test]
     fn what_is_no_reply_is_shown() {
         let wrong = |line: &str| Reply::read(line.as_bytes()).err().unwrap_or_default();
-        assert_eq!(wrong(r#"{"action": [NaN]}"#), "its action holds NaN, which is no number");
-        assert_eq!(wrong(r#"{"action": [-Infinity]}"#), "its action holds Infinity, which is no number");
-        assert!(wrong("loading weights").starts_with("its reply is not one of the protocol: `loading weights` ("));
+        assert_eq!(wrong(r#"{"action": [NaN]}"#), "its action contains NaN, which is not a number");
+        assert_eq!(wrong(r#"{"action": [-Infinity]}"#), "its action contains Infinity, which is not a number");
+        assert!(wrong("loading weights").starts_with("its reply does not follow the protocol: `loading weights` ("));
         assert!(wrong(r#"{"actions": [0]}"#).contains("unknown field `actions`"));
         assert!(wrong(r#"{"action": [1e999]}"#).contains("number out of range"));
         assert!(wrong(&"é".repeat(1000)).chars().count() < 400);

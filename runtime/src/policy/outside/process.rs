@@ -68,7 +68,7 @@ impl<'a> Process<'a> {
 
     /// Sends a request and waits for the reply to it.
     fn ask(&mut self, request: &Request<'_>) -> Result<Reply, PolicyError> {
-        let line = request.line().map_err(|error| self.failed(format!("cannot be asked: {error}")))?;
+        let line = request.line().map_err(|error| self.failed(format!("cannot receive requests: {error}")))?;
         // A thread that has ended leaves its program to be found ended below.
         let _ = self.requests.as_ref().map(|requests| requests.send(line));
         let begin = Instant::now();
@@ -112,7 +112,7 @@ impl<'a> Process<'a> {
         std::thread::sleep(GLANCE);
         self.failed(match status.map(|status| status.code()) {
             Some(Some(code)) => format!("it ended with code {code}"),
-            Some(None) => "a signal ended it".to_owned(),
+            Some(None) => "it was ended by a signal".to_owned(),
             None => "it closed its standard output".to_owned(),
         })
     }
@@ -144,7 +144,7 @@ impl Policy for Process<'_> {
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
         self.asked.place = Some((context.key.episode, context.step));
         match self.ask(&Request::act(context))? {
-            Reply { error: Some(reason), .. } => Err(self.failed(format!("it answers with the error `{}`", shortened(&reason)))),
+            Reply { error: Some(reason), .. } => Err(self.failed(format!("it replies with the error `{}`", shortened(&reason)))),
             Reply { action: Some(values), ready: None, .. } if values.len() == action.len() => {
                 action.copy_from_slice(&values);
                 Ok(())
@@ -153,7 +153,7 @@ impl Policy for Process<'_> {
                 let (found, expected) = (values.len(), action.len());
                 Err(self.failed(format!("its action has {found} numbers, expected {expected}: one per muscle")))
             }
-            _ => Err(self.failed("its reply holds no `action`".into())),
+            _ => Err(self.failed("its reply contains no `action`".into())),
         }
     }
 }

@@ -47,7 +47,7 @@ impl Policy for Replay {
         let rows = self.rows.as_ref().ok_or_else(|| self.unable("has not been reset"))?;
         let row = usize::try_from(context.step).unwrap_or(usize::MAX);
         if row >= rows.rows() {
-            return Err(self.unable(format!("holds {} actions, and the episode goes on", rows.rows())));
+            return Err(self.unable(format!("contains only {} actions, but the episode continues", rows.rows())));
         }
         action.copy_from_slice(rows.row(row));
         Ok(())

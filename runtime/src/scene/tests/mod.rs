@@ -168,7 +168,7 @@ fn what_makes_no_sense_is_told_with_its_name() {
     let light = Object { motion: Motion::Free, ..ball([0.0; 3]) };
     assert!(told(light).contains("has no mass"));
     let carried = Object { motion: Motion::Free, parent: Parent::Landmark("chest".into()), mass: 1.0, ..ball([0.0; 3]) };
-    assert!(told(carried).contains("only what the world carries can be free"));
+    assert!(told(carried).contains("only a body that is a child of the world can be free"));
     let turned = Object { orientation: [0.0; 4], ..ball([0.0; 3]) };
-    assert_eq!(told(turned), "object `ball`: its orientation is no rotation");
+    assert_eq!(told(turned), "object `ball`: its orientation is not a rotation");
 }

@@ -12,7 +12,7 @@ const ROUNDED: f64 = 1e-4;
 /// How the paper and its code let a task begin.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Beginning {
+pub struct InitialState {
     /// The paper's words.
     pub paper: String,
     /// How the reason begins that the task gives for what differs.
@@ -68,39 +68,39 @@ impl Display for Value {
 }
 
 /// Problems, and what differs as rows: what, published, ours with its reason.
-pub fn compare(beginning: &Beginning, snapshot: &Snapshot, vocabulary: &Vocabulary) -> (Vec<String>, Vec<[String; 3]>) {
+pub fn compare(initial: &InitialState, snapshot: &Snapshot, vocabulary: &Vocabulary) -> (Vec<String>, Vec<[String; 3]>) {
     let ours = ours(snapshot, vocabulary);
     let found = |name: &str| ours.get(name).cloned().unwrap_or(Value::Number(0.0));
     let (mut problems, mut rows, mut told) = (Vec::new(), Vec::new(), BTreeSet::new());
-    let same = beginning.figures.iter().map(|(what, figure)| (what, Value::Number(*figure)));
-    let other = beginning.instead.iter().map(|instead| (&instead.what, instead.ours.clone()));
+    let same = initial.figures.iter().map(|(what, figure)| (what, Value::Number(*figure)));
+    let other = initial.instead.iter().map(|instead| (&instead.what, instead.ours.clone()));
     for (what, typed) in same.chain(other) {
         for name in both_sides(what) {
             if !found(&name).is(&typed) {
-                problems.push(format!("beginning: `{name}` is {} in ours, the sheet says {typed}", found(&name)));
+                problems.push(format!("initial state: `{name}` is {} in ours, the table has {typed}", found(&name)));
             }
             if !told.insert(name.clone()) {
-                problems.push(format!("beginning: `{name}` stands twice in the sheet"));
+                problems.push(format!("initial state: `{name}` occurs twice in the table"));
             }
         }
     }
-    for instead in &beginning.instead {
+    for instead in &initial.instead {
         let ours = format!("{}: {}", instead.ours, instead.because);
-        rows.push([format!("beginning, `{}`", instead.what), instead.published.to_string(), ours]);
+        rows.push([format!("initial state, `{}`", instead.what), instead.published.to_string(), ours]);
         if Value::Number(instead.published).is(&instead.ours) {
-            problems.push(format!("beginning: `{}` does not differ", instead.what));
+            problems.push(format!("initial state: `{}` does not differ", instead.what));
         }
     }
-    for (name, typed) in &beginning.drawn {
+    for (name, typed) in &initial.drawn {
         let found = bounds(snapshot, name);
         if found.is_none_or(|found| found.iter().zip(typed).any(|(ours, typed)| (ours - typed).abs() >= ROUNDED)) {
-            problems.push(format!("beginning: the random `{name}` lies in {found:?}, the sheet says {typed:?}"));
+            problems.push(format!("initial state: the random `{name}` lies in {found:?}, the table has {typed:?}"));
         }
     }
     let untold =
         ours.iter().filter(|(name, value)| !told.contains(*name) && matches!(value, Value::Number(x) if x.abs() >= ROUNDED));
     problems.extend(
-        untold.map(|(name, value)| format!("beginning: `{name}` is {value} in ours, and the sheet has no figure for it")),
+        untold.map(|(name, value)| format!("initial state: `{name}` is {value} in ours, and the table has no value for it")),
     );
     (problems, rows)
 }
@@ -113,7 +113,7 @@ fn both_sides(what: &str) -> Vec<String> {
     }
 }
 
-/// The figures of our beginning; those of a reference motion are the motion's.
+/// The values of our initial state; those of a reference motion are the motion's.
 fn ours(snapshot: &Snapshot, vocabulary: &Vocabulary) -> BTreeMap<String, Value> {
     let section = |kind: &str, name: &str| snapshot.sections.iter().find(|section| section.kind == kind && section.name == name);
     let mut ours = BTreeMap::new();

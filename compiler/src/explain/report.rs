@@ -3,12 +3,12 @@
 use crate::numbers::for_people;
 use serde::Serialize;
 
-/// Number of the form of an [`Account`] as JSON.
+/// Number of the form of an [`TaskReport`] as JSON.
 pub const FORM: u32 = 1;
 
 /// A task explained.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Account {
+pub struct TaskReport {
     /// Number of this form, [`FORM`].
     pub form: u32,
     /// Name of the task.
@@ -30,28 +30,28 @@ pub struct Account {
     /// Whether mirroring left and right must not change the pay.
     pub symmetric: bool,
     /// Numbers that may be set from outside.
-    pub parameters: Vec<ParameterAccount>,
+    pub parameters: Vec<ParameterReport>,
     /// Motions that formulas follow.
-    pub motions: Vec<MotionAccount>,
+    pub motions: Vec<MotionReport>,
     /// What chance decides.
-    pub randoms: Vec<RandomAccount>,
+    pub randoms: Vec<RandomReport>,
     /// What surrounds the body.
-    pub scene: SceneAccount,
+    pub scene: SceneReport,
     /// How an episode begins.
-    pub beginning: BeginningAccount,
+    pub initial_state: InitialStateReport,
     /// Forces from outside.
-    pub disturbances: Vec<DisturbanceAccount>,
+    pub disturbances: Vec<DisturbanceReport>,
     /// One for a task, several for a sequence.
-    pub phases: Vec<PhaseAccount>,
+    pub phases: Vec<PhaseReport>,
     /// What the policy sees.
-    pub observation: ObservationAccount,
+    pub observation: ObservationReport,
     /// Sum of the reward in the first snapshot, where that is known.
     pub reward_at_reset: Option<f64>,
 }
 
 /// A formula in several notations.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct FormulaAccount {
+pub struct FormulaReport {
     /// As written, blanks made even; empty where the text is not kept.
     pub source: String,
     /// As mathematics in plain characters.
@@ -64,7 +64,7 @@ pub struct FormulaAccount {
 
 /// A number that may be set from outside.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ParameterAccount {
+pub struct ParameterReport {
     /// Its name.
     pub name: String,
     /// The value in force.
@@ -79,7 +79,7 @@ pub struct ParameterAccount {
 
 /// A motion that formulas follow.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MotionAccount {
+pub struct MotionReport {
     /// Name of the reference.
     pub name: String,
     /// Title of the motion.
@@ -96,7 +96,7 @@ pub struct MotionAccount {
     pub start: Option<f64>,
 }
 
-impl MotionAccount {
+impl MotionReport {
     /// Everything but its name, on one line.
     pub(super) fn in_words(&self) -> String {
         let kind = if self.cycle { "a cycle" } else { "a motion" };
@@ -108,7 +108,7 @@ impl MotionAccount {
 
 /// A value that chance decides, as written.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RandomAccount {
+pub struct RandomReport {
     /// Its name.
     pub name: String,
     /// What is drawn.
@@ -121,13 +121,13 @@ pub struct RandomAccount {
 
 /// What surrounds the body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SceneAccount {
+pub struct SceneReport {
     /// Whether there is level ground.
     pub ground: bool,
     /// Elements, parents before what they carry.
-    pub objects: Vec<ObjectAccount>,
+    pub objects: Vec<ObjectReport>,
     /// What is held to what.
-    pub connections: Vec<ConnectionAccount>,
+    pub connections: Vec<ConnectionReport>,
     /// Named sets of elements.
     pub groups: Vec<(String, Vec<String>)>,
     /// Names of places that are shown and never touched.
@@ -136,7 +136,7 @@ pub struct SceneAccount {
 
 /// An element of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ObjectAccount {
+pub struct ObjectReport {
     /// Its name.
     pub name: String,
     /// Its documentation.
@@ -165,7 +165,7 @@ pub struct ObjectAccount {
 
 /// What is held to what.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ConnectionAccount {
+pub struct ConnectionReport {
     /// `weld` holds place and orientation, `connect` the place.
     pub kind: String,
     /// First end.
@@ -178,11 +178,11 @@ pub struct ConnectionAccount {
 
 /// How an episode begins.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BeginningAccount {
+pub struct InitialStateReport {
     /// The root in words.
     pub root: String,
     /// Joints that are elsewhere than in the neutral pose.
-    pub joints: Vec<JointAccount>,
+    pub joints: Vec<JointReport>,
     /// Noise in words, a line each.
     pub noise: Vec<String>,
     /// Free elements that start with a velocity or elsewhere than the scene says, in words.
@@ -193,10 +193,10 @@ pub struct BeginningAccount {
     pub settle: String,
 }
 
-impl BeginningAccount {
+impl InitialStateReport {
     /// Joints that no coupling slaves, those of both sides that are alike under one name: `knee angle l,r`.
-    pub(super) fn independent_joints(&self) -> Vec<(String, &JointAccount)> {
-        let mut told: Vec<(String, &JointAccount)> = Vec::new();
+    pub(super) fn independent_joints(&self) -> Vec<(String, &JointReport)> {
+        let mut told: Vec<(String, &JointReport)> = Vec::new();
         for joint in self.joints.iter().filter(|joint| joint.independent) {
             let (base, side) = match joint.name.rsplit_once('_') {
                 Some((base, side @ ("l" | "r"))) => (base, side),
@@ -217,7 +217,7 @@ impl BeginningAccount {
 
 /// A joint away from the neutral pose.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct JointAccount {
+pub struct JointReport {
     /// Its name.
     pub name: String,
     /// Coordinate, rad or m.
@@ -230,7 +230,7 @@ pub struct JointAccount {
     pub independent: bool,
 }
 
-impl JointAccount {
+impl JointReport {
     /// Its coordinate for people: angles in degrees.
     pub(super) fn angle(&self) -> String {
         match self.unit.as_str() {
@@ -242,7 +242,7 @@ impl JointAccount {
 
 /// A force from outside.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DisturbanceAccount {
+pub struct DisturbanceReport {
     /// On which landmark.
     pub on: String,
     /// N.
@@ -257,30 +257,30 @@ pub struct DisturbanceAccount {
 
 /// A task of a sequence, or the task itself.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PhaseAccount {
+pub struct PhaseReport {
     /// The task's name.
     pub name: String,
     /// Its length, control steps.
     pub horizon: u32,
     /// When the next phase begins, where that is said.
-    pub until: Option<FormulaAccount>,
+    pub until: Option<FormulaReport>,
     /// What is paid.
-    pub terms: Vec<TermAccount>,
+    pub terms: Vec<TermReport>,
     /// Ends that are failures.
-    pub terminations: Vec<EndAccount>,
+    pub terminations: Vec<EndReport>,
     /// Ends that are none.
-    pub finishes: Vec<EndAccount>,
+    pub finishes: Vec<EndReport>,
     /// What succeeds at the last step.
-    pub success: Option<EndAccount>,
+    pub success: Option<EndReport>,
     /// What is logged and never paid.
-    pub metrics: Vec<MetricAccount>,
+    pub metrics: Vec<MetricReport>,
     /// What formulas name; what is read stands before its readers.
-    pub definitions: Vec<DefinitionAccount>,
+    pub definitions: Vec<DefinitionReport>,
 }
 
 /// A reward term.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TermAccount {
+pub struct TermReport {
     /// Its name.
     pub name: String,
     /// What it pays, times its value, in every control step.
@@ -294,7 +294,7 @@ pub struct TermAccount {
     /// Whether the weight is fixed.
     pub fixed: bool,
     /// What is paid for.
-    pub formula: FormulaAccount,
+    pub formula: FormulaReport,
     /// Its documentation.
     pub docs: String,
     /// Whether it is paid per second, so that its value is multiplied by the control step.
@@ -313,11 +313,11 @@ pub struct TermAccount {
 
 /// A condition that ends, or makes a success.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EndAccount {
+pub struct EndReport {
     /// Name of the reason; empty for success.
     pub name: String,
     /// When it holds.
-    pub condition: FormulaAccount,
+    pub condition: FormulaReport,
     /// The time from reset before which it does not count, as written; empty if it always does.
     pub after: String,
     /// Its documentation.
@@ -328,7 +328,7 @@ pub struct EndAccount {
 
 /// What is logged.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MetricAccount {
+pub struct MetricReport {
     /// Its name.
     pub name: String,
     /// Number of values.
@@ -336,12 +336,12 @@ pub struct MetricAccount {
     /// Unit, empty for plain numbers.
     pub unit: String,
     /// What it is.
-    pub formula: FormulaAccount,
+    pub formula: FormulaReport,
 }
 
 /// A declaration that formulas name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DefinitionAccount {
+pub struct DefinitionReport {
     /// `let`, `const`, `fn`, `state`, `clock`, `random`, `params`.
     pub kind: String,
     /// Its name.
@@ -349,23 +349,23 @@ pub struct DefinitionAccount {
     /// Of a function.
     pub parameters: Vec<String>,
     /// Its formula, or several with a word before each: `becomes`, `when`, `where`.
-    pub parts: Vec<(String, FormulaAccount)>,
+    pub parts: Vec<(String, FormulaReport)>,
     /// Its documentation.
     pub docs: String,
 }
 
 /// What the policy sees.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ObservationAccount {
+pub struct ObservationReport {
     /// Number of values.
     pub size: usize,
     /// Its parts, in order.
-    pub channels: Vec<ChannelAccount>,
+    pub channels: Vec<ChannelReport>,
 }
 
 /// A part of the observation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChannelAccount {
+pub struct ChannelReport {
     /// Its label.
     pub name: String,
     /// First index.
@@ -377,7 +377,7 @@ pub struct ChannelAccount {
     /// The block of a library that it comes from, such as `proprioception`; empty if it is the task's own.
     pub block: String,
     /// What it is; of a sequence, in the first phase that has it.
-    pub formula: FormulaAccount,
+    pub formula: FormulaReport,
     /// Its documentation.
     pub docs: String,
 }
