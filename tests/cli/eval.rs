@@ -262,7 +262,7 @@ fn results_that_somebody_changed_are_refused_and_stay_as_they_are() {
     project.write("out/run.json", &project.read("other/run.json"));
     refused(&["--seed", "6"], &["line 1, belongs to another run", "seed is 5, not 6"]);
     std::fs::remove_file(project.path("out/run.json")).unwrap();
-    refused(&["--seed", "6"], &["holds episodes but no `run.json`"]);
+    refused(&["--seed", "6"], &["contains episodes but no `run.json`"]);
     project.write("out/run.json", &settings);
     eval(&project, "out", &[]).succeeded();
     assert_eq!(project.read("out/episodes.jsonl"), lines);

@@ -68,7 +68,7 @@ fn a_task_that_a_program_refuses_is_skipped_with_its_reason() {
     let project = project("read -r line; echo '{\"error\": \"trained for another body\"}'; read -r line\n");
     let done = eval(&project, &["--threads", "1"]);
     assert!(done.out.contains("skipped: trained for another body"), "{}", done.out);
-    done.failed(1, &["policy `process sh agent.sh` can act on none of the tasks"]);
+    done.failed(1, &["policy `process sh agent.sh` supports none of the tasks"]);
 }
 
 #[test]
@@ -76,10 +76,10 @@ fn a_program_that_breaks_down_is_reported_with_its_last_words() {
     let place = "policy `process sh agent.sh` failed: in `lean`, episode 0, step 0: ";
     let cases = [
         ("echo no weights >&2; exit 3", "it ended with code 3\n  its standard error ends with:\n    no weights"),
-        ("kill -9 $$", "a signal ended it"),
+        ("kill -9 $$", "it was ended by a signal"),
         ("exec >&-; sleep 100", "it closed its standard output"),
         ("action 415 0", "its action has 415 numbers, expected 416: one per muscle"),
-        ("action 416 NaN", "its action holds NaN, which is no number"),
+        ("action 416 NaN", "its action contains NaN, which is not a number"),
         ("echo loading", "its reply does not follow the protocol: `loading` ("),
         ("echo '{\"ready\": true}'", "its reply contains no `action`"),
         ("echo '{\"error\": \"out of memory\"}'", "it replies with the error `out of memory`"),
@@ -110,7 +110,7 @@ fn what_was_done_is_continued_when_the_program_works_again() {
     assert_eq!(project.read("out/episodes.jsonl").lines().count(), 1);
     project.write("agent.sh", &agent("action 416 -1"));
     let done = eval(&project, &["--threads", "1"]).succeeded();
-    assert!(done.err.contains("continuing `out`: 1 of 2 episodes are there"), "{}", done.err);
+    assert!(done.err.contains("resuming `out`: 1 of 2 episodes exist"), "{}", done.err);
     assert_eq!(project.read("out/episodes.jsonl").lines().count(), 2);
 }
 
@@ -132,7 +132,7 @@ fn recorded_actions_are_played_again_bit_for_bit() {
     let done = project.msk(&["run", "longer.msk", "--policy", "replay random.npy"]);
     done.failed(1, &["`random.npy` contains only ", " actions, but the episode continues"]);
     project.write("text.npy", "text");
-    project.msk(&["run", "lean.msk", "--policy", "replay text.npy"]).failed(1, &["`text.npy` is no NumPy array"]);
+    project.msk(&["run", "lean.msk", "--policy", "replay text.npy"]).failed(1, &["`text.npy` is not a NumPy array"]);
 }
 
 /// A network with one layer that gives `value` for every muscle, whatever it sees.
@@ -189,8 +189,8 @@ fn several_policies_are_compared_in_one_table() {
     // The task has no test, so there is nothing to demonstrate: that column is empty, and the exit code tells.
     let row = done.out.lines().find(|line| line.starts_with("lean")).unwrap();
     assert!(row.ends_with('-'), "{row}");
-    done.failed(1, &["policy `demonstration` can act on none of the tasks"]);
-    project.msk(&["eval", "tasks.msk", "--policy", "zero", "--policy", "zero"]).failed(2, &["the policy `zero` is named twice"]);
+    done.failed(1, &["policy `demonstration` supports none of the tasks"]);
+    project.msk(&["eval", "tasks.msk", "--policy", "zero", "--policy", "zero"]).failed(2, &["the policy `zero` is given twice"]);
 }
 
 #[test]

@@ -78,7 +78,7 @@ pub enum PolicyError {
     #[error("there is no policy `{0}`; choose one of: {names}, process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
     Unknown(String),
     /// A policy from outside without what it is.
-    #[error("`{policy}` names no {}: write `{example}`", if *policy == "process" { "command" } else { "file" })]
+    #[error("`{policy}` needs a {}: write `{example}`", if *policy == "process" { "command" } else { "file" })]
     Incomplete {
         /// Its kind.
         policy: &'static str,
