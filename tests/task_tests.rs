@@ -215,7 +215,7 @@ fn what_does_not_hold_is_told_with_its_numbers() {
     );
     assert_eq!(
         told("test \"x\" { run nobody for 1 s; expect survived }"),
-        "expected that it runs, found there is no policy `nobody`; choose one of: zero, random, cmc, demonstration, process COMMAND, replay FILE"
+        "expected that it runs, found there is no policy `nobody`; choose one of: zero, random, cmc, demonstration"
     );
 }
 

@@ -75,8 +75,11 @@ pub trait Policy: Send {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PolicyError {
     /// No policy of that name.
-    #[error("there is no policy `{0}`; choose one of: {names}, process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
+    #[error("there is no policy `{0}`; choose one of: {names}", names = NAMES.join(", "))]
     Unknown(String),
+    /// No policy that a command line names like this.
+    #[error("there is no policy `{0}`; choose one of: {names}, process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
+    UnknownSource(String),
     /// A policy from outside without what it is.
     #[error("`{policy}` needs a {}: write `{example}`", if *policy == "process" { "command" } else { "file" })]
     Incomplete {

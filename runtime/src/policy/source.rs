@@ -68,7 +68,12 @@ impl PolicySource {
                 let (bytes, digest) = Replay::read(rest)?;
                 (format!("replay {rest} ({digest})"), Kind::Replay { path: rest.to_owned(), bytes })
             }
-            _ => return Self::built_in(text),
+            _ => {
+                return Self::built_in(text).map_err(|error| match error {
+                    PolicyError::Unknown(text) => PolicyError::UnknownSource(text),
+                    error => error,
+                });
+            }
         };
         Ok(Self { name, kind, timeout: TIMEOUT })
     }
@@ -108,7 +113,7 @@ mod tests {
         assert_eq!(name("cmc"), Ok("cmc".to_owned()));
         assert_eq!(name("posture"), Ok("cmc".to_owned()));
         assert_eq!(name("process  python3   p.py"), Ok("process python3 p.py".to_owned()));
-        assert!(matches!(name("processes"), Err(PolicyError::Unknown(_))));
+        assert!(matches!(name("processes"), Err(PolicyError::UnknownSource(_))));
         let message = |text: &str| name(text).err().map(|error| error.to_string()).unwrap_or_default();
         assert_eq!(message("process "), "`process` needs a command: write `process python3 policy.py`");
         assert_eq!(message("network"), "`network` needs a file: write `network agent.safetensors`");
