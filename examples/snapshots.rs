@@ -14,5 +14,5 @@ fn the_reward_of_crouch() {
 fn a_task_that_does_not_exist_fails_with_those_that_do() {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/crouch.msk");
     let problem = msk::testing::snapshot(&file, "couch").err().unwrap_or_default();
-    assert!(problem.contains("holds no task `couch`; it holds: crouch"), "{problem}");
+    assert!(problem.contains("contains no task `couch`; it contains: crouch"), "{problem}");
 }

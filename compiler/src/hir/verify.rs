@@ -81,6 +81,6 @@ mod tests {
         assert!(finding(&open).contains("never closed"), "{}", finding(&open));
         let mut graph = Graph::default();
         let wide = hir(3, &mut graph);
-        assert!(wide.verify(&graph).is_some_and(|finding| finding.contains("a node of 3")));
+        assert!(wide.verify(&graph).is_some_and(|finding| finding.contains("at a node of width 3")));
     }
 }

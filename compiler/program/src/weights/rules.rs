@@ -103,7 +103,7 @@ impl Rules {
     /// A proposal of the wrong length or not finite, or a norm that cannot be reached.
     ///
     /// ```
-    /// use msk_compiler::weights::{Bounds, rules::{Rules, Weight}};
+    /// use msk_program::weights::{Bounds, rules::{Rules, Weight}};
     /// let weights = [10.0, -1.0].map(|value| Weight { value, bounds: Bounds::Free, in_scope: true });
     /// assert_eq!(Rules::default().constrain(&weights, &[20.0, 1.0]).unwrap(), [12.0, -0.8]);
     /// ```

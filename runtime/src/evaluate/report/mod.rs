@@ -256,7 +256,7 @@ mod tests {
           crawl                  0 % [0, 7]   38123     97 %  horizon 40, other 10
         all tasks (3 of 4)             48 %             97 %
 
-        [ ]: Wilson's interval; horizon: mean part of it that an episode lasted
+        [ ]: Wilson's interval; horizon: mean fraction of it that an episode lasted
         Fault in `crawl`, episode 3: at 0.2 s the velocity of joint `knee` (body `tib...
         Coverage: 3 of 4 tasks, 150 of 200 episodes; 1 skipped
         ");
@@ -270,7 +270,7 @@ mod tests {
         task    success [95 %]  return  horizon  ended by
         stand  100 % [93, 100]   38123     97 %  horizon 40, other 10
 
-        [ ]: Wilson's interval; horizon: mean part of it that an episode lasted
+        [ ]: Wilson's interval; horizon: mean fraction of it that an episode lasted
         Coverage: 1 of 1 tasks, 50 of 50 episodes
         ");
     }
