@@ -5,9 +5,12 @@
 //! The protocols are those of the example `speed`; every episode has its own excitations and begins again at its own time, so that
 //! neighbours are never in step.
 
-use msk_physics::model::{JointKind, Model};
+mod protocol;
+
+use msk_physics::model::Model;
 use msk_physics::scalar::Real;
-use msk_physics::{Batch, Fault, Instructions, STAGES, State, Workspace, motion};
+use msk_physics::{Batch, STAGES};
+use protocol::{Random, cpu_seconds, duration, initial_state, instructions};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -18,14 +21,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let standing = argument(1, "falling") == "standing";
     let seconds: f64 = argument(2, "2").parse()?;
     let episodes: usize = argument(3, "8").parse()?;
-    let instructions = match argument(4, "widest").as_str() {
-        "baseline" => Instructions::Baseline,
-        "wide" => Instructions::Wide,
-        _ => Instructions::Widest,
-    };
+    let instructions = instructions(&argument(4, "widest"));
     let mut batch = Batch::new(&model, episodes).with_instructions(instructions);
     let origin = initial_state(&model, standing)?;
-    let duration = if standing { 0.2 } else { 1.5 };
+    let duration = duration(standing);
     for episode in 0..episodes {
         batch.set(episode, &origin)?;
     }
@@ -66,41 +65,4 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         times.join(", ")
     );
     Ok(())
-}
-/// CPU time of this process, s; where the system does not tell, time that has passed.
-fn cpu_seconds() -> f64 {
-    let times = std::fs::read_to_string("/proc/self/schedstat").ok();
-    let nanoseconds = times.and_then(|times| times.split(' ').next()?.parse::<f64>().ok());
-    let elapsed = || std::time::SystemTime::UNIX_EPOCH.elapsed().map_or(0.0, |time| time.as_secs_f64());
-    nanoseconds.map_or_else(elapsed, |time| time * 1e-9)
-}
-
-/// The reference configuration; standing: lowered until something touches.
-fn initial_state(model: &Model, standing: bool) -> Result<State<f64>, Fault> {
-    let (mut state, mut workspace) = (State::new(model), Workspace::new(model));
-    let free = model.joints.kind.iter().position(|kind| *kind == JointKind::Free).filter(|_| standing);
-    let Some(height) = free.map(|joint| model.joints.position_address[joint] + 2) else { return Ok(state) };
-    let start = state.position[height];
-    let (mut low, mut high) = (-3.0, 3.0);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        state.position[height] = start + middle;
-        motion(model, &state, &mut workspace)?;
-        let touches = workspace.lanes[0].constraints.contacts.iter().any(|contact| contact.distance < 0.0);
-        if touches { low = middle } else { high = middle }
-    }
-    Ok(state)
-}
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / 2_f64.powi(64)
-    }
 }
