@@ -6,7 +6,7 @@ mod language;
 
 use libfuzzer_sys::fuzz_target;
 use msk_compiler::diagnostics::{Report, SourceMap};
-use msk_compiler::motion::Motion;
+use msk_compiler::motion;
 
 fuzz_target!(|text: &str| {
     let mut sources = SourceMap::default();
@@ -31,6 +31,6 @@ fuzz_target!(|text: &str| {
         let slack = 1e-9 * (low.abs() + high.abs()) + 1e-9;
         assert!(value >= low - slack && value <= high + slack, "{value} is not in {low}..{high}: {text:?}");
     }
-    let problems = motion.problems(file, language::vocabulary());
+    let problems = motion::problems(&motion, file, language::vocabulary());
     language::must_be_sound(&Report::new(sources, problems));
 });
