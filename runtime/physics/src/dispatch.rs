@@ -4,7 +4,7 @@
 //! Wider registers change how many numbers an instruction takes and nothing else: no operation is fused or reordered, so the bits
 //! are the same.
 
-use crate::{Workspace, inertia, integrator, kinematics, model::Model, scalar::Real, smooth, state::State, tendons};
+use crate::{Workspace, actuation, inertia, integrator, kinematics, model::Model, scalar::Real, smooth, state::State, tendons};
 use pulp::{Arch, Simd, WithSimd};
 
 /// A set of instructions; one that the processor lacks stands for the next smaller one.
@@ -20,6 +20,11 @@ pub enum Instructions {
 }
 
 impl Instructions {
+    /// Does work with these instructions: the bits are those of any others.
+    pub fn run<W: LaneWork>(self, work: W) -> W::Output {
+        self.arch().dispatch(Inlined(work))
+    }
+
     pub(crate) fn arch(self) -> Arch {
         match self {
             Self::Baseline => Arch::Scalar,
@@ -27,6 +32,42 @@ impl Instructions {
             Self::Wide => pulp::x86::V3::try_new().map_or(Arch::Scalar, Arch::V3),
             _ => Arch::new(),
         }
+    }
+}
+
+/// Work on [`Lanes`](crate::lanes::Lanes) outside the simulator.
+///
+/// ```
+/// use msk_physics::{Instructions, LaneWork, lanes::Lanes, scalar::Real};
+///
+/// struct Sum<'a>(&'a [Lanes]);
+///
+/// impl LaneWork for Sum<'_> {
+///     type Output = Lanes;
+///     #[inline(always)]
+///     fn run(self) -> Lanes {
+///         self.0.iter().fold(Lanes::splat(0.0), |sum, value| sum + *value)
+///     }
+/// }
+///
+/// let sum = Instructions::default().run(Sum(&[Lanes::splat(1.0), Lanes::splat(2.0)]));
+/// assert_eq!(sum.lane(7), 3.0);
+/// ```
+pub trait LaneWork {
+    /// What it gives.
+    type Output;
+    /// Does it. With all that it calls it must be `#[inline(always)]`, so that it is compiled once for each set of instructions.
+    fn run(self) -> Self::Output;
+}
+
+struct Inlined<W>(W);
+
+impl<W: LaneWork> WithSimd for Inlined<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> W::Output {
+        self.0.run()
     }
 }
 
@@ -38,6 +79,8 @@ pub(crate) enum Stage {
     Tendons,
     Velocities,
     Actuation,
+    /// The activation rates alone.
+    Excitation,
     /// The acceleration without constraints.
     Unconstrained,
     /// The acceleration that Euler's method applies.
@@ -63,6 +106,7 @@ impl<T: Real> WithSimd for Run<'_, T> {
             Stage::Tendons => tendons::update(state, &workspace.kinematics, &mut workspace.tendons),
             Stage::Velocities => smooth::velocity_stage(model, state, workspace),
             Stage::Actuation => smooth::actuation_stage(model, state, workspace),
+            Stage::Excitation => actuation::update_rates(state, &mut workspace.actuation),
             Stage::Unconstrained => smooth::unconstrained_stage(model, workspace),
             Stage::Damped => integrator::damped_acceleration(model, workspace),
         }

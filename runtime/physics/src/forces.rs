@@ -12,6 +12,7 @@ use super::{
     velocities::Velocities,
 };
 use crate::{
+    batch::one_lane,
     model::{JointKind, Model, Transmission},
     scalar::Real,
 };
@@ -42,6 +43,10 @@ pub struct Forces<T: Real> {
     /// Scratch: a generalised force before it is added to another.
     swept: Vec<T>,
 }
+
+one_lane!(Forces {
+    passive, bias, actuator, compensation, smooth, smooth_acceleration, body_acceleration; but body_force, medium, swept
+});
 
 impl<T: Real> Forces<T> {
     /// Memory for `model`.

@@ -9,6 +9,7 @@ use super::{
     tree_matrix::Layout,
 };
 use crate::{
+    batch::one_lane,
     model::{Model, PathPoint},
     scalar::Real,
 };
@@ -28,6 +29,8 @@ pub struct Inertia<T: Real> {
     /// What the armature of tendons adds to entries of the mass matrix.
     armature: Arc<[(usize, f64)]>,
 }
+
+one_lane!(Inertia { body, composite, matrix; but factor, armature });
 
 impl<T: Real> Inertia<T> {
     /// Memory for `model`.

@@ -6,6 +6,7 @@ use super::{
     state::State,
 };
 use crate::{
+    batch::one_lane,
     model::{JointKind, Model},
     scalar::Real,
 };
@@ -39,6 +40,11 @@ pub struct Kinematics<T: Real> {
     pub dof_axis: Vec<Spatial<T>>,
     plan: Arc<Plan>,
 }
+
+one_lane!(Kinematics {
+    body_position, body_orientation, body_rotation, inertial_position, inertial_rotation, joint_anchor, joint_axis, geom_position,
+    geom_rotation, subtree_com, dof_axis; but plan
+});
 
 /// What follows from the model alone: rotation matrices of the frames that are fixed in their bodies; `None` where they coincide
 /// with the body's.

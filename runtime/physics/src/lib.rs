@@ -66,15 +66,15 @@ pub mod tree_matrix;
 pub mod velocities;
 pub mod workspace;
 
-pub use batch::{Batch, BatchError};
-pub use dispatch::Instructions;
+pub use batch::{Batch, BatchError, LaneGroup, Rates};
+pub use dispatch::{Instructions, LaneWork};
 pub use fault::Fault;
 pub use jacobian::{center_of_mass_jacobian, point_jacobian};
 pub use plan::Plan;
 pub use single::{excite, forward, integrate, motion, smooth, step, step_by_stage, unconstrained};
 pub use state::State;
 pub use stepping::STAGES;
-pub use tendons::{moment_arm, moment_arms};
+pub use tendons::{each_moment_arm, moment_arm, moment_arms, moment_dofs};
 pub use workspace::Workspace;
 
 /// The example of the README, compiled and run.

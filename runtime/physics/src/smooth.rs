@@ -41,11 +41,10 @@ pub(super) fn velocity_stage<T: Real>(model: &Model, state: &State<T>, workspace
     forces::passive(model, state, kinematics, tendons, velocities, forces);
 }
 
-/// Lengths, velocities, activation rates and forces of all actuators. Needs positions, motions and contacts.
-#[inline(always)]
+/// Fills the activation rates alone, for a control that is new since the forward pass: nothing else changes where
+/// [`Actuators::act_by_activation`](crate::model::Actuators::act_by_activation) holds.
 pub fn excite<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    let Workspace { kinematics, tendons, actuation, lanes, .. } = workspace;
-    actuation::update(model, state, kinematics, tendons, lanes, actuation);
+    run(Stage::Excitation, model, state, workspace);
 }
 
 /// Stages that depend on excitations, activations and applied forces too: actuators, total force. An actuator that draws a body
@@ -56,8 +55,8 @@ pub fn forward_actuation<T: Real>(model: &Model, state: &State<T>, workspace: &m
 
 #[inline(always)]
 pub(super) fn actuation_stage<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    excite(model, state, workspace);
-    let Workspace { kinematics, tendons, actuation, forces, .. } = workspace;
+    let Workspace { kinematics, tendons, actuation, forces, lanes, .. } = workspace;
+    actuation::update(model, state, kinematics, tendons, lanes, actuation);
     let Forces { compensation, body_force, actuator, .. } = forces;
     actuation::generalised_force(model, kinematics, tendons, actuation, compensation, body_force, actuator);
     forces::smooth(model, state, kinematics, forces);

@@ -4,7 +4,7 @@
 //! the numbers of a body far from the world origin small. A motion is (angular velocity, velocity of the point that
 //! coincides with the reference); a force is (moment about the reference, force).
 
-use crate::scalar::Real;
+use crate::{batch::one_lane, scalar::Real};
 use nalgebra::{Matrix3, Vector3};
 
 /// Angular then linear part.
@@ -114,6 +114,8 @@ pub struct SpatialInertia<T: Real> {
     /// Mass, kg.
     pub mass: T,
 }
+
+one_lane!(SpatialInertia { rotational, first_moment, mass });
 
 impl<T: Real> SpatialInertia<T> {
     /// Nothing.

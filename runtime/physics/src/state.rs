@@ -2,6 +2,7 @@
 
 use super::{rotation::constant_quaternion, spatial::constant};
 use crate::{
+    batch::one_lane,
     model::{Equality, Model},
     scalar::Real,
 };
@@ -42,6 +43,24 @@ pub struct State<T: Real> {
     /// Acceleration of the last step, from which the constraint solver starts, `nv` entries.
     pub warm_start: Vec<T>,
 }
+
+one_lane!(State {
+    time,
+    position,
+    velocity,
+    activation,
+    fibre_length,
+    fibre_velocity,
+    fibre_step,
+    control,
+    applied_force,
+    body_force,
+    mocap_position,
+    mocap_orientation,
+    active,
+    held,
+    warm_start
+});
 
 impl<T: Real> State<T> {
     /// Takes over another state of the same model without asking for memory.

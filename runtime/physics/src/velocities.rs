@@ -6,6 +6,7 @@ use super::{
     state::State,
 };
 use crate::{
+    batch::one_lane,
     model::{JointKind, Model},
     scalar::Real,
 };
@@ -18,6 +19,8 @@ pub struct Velocities<T: Real> {
     /// Rate of change of every dof's motion axis (`cdof_dot`).
     pub dof_axis_rate: Vec<Spatial<T>>,
 }
+
+one_lane!(Velocities { body, dof_axis_rate });
 
 impl<T: Real> Velocities<T> {
     /// Memory for `model`.

@@ -83,6 +83,14 @@ impl<T: Real> Workspace<T> {
         self
     }
 
+    /// Whether a register holds four numbers or more.
+    pub(crate) fn arch_is_wide(&self) -> bool {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        return matches!(self.arch, Arch::V3(_) | Arch::V4(_));
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        return false;
+    }
+
     /// Whether the step goes on in a lane.
     pub(crate) fn lives(&self, lane: usize) -> bool {
         !self.masked[lane] && self.faults[lane].is_none()

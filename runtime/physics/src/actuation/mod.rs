@@ -23,6 +23,7 @@ use super::{
     tendons::{self, TendonPaths},
 };
 use crate::{
+    batch::one_lane,
     model::{Model, Transmission},
     scalar::Real,
 };
@@ -53,6 +54,10 @@ pub struct Actuation<T: Real> {
     moments: Moments<T>,
     plan: Arc<Plan>,
 }
+
+one_lane!(Actuation {
+    length, velocity, activation_rate, gain, bias, force, fibres, moments; but plan
+});
 
 /// What follows from the model alone.
 #[derive(Debug)]
@@ -124,6 +129,11 @@ impl<T: Real> Actuation<T> {
     pub fn active_damping(&self, actuator: usize) -> T {
         let (length, velocity) = (self.length[actuator], self.velocity[actuator]);
         self.curve(actuator).map_or(T::splat(0.0), |active| active.damping(length, velocity))
+    }
+
+    /// Whether all actuators are muscles without bounds of their own: nothing but their activations outlives a step.
+    pub(super) fn are_muscles(&self) -> bool {
+        self.plan.others.is_empty()
     }
 
     fn curve(&self, actuator: usize) -> Option<&Curve> {
@@ -302,19 +312,35 @@ pub fn update<T: Real>(
     }
 }
 
+/// Fills the activation rates alone: all that a new control changes where [`Actuators::act_by_activation`] holds.
+///
+/// [`Actuators::act_by_activation`]: crate::model::Actuators::act_by_activation
+#[inline(always)]
+pub(super) fn update_rates<T: Real>(state: &State<T>, out: &mut Actuation<T>) {
+    for muscle in &out.plan.muscles {
+        let excitation = clamped(state.control[muscle.actuator], muscle.control_range);
+        let activation = state.activation[muscle.activation];
+        out.activation_rate[muscle.activation] = activation_rate(excitation, activation, &muscle.time_constants);
+    }
+    for other in &out.plan.others {
+        other.excite(state, &mut out.activation_rate);
+    }
+}
+
 impl Other {
     /// Gain, bias and the force before it is clamped; sets the rate of the activation, if there is one.
     fn forces<T: Real>(&self, model: &Model, state: &State<T>, length: T, velocity: T, rates: &mut [T]) -> [T; 3] {
-        let drive = self.drive(model, state, length, rates);
+        self.excite(state, rates);
+        let drive = self.present_drive(model, state, rates, length);
         self.law.force(drive, length, velocity)
     }
 
-    fn drive<T: Real>(&self, model: &Model, state: &State<T>, length: T, rates: &mut [T]) -> T {
+    /// Sets the rate of the activation, if there is one.
+    fn excite<T: Real>(&self, state: &State<T>, rates: &mut [T]) {
         if let Some(slot) = self.activation {
             let control = clamped(state.control[self.actuator], self.control_range);
             rates[slot] = self.law.rate(control, state.activation[slot]);
         }
-        self.present_drive(model, state, rates, length)
     }
 
     /// The control, or the activation, early or not, under rates that are known.

@@ -8,6 +8,7 @@
 //! normal; it has no length.
 
 use crate::{
+    batch::one_lane,
     constrained::ConstraintState,
     jacobian::last_dof,
     kinematics::Kinematics,
@@ -181,6 +182,8 @@ pub(super) struct Moments<T> {
     sides: Arc<[(usize, f64)]>,
     values: Vec<T>,
 }
+
+one_lane!(Moments { values; but sides });
 
 impl<T: Real> Moments<T> {
     /// Memory for the entries of these dofs and sides.

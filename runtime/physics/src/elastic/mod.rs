@@ -17,6 +17,7 @@ mod tests;
 
 use super::{actuation::Curve, rotation::MINIMUM, state::State};
 use crate::{
+    batch::one_lane,
     model::{ElasticTendons, FibreCurves, Model},
     scalar::Real,
 };
@@ -38,6 +39,8 @@ pub struct Fibres<T: Real> {
     pub along_path: Vec<T>,
     units: Arc<[Unit]>,
 }
+
+one_lane!(Fibres { length, velocity, along_path; but units });
 
 /// What the forward pass of the muscles knows when the fibres come in.
 pub(super) struct Paths<'a, T: Real> {

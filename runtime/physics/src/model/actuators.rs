@@ -123,6 +123,12 @@ impl Actuators {
         }
     }
 
+    /// Whether every force follows an activation as it stands when the step begins. A new control then changes nothing but the rates
+    /// of activations.
+    pub fn act_by_activation(&self) -> bool {
+        self.activation.iter().all(Option::is_some) && !self.actearly.contains(&true)
+    }
+
     /// Scales the active force of a muscle; its passive force stays. Other actuators have no muscles to be weak.
     pub fn scale_strength(&mut self, actuator: usize, factor: f64) {
         if let Gain::Muscle([_, _, force, scale, ..]) = &mut self.gain[actuator] {

@@ -21,7 +21,7 @@ use super::{
     state::State,
     velocities::Velocities,
 };
-use crate::{model::Model, scalar::Real};
+use crate::{batch::one_lane, model::Model, scalar::Real};
 use nalgebra::Vector3;
 pub(crate) use plan::Plan;
 use plan::{Segment, Side, Wrap};
@@ -43,6 +43,8 @@ pub struct TendonPaths<T: Real> {
     line: Vec<Spatial<T>>,
     plan: Arc<Plan>,
 }
+
+one_lane!(TendonPaths { length, velocity, point, line; but plan });
 
 impl<T: Real> TendonPaths<T> {
     /// Memory for `model`, and the decisions that depend on it alone.
@@ -210,8 +212,13 @@ pub fn moment_arms<T: Real>(model: &Model, kinematics: &Kinematics<T>, paths: &T
     each_moment_arm(model, kinematics, paths, tendon, |dof, part| row[dof] += part);
 }
 
-/// Visits the parts that make up a tendon's row of the Jacobian: a dof may come up several times.
-pub(super) fn each_moment_arm<T: Real>(
+/// The dofs that can change the length of `tendon`, ascending: all that [`each_moment_arm`] can visit.
+pub fn moment_dofs<T: Real>(model: &Model, paths: &TendonPaths<T>, tendon: usize) -> Vec<usize> {
+    paths.columns(model, tendon)
+}
+
+/// Visits the parts that make up a tendon's row of the Jacobian ([`moment_arms`]): a dof may come up several times.
+pub fn each_moment_arm<T: Real>(
     model: &Model,
     kinematics: &Kinematics<T>,
     paths: &TendonPaths<T>,

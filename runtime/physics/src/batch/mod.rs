@@ -1,5 +1,11 @@
 //! Many episodes at once, eight in one number.
 
+mod group;
+mod one_lane;
+
+pub use group::{LaneGroup, Rates};
+pub(crate) use one_lane::{OneLane, one_lane};
+
 use crate::{
     Fault, Instructions, Plan, State, Workspace,
     lanes::{Lanes, WIDTH},
@@ -140,7 +146,7 @@ impl Batch {
             return Err(BatchError::Shape { what: "state" });
         }
         let (group, lane) = self.place(index)?;
-        self.groups[group].state.set_lane(lane, state);
+        state.write_lane(&mut self.groups[group].state, lane);
         self.groups[group].faults[lane] = None;
         Ok(())
     }
@@ -154,7 +160,7 @@ impl Batch {
             return Err(BatchError::Shape { what: "state" });
         }
         let (group, lane) = self.place(index)?;
-        self.groups[group].state.copy_lane(lane, state);
+        state.read_lane(&self.groups[group].state, lane);
         Ok(())
     }
 
@@ -167,7 +173,7 @@ impl Batch {
             return Err(BatchError::Shape { what: "list of controls" });
         }
         let (group, lane) = self.place(index)?;
-        set_lane(lane, &mut self.groups[group].state.control, control);
+        control.write_lane(&mut self.groups[group].state.control, lane);
         Ok(())
     }
 
@@ -215,9 +221,9 @@ impl Group {
         if let Some((state, workspace)) = &mut worker.single {
             for lane in (0..WIDTH).filter(|&lane| !self.empty[lane]) {
                 if self.faults[lane].is_none() {
-                    self.state.copy_lane(lane, state);
+                    state.read_lane(&self.state, lane);
                     match single::step(model, state, workspace) {
-                        Ok(()) => self.state.set_lane(lane, state),
+                        Ok(()) => state.write_lane(&mut self.state, lane),
                         Err(fault) => self.faults[lane] = Some(fault),
                     }
                 }
@@ -236,84 +242,6 @@ impl Group {
         lap();
         for (fault, found) in self.faults.iter_mut().zip(&mut workspace.faults) {
             *fault = fault.take().or(found.take());
-        }
-    }
-}
-
-/// Writes one lane of a list.
-fn set_lane(lane: usize, to: &mut [Lanes], from: &[f64]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        crate::scalar::Real::set_lane(to, lane, *from);
-    }
-}
-
-/// Reads one lane of a list.
-fn copy_lane(lane: usize, to: &mut [f64], from: &[Lanes]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = crate::scalar::Real::lane(*from, lane);
-    }
-}
-
-impl State<Lanes> {
-    /// Replaces the episode in a lane.
-    fn set_lane(&mut self, lane: usize, from: &State<f64>) {
-        set_lane(lane, core::slice::from_mut(&mut self.time), &[from.time]);
-        set_lane(lane, core::slice::from_mut(&mut self.fibre_step), &[from.fibre_step]);
-        let lists = [
-            (&mut self.position, &from.position),
-            (&mut self.velocity, &from.velocity),
-            (&mut self.activation, &from.activation),
-            (&mut self.fibre_length, &from.fibre_length),
-            (&mut self.fibre_velocity, &from.fibre_velocity),
-            (&mut self.control, &from.control),
-            (&mut self.applied_force, &from.applied_force),
-            (&mut self.active, &from.active),
-            (&mut self.warm_start, &from.warm_start),
-        ];
-        lists.into_iter().for_each(|(to, from)| set_lane(lane, to, from));
-        for (to, from) in self.body_force.iter_mut().flatten().zip(from.body_force.iter().flatten()) {
-            set_lane(lane, to.as_mut_slice(), from.as_slice());
-        }
-        for (to, from) in self.mocap_position.iter_mut().zip(&from.mocap_position) {
-            set_lane(lane, to.as_mut_slice(), from.as_slice());
-        }
-        for (to, from) in self.mocap_orientation.iter_mut().zip(&from.mocap_orientation) {
-            set_lane(lane, to, from);
-        }
-        for ((position, orientation), from) in self.held.iter_mut().zip(&from.held) {
-            set_lane(lane, position.as_mut_slice(), from.0.as_slice());
-            set_lane(lane, orientation, &from.1);
-        }
-    }
-
-    /// Writes the episode in a lane over a state.
-    fn copy_lane(&self, lane: usize, to: &mut State<f64>) {
-        copy_lane(lane, core::slice::from_mut(&mut to.time), &[self.time]);
-        copy_lane(lane, core::slice::from_mut(&mut to.fibre_step), &[self.fibre_step]);
-        let lists = [
-            (&mut to.position, &self.position),
-            (&mut to.velocity, &self.velocity),
-            (&mut to.activation, &self.activation),
-            (&mut to.fibre_length, &self.fibre_length),
-            (&mut to.fibre_velocity, &self.fibre_velocity),
-            (&mut to.control, &self.control),
-            (&mut to.applied_force, &self.applied_force),
-            (&mut to.active, &self.active),
-            (&mut to.warm_start, &self.warm_start),
-        ];
-        lists.into_iter().for_each(|(to, from)| copy_lane(lane, to, from));
-        for (to, from) in to.body_force.iter_mut().flatten().zip(self.body_force.iter().flatten()) {
-            copy_lane(lane, to.as_mut_slice(), from.as_slice());
-        }
-        for (to, from) in to.mocap_position.iter_mut().zip(&self.mocap_position) {
-            copy_lane(lane, to.as_mut_slice(), from.as_slice());
-        }
-        for (to, from) in to.mocap_orientation.iter_mut().zip(&self.mocap_orientation) {
-            copy_lane(lane, to, from);
-        }
-        for ((position, orientation), from) in to.held.iter_mut().zip(&self.held) {
-            copy_lane(lane, position.as_mut_slice(), from.0.as_slice());
-            copy_lane(lane, orientation, &from.1);
         }
     }
 }
