@@ -2,11 +2,15 @@
 //!
 //! MuJoCo integrates da/dt = (u - a) / τ(u, a) by Euler steps while the excitation u is held. The activation at the end of
 //! the hold, A(u), rises with u, so that what a muscle can reach is [A(u_low), A(u_high)], and the excitation that brings it
-//! to a wanted activation is the root of A(u) = wanted.
+//! to a wanted activation is the root of A(u) = wanted. Eight muscles are searched for at once, in lanes.
 
 use crate::episode::excitation;
+use core::ops::Range;
 use msk_physics::actuation::activation_rate;
+use msk_physics::lanes::{Lanes, WIDTH};
+use msk_physics::model::Model;
 use msk_physics::scalar::Real;
+use msk_physics::{Instructions, LaneWork};
 use msk_program::body::ExcitationMap;
 
 /// How an excitation is held.
@@ -31,42 +35,156 @@ impl Hold {
 
     /// The activation at the end, from `activation` under `excitation`. `constants` are the muscle's activation and
     /// deactivation times (s) and smoothing width.
-    pub fn activation(self, activation: f64, excitation: f64, constants: &[f64; 3]) -> f64 {
-        let step = |a: f64| a + self.timestep * activation_rate(excitation, a, constants);
-        (0..self.steps).fold(activation, |a, _| step(a))
+    #[inline(always)]
+    fn activation<T: Real>(self, activation: T, excitation: T, constants: &[f64; 3]) -> T {
+        let mut present = activation;
+        // No closure: it would be compiled for the least of all processors.
+        for _ in 0..self.steps {
+            present += T::splat(self.timestep) * activation_rate(excitation, present, constants);
+        }
+        present
     }
 
     /// The excitation within `range` that ends at `wanted`, or comes nearest to it.
-    pub fn excitation(self, activation: f64, wanted: f64, range: [f64; 2], constants: &[f64; 3]) -> f64 {
-        let miss = |excitation: f64| self.activation(activation, excitation, constants) - wanted;
-        let [mut low, mut high] = range;
+    #[inline(always)]
+    fn excitation<T: Real>(self, activation: T, wanted: T, range: [f64; 2], constants: &[f64; 3]) -> T {
+        let (zero, half) = (T::splat(0.0), T::splat(0.5));
+        let miss = |excitation: T| self.activation(activation, excitation, constants) - wanted;
+        let [mut low, mut high] = range.map(T::splat);
         // Holding the present activation changes nothing, and parts rising from falling, where the time constant jumps.
-        let still = activation.clip(low, high);
-        if wanted >= activation {
-            low = still;
-        } else {
-            high = still;
-        }
+        let (still, falls) = (activation.clip(low, high), wanted.less(activation));
+        (low, high) = (T::select(falls, low, still), T::select(falls, still, high));
         let (mut below, mut above) = (miss(low), miss(high));
-        if below >= 0.0 {
-            return low;
-        }
-        if above <= 0.0 {
-            return high;
-        }
+        let (out_low, out_high) = (T::not(below.less(zero)), T::not(zero.less(above)));
+        let mut found = T::select(out_low, low, high);
+        let mut done = T::or(out_low, out_high);
         for _ in 0..ITERATIONS {
-            let middle = (low * above - high * below) / (above - below);
-            let found = miss(middle);
-            if found.abs() <= TOLERANCE {
-                return middle;
+            if T::all(done) {
+                return found;
             }
-            if found < 0.0 {
-                (low, below, above) = (middle, found, 0.5 * above);
-            } else {
-                (high, above, below) = (middle, found, 0.5 * below);
+            let middle = (low * above - high * below) / (above - below);
+            let missed = miss(middle);
+            let hit = T::not(T::splat(TOLERANCE).less(missed.abs()));
+            found = T::select(done, found, middle);
+            done = T::or(done, hit);
+            let under = missed.less(zero);
+            (low, high) = (T::select(under, middle, low), T::select(under, high, middle));
+            (below, above) = (T::select(under, missed, half * below), T::select(under, half * above, missed));
+        }
+        T::select(done, found, half * (low + high))
+    }
+}
+
+/// The muscles of a body, in groups that share their constants, as many as lanes at most.
+#[derive(Debug, Clone)]
+pub(super) struct Muscles {
+    hold: Hold,
+    groups: Vec<Group>,
+}
+
+#[derive(Debug, Clone)]
+struct Group {
+    /// Places among the muscles.
+    places: Range<usize>,
+    /// Where the activation of each stands.
+    activations: Vec<usize>,
+    constants: [f64; 3],
+}
+
+impl Muscles {
+    /// Those of `model`, whose excitations are held.
+    pub fn new(model: &Model, hold: Hold) -> Self {
+        let mut groups: Vec<Group> = Vec::new();
+        for (place, (_, muscle)) in model.actuators.muscles().enumerate() {
+            let fits = |group: &&mut Group| group.constants == muscle.time_constants && group.activations.len() < WIDTH;
+            match groups.last_mut().filter(fits) {
+                Some(group) => {
+                    group.activations.push(muscle.activation);
+                    group.places.end = place + 1;
+                }
+                None => groups.push(Group {
+                    places: place..place + 1,
+                    activations: vec![muscle.activation],
+                    constants: muscle.time_constants,
+                }),
             }
         }
-        0.5 * (low + high)
+        Self { hold, groups }
+    }
+
+    /// Writes for each muscle the activations at the end of the hold under the lowest and the highest of `excitations`.
+    pub fn reach(&self, activations: &[f64], excitations: [f64; 2], out: &mut [[f64; 2]]) {
+        Instructions::default().run(Reach { muscles: self, activations, excitations, out });
+    }
+
+    /// Replaces for each muscle the wanted activation at the end of the hold by the excitation within `range` that ends there, or
+    /// comes nearest to it.
+    pub fn excitations(&self, activations: &[f64], range: [f64; 2], wanted: &mut [f64]) {
+        Instructions::default().run(Excite { muscles: self, activations, range, wanted });
+    }
+}
+
+impl Group {
+    #[inline(always)]
+    fn present(&self, activations: &[f64]) -> Lanes {
+        gather(self.activations.iter().map(|&slot| activations[slot]))
+    }
+}
+
+/// The values in lanes; lanes beyond are zero.
+#[inline(always)]
+fn gather(values: impl Iterator<Item = f64>) -> Lanes {
+    let mut lanes = Lanes::splat(0.0);
+    for (lane, value) in values.enumerate() {
+        lanes.set_lane(lane, value);
+    }
+    lanes
+}
+
+struct Reach<'a> {
+    muscles: &'a Muscles,
+    activations: &'a [f64],
+    excitations: [f64; 2],
+    out: &'a mut [[f64; 2]],
+}
+
+impl LaneWork for Reach<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let hold = self.muscles.hold;
+        for group in &self.muscles.groups {
+            let present = group.present(self.activations);
+            let ends = self.excitations.map(|bound| hold.activation(present, Lanes::splat(bound), &group.constants));
+            for (lane, out) in self.out[group.places.clone()].iter_mut().enumerate() {
+                *out = ends.map(|end| end.lane(lane));
+            }
+        }
+    }
+}
+
+struct Excite<'a> {
+    muscles: &'a Muscles,
+    activations: &'a [f64],
+    range: [f64; 2],
+    wanted: &'a mut [f64],
+}
+
+impl LaneWork for Excite<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let hold = self.muscles.hold;
+        for group in &self.muscles.groups {
+            let wanted = &mut self.wanted[group.places.clone()];
+            let (present, goal) = (group.present(self.activations), gather(wanted.iter().copied()));
+            let found = hold.excitation(present, goal, self.range, &group.constants);
+            for (lane, wanted) in wanted.iter_mut().enumerate() {
+                *wanted = found.lane(lane);
+            }
+        }
     }
 }
 
@@ -107,6 +225,25 @@ mod tests {
             let wanted = low + share * (high - low);
             let excitation = HOLD.excitation(start, wanted, [0.0, 1.0], &constants);
             prop_assert!((HOLD.activation(start, excitation, &constants) - wanted).abs() < 1e-6);
+        }
+
+        #[test]
+        fn muscles_in_lanes_have_the_bits_of_muscles_alone(
+            starts in prop::collection::vec(0.0..1.0, 19), wishes in prop::collection::vec(-0.2..1.2, 19), constants in muscle(),
+        ) {
+            let groups = (0..3).map(|group| {
+                let places = 8 * group..19.min(8 * (group + 1));
+                Group { activations: places.clone().collect(), places, constants }
+            });
+            let muscles = Muscles { hold: HOLD, groups: groups.collect() };
+            let (mut reach, mut found) = (vec![[0.0; 2]; 19], wishes.clone());
+            muscles.reach(&starts, [0.1, 0.9], &mut reach);
+            muscles.excitations(&starts, [0.1, 0.9], &mut found);
+            for muscle in 0..19 {
+                let alone = [0.1, 0.9].map(|bound| HOLD.activation(starts[muscle], bound, &constants));
+                prop_assert_eq!(reach[muscle], alone);
+                prop_assert_eq!(found[muscle], HOLD.excitation(starts[muscle], wishes[muscle], [0.1, 0.9], &constants));
+            }
         }
 
         #[test]

@@ -16,7 +16,9 @@
 //! previous control step's y it usually takes three to six.
 
 use super::{sparse::Columns, symmetric::Symmetric};
+use msk_physics::lanes::{Lanes, WIDTH};
 use msk_physics::scalar::Real;
+use msk_physics::{Instructions, LaneWork};
 
 /// Bounds and cost of one unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,19 +123,74 @@ impl Allocation {
         for (index, unknown) in unknowns.iter().enumerate() {
             self.slope[index] = columns.dot(index, &self.direction) / unknown.cost;
         }
-        let derivative = |length: f64| {
-            let moving = unknowns.iter().zip(&self.free).zip(&self.slope);
-            let forces = moving
-                .map(|((unknown, free), slope)| unknown.cost * slope * (free + length * slope).clip(unknown.low, unknown.high));
-            start + length * curvature + forces.sum::<f64>()
-        };
-        let [mut low, mut high] = [0.0, 1.0];
-        if derivative(high) <= 1e-9 * derivative(low).abs() {
-            return high;
+        let along = Along { start, curvature, unknowns, free: &self.free, slope: &self.slope };
+        Instructions::default().run(along)
+    }
+}
+
+/// The dual along a search direction.
+struct Along<'a> {
+    /// Its derivative at length 0 without the unknowns' part, and how that changes with the length.
+    start: f64,
+    curvature: f64,
+    unknowns: &'a [Unknown],
+    /// Each unknown before clamping, and how it changes with the length.
+    free: &'a [f64],
+    slope: &'a [f64],
+}
+
+impl Along<'_> {
+    /// The derivative at eight lengths.
+    #[inline(always)]
+    fn derivative(&self, length: Lanes) -> Lanes {
+        let mut forces = Lanes::splat(0.0);
+        for ((unknown, free), slope) in self.unknowns.iter().zip(self.free).zip(self.slope) {
+            let x = Lanes::splat(*free) + length * Lanes::splat(*slope);
+            forces += Lanes::splat(unknown.cost * slope) * x.clip(Lanes::splat(unknown.low), Lanes::splat(unknown.high));
         }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if derivative(middle) > 0.0 { high = middle } else { low = middle }
+        Lanes::splat(self.start) + length * Lanes::splat(self.curvature) + forces
+    }
+}
+
+impl LaneWork for Along<'_> {
+    type Output = f64;
+
+    /// Bisection: three halvings at once, from the derivatives at all seven lengths to which they can lead.
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let mut ends = Lanes::splat(0.0);
+        ends.set_lane(1, 1.0);
+        let at_ends = self.derivative(ends);
+        if at_ends.lane(1) <= 1e-9 * at_ends.lane(0).abs() {
+            return 1.0;
+        }
+        let [mut low, mut high] = [0.0, 1.0];
+        let mut halvings = 0;
+        while halvings < HALVINGS {
+            // Lane 4 halves the range, lanes 2 and 6 its halves, the odd ones what is left.
+            let mut lengths = [low; WIDTH + 1];
+            lengths[WIDTH] = high;
+            for width in [4, 2, 1] {
+                for middle in (width..WIDTH).step_by(2 * width) {
+                    lengths[middle] = 0.5 * (lengths[middle - width] + lengths[middle + width]);
+                }
+            }
+            let mut lanes = Lanes::splat(low);
+            for (lane, length) in lengths[..WIDTH].iter().enumerate() {
+                lanes.set_lane(lane, *length);
+            }
+            let derivatives = self.derivative(lanes);
+            let (mut first, mut last) = (0, WIDTH);
+            while last - first > 1 && halvings < HALVINGS {
+                let middle = (first + last) / 2;
+                if derivatives.lane(middle) > 0.0 {
+                    last = middle
+                } else {
+                    first = middle
+                }
+                halvings += 1;
+            }
+            (low, high) = (lengths[first], lengths[last]);
         }
         high
     }
@@ -165,7 +222,7 @@ mod tests {
 
     fn solve(columns: &[[f64; ROWS]], unknowns: &[Unknown], wanted: &[f64; ROWS]) -> (Vec<f64>, usize) {
         let mut matrix = Symmetric::new(ROWS);
-        (0..ROWS).for_each(|row| *matrix.entry(row, row) = inertia(row));
+        (0..ROWS).for_each(|row| matrix.add(row, row, inertia(row)));
         let mut sparse = Columns::default();
         columns.iter().for_each(|column| sparse.push(column.iter().copied().enumerate()));
         let mut allocation = Allocation::new(ROWS);

@@ -2,7 +2,7 @@
 
 use super::{View, coordinates::Coordinates, sparse::Columns, support::Point, symmetric::Symmetric};
 use msk_physics::model::{Model, Muscle};
-use msk_physics::{center_of_mass_jacobian, inertia, moment_arms, point_jacobian};
+use msk_physics::{Workspace, center_of_mass_jacobian, each_moment_arm, inertia, moment_dofs, point_jacobian};
 use nalgebra::Vector3;
 
 /// The equations of motion of one control step, E ẇ + load = Σ activation · arm · strength + contact forces.
@@ -15,9 +15,21 @@ pub(super) struct Dynamics {
     pub load: Vec<f64>,
     /// Generalised force of each muscle at full activation.
     pub muscles: Columns,
+    crossing: Vec<Crossing>,
     /// Scratch of `nv` entries.
     full: Vec<f64>,
     row: Vec<f64>,
+}
+
+/// A muscle, and what it moves.
+#[derive(Debug, Clone)]
+struct Crossing {
+    actuator: usize,
+    muscle: Muscle,
+    /// Ascending.
+    dofs: Vec<usize>,
+    /// The independent coordinates that move these, ascending.
+    rows: Vec<usize>,
 }
 
 /// Inertia added to every coordinate, kg m². It keeps errors of the fingers, whose inertia is a thousandth of a leg's, from
@@ -26,8 +38,16 @@ const COMMON_INERTIA: f64 = 0.01;
 
 impl Dynamics {
     /// Memory for `model`.
-    pub fn new(model: &Model, coordinates: &Coordinates) -> Self {
+    pub fn new(model: &Model, workspace: &Workspace<f64>, coordinates: &Coordinates) -> Self {
+        let crossing = |(actuator, muscle): (usize, Muscle)| {
+            let dofs = moment_dofs(model, &workspace.tendons, muscle.tendon);
+            let mut rows: Vec<usize> = dofs.iter().filter_map(|&dof| Some(coordinates.entry(dof)?.0)).collect();
+            rows.sort_unstable();
+            rows.dedup();
+            Crossing { actuator, muscle, dofs, rows }
+        };
         Self {
+            crossing: model.actuators.muscles().map(crossing).collect(),
             inertia: Symmetric::new(coordinates.len()),
             load: vec![0.0; coordinates.len()],
             muscles: Columns::default(),
@@ -47,16 +67,16 @@ impl Dynamics {
         self.project_inertia(view);
         self.fill_load(view);
         self.muscles.clear();
-        for (index, muscle) in model.actuators.muscles() {
-            self.add_muscle(view, index, &muscle);
-        }
+        let crossing = core::mem::take(&mut self.crossing);
+        crossing.iter().for_each(|crossing| self.add_muscle(view, crossing));
+        self.crossing = crossing;
         for (dof, &damping) in model.dofs.damping.iter().enumerate() {
             if let Some((column, slope)) = coordinates.entry(dof) {
-                *self.inertia.entry(column, column) += hold * damping * slope * slope;
+                self.inertia.add(column, column, hold * damping * slope * slope);
             }
         }
         for coordinate in 0..coordinates.len() {
-            *self.inertia.entry(coordinate, coordinate) += COMMON_INERTIA;
+            self.inertia.add(coordinate, coordinate, COMMON_INERTIA);
         }
     }
 
@@ -79,7 +99,7 @@ impl Dynamics {
                 let Some((b, slope_b)) = coordinates.entry(other) else { continue };
                 // An entry off the diagonal stands for two, which meet on the diagonal if one coordinate moves both dofs.
                 let twice = if a == b && dof != other { 2.0 } else { 1.0 };
-                *self.inertia.entry(a.max(b), a.min(b)) += twice * slope_a * slope_b * workspace.inertia.matrix[index];
+                self.inertia.add(a.max(b), a.min(b), twice * slope_a * slope_b * workspace.inertia.matrix[index]);
             }
         }
     }
@@ -94,24 +114,31 @@ impl Dynamics {
         coordinates.project(&self.full, &mut self.load);
     }
 
-    fn add_muscle(&mut self, view: &View<'_>, index: usize, muscle: &Muscle) {
+    fn add_muscle(&mut self, view: &View<'_>, crossing: &Crossing) {
         let View { model, coordinates, state, workspace, hold, .. } = *view;
-        let gear = muscle.gear;
-        moment_arms(model, &workspace.kinematics, &workspace.tendons, muscle.tendon, &mut self.full);
-        coordinates.project(&self.full, &mut self.row);
-        let strength = gear * workspace.actuation.gain[index];
-        let entries = self.row.iter().copied().enumerate();
-        self.muscles.push(entries.clone().map(|(row, arm)| (row, arm * strength)));
-        let passive = gear * workspace.actuation.bias[index];
-        for (load, arm) in self.load.iter_mut().zip(&self.row) {
-            *load -= arm * passive;
+        let Crossing { actuator, muscle, dofs, rows } = crossing;
+        let (full, row) = (&mut self.full, &mut self.row);
+        dofs.iter().for_each(|&dof| full[dof] = 0.0);
+        each_moment_arm(model, &workspace.kinematics, &workspace.tendons, muscle.tendon, |dof, part| full[dof] += part);
+        rows.iter().for_each(|&coordinate| row[coordinate] = 0.0);
+        for &dof in dofs {
+            if let Some((coordinate, slope)) = coordinates.entry(dof) {
+                row[coordinate] += slope * full[dof];
+            }
         }
-        let damping = gear * gear * state.activation[muscle.activation] * workspace.actuation.active_damping(index);
+        let strength = muscle.gear * workspace.actuation.gain[*actuator];
+        let arms = rows.iter().map(|&coordinate| (coordinate, row[coordinate]));
+        self.muscles.push(arms.clone().map(|(coordinate, arm)| (coordinate, arm * strength)));
+        let passive = muscle.gear * workspace.actuation.bias[*actuator];
+        for (coordinate, arm) in arms.clone() {
+            self.load[coordinate] -= arm * passive;
+        }
+        let activation = state.activation[muscle.activation];
+        let damping = muscle.gear * muscle.gear * activation * workspace.actuation.active_damping(*actuator);
         if damping > 0.0 {
-            let present = entries.filter(|(_, arm)| *arm != 0.0);
-            for (row, arm) in present.clone() {
-                for (column, other) in present.clone().take_while(|(column, _)| *column <= row) {
-                    *self.inertia.entry(row, column) += hold * damping * arm * other;
+            for (count, (coordinate, arm)) in arms.clone().enumerate() {
+                for (earlier, other) in arms.clone().take(count + 1) {
+                    self.inertia.add(coordinate, earlier, hold * damping * arm * other);
                 }
             }
         }

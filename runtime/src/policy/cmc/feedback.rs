@@ -128,7 +128,7 @@ impl Feedback {
         self.normal.clear();
         self.wanted.fill(0.0);
         for coordinate in 0..view.coordinates.len() {
-            *self.normal.entry(coordinate, coordinate) = REST;
+            self.normal.add(coordinate, coordinate, REST);
         }
     }
 
@@ -152,7 +152,7 @@ impl Feedback {
                 None => (reference, [0.0; 2]),
             };
             let wish = JOINTS.towards(reference - state.position[position], state.velocity[dof], moving, hold);
-            *self.normal.entry(column, column) += JOINTS.weight * JOINTS.weight;
+            self.normal.add(column, column, JOINTS.weight * JOINTS.weight);
             self.wanted[column] += JOINTS.weight * JOINTS.weight * wish;
         }
     }
@@ -167,7 +167,7 @@ impl Feedback {
             let Some((column, _)) = coordinates.entry(dof + 3 + axis) else { continue };
             let moving = moving.map(|part| part[axis]);
             let wish = ROOT.towards(error[axis], state.velocity[dof + 3 + axis], moving, hold);
-            *self.normal.entry(column, column) += ROOT.weight * ROOT.weight;
+            self.normal.add(column, column, ROOT.weight * ROOT.weight);
             self.wanted[column] += ROOT.weight * ROOT.weight * wish;
         }
     }
@@ -202,7 +202,7 @@ impl Feedback {
             let weighted = motion.component_mul(weight);
             self.wanted[*row] += weighted.dot(wish);
             for (column, other) in &point.columns[..=count] {
-                *self.normal.entry(*row, *column) += weighted.dot(other);
+                self.normal.add(*row, *column, weighted.dot(other));
             }
         }
     }

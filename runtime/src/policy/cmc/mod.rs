@@ -36,7 +36,7 @@ mod tests;
 use super::{Policy, PolicyContext, PolicyError};
 use crate::body::Body;
 use crate::testing::Script;
-use activation::Hold;
+use activation::{Hold, Muscles};
 use allocation::{Allocation, Unknown};
 use coordinates::Coordinates;
 use dynamics::{Dynamics, Motion};
@@ -186,6 +186,11 @@ struct View<'a> {
 struct Controller {
     hold: Hold,
     excitation: [f64; 2],
+    muscles: Muscles,
+    /// The activations that each muscle can reach within the hold.
+    reach: Vec<[f64; 2]>,
+    /// What each muscle is asked for: an activation first, then the excitation that brings it there.
+    asked: Vec<f64>,
     coordinates: Coordinates,
     velocities: Vec<f64>,
     support: Support,
@@ -218,16 +223,19 @@ impl Controller {
         support.update(model, &workspace.kinematics);
         let com = workspace.kinematics.subtree_com[body.root.body];
         let offset = support.centre().map_or(Vector3::zeros(), |centre| com - centre);
-        let size = coordinates.len();
+        let (size, muscle_count) = (coordinates.len(), model.actuators.muscles().count());
         Ok(Self {
             hold,
             excitation: activation::excitation_range(body.excitation),
+            muscles: Muscles::new(model, hold),
+            reach: vec![[0.0; 2]; muscle_count],
+            asked: vec![0.0; muscle_count],
             velocities: vec![0.0; size],
             support,
             offset,
             final_offset: offset * (1.0 - LEAN),
             feedback: Feedback::new(body, &coordinates, pose, state, &workspace.kinematics),
-            dynamics: Dynamics::new(model, &coordinates),
+            dynamics: Dynamics::new(model, workspace, &coordinates),
             columns: Columns::default(),
             unknowns: Vec::new(),
             wanted: vec![0.0; size],
@@ -279,11 +287,8 @@ impl Controller {
 
         self.columns.clone_from(&self.dynamics.muscles);
         self.unknowns.clear();
-        for (_, muscle) in model.actuators.muscles() {
-            let (activation, constants) = (state.activation[muscle.activation], muscle.time_constants);
-            let [low, high] = self.excitation.map(|excitation| self.hold.activation(activation, excitation, &constants));
-            self.unknowns.push(Unknown { low, high, cost: MUSCLE_COST });
-        }
+        self.muscles.reach(&state.activation, self.excitation, &mut self.reach);
+        self.unknowns.extend(self.reach.iter().map(|&[low, high]| Unknown { low, high, cost: MUSCLE_COST }));
         for (point, motion) in bearing.iter().zip(&feet) {
             for force in friction_pyramid(point) {
                 self.columns.push(motion.force(force * CONTACT_UNIT));
@@ -292,10 +297,9 @@ impl Controller {
         }
         self.allocation.solve(&self.dynamics.inertia, &self.columns, &self.unknowns, &self.wanted);
 
-        let muscles = model.actuators.muscles().zip(&self.allocation.x);
-        for (action, ((_, muscle), &wanted)) in action.iter_mut().zip(muscles) {
-            let activation = state.activation[muscle.activation];
-            let excitation = self.hold.excitation(activation, wanted, self.excitation, &muscle.time_constants);
+        self.asked.iter_mut().zip(&self.allocation.x).for_each(|(asked, wanted)| *asked = *wanted);
+        self.muscles.excitations(&state.activation, self.excitation, &mut self.asked);
+        for (action, &excitation) in action.iter_mut().zip(&self.asked) {
             *action = activation::action(body.excitation, excitation);
         }
     }

@@ -57,7 +57,7 @@ impl Columns {
     pub fn add_square(&self, column: usize, scale: f64, out: &mut Symmetric) {
         for (count, (row, value)) in self.column(column).enumerate() {
             for (earlier, other) in self.column(column).take(count + 1) {
-                *out.entry(row, earlier) += scale * value * other;
+                out.add(row, earlier, scale * value * other);
             }
         }
     }

@@ -114,7 +114,7 @@ fn the_required_force_is_that_of_the_equations_of_motion() {
     coordinates.update(&model, &state);
     let wanted: Vec<f64> = (0..coordinates.len()).map(|index| 3.0 * (2.0 * index as f64).sin()).collect();
 
-    let mut dynamics = Dynamics::new(&model, &coordinates);
+    let mut dynamics = Dynamics::new(&model, &workspace, &coordinates);
     let view =
         View { model: &model, state: &state, workspace: &workspace, coordinates: &coordinates, velocities: &[], hold: 0.0 };
     dynamics.update(&view);
