@@ -25,5 +25,6 @@ mod task_pages;
 mod task_snapshots;
 mod task_tests;
 mod tasks;
+mod together;
 mod vector;
 mod vocabulary_fixture;

@@ -175,18 +175,20 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
     };
+    // Two workers play eight episodes each at once; those that end after these have begun later than a change.
+    let later = || ended() + 2 * 8 + 1;
     wait(3);
     project.msk(&["weights", "set", "lean.msk", "pose=12", "--into", "weights.toml"]).succeeded();
-    wait(ended() + 10);
+    wait(later());
     // An editor that does not know the rules, but replaces a file whole: one that is being written would be a version, too.
     let save = |text: &str| {
         project.write("fresh.toml", text);
         std::fs::rename(project.path("fresh.toml"), project.path("weights.toml")).unwrap();
     };
     save("[lean]\npose = -1\n");
-    wait(ended() + 10);
+    wait(later());
     save("[lean]\npose = 13\n");
-    wait(ended() + 10);
+    wait(later());
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let done = super::project::Done::from(child.wait_with_output().unwrap());
     assert!(done.err.contains("E0464") && done.err.contains("the weights stay at version"), "{}", done.err);

@@ -3,6 +3,7 @@
 use super::{Episode, EpisodeError, EpisodeKey, Player, REST};
 use crate::body::{Body, sensors};
 use crate::condition::Fatigue;
+use crate::policy::PolicyContext;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, Plan, State, Workspace};
 use msk_program::task::{CompiledTask, StepReport, TaskState};
@@ -13,7 +14,7 @@ use std::sync::Arc;
 pub struct Engine {
     pub(super) model: Arc<Model>,
     /// What follows from the model: shared by all scratch.
-    plan: Plan,
+    pub(super) plan: Plan,
     pub(super) body: Arc<Body>,
     pub(super) task: Arc<CompiledTask>,
     /// Physics steps per control step.
@@ -162,12 +163,28 @@ impl Engine {
         episode.identity.as_ref() == Some(&self.task.hash) && episode.state.fits(&self.model)
     }
 
-    fn serves(&self, scratch: &Scratch) -> bool {
+    pub(super) fn serves(&self, scratch: &Scratch) -> bool {
         Arc::ptr_eq(&scratch.model, &self.model)
     }
 
     pub(super) fn player<'a>(&'a self, episode: &'a mut Episode, weights: &'a [f64], scratch: &'a mut Scratch) -> Player<'a> {
         Player { engine: self, episode, weights, scratch }
+    }
+
+    /// What a policy may look at in an episode whose forward pass is in `scratch`.
+    pub(crate) fn context<'a>(&'a self, episode: &'a Episode, scratch: &'a Scratch) -> PolicyContext<'a> {
+        PolicyContext {
+            task: &self.task,
+            body: &self.body,
+            model: &self.model,
+            key: episode.key,
+            step: episode.steps(),
+            substeps: self.substeps,
+            progress: &episode.task,
+            observation: &episode.observation,
+            state: &episode.state,
+            workspace: &scratch.workspace,
+        }
     }
 
     /// The task.

@@ -257,17 +257,6 @@ impl Environment {
 
     /// What a policy may look at.
     pub fn context(&self) -> PolicyContext<'_> {
-        PolicyContext {
-            task: &self.engine.task,
-            body: &self.engine.body,
-            model: &self.engine.model,
-            key: self.episode.key,
-            step: self.steps(),
-            substeps: self.engine.substeps,
-            progress: &self.episode.task,
-            observation: &self.episode.observation,
-            state: &self.episode.state,
-            workspace: &self.scratch.workspace,
-        }
+        self.engine.context(&self.episode, &self.scratch)
     }
 }

@@ -22,6 +22,7 @@ mod playing;
 mod pushes;
 mod start;
 mod streams;
+mod together;
 mod vector;
 
 pub use ending::{Ending, EpisodeError, Fault};
@@ -30,6 +31,8 @@ pub use environment::{Environment, Reward, TermReward};
 pub use excitation::{REST, excitation};
 pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
+pub use together::GroupScratch;
+pub(crate) use together::Member;
 pub use vector::{AutoresetMode, EpisodeEnd, VectorEnvironment, VectorStep};
 
 use crate::body::sensors;

@@ -5,7 +5,7 @@ use crate::body::sensors;
 use crate::condition::Compartments;
 use msk_physics::scalar::Real;
 use msk_physics::{self as physics, State};
-use msk_program::task::{StepReport, TaskState};
+use msk_program::task::{Disturbance, StepReport, TaskState};
 use nalgebra::Vector3;
 
 /// An episode in the hands of a worker.
@@ -107,65 +107,102 @@ impl Player<'_> {
     }
 
     fn advance(&mut self, action: &[f64]) -> Result<(), Fault> {
-        self.scratch.pass(&self.engine.model, &self.episode.state)?;
+        self.pass()?;
         self.excite(action)?;
         self.simulate()?;
-        self.measure(self.engine.control_period());
-        self.evaluate()?;
-        self.observe();
+        self.conclude()?;
         Ok(())
     }
 
-    /// Advances the task by one snapshot, judges, lets go, and adds up.
-    pub fn evaluate(&mut self) -> Result<(), Fault> {
+    /// Passes the present state forward, unless that has been done.
+    pub fn pass(&mut self) -> Result<(), Fault> {
+        Ok(self.scratch.pass(&self.engine.model, &self.episode.state)?)
+    }
+
+    /// Evaluates the task from the forward pass of the new state. Gives whether something was let go, which makes it another one.
+    pub fn conclude(&mut self) -> Result<bool, Fault> {
+        self.measure(self.engine.control_period());
+        let released = self.evaluate()?;
+        self.observe();
+        Ok(released)
+    }
+
+    /// Advances the task by one snapshot, judges, lets go, and adds up. Gives whether something was let go.
+    pub fn evaluate(&mut self) -> Result<bool, Fault> {
         let episode = &mut *self.episode;
         let Episode { frame, streams, task, report, .. } = episode;
         self.engine.task.step(frame, self.weights, streams, task, report)?;
         self.episode.ending = self.judge();
-        self.release()?;
+        let released = self.release()?;
         let Episode { report, total, totals, .. } = &mut *self.episode;
         *total += report.reward;
         for ((sum, value), weight) in totals.iter_mut().zip(&report.terms).zip(self.weights) {
             *sum += weight * value;
         }
-        Ok(())
+        Ok(released)
     }
 
     /// Takes the physics steps of one control step; the scratch then holds the forward pass of the new state.
-    ///
-    /// It also held that of the old one, which saves a pass: a new excitation changes nothing in it but the rates of
-    /// activation (a muscle's force follows its activation, unless it acts early).
     fn simulate(&mut self) -> Result<(), Fault> {
-        let Engine { model, body, task: compiled, substeps, .. } = self.engine;
-        self.scratch.forget();
-        let workspace = &mut self.scratch.workspace;
-        let Episode { state, pushes, task, .. } = &mut *self.episode;
-        let taken = task.step;
-        let acting = || compiled.disturbances.iter().chain(pushes.iter()).filter(|push| pushes::acts(push, taken));
-        let pushed = acting().next().is_some();
-        let forces_change = pushed || state.body_force.iter().flatten().any(|force| *force != Vector3::zeros());
-        if forces_change {
-            pushes::apply(acting(), model, body, &workspace.kinematics, state);
-        }
-        if forces_change || model.actuators.actearly.contains(&true) {
-            physics::forward(model, state, workspace)?;
-        } else {
-            physics::excite(model, state, workspace);
-        }
-        for _ in 0..*substeps {
-            physics::integrate(model, state, workspace)?;
+        let pushed = self.is_pushed();
+        self.react()?;
+        let model = &self.engine.model;
+        for _ in 0..self.engine.substeps {
+            physics::integrate(model, &mut self.episode.state, &mut self.scratch.workspace)?;
             if pushed {
-                physics::kinematics::update(model, state, &mut workspace.kinematics);
-                pushes::apply(acting(), model, body, &workspace.kinematics, state);
+                physics::kinematics::update(model, &self.episode.state, &mut self.scratch.workspace.kinematics);
+                self.push();
             }
-            physics::forward(model, state, workspace)?;
+            physics::forward(model, &self.episode.state, &mut self.scratch.workspace)?;
         }
-        self.scratch.note(state);
+        self.scratch.note(&self.episode.state);
         Ok(())
     }
 
+    /// Brings the forward pass of the old state up to date with new excitations and pushes.
+    ///
+    /// Mostly that saves a pass: where forces follow activations, a new excitation changes nothing but the rates of these.
+    pub fn react(&mut self) -> Result<(), Fault> {
+        let model = &self.engine.model;
+        self.scratch.forget();
+        let forces_change = self.forces_change();
+        if forces_change {
+            self.push();
+        }
+        let Self { episode, scratch, .. } = self;
+        if forces_change || !model.actuators.act_by_activation() {
+            physics::forward(model, &episode.state, &mut scratch.workspace)?;
+        } else {
+            physics::excite(model, &episode.state, &mut scratch.workspace);
+        }
+        Ok(())
+    }
+
+    /// The disturbances that act in the step to be taken.
+    fn pushes<'b>(engine: &'b Engine, pushes: &'b [Disturbance], taken: u32) -> impl Iterator<Item = &'b Disturbance> {
+        engine.task.disturbances.iter().chain(pushes).filter(move |push| pushes::acts(push, taken))
+    }
+
+    /// Whether something pushes in the step to be taken.
+    pub fn is_pushed(&self) -> bool {
+        Self::pushes(self.engine, &self.episode.pushes, self.episode.task.step).next().is_some()
+    }
+
+    /// Whether forces from outside are not what they were in the step before.
+    pub fn forces_change(&self) -> bool {
+        self.is_pushed() || self.episode.state.body_force.iter().flatten().any(|force| *force != Vector3::zeros())
+    }
+
+    /// Sets the forces of everything that pushes, where the frames of the scratch have the body.
+    pub fn push(&mut self) {
+        let Engine { model, body, .. } = self.engine;
+        let Episode { state, pushes, task, .. } = &mut *self.episode;
+        let acting = Self::pushes(self.engine, pushes, task.step);
+        pushes::apply(acting, model, body, &self.scratch.workspace.kinematics, state);
+    }
+
     /// Sets the excitations that an action asks for.
-    fn excite(&mut self, action: &[f64]) -> Result<(), Fault> {
+    pub fn excite(&mut self, action: &[f64]) -> Result<(), Fault> {
         let engine = self.engine;
         if let Some(index) = action.iter().position(|value| !value.is_finite()) {
             let muscle = engine.body.muscles[index].name.clone();
@@ -194,8 +231,8 @@ impl Player<'_> {
         sensors::fill(&task.frame, &snapshot, &control, &mut episode.memory, &mut episode.frame);
     }
 
-    /// Lets go what the task has said shall let go. The forward pass is then another one.
-    fn release(&mut self) -> Result<(), Fault> {
+    /// Lets go what the task has said shall let go. Gives whether there was something; the forward pass is then another one.
+    fn release(&mut self) -> Result<bool, Fault> {
         let Episode { state, report, .. } = &mut *self.episode;
         let mut changed = false;
         let releases = self.engine.task.releases.iter().zip(&report.released);
@@ -207,7 +244,7 @@ impl Player<'_> {
         if changed {
             self.scratch.pass(&self.engine.model, state)?;
         }
-        Ok(())
+        Ok(changed)
     }
 
     fn judge(&self) -> Option<Ending> {

@@ -145,7 +145,7 @@ impl Player<'_> {
             return Err(EpisodeError::Ended);
         }
         let steps = self.episode.steps();
-        if let Err(fault) = measure(self).and_then(|()| self.evaluate()) {
+        if let Err(fault) = measure(self).and_then(|()| self.evaluate().map(|_| ())) {
             self.end_with(fault, steps);
         }
         Ok(())

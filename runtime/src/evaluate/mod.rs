@@ -2,8 +2,8 @@
 //!
 //! 1. A [`Plan`] says what is run; its [`RunSettings`] are its identity.
 //! 2. A [`Journal`] keeps every ended episode and knows which are already there.
-//! 3. [`run`] plays the others on a pool of workers. An episode depends on its seed and index alone, so the results have the
-//!    same bits on any number of threads and in any order.
+//! 3. [`run`] plays the others on a pool of workers, each of which steps up to eight episodes of one model at once. An episode
+//!    depends on its seed and index alone, so the results have the same bits on any number of threads and in any order.
 //! 4. A [`Feed`] may change the weights between episodes; the record of each says by which it was paid, so that [`replay`] can
 //!    play it again.
 //! 5. A [`Summary`] sums up per task; [`report`] prints it for people.
@@ -17,6 +17,7 @@ mod settings;
 mod statistics;
 mod summary;
 mod to_horizon;
+mod worker;
 
 pub use feed::{Fed, Feed, ReplayError, replay};
 pub use journal::{Journal, JournalError};
@@ -26,16 +27,17 @@ pub use statistics::{Spread, wilson_interval};
 pub use summary::{GroupSummary, MetricSummary, Summary, TaskSummary, TermSummary};
 pub use to_horizon::{ToHorizon, play_to_horizon};
 
-use crate::episode::{Environment, EpisodeError, EpisodeKey, REST};
+use crate::episode::{Engine, Environment, EpisodeError, EpisodeKey, REST};
 use crate::library::BoundBody;
 use crate::policy::{Policy, PolicyError, PolicySource};
 use msk_program::task::CompiledTask;
 use record::Tally;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+use worker::Crew;
 
 /// A task and the body it runs on.
 #[derive(Clone)]
@@ -134,31 +136,17 @@ pub fn run_fed(
 ) -> Result<Outcome, EvaluationError> {
     let settings = RunSettings::of(plan);
     let jobs = settings.missing(&done);
-    let crew = Crew {
-        plan,
-        jobs: &jobs,
-        next: AtomicUsize::new(0),
-        failure: Mutex::new(None),
-        failed: AtomicBool::new(false),
-        skipped: Mutex::new(BTreeMap::new()),
-        journal,
-        stop,
-        watcher,
-        feed,
-    };
+    let crew = Crew::new(plan, &jobs, threads, (journal, stop), watcher, feed)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.get())
         .build()
         .map_err(|source| EvaluationError::Threads { threads, source })?;
     let mut records = done;
     records.extend(pool.broadcast(|_| crew.work()).into_iter().flatten());
-    if let Some(failure) = crew.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(failure);
-    }
+    let skipped = crew.outcome()?;
     settings.sort(&mut records);
-    let skipped = crew.skipped.into_inner().unwrap_or_else(PoisonError::into_inner);
     let interrupted = settings.missing(&records).iter().any(|(trial, _)| !skipped.contains_key(trial));
-    let skipped = skipped.into_iter().map(|(trial, (_, reason))| (trial, reason)).collect();
+    let skipped = skipped.into_iter().collect();
     Ok(Outcome { records, skipped, interrupted })
 }
 
@@ -190,11 +178,10 @@ pub fn play(
         }
         policy.act(&episode.context(), &mut action)?;
         episode.step(&action)?;
-        tally.add(episode);
+        tally.add(episode.episode(), episode.weights());
         stepped();
     }
-    let record = tally.record(episode, policy.name(), trial.body.hash(), start.elapsed().as_secs_f64());
-    Ok(Some(EpisodeRecord { condition: trial.body.condition.clone(), ..record }))
+    Ok(Some(tally.record(trial, episode.episode(), policy.name(), start.elapsed().as_secs_f64())))
 }
 
 /// An episode to be played: index of the trial and of the episode.
@@ -227,102 +214,21 @@ impl RunSettings {
     }
 }
 
-/// What all workers share.
-struct Crew<'a> {
-    plan: &'a Plan,
-    jobs: &'a [Job],
-    next: AtomicUsize,
-    /// What made the first worker fail; the others may fail only because of it.
-    failure: Mutex<Option<EvaluationError>>,
-    failed: AtomicBool,
-    /// Tasks that the policy cannot act on: the first episode that showed it, and the reason.
-    skipped: Mutex<BTreeMap<usize, (u64, String)>>,
-    journal: &'a Journal,
-    stop: &'a AtomicBool,
-    watcher: &'a dyn Watcher,
-    feed: Option<&'a dyn Feed>,
-}
-
-impl Crew<'_> {
-    /// Takes jobs in order until there are none, the run is stopped, or a worker fails.
-    fn work(&self) -> Vec<EpisodeRecord> {
-        let mut records = Vec::new();
-        if let Err(error) = self.play_jobs(&mut records) {
-            self.failed.store(true, Ordering::Relaxed);
-            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-        }
-        records
-    }
-
-    fn play_jobs(&self, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
-        let mut policy = self.plan.policy.open(self.stop)?;
-        let mut present: Option<(usize, Environment)> = None;
-        while let Some(&(trial, index)) = self.jobs.get(self.next.fetch_add(1, Ordering::Relaxed)) {
-            if self.failed.load(Ordering::Relaxed) || self.stop.load(Ordering::Relaxed) {
-                break;
-            }
-            if self.skipped().contains_key(&trial) {
-                continue;
-            }
-            // Memory for an episode is worth keeping while the task stays the same.
-            let mut episode = match present.take() {
-                Some((same, episode)) if same == trial => episode,
-                _ => self.plan.trials[trial].episode()?,
-            };
-            let key = EpisodeKey { seed: self.plan.protocol.seed, episode: index };
-            let stepped = || self.watcher.stepped();
-            let fed = self.feed.map(|feed| feed.weights(&self.plan.trials[trial].task));
-            if let Some(fed) = &fed {
-                fed.pay(&mut episode);
-            }
-            let mut record = match play(&self.plan.trials[trial], &mut episode, key, policy.as_mut(), self.stop, stepped) {
-                Ok(Some(record)) => record,
-                Ok(None) | Err(EvaluationError::Policy(PolicyError::Interrupted)) => break,
-                Err(EvaluationError::Policy(PolicyError::Unable { reason, .. })) => {
-                    self.skip(trial, index, reason);
-                    continue;
-                }
-                Err(error) => return Err(error),
-            };
-            if let Some(fed) = &fed {
-                fed.note(&self.plan.trials[trial], &mut record);
-            }
-            self.journal.append(&record)?;
-            self.watcher.ended(trial, &record);
-            records.push(record);
-            present = Some((trial, episode));
-        }
-        Ok(())
-    }
-
-    fn skipped(&self) -> MutexGuard<'_, BTreeMap<usize, (u64, String)>> {
-        self.skipped.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Skips a task. Of several episodes that workers play at the same time the first gives the reason, whichever is faster.
-    fn skip(&self, trial: usize, episode: u64, reason: String) {
-        let mut skipped = self.skipped();
-        match skipped.get_mut(&trial) {
-            None => {
-                self.watcher.skipped(trial, &reason);
-                skipped.insert(trial, (episode, reason));
-            }
-            Some(known) if episode < known.0 => *known = (episode, reason),
-            Some(_) => {}
-        }
-    }
-}
-
 impl Trial {
+    /// What its episodes are played with.
+    ///
+    /// # Errors
+    /// A task that does not fit the body.
+    pub fn engine(&self) -> Result<Engine, EpisodeError> {
+        let engine = Engine::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())?;
+        Ok(engine.with_fatigue(self.body.condition.fatigue.clone()))
+    }
+
     /// A new episode of this trial.
     ///
     /// # Errors
     /// A task that does not fit the body.
     pub fn episode(&self) -> Result<Environment, EpisodeError> {
-        let episode = Environment::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())?;
-        Ok(match &self.body.condition.fatigue {
-            Some(fatigue) => episode.with_fatigue(Some(fatigue.clone())),
-            None => episode,
-        })
+        Ok(Environment::of(self.engine()?))
     }
 }

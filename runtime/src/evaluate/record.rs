@@ -1,7 +1,8 @@
 //! What is kept of an episode: one line of the journal.
 
+use super::Trial;
 use crate::condition::MuscleCondition;
-use crate::episode::{Ending, Environment};
+use crate::episode::{Ending, Episode};
 use msk_physics::scalar::Real;
 use msk_program::task::CompiledTask;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -81,7 +82,8 @@ pub struct EpisodeRecord {
     /// Condition of its muscles.
     #[serde(default, skip_serializing_if = "MuscleCondition::is_none")]
     pub condition: MuscleCondition,
-    /// Seconds that the episode took; the only entry that differs from run to run.
+    /// Seconds that the episode took, its share of the steps that were taken together with others; the only entry that differs from
+    /// run to run.
     pub wall_time: f64,
 }
 
@@ -93,6 +95,7 @@ const SATURATED: f64 = 0.99;
 /// Sums up an episode while it runs.
 #[derive(Debug, Clone)]
 pub struct Tally {
+    steps: u32,
     total: f64,
     pay: Vec<f64>,
     values: Vec<f64>,
@@ -112,6 +115,7 @@ impl Tally {
         let terms = task.terms.len();
         let metrics = task.metrics.iter().map(|metric| metric.size).sum();
         Self {
+            steps: 0,
             total: 0.0,
             pay: vec![0.0; terms],
             values: vec![0.0; terms],
@@ -124,12 +128,18 @@ impl Tally {
         }
     }
 
-    /// Adds the present step of `episode`. A step that met a fault has no values and adds nothing.
-    pub fn add(&mut self, episode: &Environment) {
+    /// Control steps that were added.
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// Adds the present step of `episode`, which these weights reward. A step that met a fault has no values and adds nothing.
+    pub fn add(&mut self, episode: &Episode, weights: &[f64]) {
         let report = episode.report();
+        self.steps = episode.steps();
         self.total += report.reward;
         let sums = self.pay.iter_mut().zip(&mut self.values);
-        for ((pay, sum), (value, weight)) in sums.zip(report.terms.iter().zip(episode.weights())) {
+        for ((pay, sum), (value, weight)) in sums.zip(report.terms.iter().zip(weights)) {
             *pay += weight * value;
             *sum += value;
         }
@@ -150,8 +160,8 @@ impl Tally {
     }
 
     /// The record of `episode`, which has ended.
-    pub fn record(self, episode: &Environment, policy: &str, model_hash: &str, wall_time: f64) -> EpisodeRecord {
-        let task = episode.task();
+    pub fn record(self, trial: &Trial, episode: &Episode, policy: &str, wall_time: f64) -> EpisodeRecord {
+        let task = &*trial.task;
         let by_term = |sums: Vec<f64>| ByTerm(task.terms.iter().map(|term| term.name.clone()).zip(sums).collect());
         let fault = match episode.ending() {
             Some(Ending::Fault(fault)) => Some(fault.to_string()),
@@ -174,7 +184,7 @@ impl Tally {
             policy: policy.into(),
             seed: episode.key().seed,
             episode: episode.key().episode,
-            success: episode.success(),
+            success: episode.report().success,
             terminated_by,
             finished_by,
             truncated,
@@ -192,8 +202,8 @@ impl Tally {
             metrics,
             last_metrics,
             task_hash: task.hash.clone(),
-            model_hash: model_hash.into(),
-            condition: MuscleCondition::default(),
+            model_hash: trial.body.hash().into(),
+            condition: trial.body.condition.clone(),
             wall_time,
         }
     }

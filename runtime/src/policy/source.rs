@@ -89,7 +89,15 @@ impl PolicySource {
         &self.name
     }
 
-    /// A policy of its own for one worker. One that waits for a process gives up when `stop` becomes true.
+    /// Episodes that one worker should play at once: a process answers one after the other, and one for each worker is enough.
+    pub(crate) fn most_at_once(&self) -> usize {
+        match self.kind {
+            Kind::Process(_) => 1,
+            Kind::BuiltIn | Kind::Network(_) | Kind::Replay { .. } => usize::MAX,
+        }
+    }
+
+    /// A policy of its own for one episode at a time. One that waits for a process gives up when `stop` becomes true.
     ///
     /// # Errors
     /// A process that cannot be started.

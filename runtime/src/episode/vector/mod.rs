@@ -4,7 +4,9 @@ mod step;
 
 pub use step::{EpisodeEnd, VectorStep};
 
-use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Scratch};
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Member};
+use msk_physics::Rates;
+use msk_physics::lanes::WIDTH;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
@@ -49,7 +51,7 @@ pub struct VectorEnvironment {
     engine: Engine,
     slots: Vec<Slot>,
     /// One per worker.
-    scratch: Vec<Scratch>,
+    scratch: Vec<GroupScratch>,
     pool: ThreadPool,
     autoreset: AutoresetMode,
     step: VectorStep,
@@ -58,6 +60,8 @@ pub struct VectorEnvironment {
 /// A place for one episode after the other.
 struct Slot {
     episode: Episode,
+    /// Of the forward pass of the episode's state, if that is known.
+    rates: Option<Rates>,
     weights: Vec<f64>,
     /// The key of the next episode.
     next: EpisodeKey,
@@ -82,11 +86,13 @@ impl VectorEnvironment {
         let pool = ThreadPoolBuilder::new().num_threads(threads.get()).build()?;
         let slot = Slot {
             episode: engine.episode(),
+            rates: None,
             weights: engine.task().weights(),
             next: EpisodeKey::default(),
             outcome: Outcome::default(),
         };
-        let scratch = vec![engine.scratch(); threads.min(count).get()];
+        let workers = threads.min(count).get();
+        let scratch = vec![engine.group_scratch(count.get().div_ceil(workers)); workers];
         let slots = (0..count.get()).map(|_| slot.duplicate()).collect();
         let step = VectorStep::new(count.get(), engine.task().observation_size());
         let mut environment = Self { engine, slots, scratch, pool, autoreset: AutoresetMode::default(), step };
@@ -122,10 +128,12 @@ impl VectorEnvironment {
     /// Begins the next episode in the slots for which `chosen` holds; slots beyond its end stay as they are.
     pub fn reset_where(&mut self, chosen: &[bool]) -> &VectorStep {
         let count = self.slots.len() as u64;
-        self.each(|index, engine, slot, scratch| {
-            slot.outcome = Outcome::default();
-            if chosen.get(index) == Some(&true) {
-                slot.begin(count, engine, scratch);
+        self.each(|first, engine, slots, scratch| {
+            for (lane, slot) in slots.iter_mut().enumerate() {
+                slot.outcome = Outcome::default();
+                if chosen.get(first + lane) == Some(&true) {
+                    slot.begin(count, engine, scratch, lane);
+                }
             }
         });
         self.gather()
@@ -143,23 +151,29 @@ impl VectorEnvironment {
             return Err(EpisodeError::ActionSize { expected, found: actions.len() });
         }
         let (count, autoreset) = (self.slots.len() as u64, self.autoreset);
-        self.each(|index, engine, slot, scratch| {
-            slot.outcome = Outcome::default();
-            if slot.episode.ending.is_some() {
+        self.each(|first, engine, slots, scratch| {
+            let mut goes_on = [false; WIDTH];
+            for (lane, slot) in slots.iter_mut().enumerate() {
+                slot.outcome = Outcome::default();
+                goes_on[lane] = slot.episode.ending.is_none();
                 // With `SameStep` only an episode that could not begin is found ended; it gives way to the next one now.
-                if autoreset != AutoresetMode::Disabled {
-                    slot.begin(count, engine, scratch);
+                if !goes_on[lane] && autoreset != AutoresetMode::Disabled {
+                    slot.begin(count, engine, scratch, lane);
                 }
-                return;
             }
-            let action = &actions[width * index..width * (index + 1)];
-            // The lengths are right and the episode goes on, so there is no error.
-            let _ = engine.step(&mut slot.episode, action, &slot.weights, scratch);
-            slot.outcome.reward = slot.episode.report.reward;
-            if let Some(end) = EpisodeEnd::of(index, &slot.episode) {
-                slot.outcome.end = Some((end, slot.episode.observation.clone()));
-                if autoreset == AutoresetMode::SameStep {
-                    slot.begin(count, engine, scratch);
+            scratch.step(slots.iter_mut().enumerate().map(|(lane, slot)| {
+                let place = first + lane;
+                let Slot { episode, rates, weights, .. } = slot;
+                let action = &actions[width * place..width * (place + 1)];
+                goes_on[lane].then_some(Member { engine, episode, rates, weights, action })
+            }));
+            for (lane, slot) in slots.iter_mut().enumerate().filter(|(lane, _)| goes_on[*lane]) {
+                slot.outcome.reward = slot.episode.report.reward;
+                if let Some(end) = EpisodeEnd::of(first + lane, &slot.episode) {
+                    slot.outcome.end = Some((end, slot.episode.observation.clone()));
+                    if autoreset == AutoresetMode::SameStep {
+                        slot.begin(count, engine, scratch, lane);
+                    }
                 }
             }
         });
@@ -188,14 +202,16 @@ impl VectorEnvironment {
         step
     }
 
-    /// Does something with every slot, on all workers.
-    fn each(&mut self, act: impl Fn(usize, &Engine, &mut Slot, &mut Scratch) + Sync) {
+    /// Does something with all slots, on all workers: with as many at once as a worker has lanes, from the given index on.
+    fn each(&mut self, act: impl Fn(usize, &Engine, &mut [Slot], &mut GroupScratch) + Sync) {
         let Self { engine, slots, scratch, pool, .. } = self;
         let share = slots.len().div_ceil(scratch.len().max(1)).max(1);
+        // Groups of one size: nine slots are five and four.
+        let size = share.div_ceil(share.div_ceil(WIDTH));
         pool.install(|| {
             slots.par_chunks_mut(share).zip(scratch).enumerate().for_each(|(worker, (slots, scratch))| {
-                for (place, slot) in slots.iter_mut().enumerate() {
-                    act(worker * share + place, engine, slot, scratch);
+                for (group, slots) in slots.chunks_mut(size).enumerate() {
+                    act(worker * share + group * size, engine, slots, scratch);
                 }
             });
         });
@@ -226,18 +242,20 @@ impl VectorEnvironment {
     pub fn restore(&mut self, slot: usize, episode: &Episode) {
         if let Some(slot) = self.slots.get_mut(slot) {
             slot.episode.clone_from(episode);
+            slot.rates = None;
         }
     }
 }
 
 impl Slot {
     fn duplicate(&self) -> Self {
-        Self { episode: self.episode.clone(), weights: self.weights.clone(), next: self.next, outcome: Outcome::default() }
+        let Self { episode, weights, next, .. } = self;
+        Self { episode: episode.clone(), rates: None, weights: weights.clone(), next: *next, outcome: Outcome::default() }
     }
 
-    /// Begins the next episode, of `count` slots.
-    fn begin(&mut self, count: u64, engine: &Engine, scratch: &mut Scratch) {
-        engine.reset(self.next, &mut self.episode, scratch);
+    /// Begins the next episode, of `count` slots, in a lane.
+    fn begin(&mut self, count: u64, engine: &Engine, scratch: &mut GroupScratch, lane: usize) {
+        self.rates = scratch.begin(lane, engine, self.next, &mut self.episode);
         self.next.episode = self.next.episode.wrapping_add(count);
     }
 }

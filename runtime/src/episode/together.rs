@@ -1,0 +1,212 @@
+//! One control step of up to eight episodes at once, in the lanes of the simulator.
+
+use super::{Engine, Episode, EpisodeKey, Fault, Player, Scratch};
+use msk_physics::lanes::WIDTH;
+use msk_physics::{LaneGroup, Rates};
+use std::sync::Arc;
+
+/// The memory of one worker that plays up to eight episodes of a model at once, those of several tasks, too.
+///
+/// As with [`Scratch`], nothing in it decides anything: an episode comes to the same bits in any lane, beside any neighbours, or alone.
+#[derive(Debug, Clone)]
+pub struct GroupScratch {
+    /// None for a model whose integrator takes episodes one by one.
+    group: Option<LaneGroup>,
+    /// What each lane would need alone: sensors and policies read the forward pass there.
+    pub(super) lanes: Vec<Scratch>,
+}
+
+/// An episode that takes part in a step.
+pub(crate) struct Member<'a> {
+    pub engine: &'a Engine,
+    /// It has not ended.
+    pub episode: &'a mut Episode,
+    /// Of the forward pass of its state, if that is known.
+    pub rates: &'a mut Option<Rates>,
+    /// One per term.
+    pub weights: &'a [f64],
+    /// One entry per muscle.
+    pub action: &'a [f64],
+}
+
+/// A member in its lane.
+struct Seat<'a> {
+    lane: usize,
+    member: Member<'a>,
+    /// Control steps before this one.
+    steps: u32,
+    /// Whether forces from outside follow its body.
+    pushed: bool,
+}
+
+impl Engine {
+    /// Memory for a worker that plays as many episodes at once, of eight at most.
+    pub fn group_scratch(&self, episodes: usize) -> GroupScratch {
+        GroupScratch { group: LaneGroup::of(&self.model, &self.plan), lanes: vec![self.scratch(); episodes.clamp(1, WIDTH)] }
+    }
+
+    /// Whether the two can play their episodes together: on one model, with steps of one length.
+    pub(crate) fn goes_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.model, &other.model) && self.substeps == other.substeps
+    }
+}
+
+impl GroupScratch {
+    /// Whether it can play episodes of this engine.
+    pub(crate) fn serves(&self, engine: &Engine) -> bool {
+        self.lanes.first().is_some_and(|scratch| engine.serves(scratch))
+    }
+
+    /// The memory of a lane, with the forward pass of its episode.
+    pub(crate) fn lane(&self, lane: usize) -> &Scratch {
+        &self.lanes[lane]
+    }
+
+    /// Begins an episode in a lane, and gives the rates of its first state.
+    pub(crate) fn begin(&mut self, lane: usize, engine: &Engine, key: EpisodeKey, episode: &mut Episode) -> Option<Rates> {
+        let scratch = &mut self.lanes[lane];
+        engine.reset(key, episode, scratch);
+        let begun = self.group.is_some() && episode.ending.is_none();
+        begun.then(|| Rates::of(&engine.model, &episode.state, &mut scratch.workspace))
+    }
+
+    /// Takes one control step with each of the members, in the lanes of their places. Members are of engines that
+    /// [go with](Engine::goes_with) the one that made this; those beyond the lanes are not stepped.
+    pub(crate) fn step<'a>(&mut self, members: impl IntoIterator<Item = Option<Member<'a>>>) {
+        let seat = |(lane, member): (usize, Option<Member<'a>>)| {
+            let member = member?;
+            Some(Seat { lane, steps: member.episode.steps(), pushed: false, member })
+        };
+        let mut seats: [Option<Seat<'a>>; WIDTH] = Default::default();
+        let taken = members.into_iter().take(self.lanes.len()).enumerate().filter_map(seat);
+        seats.iter_mut().zip(taken).for_each(|(place, seat)| *place = Some(seat));
+        let count = seats.iter().flatten().count();
+        match &mut self.group {
+            Some(group) if count >= group.least() => {
+                let mut together = Together { group, lanes: &mut self.lanes };
+                together.step(&mut seats);
+            }
+            _ => {
+                for seat in seats.iter_mut().flatten() {
+                    seat.step_alone(&mut self.lanes[seat.lane]);
+                }
+            }
+        }
+    }
+}
+
+impl Seat<'_> {
+    fn player<'a>(&'a mut self, scratch: &'a mut Scratch) -> Player<'a> {
+        let Member { engine, episode, weights, .. } = &mut self.member;
+        Player { engine, episode, weights, scratch }
+    }
+
+    fn step_alone(&mut self, scratch: &mut Scratch) {
+        let action = self.member.action;
+        // The episode goes on and the action has its length, so there is no error.
+        let _ = self.player(scratch).step(action);
+        *self.member.rates = None;
+    }
+
+    fn end_with(&mut self, fault: Fault, scratch: &mut Scratch) {
+        *self.member.rates = None;
+        let steps = self.steps;
+        self.player(scratch).end_with(fault, steps);
+    }
+
+    /// Brings the episode to where only physics is missing, with the rates that this goes on from.
+    fn prepare(&mut self, scratch: &mut Scratch) -> Result<(), Fault> {
+        let action = self.member.action;
+        let known = self.member.rates.is_some();
+        let mut player = self.player(scratch);
+        let alone = !known || player.forces_change() || !player.engine.model.actuators.act_by_activation();
+        if alone {
+            player.pass()?;
+        }
+        player.excite(action)?;
+        let pushed = player.is_pushed();
+        if alone {
+            player.react()?;
+            let (model, state) = (&player.engine.model, &player.episode.state);
+            let rates = Rates::of(model, state, &mut player.scratch.workspace);
+            player.scratch.forget();
+            *self.member.rates = Some(rates);
+        }
+        self.pushed = pushed;
+        Ok(())
+    }
+
+    /// Evaluates the task in the state to which physics has come.
+    fn conclude(&mut self, scratch: &mut Scratch) -> Result<(), Fault> {
+        let released = self.player(scratch).conclude()?;
+        if released {
+            *self.member.rates = None;
+        }
+        Ok(())
+    }
+}
+
+/// A group of lanes, with the scratch of each.
+struct Together<'a> {
+    group: &'a mut LaneGroup,
+    lanes: &'a mut [Scratch],
+}
+
+impl Together<'_> {
+    fn step(&mut self, seats: &mut [Option<Seat<'_>>]) {
+        self.group.clear();
+        let mut substeps = 0;
+        for place in &mut *seats {
+            let Some(seat) = place else { continue };
+            let scratch = &mut self.lanes[seat.lane];
+            if let Err(fault) = seat.prepare(scratch) {
+                seat.end_with(fault, scratch);
+                *place = None;
+                continue;
+            }
+            substeps = seat.member.engine.substeps;
+            if let Some(rates) = &*seat.member.rates {
+                self.group.load(seat.lane, &seat.member.episode.state, rates);
+            }
+        }
+        self.group.excite();
+        for _ in 0..substeps {
+            self.group.integrate();
+            self.push(seats);
+            self.group.forward();
+        }
+        for seat in seats.iter_mut().flatten() {
+            self.finish(seat);
+        }
+    }
+
+    /// Moves forces from outside along with the bodies on which they act.
+    fn push(&mut self, seats: &mut [Option<Seat<'_>>]) {
+        let mut pushed = seats.iter_mut().flatten().filter(|seat| seat.pushed).peekable();
+        if pushed.peek().is_some() {
+            self.group.place();
+        }
+        for seat in pushed {
+            let (lane, scratch) = (seat.lane, &mut self.lanes[seat.lane]);
+            self.group.store_frames(lane, &mut scratch.workspace.kinematics);
+            seat.player(scratch).push();
+            self.group.set_body_force(lane, &seat.member.episode.state.body_force);
+        }
+    }
+
+    /// Takes an episode out of its lane, and evaluates its task.
+    fn finish(&mut self, seat: &mut Seat<'_>) {
+        let (lane, scratch) = (seat.lane, &mut self.lanes[seat.lane]);
+        self.group.store_state(lane, &mut seat.member.episode.state);
+        if let Some(fault) = self.group.take_fault(lane) {
+            return seat.end_with(fault.into(), scratch);
+        }
+        if let Some(rates) = seat.member.rates {
+            self.group.store(lane, &mut scratch.workspace, rates);
+        }
+        scratch.note(&seat.member.episode.state);
+        if let Err(fault) = seat.conclude(scratch) {
+            seat.end_with(fault, scratch);
+        }
+    }
+}
