@@ -14,6 +14,8 @@ fuzz_target!(|bytes: &[u8]| {
     language::must_be_sound(&whole.report);
     for scope in &whole.scopes {
         let sources = &whole.report.sources;
-        assert!(scope.notes.iter().all(|note| sources.text(note.file).get(note.span.range()).is_some()));
+        let exprs = scope.typed.iter().flat_map(|typed| typed.hir().exprs());
+        let mut places = exprs.map(|expr| (expr.file, expr.span));
+        assert!(places.all(|(file, span)| sources.text(file).get(span.range()).is_some()));
     }
 });
