@@ -467,3 +467,60 @@ fn an_engine_refuses_episodes_and_scratch_of_others_until_they_are_reset() {
     engine.step(&mut one, &action, &weights, &mut foreign).unwrap();
     assert_eq!(one.steps(), 1);
 }
+
+/// The force on the torso at each step of an episode with pushes.
+fn pushes(episode: &mut Environment, key: EpisodeKey, steps: usize) -> Vec<f64> {
+    episode.reset(key);
+    let torso = episode.context().body.landmarks.iter().find(|landmark| landmark.name == "torso").unwrap().body;
+    let action = vec![0.0; episode.context().body.muscles.len()];
+    let step = |_| {
+        episode.step(&action).unwrap();
+        episode.state().body_force[torso][0].y
+    };
+    (0..steps).map(step).collect()
+}
+
+#[test]
+fn a_push_is_drawn_comes_again_and_keeps_its_force_while_it_acts() {
+    let text = "observe { com.acceleration; prev(pelvis.height); independent.q }
+    random side = uniform(20 N .. 60 N) redraw when mod(step, 2) == 0
+    random moment = uniform(0.01 s .. 0.03 s)
+    disturb torso { force [0 N, side, 0 N], at moment, for 2 steps, every 5 steps }";
+    let mut episode = episode(&[("observe { com.acceleration; prev(pelvis.height); independent.q }", text)]);
+    let mut seen = Vec::new();
+    for index in 0..4 {
+        let key = EpisodeKey { episode: index, ..KEY };
+        let forces = pushes(&mut episode, key, 12);
+        let first = forces.iter().position(|force| *force != 0.0).unwrap();
+        assert!((1..=3).contains(&first), "{forces:?}");
+        for (step, force) in forces.iter().enumerate() {
+            let acts = step >= first && (step - first) % 5 < 2;
+            assert_eq!(*force != 0.0, acts, "{step}: {forces:?}");
+            assert!(!acts || (20.0..60.0).contains(force));
+        }
+        // It keeps its force although the random is drawn anew meanwhile; the next one has another.
+        assert_eq!(forces[first], forces[first + 1]);
+        assert_ne!(forces[first], forces[first + 5]);
+        assert_eq!(forces, pushes(&mut episode, key, 12), "the same episode again");
+        seen.push((first, forces[first].to_bits()));
+    }
+    seen.dedup();
+    assert!(seen.len() == 4 && seen.iter().any(|(first, _)| *first != seen[0].0), "{seen:?}");
+}
+
+#[test]
+fn a_snapshot_in_the_middle_of_a_push_goes_on_with_its_force() {
+    let text = "observe { com.acceleration; prev(pelvis.height); independent.q }
+    random side = uniform(20 N .. 60 N) redraw when mod(step, 2) == 0
+    disturb torso { force [0 N, side, 0 N], at 1 steps, for 4 steps }";
+    let mut first = episode(&[("observe { com.acceleration; prev(pelvis.height); independent.q }", text)]);
+    first.reset(KEY);
+    advance(&mut first, 3);
+    let middle = first.snapshot();
+    advance(&mut first, 4);
+    let mut second = first.clone();
+    second.reset(EpisodeKey { seed: 99, episode: 7 });
+    second.restore(&middle);
+    advance(&mut second, 4);
+    assert_eq!(first.snapshot(), second.snapshot());
+}

@@ -62,12 +62,13 @@ fn check(name: &str, engine: &Engine, slots: usize, threads: usize, steps: usize
 #[test]
 fn an_episode_of_any_task_has_the_same_bits_in_a_lane_and_alone() {
     let bodies = BodyLibrary::default();
-    for file in ["tasks.msk", "examples/door.msk"] {
+    for file in ["tasks.msk", "examples/door.msk", "examples/10_pushes.msk"] {
         let compilation = compile(Path::new(file), &FileLoader, &bodies).unwrap();
         for task in &compilation.tasks {
             let stage = bodies.stage(&task.body, &task.scene).unwrap();
-            // The door is pushed after a fifth of a second.
-            let steps = if file == "tasks.msk" { 4 } else { (0.35 * task.control_frequency) as usize };
+            // The door is pushed after a fifth of a second, the trunk within one.
+            let seconds = if file == "examples/door.msk" { 0.35 } else { 1.2 };
+            let steps = if file == "tasks.msk" { 4 } else { (seconds * task.control_frequency) as usize };
             let engine = Engine::new(stage.model, stage.body, task.clone()).unwrap();
             check(&task.name, &engine, 5, 1, steps);
         }

@@ -6,7 +6,7 @@
 //!    which starts from the very snapshot in which the one before it ended.
 
 use crate::graph::operation::Chance;
-use crate::init::Start;
+use crate::init::{Disturbance, DisturbanceSetting, Start};
 use crate::lower::{NoneTaken, Scalar, View, deciding_sensors};
 use crate::numbers::for_people;
 use crate::task::{CompiledTask, FollowedMotion, Init, NonFiniteTerm, NotDrawn, Phase, StepReport, TaskFault, TaskState};
@@ -98,6 +98,25 @@ impl CompiledTask {
             settled.set(setting, self.drawn(index, state));
         }
         Cow::Owned(settled)
+    }
+
+    /// The disturbances of an episode whose randoms have just been drawn.
+    pub fn begin_disturbances(&self, state: &TaskState, disturbances: &mut Vec<Disturbance>) {
+        disturbances.clone_from(&self.disturbances);
+        for &(disturbance, setting, index) in &self.drawn_disturbances {
+            setting.set(self.drawn(index, state), &mut disturbances[disturbance]);
+        }
+    }
+
+    /// Gives disturbances that begin in the next control step the force and torque that their randoms have now. In later phases of a
+    /// sequence they keep those that they had.
+    pub fn renew_disturbances(&self, state: &TaskState, disturbances: &mut [Disturbance]) {
+        for &(disturbance, setting, index) in self.drawn_disturbances.iter().filter(|_| state.phase == 0) {
+            let disturbance = &mut disturbances[disturbance];
+            if setting != DisturbanceSetting::Start && disturbance.begins(state.step) {
+                setting.set(self.drawn(index, state), disturbance);
+            }
+        }
     }
 
     /// The phase at which a motion was entered in this episode, 0 to 1.

@@ -128,6 +128,49 @@ pub struct Disturbance {
     pub start: u32,
     /// It lasts so many control steps.
     pub steps: u32,
+    /// It begins anew after so many control steps, again and again; 0 if it comes once.
+    pub every: u32,
+}
+
+impl Disturbance {
+    /// Control steps since it has begun, or begun anew, where `taken` have been taken; `None` before it begins.
+    fn since(&self, taken: u32) -> Option<u32> {
+        let since = taken.checked_sub(self.start)?;
+        Some(if self.every > 0 { since % self.every } else { since })
+    }
+
+    /// Whether it acts in the control step after `taken` ones.
+    pub fn acts(&self, taken: u32) -> bool {
+        self.since(taken).is_some_and(|since| since < self.steps)
+    }
+
+    /// Whether it begins, or begins anew, in the control step after `taken` ones.
+    pub fn begins(&self, taken: u32) -> bool {
+        self.since(taken) == Some(0)
+    }
+}
+
+/// A number of a disturbance that may be drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DisturbanceSetting {
+    /// Force along an axis of the world.
+    Force(usize),
+    /// Torque about an axis of the world.
+    Torque(usize),
+    /// When it begins for the first time, in control steps; rounded, and 0 where it would be earlier.
+    Start,
+}
+
+impl DisturbanceSetting {
+    /// Writes a value that was drawn.
+    pub fn set(self, value: f64, disturbance: &mut Disturbance) {
+        match self {
+            Self::Force(axis) => disturbance.force.iter_mut().skip(axis).take(1).for_each(|force| *force = value),
+            Self::Torque(axis) => disturbance.torque.iter_mut().skip(axis).take(1).for_each(|torque| *torque = value),
+            // A conversion of a float to an integer stops at the ends of the integer's range, and of NaN gives 0.
+            Self::Start => disturbance.start = value.round() as u32,
+        }
+    }
 }
 
 /// A number of a beginning that may be drawn. Axes are 0, 1, 2 for x, y, z of the world.

@@ -19,7 +19,7 @@ use crate::source::Places;
 use crate::vocabulary::Vocabulary;
 use std::sync::Arc;
 
-pub use crate::init::{Disturbance, Init, ObjectStart, RootPlacement, Setting, Settle, Spread};
+pub use crate::init::{Disturbance, DisturbanceSetting, Init, ObjectStart, RootPlacement, Setting, Settle, Spread};
 
 /// A task ready to run: closures over a flat frame and a flat state record. A copy shares the program.
 #[derive(Clone)]
@@ -47,6 +47,8 @@ pub struct CompiledTask {
     pub init: Init,
     /// Forces that disturb it.
     pub disturbances: Vec<Disturbance>,
+    /// Numbers of these that are drawn: of which disturbance, and the place of the value among those of [`CompiledTask::drawn`].
+    pub drawn_disturbances: Vec<(usize, DisturbanceSetting, usize)>,
     /// Connections that let go, by their place in the scene: in the order of [`StepReport::released`].
     pub releases: Vec<usize>,
     /// Names of places that are shown and never touched: [`CompiledTask::marker`] tells where each is.

@@ -26,7 +26,7 @@ use crate::resolve::inherit::WholeTask;
 use crate::resolve::scope::{Names, Place};
 use crate::scene::SceneDescription;
 use crate::syntax::tree::TaskStatement;
-use crate::task::{Disturbance, Init, Parameter};
+use crate::task::{Disturbance, DisturbanceSetting, Init, Parameter};
 use crate::vocabulary::Vocabulary;
 use msk_program::debug::Compared;
 use std::sync::Arc;
@@ -46,6 +46,8 @@ pub(crate) struct CheckedTask<'a> {
     /// Numbers that the beginning takes from what is drawn.
     pub beginning: Vec<NodeId>,
     pub disturbances: Vec<Disturbance>,
+    /// Numbers of these that are drawn, with their places in `beginning`.
+    pub drawn_disturbances: Vec<(usize, DisturbanceSetting, usize)>,
     /// Connections of the scene with the conditions on which they let go.
     pub releases: Vec<(usize, NodeId)>,
     pub markers: Vec<(String, NodeId)>,
@@ -178,9 +180,14 @@ impl<'a> Checker<'a> {
         let (control_frequency, _) = (frequency?, (horizon?, redraws?));
         let (staged, init, success) = (staged?, init?, success?);
         complete?;
-        let (Some(control_frequency), Some(init), Some(success)) = (control_frequency, init, success) else {
+        let (Some(control_frequency), Some(mut init), Some(success)) = (control_frequency, init, success) else {
             return Err(self.incomplete(task, "`control`, `init` or `success`"));
         };
+        let mut drawn_disturbances = Vec::new();
+        for &(disturbance, setting, node) in &staged.drawn {
+            drawn_disturbances.push((disturbance, setting, init.drawn.len()));
+            init.drawn.push(node);
+        }
         let tests = match (&terms, &channels, &terminations, &finishes) {
             (Ok(terms), Ok(channels), Ok(_), Ok(_)) => self.own_tests(sequence, &init, (terms, channels), success.node, texts)?,
             _ => None,
@@ -196,6 +203,7 @@ impl<'a> Checker<'a> {
             init: init.init,
             beginning: init.drawn,
             disturbances: staged.disturbances,
+            drawn_disturbances,
             releases: staged.releases,
             markers: staged.markers,
             queries: std::mem::take(&mut self.queries),

@@ -33,8 +33,12 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
     let at_reset = at_reset.as_ref();
     // What is drawn is told by its middle.
     let mut drawn = TaskState::default();
+    let mut disturbances = task.disturbances.clone();
     let init = match task.begin(&mut Middle, &mut drawn) {
-        Ok(()) => task.beginning(&drawn),
+        Ok(()) => {
+            task.begin_disturbances(&drawn, &mut disturbances);
+            task.beginning(&drawn)
+        }
         Err(_) => Cow::Borrowed(&task.init),
     };
     let phases = task.phases.iter().enumerate().map(|(index, phase)| {
@@ -57,7 +61,7 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
         randoms: randoms(task),
         scene: scene::scene(task, &init),
         initial_state: scene::initial_state(task, &init),
-        disturbances: scene::disturbances(task),
+        disturbances: scene::disturbances(task, &disturbances),
         phases: phases.collect(),
         observation: observation(task),
         reward_at_reset: at_reset.map(|report| report.reward),
@@ -244,20 +248,25 @@ fn memory_in_words(memory: Memory) -> &'static str {
     }
 }
 
-/// The random values of the initial state, by name. A place with one random component is evaluated as a whole: a value that is the
-/// same for two different draws is not listed.
+/// The random values of the initial state, by name.
 fn drawn(task: &CompiledTask) -> Vec<String> {
+    let varies = varies(task);
+    let drawn = task.init.drawn.iter().filter(|(_, index)| varies(*index));
+    drawn.map(|&(setting, _)| names::setting(task, setting)).collect()
+}
+
+/// Whether the number at a place of [`CompiledTask::drawn`] varies. A place with one random component is evaluated as a whole: a value
+/// that is the same for two different draws does not.
+fn varies(task: &CompiledTask) -> impl Fn(usize) -> bool + '_ {
     let begun = |share: f64| {
         let mut state = TaskState::default();
         task.begin(&mut Share(share), &mut state).ok().map(|()| state)
     };
     let (low, high) = (begun(0.25), begun(0.75));
-    let varies = |index: usize| match (&low, &high) {
+    move |index: usize| match (&low, &high) {
         (Some(low), Some(high)) => task.drawn(index, low) != task.drawn(index, high),
         _ => true,
-    };
-    let drawn = task.init.drawn.iter().filter(|(_, index)| varies(*index));
-    drawn.map(|&(setting, _)| names::setting(task, setting)).collect()
+    }
 }
 
 /// Always the same share of every distribution.

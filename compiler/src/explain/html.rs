@@ -205,10 +205,11 @@ fn scene(task: &TaskReport, text: &mut String) {
     for push in &task.disturbances {
         let force = push.force.map(for_people).join(", ");
         notes.push(format!(
-            "a force of [{force}] N on {} at {} s for {} s",
+            "a force of [{force}] N on {} at {} s for {} s{}",
             push.on,
             for_people(push.start),
-            for_people(push.duration)
+            for_people(push.duration),
+            push.varies()
         ));
     }
     list(&notes, text);

@@ -253,6 +253,21 @@ pub struct DisturbanceReport {
     pub start: f64,
     /// How long it lasts, s.
     pub duration: f64,
+    /// After how long it begins anew, s; `None` if it comes once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub every: Option<f64>,
+    /// Its numbers that are drawn for each episode, such as `force.x`; the others are known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drawn: Vec<String>,
+}
+
+impl DisturbanceReport {
+    /// How often it comes, and what of it is drawn, in words; empty if it comes once and all is known.
+    pub(super) fn varies(&self) -> String {
+        let every = self.every.map_or_else(String::new, |every| format!(", every {} s", for_people(every)));
+        let drawn = if self.drawn.is_empty() { String::new() } else { format!(", drawn: {}", self.drawn.join(", ")) };
+        every + &drawn
+    }
 }
 
 /// A task of a sequence, or the task itself.

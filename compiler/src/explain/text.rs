@@ -90,10 +90,11 @@ fn scene(report: &TaskReport, text: &mut String) {
         let (force, torque) = (push.force.map(for_people).join(", "), push.torque.map(for_people).join(", "));
         let _ = writeln!(
             text,
-            "  disturbs {}: force [{force}] N, torque [{torque}] N m, at {} s for {} s",
+            "  disturbs {}: force [{force}] N, torque [{torque}] N m, at {} s for {} s{}",
             push.on,
             for_people(push.start),
-            for_people(push.duration)
+            for_people(push.duration),
+            push.varies()
         );
     }
 }

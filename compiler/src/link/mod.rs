@@ -163,6 +163,7 @@ fn begun(heading: &Heading<'_>, first: &CheckedTask<'_>, frame: &FrameLayout) ->
         scene: first.scene.clone(),
         init: first.init.clone(),
         disturbances: first.disturbances.clone(),
+        drawn_disturbances: first.drawn_disturbances.clone(),
         releases: first.releases.iter().map(|(connection, _)| *connection).collect(),
         markers: first.markers.iter().map(|(name, _)| name.clone()).collect(),
         channels: Vec::new(),

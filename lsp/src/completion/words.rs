@@ -36,7 +36,7 @@ pub const TASK: Table = &[
     ("terminate", "terminate { REASON when CONDITION }: failures"),
     ("finish", "finish { REASON when CONDITION }: terminations that are not failures"),
     ("success", "success CONDITION: evaluated at the last step"),
-    ("disturb", "disturb PART { force, torque, at, for }"),
+    ("disturb", "disturb PART { force, torque, at, for, every }"),
     ("phase", "phase TASK until CONDITION: of a sequence"),
     ("test", "test \"TITLE\" { ... }"),
     ("cheat", "cheat \"TITLE\" { ... }: an exploit, which must not succeed"),
@@ -99,8 +99,13 @@ pub const BODY: Table = &[
 ];
 
 /// In a disturbance.
-pub const DISTURB: Table =
-    &[("force", "force [x, y, z]"), ("torque", "torque [x, y, z]"), ("at", "from when"), ("for", "how long")];
+pub const DISTURB: Table = &[
+    ("force", "force [x, y, z]"),
+    ("torque", "torque [x, y, z]"),
+    ("at", "from when"),
+    ("for", "how long"),
+    ("every", "how often"),
+];
 
 /// In a test.
 pub const TEST: Table = &[

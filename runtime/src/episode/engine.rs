@@ -107,6 +107,7 @@ impl Engine {
             key: EpisodeKey::default(),
             identity: None,
             state: State::new(&self.model),
+            disturbances: Vec::new(),
             pushes: Vec::new(),
             task: TaskState::default(),
             streams: super::Streams::default(),

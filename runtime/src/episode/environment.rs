@@ -132,7 +132,7 @@ impl Environment {
     /// act on a landmark (an index into the body's) in world axes. The next reset takes it away.
     pub fn push(&mut self, landmark: usize, [force, torque]: [[f64; 3]; 2], steps: u32) {
         let start = self.steps();
-        self.episode.pushes.push(Disturbance { landmark, force, torque, start, steps });
+        self.episode.pushes.push(Disturbance { landmark, force, torque, start, steps, every: 0 });
     }
 
     /// Takes one control step with `action`, one entry in [-1, 1] per muscle; what lies outside is clipped.

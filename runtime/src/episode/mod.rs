@@ -50,7 +50,9 @@ pub struct Episode {
     identity: Option<String>,
     /// With the solver's warm start.
     state: State<f64>,
-    /// Pushes that were added to those of the task.
+    /// Those of the task, with what was drawn for them.
+    disturbances: Vec<Disturbance>,
+    /// Pushes that were added to them.
     pushes: Vec<Disturbance>,
     /// With the states, clocks and operators of the task.
     task: TaskState,

@@ -5,7 +5,7 @@ use crate::body::sensors;
 use crate::condition::Compartments;
 use msk_physics::scalar::Real;
 use msk_physics::{self as physics, State};
-use msk_program::task::{Disturbance, StepReport, TaskState};
+use msk_program::task::{StepReport, TaskState};
 use nalgebra::Vector3;
 
 /// An episode in the hands of a worker.
@@ -39,6 +39,7 @@ impl Player<'_> {
         episode.key = key;
         episode.identity = Some(engine.task.hash.clone());
         episode.state = State::new(&engine.model);
+        episode.disturbances.clear();
         episode.pushes.clear();
         episode.task = TaskState::default();
         episode.memory = sensors::Memory::default();
@@ -56,6 +57,7 @@ impl Player<'_> {
     fn start(&mut self, key: EpisodeKey, given: &[(usize, Vec<f64>)]) -> Result<(), Fault> {
         let episode = &mut *self.episode;
         self.engine.task.begin_given(&mut episode.streams, &mut episode.task, given)?;
+        self.engine.task.begin_disturbances(&episode.task, &mut episode.disturbances);
         self.begin(key)?;
         self.measure(0.0);
         let episode = &mut *self.episode;
@@ -108,6 +110,7 @@ impl Player<'_> {
 
     fn advance(&mut self, action: &[f64]) -> Result<(), Fault> {
         self.pass()?;
+        self.renew_pushes();
         self.excite(action)?;
         self.simulate()?;
         self.conclude()?;
@@ -178,14 +181,16 @@ impl Player<'_> {
         Ok(())
     }
 
-    /// The disturbances that act in the step to be taken.
-    fn pushes<'b>(engine: &'b Engine, pushes: &'b [Disturbance], taken: u32) -> impl Iterator<Item = &'b Disturbance> {
-        engine.task.disturbances.iter().chain(pushes).filter(move |push| pushes::acts(push, taken))
+    /// Draws for the pushes that begin in the step to be taken what is drawn for them.
+    pub fn renew_pushes(&mut self) {
+        let Episode { task, disturbances, .. } = &mut *self.episode;
+        self.engine.task.renew_disturbances(task, disturbances);
     }
 
     /// Whether something pushes in the step to be taken.
     pub fn is_pushed(&self) -> bool {
-        Self::pushes(self.engine, &self.episode.pushes, self.episode.task.step).next().is_some()
+        let Episode { task, disturbances, pushes, .. } = &*self.episode;
+        disturbances.iter().chain(pushes).any(|push| push.acts(task.step))
     }
 
     /// Whether forces from outside are not what they were in the step before.
@@ -196,8 +201,8 @@ impl Player<'_> {
     /// Sets the forces of everything that pushes, where the frames of the scratch have the body.
     pub fn push(&mut self) {
         let Engine { model, body, .. } = self.engine;
-        let Episode { state, pushes, task, .. } = &mut *self.episode;
-        let acting = Self::pushes(self.engine, pushes, task.step);
+        let Episode { state, disturbances, pushes, task, .. } = &mut *self.episode;
+        let acting = disturbances.iter().chain(&*pushes).filter(|push| push.acts(task.step));
         pushes::apply(acting, model, body, &self.scratch.workspace.kinematics, state);
     }
 

@@ -80,6 +80,7 @@ impl Player<'_> {
         let (model, body, task) = (&self.engine.model, &self.engine.body, &self.engine.task);
         let episode = &mut *self.episode;
         task.begin_given(&mut episode.streams, &mut episode.task, given)?;
+        task.begin_disturbances(&episode.task, &mut episode.disturbances);
         prepare(&episode.task);
         let activation = place(model, body, &mut episode.state, &mut self.scratch.workspace);
         self.activate(activation);
@@ -95,6 +96,7 @@ impl Player<'_> {
     fn start_at(&mut self, put: &mut dyn FnMut(&mut State<f64>)) -> Result<(), Fault> {
         let episode = &mut *self.episode;
         self.engine.task.begin(&mut episode.streams, &mut episode.task)?;
+        self.engine.task.begin_disturbances(&episode.task, &mut episode.disturbances);
         put(&mut episode.state);
         self.scratch.pass(&self.engine.model, &episode.state)?;
         self.measure(0.0);

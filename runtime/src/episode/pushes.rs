@@ -6,11 +6,6 @@ use msk_physics::{State, kinematics::Kinematics};
 use msk_program::task::Disturbance;
 use nalgebra::Vector3;
 
-/// Whether a disturbance acts in the control step after `taken` ones.
-pub(super) fn acts(push: &Disturbance, taken: u32) -> bool {
-    taken >= push.start && taken - push.start < push.steps
-}
-
 /// Sets the forces of everything that acts, at the places where landmarks are now. Forces keep their direction in the world.
 pub(super) fn apply<'a>(
     pushes: impl Iterator<Item = &'a Disturbance>,

@@ -119,6 +119,7 @@ impl Seat<'_> {
         let action = self.member.action;
         let known = self.member.rates.is_some();
         let mut player = self.player(scratch);
+        player.renew_pushes();
         let alone = !known || player.forces_change() || !player.engine.model.actuators.act_by_activation();
         if alone {
             player.pass()?;

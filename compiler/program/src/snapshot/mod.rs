@@ -115,6 +115,11 @@ impl CompiledTask {
             let Some(&node) = outputs.beginning.get(index) else { continue };
             write(Section::new("drawn", &labelled(&names::setting(self, setting))), None, node, "is");
         }
+        for &(disturbance, setting, index) in &self.drawn_disturbances {
+            let Some(&node) = outputs.beginning.get(index) else { continue };
+            let name = format!("disturbance {} {}", disturbance + 1, names::disturbance_setting(setting));
+            write(Section::new("drawn", &labelled(&name)), None, node, "is");
+        }
         for (&connection, &node) in self.releases.iter().zip(&outputs.releases) {
             write(Section::new("release", &labelled(&self.connection_name(connection))), None, node, "when");
         }

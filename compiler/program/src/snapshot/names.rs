@@ -4,7 +4,7 @@
 use crate::frame::{Origin, Query, Sensor, Subject};
 use crate::graph::text::Labels;
 use crate::scene::Part;
-use crate::task::{CompiledTask, Phase, Setting};
+use crate::task::{CompiledTask, DisturbanceSetting, Phase, Setting};
 use crate::vocabulary::Vocabulary;
 use std::fmt::Write;
 use std::mem::discriminant;
@@ -130,6 +130,16 @@ fn query(vocabulary: &Vocabulary, query: &Query) -> String {
         Query::Ray { from, direction, range } => {
             format!("ray from {} along {direction:?} within {range:?} m", landmark(vocabulary, *from))
         }
+    }
+}
+
+/// A number of a disturbance: `force.x`, `at`.
+pub fn disturbance_setting(setting: DisturbanceSetting) -> String {
+    let axis = |axis: usize| ["x", "y", "z"].get(axis).copied().unwrap_or("?");
+    match setting {
+        DisturbanceSetting::Force(index) => format!("force.{}", axis(index)),
+        DisturbanceSetting::Torque(index) => format!("torque.{}", axis(index)),
+        DisturbanceSetting::Start => "at".to_owned(),
     }
 }
 

@@ -29,14 +29,16 @@ impl CompiledTask {
             sections.push(Section::new("group", name).field("members", members.join(", ")));
         }
         for (index, disturbance) in self.disturbances.iter().enumerate() {
-            sections.push(
-                Section::new("disturbance", &(index + 1).to_string())
-                    .field("on", names::landmark(&self.vocabulary, disturbance.landmark))
-                    .field("force", format!("{:?} N", disturbance.force))
-                    .field("torque", format!("{:?} N m", disturbance.torque))
-                    .field("at", format!("{} steps", disturbance.start))
-                    .field("for", format!("{} steps", disturbance.steps)),
-            );
+            let section = Section::new("disturbance", &(index + 1).to_string())
+                .field("on", names::landmark(&self.vocabulary, disturbance.landmark))
+                .field("force", format!("{:?} N", disturbance.force))
+                .field("torque", format!("{:?} N m", disturbance.torque))
+                .field("at", format!("{} steps", disturbance.start))
+                .field("for", format!("{} steps", disturbance.steps));
+            sections.push(match disturbance.every {
+                0 => section,
+                every => section.field("every", format!("{every} steps")),
+            });
         }
     }
 

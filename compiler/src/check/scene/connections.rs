@@ -7,13 +7,17 @@ use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
 use crate::graph::NodeId;
+use crate::graph::operation::Binary;
 use crate::numbers::for_people;
 use crate::scene::{Connection, SceneDescription};
-use crate::syntax::tree::{self, Element, ElementName, Expr, Marker, TaskStatement};
-use crate::task::Disturbance;
+use crate::syntax::tree::{self, Element, ElementName, Expr, Field, Marker, TaskStatement};
+use crate::task::{Disturbance, DisturbanceSetting};
 
 /// Connections of a scene, and when those that let go do so.
 type Connections = (Vec<Connection>, Vec<(usize, NodeId)>);
+
+/// Numbers of a disturbance that are drawn.
+type Drawn = Vec<(DisturbanceSetting, NodeId)>;
 
 /// The whole scene of a task, and what its formulas say of it.
 #[derive(Debug, Default)]
@@ -23,6 +27,8 @@ pub(crate) struct Staged {
     pub releases: Vec<(usize, NodeId)>,
     pub markers: Vec<(String, NodeId)>,
     pub disturbances: Vec<Disturbance>,
+    /// Numbers of these that are drawn.
+    pub drawn: Vec<(usize, DisturbanceSetting, NodeId)>,
 }
 
 impl<'a> Checker<'a> {
@@ -30,12 +36,15 @@ impl<'a> Checker<'a> {
     pub(crate) fn staged(&mut self) -> Checked<Staged> {
         let scene = self.scene.map(|scene| scene.description.clone()).unwrap_or_default();
         let statements = self.statements;
-        let mut disturbances = Vec::new();
+        let (mut disturbances, mut drawn) = (Vec::new(), Vec::new());
         let mut failures = Failures::default();
         for placed in statements {
             if let TaskStatement::Disturb(element) = &placed.statement {
                 match self.in_file(placed.file, |checker| checker.disturbance(element)) {
-                    Ok(disturbance) => disturbances.push(disturbance),
+                    Ok((disturbance, numbers)) => {
+                        drawn.extend(numbers.into_iter().map(|(setting, node)| (disturbances.len(), setting, node)));
+                        disturbances.push(disturbance);
+                    }
                     Err(reported) => failures.add(reported),
                 }
             }
@@ -43,7 +52,7 @@ impl<'a> Checker<'a> {
         let (connections, markers) = (self.connections(), self.markers());
         let ((connections, releases), markers) = (connections?, markers?);
         failures.or(())?;
-        Ok(Staged { scene: SceneDescription { connections, ..scene }, releases, markers, disturbances })
+        Ok(Staged { scene: SceneDescription { connections, ..scene }, releases, markers, disturbances, drawn })
     }
 
     /// The welds and connections of the scene.
@@ -166,8 +175,8 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
-    /// `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`
-    fn disturbance(&mut self, element: &'a Element) -> Checked<Disturbance> {
+    /// `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s, every 2 s }`, with the numbers in it that are drawn.
+    fn disturbance(&mut self, element: &'a Element) -> Checked<(Disturbance, Drawn)> {
         let Some(ElementName::Name(name)) = &element.name else {
             return Err(self.error(codes::tasks::MISSING, element.span, "`disturb` needs a landmark or an object"));
         };
@@ -185,7 +194,8 @@ impl<'a> Checker<'a> {
                 return Err(self.error(codes::types::WRONG_TYPE, name.span, message));
             }
         };
-        let mut disturbance = Disturbance { landmark, force: [0.0; 3], torque: [0.0; 3], start: 0, steps: 0 };
+        let mut disturbance = Disturbance { landmark, force: [0.0; 3], torque: [0.0; 3], start: 0, steps: 0, every: 0 };
+        let mut drawn = Drawn::new();
         let mut said: Vec<&str> = Vec::new();
         for field in &element.fields {
             let word = field.name.text.as_str();
@@ -194,17 +204,29 @@ impl<'a> Checker<'a> {
             }
             said.push(word);
             match word {
-                "force" => {
-                    let expr = self.field_value(field)?;
-                    disturbance.force = self.fixed_bracket(expr, Dimension::FORCE, "`force`")?;
-                }
-                "torque" => {
-                    let expr = self.field_value(field)?;
-                    disturbance.torque = self.fixed_bracket(expr, Dimension::TORQUE, "`torque`")?;
+                "force" | "torque" => {
+                    let is_force = word == "force";
+                    let dimension = if is_force { Dimension::FORCE } else { Dimension::TORQUE };
+                    let setting = if is_force { DisturbanceSetting::Force } else { DisturbanceSetting::Torque };
+                    let (node, place) = self.pushing(field, dimension)?;
+                    for axis in 0..3 {
+                        let part = self.graph.select([axis], node);
+                        self.disturb(part, setting(axis), (word, place), &mut disturbance, &mut drawn)?;
+                    }
                 }
                 "at" => {
                     let expr = self.field_value(field)?;
-                    disturbance.start = self.steps(expr)? as u32;
+                    match self.drawn_steps(expr)? {
+                        Some(steps) => {
+                            let setting = DisturbanceSetting::Start;
+                            self.disturb(steps, setting, (word, expr.span), &mut disturbance, &mut drawn)?;
+                        }
+                        None => disturbance.start = self.steps(expr)? as u32,
+                    }
+                }
+                "every" => {
+                    let expr = self.field_value(field)?;
+                    disturbance.every = self.steps(expr)? as u32;
                 }
                 "for" => {
                     let expr = self.field_value(field)?;
@@ -214,7 +236,7 @@ impl<'a> Checker<'a> {
                     let message = format!("a disturbance has no `{word}`");
                     let diagnostic = self
                         .diagnostic(codes::tasks::UNKNOWN_SETTING, field.name.span, message)
-                        .help("write `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`; `torque [0, 0, 5 N*m]` as well");
+                        .help("write `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`; `torque [0, 0, 5 N*m]` and `every 2 s` as well");
                     return Err(self.report(diagnostic));
                 }
             }
@@ -230,18 +252,79 @@ impl<'a> Checker<'a> {
                 .help("write `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`");
             return Err(self.report(diagnostic));
         }
+        self.lasts_within(element, &disturbance, said.contains(&"every"))?;
+        Ok((disturbance, drawn))
+    }
+
+    /// The force or torque of a disturbance: three components.
+    fn pushing(&mut self, field: &'a Field, dimension: Dimension) -> Checked<(NodeId, Span)> {
+        let expr = self.field_value(field)?;
+        let data = match self.value(expr)? {
+            Value::Typed(data) => data,
+            other => return Err(self.not_numbers(&other, expr.span)),
+        };
+        self.must_be_bracket(&data, 3, dimension, expr.span, &format!("`{}`", field.name.text))?;
+        Ok((data.node, expr.span))
+    }
+
+    /// A time that is drawn, in control steps; `None` for what else there is.
+    fn drawn_steps(&mut self, expr: &'a Expr) -> Checked<Option<NodeId>> {
+        let data = self.data(expr)?;
+        if self.graph.constant_value(data.node).is_some() {
+            return Ok(None);
+        }
+        Ok(match data.kind {
+            Type::One(ElementType::Steps) => Some(data.node),
+            Type::One(ElementType::Number(Dimension::TIME)) => {
+                let interval = self.graph.constant(self.timing.interval);
+                Some(self.graph.binary(Binary::Divide, data.node, interval))
+            }
+            _ => None,
+        })
+    }
+
+    /// Writes a number that is known; keeps one that is drawn.
+    fn disturb(
+        &mut self,
+        node: NodeId,
+        setting: DisturbanceSetting,
+        (word, span): (&str, Span),
+        disturbance: &mut Disturbance,
+        drawn: &mut Drawn,
+    ) -> Checked<()> {
+        let wanted_by = format!("`{word}`");
+        match self.graph.constant_value(node) {
+            Some(value) if value.is_finite() => setting.set(value, disturbance),
+            Some(_) => {
+                let message = format!("{wanted_by} takes finite numbers");
+                return Err(self.error(codes::types::WRONG_TYPE, span, message));
+            }
+            None => {
+                self.must_be_drawn(node, span, &wanted_by)?;
+                drawn.push((setting, node));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a disturbance starts and lasts within the episode, and ends before it is repeated.
+    fn lasts_within(&mut self, element: &Element, disturbance: &Disturbance, repeats: bool) -> Checked<()> {
         let horizon = self.timing.horizon;
-        let message = match disturbance.start >= horizon {
-            true => "the disturbance starts after the end of the episode",
-            false if disturbance.steps > horizon => "the duration is longer than the episode",
-            false => return Ok(disturbance),
+        let (message, expected, found) = if disturbance.start >= horizon {
+            ("the disturbance starts after the end of the episode", "the task's horizon", disturbance.start)
+        } else if disturbance.steps > horizon {
+            ("the duration is longer than the episode", "the task's horizon", disturbance.steps)
+        } else if repeats && disturbance.every <= disturbance.steps {
+            ("the disturbance is repeated before it ends", "", disturbance.every)
+        } else {
+            return Ok(());
         };
         let in_words = |steps: u32| format!("{steps} steps ({} s)", for_people(f64::from(steps) * self.timing.interval));
-        let found = if disturbance.start >= horizon { disturbance.start } else { disturbance.steps };
-        let diagnostic = self
-            .diagnostic(codes::tasks::OUT_OF_RANGE, element.span, message)
-            .expected(format!("within {}, the task's horizon", in_words(horizon)))
-            .found(in_words(found));
-        Err(self.report(diagnostic))
+        let expected = match expected {
+            "" => format!("`every` longer than {}, its duration", in_words(disturbance.steps)),
+            what => format!("within {}, {what}", in_words(horizon)),
+        };
+        let diagnostic = self.diagnostic(codes::tasks::OUT_OF_RANGE, element.span, message);
+        Err(self.report(diagnostic.expected(expected).found(in_words(found))))
     }
 }

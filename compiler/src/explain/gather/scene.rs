@@ -1,11 +1,11 @@
 //! Scene and initial state as text.
 
 use super::super::report::*;
-use super::drawn;
+use super::{drawn, varies};
 use crate::numbers::for_people;
 use crate::scene::{Motion, Object, ObjectJointKind, Parent, Shape, Terrain};
 use crate::snapshot::names;
-use crate::task::{CompiledTask, Init, Spread};
+use crate::task::{CompiledTask, Disturbance, Init, Spread};
 use crate::vocabulary::JointKind;
 
 pub(super) fn scene(task: &CompiledTask, init: &Init) -> SceneReport {
@@ -105,15 +105,24 @@ fn motion(motion: &Motion) -> String {
     }
 }
 
-pub(super) fn disturbances(task: &CompiledTask) -> Vec<DisturbanceReport> {
-    let told = task.disturbances.iter().map(|disturbance| DisturbanceReport {
+/// `begun` with the middle of what is drawn.
+pub(super) fn disturbances(task: &CompiledTask, begun: &[Disturbance]) -> Vec<DisturbanceReport> {
+    let varies = varies(task);
+    let seconds = |steps: u32| f64::from(steps) / task.control_frequency;
+    let own = |disturbance: usize| {
+        let drawn = task.drawn_disturbances.iter();
+        drawn.filter(move |(of, ..)| *of == disturbance).filter(|(.., index)| varies(*index))
+    };
+    let reports = begun.iter().enumerate().map(|(index, disturbance)| DisturbanceReport {
         on: names::landmark(&task.vocabulary, disturbance.landmark),
         force: disturbance.force,
         torque: disturbance.torque,
-        start: f64::from(disturbance.start) / task.control_frequency,
-        duration: f64::from(disturbance.steps) / task.control_frequency,
+        start: seconds(disturbance.start),
+        duration: seconds(disturbance.steps),
+        every: (disturbance.every > 0).then(|| seconds(disturbance.every)),
+        drawn: own(index).map(|&(_, setting, _)| names::disturbance_setting(setting)).collect(),
     });
-    told.collect()
+    reports.collect()
 }
 
 pub(super) fn initial_state(task: &CompiledTask, init: &Init) -> InitialStateReport {
