@@ -75,14 +75,14 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                     sound = false;
                     continue;
                 }
-                let mut told = compilation.warnings;
+                let mut diagnostics = compilation.warnings;
                 if !args.no_probe {
-                    told.extend(probe::new_of(&compilation.tasks, &bodies, &told));
+                    diagnostics.extend(probe::new_of(&compilation.tasks, &bodies, &diagnostics));
                     if !args.no_play {
-                        told.extend(play(&compilation.tasks, &bodies));
+                        diagnostics.extend(play(&compilation.tasks, &bodies));
                     }
                 }
-                (Report::new(compilation.sources, told), compilation.tasks.len())
+                (Report::new(compilation.sources, diagnostics), compilation.tasks.len())
             }
             Err(report) => (report, 0),
         };
@@ -108,9 +108,9 @@ fn play(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary) -> Vec<Diagnostic> {
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} tasks played at rest  {elapsed}") {
         bar.set_style(style);
     }
-    let told = probe::episodes(tasks, bodies, &|| bar.inc(1));
+    let diagnostics = probe::episodes(tasks, bodies, &|| bar.inc(1));
     bar.finish_and_clear();
-    told
+    diagnostics
 }
 
 /// Most rounds of fixes: one may make room for another, but none may go round in circles.

@@ -60,7 +60,10 @@ fn compare(args: &Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     match args.format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&differences)?)?,
-        Format::Text => differences.iter().filter(|told| !told.is_empty()).try_for_each(|told| write!(out, "{told}"))?,
+        Format::Text => differences
+            .iter()
+            .filter(|difference| !difference.is_empty())
+            .try_for_each(|difference| write!(out, "{difference}"))?,
     }
     Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
 }

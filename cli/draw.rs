@@ -153,7 +153,8 @@ fn posed(body: &Body, model: &Model, pose: &str, activation: f64) -> Result<Stat
 /// No such body, errors in its file, or a file that holds several.
 pub fn describe(name: &str, library: &BodyLibrary) -> Result<BodyDescription, Error> {
     let path = find(name)?;
-    let compilation = compile(&path, &FileLoader, library).map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
+    let compilation =
+        compile(&path, &FileLoader, library).map_err(|report| Error::rendered(report.render(style(&io::stderr()))))?;
     match compilation.bodies.as_slice() {
         [body] => Ok((**body).clone()),
         bodies => Err(Error::new(format!("{} contains {} bodies, not one", path.display(), bodies.len()))),

@@ -18,13 +18,13 @@ pub struct Error {
     hint: Option<String>,
     code: u8,
     quiet: bool,
-    told: bool,
+    rendered: bool,
 }
 
 impl Error {
     /// A failure with nothing beneath it.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), cause: None, hint: None, code: FAILURE, quiet: false, told: false }
+        Self { message: message.into(), cause: None, hint: None, code: FAILURE, quiet: false, rendered: false }
     }
 
     /// A wrong use of the command line.
@@ -33,8 +33,8 @@ impl Error {
     }
 
     /// A failure that has already been put into words, line by line, by the compiler.
-    pub fn told(report: String) -> Self {
-        Self { told: true, ..Self::new(report) }
+    pub fn rendered(report: String) -> Self {
+        Self { rendered: true, ..Self::new(report) }
     }
 
     /// The same failure, where a command's failures have the exit code of a wrong use.
@@ -63,7 +63,7 @@ impl Error {
 
 impl Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.told {
+        if self.rendered {
             return f.write_str(&self.message);
         }
         writeln!(f, "error: {}", self.message)?;

@@ -97,9 +97,9 @@ mod tests {
     #[test]
     fn every_command_has_a_row_of_exit_codes() {
         let rows = EXIT_CODES.lines().filter_map(|line| line.strip_prefix("| `msk ")?.split_once('`'));
-        let told: BTreeSet<&str> = rows.map(|(name, _)| name).collect();
+        let documented: BTreeSet<&str> = rows.map(|(name, _)| name).collect();
         let command = Cli::command();
         let there: BTreeSet<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
-        assert_eq!(told, there);
+        assert_eq!(documented, there);
     }
 }

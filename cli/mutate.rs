@@ -67,7 +67,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                     continue;
                 }
                 let verdicts = mutate(Path::new(path), text, &name, parts, &FileLoader, &project.bodies)
-                    .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
+                    .map_err(|report| Error::rendered(report.render(style(&io::stderr()))))?;
                 for verdict in &verdicts {
                     print(&mut out, args.format, &name, path, text, verdict)?;
                 }

@@ -75,7 +75,7 @@ fn new_body(args: &BodyArgs) -> Result<ExitCode, Error> {
     let cannot = || format!("the model `{}` cannot be read", args.model.display());
     let model = bodies::model(&args.model).context(cannot)?;
     let text = scaffold(&args.name, &model, &relative(&args.model, &path)).context(cannot)?;
-    // Laid out as `msk fmt` does; what cannot be is told by the compiler below.
+    // Laid out as `msk fmt` does; what cannot be is reported by the compiler below.
     let text = format(FileId::default(), &text).unwrap_or(text);
     write(&path, &text, &[("check", "check against its model"), ("vocabulary --body", "names for tasks")])
 }
@@ -95,8 +95,8 @@ fn new_task(args: &TaskArgs) -> Result<ExitCode, Error> {
 fn write(path: &Path, text: &str, next: &[(&str, &str)]) -> Result<ExitCode, Error> {
     // A word of the language is no name either: the compiler knows which.
     if let Err(report) = compile(path, &Pending { path, text }, &BodyLibrary::default()) {
-        let told = report.render(style(&io::stderr()));
-        return Err(Error::told(format!("{told}error: nothing was written, since it would not compile\n")));
+        let rendered = report.render(style(&io::stderr()));
+        return Err(Error::rendered(format!("{rendered}error: nothing was written, since it would not compile\n")));
     }
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).context(|| format!("cannot create the folder `{}`", folder.display()))?;
@@ -142,7 +142,7 @@ fn extension(name: &str, from: &str, path: &Path) -> Result<String, Error> {
 fn home(named: &str, task: &CompiledTask) -> Result<PathBuf, Error> {
     let (file, _) = project::named(named)?;
     let compilation = compile(file, &FileLoader, &BodyLibrary::default())
-        .map_err(|report: Report| Error::told(report.render(style(&io::stderr()))))?;
+        .map_err(|report: Report| Error::rendered(report.render(style(&io::stderr()))))?;
     let sources = &compilation.sources;
     let holds = |item: &Item| matches!(item, Item::Task(known) if known.name.text == task.name);
     let found = sources.files().find(|&source| syntax::parse(source, sources.text(source)).tree.items.iter().any(holds));

@@ -46,7 +46,7 @@ impl Overlays {
             let origin = Origin::Overlay(name.clone());
             let laid = Overlay::read(&name, &text, &mut sources)
                 .and_then(|overlay| overlay.apply(&project.compilation.tasks, &origin))
-                .map_err(|told| Error::told(Report::new(sources, told).render(project::style(&io::stderr()))))?;
+                .map_err(|problems| Error::rendered(Report::new(sources, problems).render(project::style(&io::stderr()))))?;
             for trial in &mut *trials {
                 if let Some(task) = laid.iter().find(|task| task.name == trial.task.name) {
                     trial.task = task.clone();
@@ -67,12 +67,12 @@ impl Overlays {
         let run = |name: &str| trials.iter().find(|trial| trial.task.name == name).map(|trial| trial.task.clone());
         let tasks = project.compilation.tasks.iter().map(|task| run(&task.name).unwrap_or_else(|| task.clone())).collect();
         let path = self.weights.as_deref().unwrap_or(Path::new(""));
-        let told = |message: &str| {
+        let notify = |message: &str| {
             // Nothing is left to be done when standard error itself cannot be written.
             let _ = writeln!(io::stderr(), "{message}");
         };
-        Live::open(path, tasks, told).map_err(|error| match error {
-            LiveError::Refused(report) => Error::told(report.render(project::style(&io::stderr()))),
+        Live::open(path, tasks, notify).map_err(|error| match error {
+            LiveError::Refused(report) => Error::rendered(report.render(project::style(&io::stderr()))),
             error => error.into(),
         })
     }

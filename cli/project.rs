@@ -47,11 +47,11 @@ impl Project {
     pub fn open_at(path: &Path, settings: &[Setting], levels: &Levels) -> Result<Self, Error> {
         let bodies = BodyLibrary::default();
         let compilation = compile_with(path, &FileLoader, &bodies, settings)
-            .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
+            .map_err(|report| Error::rendered(report.render(style(&io::stderr()))))?;
         let mut warnings = Report::new(compilation.sources.clone(), compilation.warnings.clone());
         levels.apply(&mut warnings.diagnostics);
         if warnings.has_errors() {
-            return Err(Error::told(warnings.render(style(&io::stderr()))));
+            return Err(Error::rendered(warnings.render(style(&io::stderr()))));
         }
         write!(io::stderr().lock(), "{}", warnings.render(style(&io::stderr())))?;
         Ok(Self { compilation, bodies })
@@ -114,14 +114,14 @@ pub fn named(name: &str) -> Result<(&Path, Option<&str>), Error> {
     Ok((Path::new(SUITE), Some(name)))
 }
 
-/// The tasks that a name on the command line means, compiled and not bound to a body; warnings are not told.
+/// The tasks that a name on the command line means, compiled and not bound to a body; warnings are not printed.
 ///
 /// # Errors
 /// No such task or file, or errors in it.
 pub fn compiled(name: &str, settings: &[Setting]) -> Result<Vec<Arc<CompiledTask>>, Error> {
     let (file, only) = named(name)?;
     let compilation = compile_with(file, &FileLoader, &BodyLibrary::default(), settings)
-        .map_err(|report| Error::told(report.render(style(&io::stderr()))))?;
+        .map_err(|report| Error::rendered(report.render(style(&io::stderr()))))?;
     Ok(chosen(&compilation, only)?.into_iter().cloned().collect())
 }
 

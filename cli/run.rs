@@ -1,4 +1,4 @@
-//! `msk run TASK`: one episode, told term by term.
+//! `msk run TASK`: one episode, reported term by term.
 
 use crate::condition::Condition;
 use crate::error::{Context, Error};
@@ -135,11 +135,11 @@ fn to_horizon(
     };
     let fault = found.fault.map_or("no fault".to_owned(), |fault| format!("stopped by a fault: {fault}"));
     let (steps, deepest, fastest) = (found.steps, 1e3 * found.deepest, found.fastest);
-    let told = format!("{first}; continued to {steps} steps of {}, {fault}", task.horizon);
+    let summary = format!("{first}; continued to {steps} steps of {}, {fault}", task.horizon);
     let mut out = io::stdout().lock();
     writeln!(
         out,
-        "{}, policy {}: {told}; largest penetration {deepest:.1} mm, largest speed of the root {fastest:.1} m/s",
+        "{}, policy {}: {summary}; largest penetration {deepest:.1} mm, largest speed of the root {fastest:.1} m/s",
         task.name, args.policy
     )?;
     Ok(ExitCode::SUCCESS)

@@ -69,7 +69,7 @@ fn write(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path) -> Result<ExitC
         if known.as_deref() == Some(&text) {
             continue;
         }
-        // What changes is told while it is written, so that nobody accepts it unseen.
+        // Changes are printed while they are written, so that none is accepted unseen.
         if let Some(Ok(before)) = known.map(|known| known.parse::<Snapshot>()) {
             let difference = Difference::between(&before, snapshot, true).with_units(task);
             if !difference.is_empty() {

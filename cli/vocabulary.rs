@@ -50,7 +50,7 @@ fn vocabulary(name: &str) -> Result<Vocabulary, Error> {
     };
     let library = BodyLibrary::default();
     let compilation =
-        compile(&path, &FileLoader, &library).map_err(|report| Error::told(report.render(project::style(&io::stderr()))))?;
+        compile(&path, &FileLoader, &library).map_err(|report| Error::rendered(report.render(project::style(&io::stderr()))))?;
     let description = compilation.bodies.first().ok_or_else(|| Error::new(format!("`{}` contains no body", path.display())))?;
     let bound = library.bind(description).context(|| format!("cannot use `{}`", path.display()))?;
     Ok(bound.body.vocabulary(&bound.model))

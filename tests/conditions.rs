@@ -91,7 +91,7 @@ fn conditions_are_plain_data() {
     assert!(serde_json::from_str::<MuscleCondition>(r#"{"weaknes":[]}"#).is_err());
 }
 
-/// Full effort tires so fast here that a tenth of a second shows; what a muscle is told is what it can still bring up.
+/// Full effort tires so fast here that a tenth of a second shows; the excitation of a muscle is what it can still bring up.
 #[test]
 fn tired_muscles_get_what_they_can_bring_up_and_snapshots_keep_how_tired_they_are() {
     let rates = Fatigue { fatigue: 1.0, recovery: 0.01, rest: 10.0 };

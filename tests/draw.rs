@@ -50,7 +50,7 @@ fn a_state_shows_activations_and_the_forces_of_the_ground() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_told_in_one_message() {
+fn what_cannot_be_drawn_is_reported_in_one_message() {
     assert!(complaint(&["--body", "nobody"]).starts_with("error: there is no body `nobody`"));
     assert!(complaint(&["--pose", "lotus"]).contains("it has: neutral"));
     assert!(complaint(&["--activation", "2"]).contains("between 0 and 1"));

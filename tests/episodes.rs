@@ -341,7 +341,7 @@ fn randoms_have_streams_of_their_own_and_continue_from_a_snapshot() {
 }
 
 #[test]
-fn a_finish_is_no_failure_and_all_reasons_are_told() {
+fn a_finish_is_no_failure_and_all_reasons_are_reported() {
     let mut episode = episode(&CHANCE);
     episode.reset(KEY);
     advance(&mut episode, 9);

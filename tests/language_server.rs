@@ -67,13 +67,13 @@ impl Editor {
         }
     }
 
-    /// The codes told of `uri` next.
+    /// The codes published next for `uri`.
     fn codes(&mut self, uri: &str) -> Vec<String> {
         loop {
             let message = self.read();
             if message["method"] == "textDocument/publishDiagnostics" && message["params"]["uri"] == uri {
-                let told = message["params"]["diagnostics"].as_array().unwrap();
-                return told.iter().map(|told| told["code"].as_str().unwrap().to_owned()).collect();
+                let diagnostics = message["params"]["diagnostics"].as_array().unwrap();
+                return diagnostics.iter().map(|diagnostic| diagnostic["code"].as_str().unwrap().to_owned()).collect();
             }
         }
     }

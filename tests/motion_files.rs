@@ -88,7 +88,7 @@ fn stairs_climb_two_steps_a_turn_and_a_squat_comes_back() {
 }
 
 #[test]
-fn a_gait_that_slides_or_sinks_is_told() {
+fn a_gait_that_slides_or_sinks_is_reported() {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("motions/walk.csv")).unwrap();
     let shortened = text.replace("# duration: 1.1 s", "# duration: 1.1 s\n# a remark");
     assert_eq!(read(FileId::default(), &shortened).unwrap().digest(), motion("walk").digest());

@@ -261,14 +261,14 @@ impl Comparison<'_> {
     }
 
     fn terms(&mut self) {
-        let mut told: Vec<&str> = Vec::new();
+        let mut listed: Vec<&str> = Vec::new();
         let paper = self.paper;
         for row in &paper.terms {
             let what = format!("term `{}`", row.paper);
             let mut sections = Vec::new();
             assert_eq!(row.weight.len(), row.ours.len(), "{}: {what}: a weight for each of our terms", paper.name);
             for (name, weight) in row.ours.iter().zip(&row.weight) {
-                told.push(name);
+                listed.push(name);
                 let Some(section) = self.section("term", name).cloned() else {
                     self.problem(format!("{what}: there is no term `{name}`"));
                     continue;
@@ -284,7 +284,7 @@ impl Comparison<'_> {
         }
         for extra in &paper.extra_terms {
             for (name, weight) in &extra.ours {
-                told.push(name);
+                listed.push(name);
                 let found = self.section("term", name).and_then(|section| section.get("weight")).map(str::to_owned);
                 if found != Some(weight.to_string()) {
                     self.problem(format!(
@@ -296,7 +296,7 @@ impl Comparison<'_> {
             self.differs(&format!("terms {}", names.join(", ")), "not listed", &extra.differs);
         }
         let own: Vec<String> = self.snapshot.sections.iter().filter(|s| s.kind == "term").map(|s| s.name.clone()).collect();
-        for name in own.iter().filter(|name| !told.contains(&name.as_str())) {
+        for name in own.iter().filter(|name| !listed.contains(&name.as_str())) {
             self.problem(format!("the term `{name}` stands for no row of the paper"));
         }
     }
@@ -314,8 +314,8 @@ impl Comparison<'_> {
             self.problem(format!("`{}` holds {}", base.block, as_toml(&shared)));
         }
         let observed = &self.paper.observations;
-        let told: BTreeMap<String, String> = observed.ours.clone().into_iter().chain(observed.extra.clone()).collect();
-        if own != told {
+        let listed: BTreeMap<String, String> = observed.ours.clone().into_iter().chain(observed.extra.clone()).collect();
+        if own != listed {
             let problem = format!("for `{}` the task observes {}", observed.paper, as_toml(&own));
             self.problem(problem);
         }
@@ -339,14 +339,14 @@ impl Comparison<'_> {
 
     fn ends(&mut self) {
         let paper = self.paper;
-        let mut told: Vec<&str> = paper.extra_ends.iter().map(|extra| extra.ours.as_str()).collect();
+        let mut listed: Vec<&str> = paper.extra_ends.iter().map(|extra| extra.ours.as_str()).collect();
         for row in &paper.ends {
             let what = format!("termination `{}`", row.paper);
             let sections: Vec<Section> = row.ours.iter().filter_map(|name| self.section("terminate", name).cloned()).collect();
             if sections.len() != row.ours.len() {
                 self.problem(format!("{what}: of the ends {:?} only {} are there", row.ours, sections.len()));
             }
-            told.extend(row.ours.iter().map(String::as_str));
+            listed.extend(row.ours.iter().map(String::as_str));
             let sections: Vec<&Section> = sections.iter().collect();
             self.numbers(&what, &sections, &Numbers::of_end(row));
             self.reads(&what, &sections, &row.reads);
@@ -363,7 +363,7 @@ impl Comparison<'_> {
             self.listed.push([what, "not listed".into(), format!("{}: {condition}", extra.because)]);
         }
         let own: Vec<String> = self.snapshot.sections.iter().filter(|s| s.kind == "terminate").map(|s| s.name.clone()).collect();
-        for name in own.iter().filter(|name| !told.contains(&name.as_str())) {
+        for name in own.iter().filter(|name| !listed.contains(&name.as_str())) {
             self.problem(format!("the end `{name}` stands for nothing in the paper"));
         }
         let success = self.section("success", "").cloned();
@@ -374,12 +374,12 @@ impl Comparison<'_> {
     }
 
     /// Every reason that the task gives must be on the list, unless it says that nothing differs.
-    fn nothing_untold(&mut self) {
-        let untold: Vec<String> = (0..self.reasons.len())
+    fn nothing_unlisted(&mut self) {
+        let unlisted: Vec<String> = (0..self.reasons.len())
             .filter(|&index| !self.used[index] && !self.reasons[index].starts_with("the same"))
             .map(|index| self.reasons[index].clone())
             .collect();
-        for reason in untold {
+        for reason in unlisted {
             self.problem(format!("the task gives a reason that no row has: `ours: {reason}`"));
         }
     }
@@ -462,7 +462,7 @@ fn compared() -> (Vec<String>, String) {
             comparison.differs("scene", &scene.paper, &scene.differs);
         }
         comparison.ends();
-        comparison.nothing_untold();
+        comparison.nothing_unlisted();
         problems.append(&mut comparison.problems);
         let _ = writeln!(list, "\n## {}\n\n| what | paper | ours |\n|:--|:--|:--|", paper.name);
         for [what, theirs, ours] in comparison.listed {

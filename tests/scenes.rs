@@ -119,7 +119,7 @@ fn hands_hold_a_bar_where_they_stand_until_they_let_go() {
 }
 
 #[test]
-fn a_weld_that_does_not_fit_is_told_with_its_numbers() {
+fn a_weld_that_does_not_fit_is_reported_with_its_numbers() {
     let scene = "ground; body bar { at [0.5 m, 0, 1.5 m], free
             capsule shaft { along [0, 1, 0], length 1.2 m, radius 1 cm, mass 5 kg } }
         weld palm_l to bar";
@@ -131,7 +131,7 @@ fn a_weld_that_does_not_fit_is_told_with_its_numbers() {
 }
 
 #[test]
-fn what_overlaps_at_the_beginning_is_told_with_its_depth() {
+fn a_penetration_at_reset_is_reported_with_its_depth() {
     let scene = "ground; sphere stone { radius 20 cm, mass 2 kg, free, at [3 m, 0, 15 cm] }";
     let report = episode(scene, "", "stone.position", "").inspect_start(EpisodeKey::default()).unwrap();
     let [penetration] = report.penetrations.as_slice() else { panic!("{report:?}") };

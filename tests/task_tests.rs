@@ -1,4 +1,4 @@
-//! Tests inside files: what scripts show, what is read of it, what is told when it does not hold.
+//! Tests inside files: what scripts show, what is read of it, how a failure is reported.
 
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile};
@@ -56,8 +56,8 @@ fn holds(statements: &str) {
     }
 }
 
-/// What is told of the only expectation that does not hold.
-fn told(statements: &str) -> String {
+/// The message of the only expectation that does not hold.
+fn failure_of(statements: &str) -> String {
     let reports = played(statements);
     let failures: Vec<_> = reports.iter().flat_map(|report| &report.failures).collect();
     let [failure] = failures.as_slice() else { panic!("{failures:#?}") };
@@ -196,25 +196,27 @@ fn physics_takes_over() {
 }
 
 #[test]
-fn what_does_not_hold_is_told_with_its_numbers() {
+fn what_does_not_hold_is_reported_with_its_numbers() {
     assert_eq!(
-        told("test \"x\" { moment a { pose neutral { root.height = 1 m } }; expect pelvis.height at a < 0.5 m }"),
+        failure_of("test \"x\" { moment a { pose neutral { root.height = 1 m } }; expect pelvis.height at a < 0.5 m }"),
         "expected pelvis.height at a < 0.5 m, found pelvis.height at a = 1 m"
     );
     assert_eq!(
-        told("test \"x\" { pose neutral; expect success }"),
+        failure_of("test \"x\" { pose neutral; expect success }"),
         "expected success, found the episode reached the horizon at 3.00 s"
     );
     assert_eq!(
-        told("test \"x\" { at 1 s pose neutral { root.height = 0.2 m }; at 2 s as late; expect pelvis.height at late < 1 m }"),
+        failure_of(
+            "test \"x\" { at 1 s pose neutral { root.height = 0.2 m }; at 2 s as late; expect pelvis.height at late < 1 m }"
+        ),
         "expected pelvis.height at late < 1 m, found 2.00 s was not reached: the episode ended by fallen at 0.78 s"
     );
     assert_eq!(
-        told("cheat \"x\" { at 1 s pose squatting { root.height = 0.5 m } }"),
+        failure_of("cheat \"x\" { at 1 s pose squatting { root.height = 0.5 m } }"),
         "expected not success, found the episode reached the horizon at 3.00 s"
     );
     assert_eq!(
-        told("test \"x\" { run nobody for 1 s; expect survived }"),
+        failure_of("test \"x\" { run nobody for 1 s; expect survived }"),
         "expected that it runs, found there is no policy `nobody`; choose one of: zero, random, cmc, demonstration"
     );
 }
@@ -276,7 +278,7 @@ fn an_exploit_that_earns_less_than_the_demonstration_passes() {
 }
 
 #[test]
-fn an_exploit_that_earns_more_fails_by_every_measure_and_is_told_its_terms() {
+fn an_exploit_that_earns_more_fails_by_every_measure_and_reports_its_terms() {
     let tests = format!("{DEMONSTRATION} cheat \"hovering\" {{ root {{ height 4 m }} }}");
     let demonstration = "of the demonstration \"down and up\"";
     assert_eq!(
@@ -309,7 +311,7 @@ fn after_an_early_end_nothing_is_earned() {
 fn a_cheat_is_held_to_the_horizon_whenever_it_is_looked_at() {
     let slow = "cheat \"not yet\" { at 2 s pose squatting { root.height = 0.5 m }; until 1 s; expect pelvis.height > 0.7 m }";
     assert_eq!(
-        told(&format!("{DEMONSTRATION} {slow}")),
+        failure_of(&format!("{DEMONSTRATION} {slow}")),
         "expected no success, held to the horizon, found it succeeds after 300 steps: it is a demonstration, use `test`"
     );
     let reports = played(&format!("{DEMONSTRATION} cheat \"a moment\" {{ until 0.1 s }}"));
@@ -396,7 +398,7 @@ fn a_test_of_a_sequence_goes_through_its_phases() {
 }
 
 #[test]
-fn what_another_phase_has_is_told_as_such() {
+fn what_another_phase_has_is_reported_as_such() {
     let report = in_sequence(
         "test \"too late\" {
             given wait = 0.5 s
@@ -406,9 +408,9 @@ fn what_another_phase_has_is_told_as_such() {
             expect reward.tall > 0
         }",
     );
-    let told: Vec<&str> = report.failures.iter().map(|failure| failure.found.as_str()).collect();
+    let found: Vec<&str> = report.failures.iter().map(|failure| failure.found.as_str()).collect();
     assert_eq!(
-        told,
+        found,
         ["at 0.40 s the phase is `up`; this is defined in `low`", "at its end the phase is `low`; this is defined in `up`"]
     );
 }
@@ -469,13 +471,15 @@ fn a_reset_shows_the_initial_state_as_the_task_draws_it() {
         }}"
     ));
     // What holds in most episodes must hold in each.
-    let each = told(&format!("{random} test \"each\" {{ moment drawn {{ reset 40 times }}; expect aside at drawn < 0.1 m }}"));
+    let each =
+        failure_of(&format!("{random} test \"each\" {{ moment drawn {{ reset 40 times }}; expect aside at drawn < 0.1 m }}"));
     assert!(
         each.starts_with("expected aside at drawn < 0.1 m, found episode ") && each.contains(": aside at drawn = 0."),
         "{each}"
     );
-    let over =
-        told(&format!("{random} test \"over\" {{ moment drawn {{ reset 40 times }}; expect max(aside at drawn) < 0.1 m }}"));
+    let over = failure_of(&format!(
+        "{random} test \"over\" {{ moment drawn {{ reset 40 times }}; expect max(aside at drawn) < 0.1 m }}"
+    ));
     assert!(over.contains("found max(aside at drawn) = 0.1"), "{over}");
 }
 

@@ -140,7 +140,7 @@ fn further_tasks_pass_their_tests() {
     let benchmark = compiled(FILE).tasks;
     for file in FURTHER {
         let further = compiled(file).tasks.into_iter().filter(|task| benchmark.iter().all(|known| known.name != task.name));
-        // The paper's formulas need no tests of their own: what is told of them stands in the suite's.
+        // The paper's formulas need no tests of their own: their reports stand in the suite's.
         pass_their_tests(further.filter(|task| task.tests.is_some() || !task.name.starts_with("paper_")).collect());
     }
 }

@@ -59,15 +59,16 @@ impl Start {
         })?;
         let mut sources = SourceMap::default();
         let file = sources.add(self.file.display().to_string(), text);
-        let told = |sources: SourceMap, told| Error::told(Report::new(sources, told).render(style(&io::stderr())));
+        let refused =
+            |sources: SourceMap, diagnostics| Error::rendered(Report::new(sources, diagnostics).render(style(&io::stderr())));
         let motion = match motion::read(file, sources.text(file)) {
             Ok(motion) => motion,
-            Err(problems) => return Err(told(sources, problems)),
+            Err(problems) => return Err(refused(sources, problems)),
         };
         let library = BodyLibrary::default();
         let bound =
             library.bind(&describe(&self.body, &library)?).context(|| format!("the body `{}` cannot be used", self.body))?;
         let problems = motion::problems(&motion, file, &bound.body.vocabulary(&bound.model));
-        if problems.is_empty() { Ok((motion, bound)) } else { Err(told(sources, problems)) }
+        if problems.is_empty() { Ok((motion, bound)) } else { Err(refused(sources, problems)) }
     }
 }

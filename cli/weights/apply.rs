@@ -39,10 +39,10 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let project = Project::open(&args.target.file, &[])?;
     let text = FileLoader.load(&args.weights)?;
     let (name, mut sources) = (args.weights.display().to_string(), SourceMap::default());
-    let told = |sources, told| Error::told(Report::new(sources, told).render(project::style(&io::stderr())));
-    let overlay = Overlay::read(&name, &text, &mut sources).map_err(|errors| told(sources.clone(), errors))?;
+    let refused = |sources, diagnostics| Error::rendered(Report::new(sources, diagnostics).render(project::style(&io::stderr())));
+    let overlay = Overlay::read(&name, &text, &mut sources).map_err(|errors| refused(sources.clone(), errors))?;
     let origin = Origin::Overlay(name.clone());
-    overlay.apply(&project.compilation.tasks, &origin).map_err(|errors| told(sources.clone(), errors))?;
+    overlay.apply(&project.compilation.tasks, &origin).map_err(|errors| refused(sources.clone(), errors))?;
     let edits: Vec<Edit> =
         overlay.lines().iter().map(|line| Edit::new(format!("{}.{}", line.task, line.term), line.weight)).collect();
     for edit in &edits {

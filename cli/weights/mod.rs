@@ -95,7 +95,7 @@ impl Opened {
                 }
                 Ok(Self { path: path.into(), text, weights })
             }
-            Err(errors) => Err(Error::told(Report::new(sources, errors).render(project::style(&io::stderr())))),
+            Err(errors) => Err(Error::rendered(Report::new(sources, errors).render(project::style(&io::stderr())))),
         }
     }
 
@@ -133,7 +133,7 @@ impl Opened {
 /// Makes the changes that `edits` wishes of a file, or shows them. While they are made the file is locked, so that nobody's
 /// change is lost.
 fn change(target: &Target, by: &str, edits: impl Fn(&Opened) -> Result<Vec<Edit>, Error>) -> Result<ExitCode, Error> {
-    // A file that cannot be edited is told before anything is made beside it.
+    // A file that cannot be edited is reported before anything is made beside it.
     let opened = Opened::read(&target.file)?;
     let (_, mut changes) = opened.edit(&edits(&opened)?)?;
     if !target.dry_run {

@@ -165,8 +165,8 @@ fn describe_bodies(
 ) -> BTreeMap<String, Described> {
     let mut described = BTreeMap::new();
     let mut unreadable: BTreeMap<FileId, Reported> = BTreeMap::new();
-    for told in diagnostics.iter() {
-        unreadable.extend(Reported::among([told]).map(|reported| (told.file(), reported)));
+    for diagnostic in diagnostics.iter() {
+        unreadable.extend(Reported::among([diagnostic]).map(|reported| (diagnostic.file(), reported)));
     }
     for file in files {
         for item in &file.tree.items {

@@ -1,4 +1,4 @@
-//! Units in which quantities are told to people: as they were written, else as people say them.
+//! Units in which quantities are printed for people: as they were written, else as is customary.
 
 use crate::quantity::dimension::Dimension;
 use crate::quantity::unit;

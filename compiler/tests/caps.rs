@@ -14,11 +14,11 @@ use support::compiling::{Bodies, compile_text, complete};
 
 /// The codes of what is said to a text, in order, each once.
 fn codes(text: &str) -> Vec<&'static str> {
-    let told = match compile_text(text, &[]) {
+    let diagnostics = match compile_text(text, &[]) {
         Ok(compilation) => compilation.warnings,
         Err(Report { diagnostics, .. }) => diagnostics,
     };
-    let mut codes: Vec<&str> = told.iter().map(|told| told.code.id).collect();
+    let mut codes: Vec<&str> = diagnostics.iter().map(|diagnostic| diagnostic.code.id).collect();
     codes.dedup();
     codes
 }
@@ -48,10 +48,10 @@ fn depth_is_bounded_on_a_small_stack() {
         {
             for depth in [5, 20, 30, 100, 2000] {
                 let formula = format!("{}torso.up.z{}", open.repeat(depth), close.repeat(depth));
-                let told = codes(&complete(&format!("reward {{ 1 a = {formula} }}")));
+                let found = codes(&complete(&format!("reward {{ 1 a = {formula} }}")));
                 assert!(
-                    told.iter().all(|code| matches!(*code, "E0121" | "E0122" | "E0410" | "W0508")),
-                    "{open} {depth}: {told:?}"
+                    found.iter().all(|code| matches!(*code, "E0121" | "E0122" | "E0410" | "W0508")),
+                    "{open} {depth}: {found:?}"
                 );
             }
         }
@@ -91,9 +91,9 @@ fn what_a_task_remembers_is_bounded() {
 
 #[test]
 fn the_longest_delay_is_the_one_that_is_documented() {
-    let told = |steps: &str| codes(&complete(&format!("reward {{ 1 a = delay(torso.up.z, {steps} steps) }}")));
-    assert!(told("100000").is_empty(), "{:?}", told("100000"));
-    assert_eq!(told("100001"), ["E0310"]);
+    let found = |steps: &str| codes(&complete(&format!("reward {{ 1 a = delay(torso.up.z, {steps} steps) }}")));
+    assert!(found("100000").is_empty(), "{:?}", found("100000"));
+    assert_eq!(found("100001"), ["E0310"]);
 }
 
 #[test]
@@ -130,8 +130,11 @@ fn functions_and_names_hide_no_event() {
         let direct = format!("{event}(com.height > 0.9 m)");
         for formula in [&direct, "there", "1 when there"] {
             assert!(term("reward per second", formula).contains(&"E0433"), "{event}: {formula}");
-            let told = term("reward", formula);
-            assert!(!told.iter().any(|code| code.starts_with('E')) && !told.contains(&"W0511"), "{event}: {formula}: {told:?}");
+            let found = term("reward", formula);
+            assert!(
+                !found.iter().any(|code| code.starts_with('E')) && !found.contains(&"W0511"),
+                "{event}: {formula}: {found:?}"
+            );
         }
         // How often something began is no single step.
         assert!(!term("reward per second", &format!("count({direct}) / 10")).contains(&"E0433"), "{event}");
@@ -177,8 +180,8 @@ fn files_and_their_bytes_are_bounded_and_each_is_read_once() {
     ] {
         let endless = Endless { breadth, filling, loads: RefCell::default() };
         let Err(report) = msk_compiler::compile(Path::new("0.msk"), &endless, &Bodies) else { panic!("it ends") };
-        let told: Vec<&str> = report.diagnostics.iter().map(|told| told.code.id).collect();
-        assert_eq!(told, ["E0410"], "{report}");
+        let found: Vec<&str> = report.diagnostics.iter().map(|diagnostic| diagnostic.code.id).collect();
+        assert_eq!(found, ["E0410"], "{report}");
         assert!(report.diagnostics[0].message.contains(words), "{report}");
         let loads = endless.loads.into_inner();
         assert!(loads.len() <= most && loads.values().all(|count| *count == 1), "{} files are read", loads.len());
@@ -190,7 +193,7 @@ fn errors_of_a_file_are_capped_and_the_others_are_counted() {
     let functions: String = (0..2000).map(|number| format!("fn f{number}(x) = x + missing_{number}\n")).collect();
     let text = functions + &complete("reward { 1 a = torso.up.z + missing }");
     let Err(report) = compile_text(&text, &[]) else { panic!("names are missing") };
-    let errors: Vec<_> = report.diagnostics.iter().filter(|told| told.severity == Severity::Error).collect();
+    let errors: Vec<_> = report.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).collect();
     assert_eq!(errors.len(), 501);
     let last = errors[500];
     assert_eq!(last.code.id, "E0131");

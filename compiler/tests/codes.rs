@@ -11,11 +11,13 @@ const DESCRIBED: [&str; 5] = ["E0121", "E0122", "E0123", "E0127", "E0131"];
 fn examples_of_syntax_codes_cause_them_and_fixes_do_not() {
     let mut wrong = Vec::new();
     for code in codes::syntax::ALL.iter().filter(|code| !DESCRIBED.contains(&code.id)) {
-        let found: Vec<&str> = parse(FileId::default(), code.example).diagnostics.iter().map(|told| told.code.id).collect();
+        let found: Vec<&str> =
+            parse(FileId::default(), code.example).diagnostics.iter().map(|diagnostic| diagnostic.code.id).collect();
         if found != [code.id] {
             wrong.push(format!("{}: its example gives {found:?}", code.id));
         }
-        let left: Vec<String> = parse(FileId::default(), code.fix).diagnostics.iter().map(|told| told.message.clone()).collect();
+        let left: Vec<String> =
+            parse(FileId::default(), code.fix).diagnostics.iter().map(|diagnostic| diagnostic.message.clone()).collect();
         if !left.is_empty() {
             wrong.push(format!("{}: its fix gives {left:?}", code.id));
         }

@@ -194,10 +194,10 @@ fn hundreds_of_wrong_programs_and_every_code_among_them() {
     let mut by_code: BTreeMap<String, usize> = BTreeMap::new();
     for text in ["syntax", "meaning", "defects", "mistakes"].into_iter().flat_map(pages).map(|(_, text)| text) {
         for answer in text.split("\n```text\n").skip(1).map(|rest| rest.split("\n```").next().unwrap()) {
-            let told = answer.lines().filter_map(|line| line.strip_prefix("error[").or(line.strip_prefix("warning[")));
-            let told: Vec<&str> = told.map(|line| &line[..5]).collect();
-            cases += usize::from(!told.is_empty());
-            for code in told {
+            let codes = answer.lines().filter_map(|line| line.strip_prefix("error[").or(line.strip_prefix("warning[")));
+            let codes: Vec<&str> = codes.map(|line| &line[..5]).collect();
+            cases += usize::from(!codes.is_empty());
+            for code in codes {
                 *by_code.entry(code.to_owned()).or_default() += 1;
             }
         }

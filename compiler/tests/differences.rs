@@ -79,7 +79,7 @@ fn comments_layout_and_local_names_make_no_difference() {
 }
 
 #[test]
-fn every_kind_of_change_is_told_in_words() {
+fn every_kind_of_change_is_reported_in_words() {
     let after = BEFORE
         .replace("10 (5..20) tall  = pelvis.height / 1 m", "12 (5..30) tall  = pelvis.height / 1 m")
         .replace("-10 s/m", "-12 s/m")
@@ -118,7 +118,7 @@ fn every_kind_of_change_is_told_in_words() {
 }
 
 #[test]
-fn a_name_that_means_something_else_is_told_as_it_is_typed() {
+fn a_name_that_means_something_else_is_reported_as_it_is_typed() {
     let ends = "fallen when com.height < 0.8 m";
     let before = format!(
         "{}\nlet bent = knee_angle_r.q > limit\nlet limit = 40 deg",
@@ -126,8 +126,8 @@ fn a_name_that_means_something_else_is_told_as_it_is_typed() {
     );
     let after = before.replace("40 deg", "45 deg").replace("let low = 0.8 m", "let low = 70 cm");
     let (before, after) = (task(&before), task(&after));
-    let told = Difference::between(&before.snapshot(), &after.snapshot(), true).with_names(&before, &after);
-    insta::assert_snapshot!(told, @r"
+    let difference = Difference::between(&before.snapshot(), &after.snapshot(), true).with_names(&before, &after);
+    insta::assert_snapshot!(difference, @r"
     example
       ~ term sunk
           same source, different value (pelvis.height < low): a name in it has changed
@@ -190,9 +190,9 @@ fn an_object_more_changes_no_formula() {
         )
     };
     let difference = between(&scene(""), &scene("box other { size [1 m, 1 m, 1 m], at [3 m, 0, 0.5 m] }\n"));
-    let told: Vec<(ChangeKind, &str, &str)> =
+    let changes: Vec<(ChangeKind, &str, &str)> =
         difference.changes.iter().map(|change| (change.kind, change.section.as_str(), change.name.as_str())).collect();
-    assert_eq!(told, [(ChangeKind::Added, "object", "other")], "{difference}");
+    assert_eq!(changes, [(ChangeKind::Added, "object", "other")], "{difference}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What is told of a task: as text, as data, as tables and as a page.
+//! The report of a task: as text, as data, as tables and as a page.
 
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
@@ -14,39 +14,39 @@ fn compiled(source: &str) -> Arc<CompiledTask> {
     compilation.tasks[0].clone()
 }
 
-fn told(source: &str) -> TaskReport {
+fn report_of(source: &str) -> TaskReport {
     task_report(&compiled(source), &Options::default())
 }
 
 /// The formula of a term that pays for `formula`.
 fn term(formula: &str) -> msk_compiler::explain::FormulaReport {
-    told(&complete(&format!("reward {{\n1 a = {formula}\n}}"))).phases[0].terms[0].formula.clone()
+    report_of(&complete(&format!("reward {{\n1 a = {formula}\n}}"))).phases[0].terms[0].formula.clone()
 }
 
 const STAND: &str = include_str!("../../tasks/stabilization/stand.msk");
-// A task as the suite once had it, so that the snapshots change only with the way in which tasks are told.
+// A task as the suite once had it, so that the snapshots change only with the form of the report.
 const CATCH: &str = include_str!("fixtures/catch.msk");
 
 #[test]
-fn a_task_with_objects_and_chance_is_told_in_full() {
+fn a_task_with_objects_and_chance_is_reported_in_full() {
     insta::assert_snapshot!("catch_explained", text(&compiled(CATCH), &Options::default()));
 }
 
 #[test]
 fn the_account_is_stable_data() {
     for (name, source) in [("stand", STAND), ("catch", CATCH)] {
-        insta::assert_json_snapshot!(format!("{name}_report"), told(source));
+        insta::assert_json_snapshot!(format!("{name}_report"), report_of(source));
     }
 }
 
 #[test]
 fn tables_have_the_layout_of_the_paper() {
-    insta::assert_snapshot!("tables", latex(&[told(STAND), told(CATCH)]));
+    insta::assert_snapshot!("tables", latex(&[report_of(STAND), report_of(CATCH)]));
 }
 
 #[test]
 fn a_page_holds_everything_and_asks_for_nothing_from_outside() {
-    let page = html("Tasks", &[told(STAND), told(CATCH)]);
+    let page = html("Tasks", &[report_of(STAND), report_of(CATCH)]);
     for outside in ["http://", "https://", "<script", "<link", "src=", "url("] {
         assert!(!page.contains(outside), "{outside}");
     }
@@ -78,8 +78,8 @@ fn signals_have_the_symbols_of_mechanics() {
 }
 
 #[test]
-fn what_formulas_name_is_told_before_its_readers() {
-    let report = told(
+fn definitions_are_reported_before_their_readers() {
+    let report = report_of(
         &complete(
             "let high = pelvis.height / 1 m
         fn twice(x) = 2 * x

@@ -81,9 +81,9 @@ fn run(task: &CompiledTask) {
     let mut observation = vec![f64::NAN; task.observation_size()];
     task.reset(&frame, &mut Middle, &mut state).unwrap();
     for step in 1..=3 {
-        let told = task.step(&frame, &task.weights(), &mut Middle, &mut state, &mut report);
+        let result = task.step(&frame, &task.weights(), &mut Middle, &mut state, &mut report);
         assert_eq!((state.step, report.terms.len()), (step, 1));
-        assert_eq!(told.is_err(), !report.terms[0].is_finite());
+        assert_eq!(result.is_err(), !report.terms[0].is_finite());
         task.observe(&frame, &state, &mut observation);
     }
 }

@@ -43,7 +43,7 @@ fn examples_of_codes_cause_them_and_fixes_do_not() {
     ];
     for code in pages.into_iter().flatten().filter(|code| !ELSEWHERE.contains(&code.id)) {
         let found = |statements: &str| -> Vec<&str> {
-            Compiling.read(&complete(statements), &[]).diagnostics.iter().map(|told| told.code.id).collect()
+            Compiling.read(&complete(statements), &[]).diagnostics.iter().map(|diagnostic| diagnostic.code.id).collect()
         };
         let (example, fix) = (found(code.example), found(code.fix));
         if example.is_empty() || example.iter().any(|id| *id != code.id) {
@@ -65,8 +65,8 @@ fn examples_of_the_chapter_on_scenes_compile() {
     let files: Vec<(String, String)> = files.map(|(path, text)| (path.to_owned(), text.to_owned())).collect();
     for block in chapter.split("\n```msk task\n").skip(1) {
         let snippet = block.split("\n```").next().unwrap();
-        for told in Compiling.read(&complete(snippet), &files).diagnostics {
-            wrong += &format!("{}: {}\n{snippet}\n", told.code.id, told.message);
+        for diagnostic in Compiling.read(&complete(snippet), &files).diagnostics {
+            wrong += &format!("{}: {}\n{snippet}\n", diagnostic.code.id, diagnostic.message);
         }
     }
     assert!(wrong.is_empty(), "{wrong}");

@@ -21,11 +21,11 @@ fn motion(text: &str) -> Motion {
 fn said(text: &str) -> String {
     let mut sources = SourceMap::default();
     let file = sources.add("motion.csv", text);
-    let told = match read(file, text) {
+    let diagnostics = match read(file, text) {
         Ok(motion) => problems(&motion, file, &vocabulary()),
-        Err(told) => told,
+        Err(diagnostics) => diagnostics,
     };
-    Report::new(sources, told).render(Style::Plain)
+    Report::new(sources, diagnostics).render(Style::Plain)
 }
 
 /// A cycle of two seconds: a cosine of the knee, and a path that goes on by 3 m with a wave.
@@ -126,8 +126,8 @@ fn times_that_are_no_numbers_give_no_panic() {
 #[test]
 fn a_cell_beyond_all_angles_is_an_error() {
     for cell in ["1e308", "-1e308", "1.1e6"] {
-        let told = said(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, {cell}\n"));
-        assert!(told.contains(&format!("`{cell}` is too large: the largest number of a motion is 1e6")), "{told}");
+        let answer = said(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, {cell}\n"));
+        assert!(answer.contains(&format!("`{cell}` is too large: the largest number of a motion is 1e6")), "{answer}");
     }
     assert_eq!(said(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, 120\n")), "");
 }

@@ -3,7 +3,7 @@
 use msk_compiler::mutation::{Class, Mutant, Part, mutants, tasks};
 
 /// `class: from -> to` of every change, in order.
-fn told(text: &str) -> Vec<String> {
+fn changes(text: &str) -> Vec<String> {
     let all = mutants(text, "small").into_iter();
     all.map(|mutant| format!("{}: {} -> {}", mutant.class.name(), mutant.span.of(text), mutant.replacement)).collect()
 }
@@ -16,7 +16,7 @@ fn end(condition: &str) -> String {
 #[test]
 fn signs_comparisons_axes_and_units_are_taken_for_others() {
     assert_eq!(
-        told(&end("com.velocity.x - 1 m/s < -0.5 m/s")),
+        changes(&end("com.velocity.x - 1 m/s < -0.5 m/s")),
         [
             "derivative: velocity -> position",
             "axis: x -> y",
@@ -39,7 +39,7 @@ fn signs_comparisons_axes_and_units_are_taken_for_others() {
 #[test]
 fn sides_words_of_logic_and_functions_are_taken_for_others() {
     assert_eq!(
-        told(&end("not touching(sole_l, ground) and min(pelvis.up.z, a_{l,r}.q) >= b")),
+        changes(&end("not touching(sole_l, ground) and min(pelvis.up.z, a_{l,r}.q) >= b")),
         [
             "logic: not -> ",
             "side: sole_l -> sole_r",
@@ -56,17 +56,17 @@ fn sides_words_of_logic_and_functions_are_taken_for_others() {
 
 #[test]
 fn whole_numbers_stay_whole_and_nought_stays() {
-    assert_eq!(told(&end("a > 0")), ["comparison: > -> <"]);
-    assert_eq!(told(&end("a > 30")), ["comparison: > -> <", "number: 30 -> 15", "number: 30 -> 33", "number: 30 -> 60"]);
-    // A tenth more than one is two, as is its double: told once.
-    assert_eq!(told(&end("a > 1")), ["comparison: > -> <", "number: 1 -> 0", "number: 1 -> 2"]);
+    assert_eq!(changes(&end("a > 0")), ["comparison: > -> <"]);
+    assert_eq!(changes(&end("a > 30")), ["comparison: > -> <", "number: 30 -> 15", "number: 30 -> 33", "number: 30 -> 60"]);
+    // A tenth more than one is two, as is its double: listed once.
+    assert_eq!(changes(&end("a > 1")), ["comparison: > -> <", "number: 1 -> 0", "number: 1 -> 2"]);
 }
 
 #[test]
 fn weights_change_in_sign_and_size_and_their_ranges_do_not() {
     let text = "task small {\n    reward {\n        10 (5..20) tall = high\n        -0.5 effort = much\n    }\n}\n";
     assert_eq!(
-        told(text),
+        changes(text),
         [
             "weight: 10 -> -10",
             "weight: 10 -> 5",
@@ -94,7 +94,7 @@ fn names_and_tests_stay_as_they_are() {
     }
 }
 ";
-    assert_eq!(told(text), [""; 0]);
+    assert_eq!(changes(text), [""; 0]);
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn values_and_success_are_changed_only_in_the_task_that_is_named() {
     let text = "task small {\n    let a = 3 < b\n    success a or b\n}\ntask other {\n    let c = 4\n    success not c\n}\n";
     assert_eq!(tasks(text), ["small", "other"]);
     let known = ["number: 3 -> 1", "number: 3 -> 4", "number: 3 -> 6", "comparison: < -> >", "logic: or -> and"];
-    assert_eq!(told(text), known);
+    assert_eq!(changes(text), known);
     assert_eq!(mutants(text, "other").len(), 4);
     assert_eq!(mutants(text, "none"), []);
     assert_eq!(mutants("", "small"), []);

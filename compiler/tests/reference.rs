@@ -27,8 +27,8 @@ fn examples_are_read() {
             "task" => format!("task example {{\n{snippet}\n}}"),
             section => format!("task example {{ {section} {{\n{snippet}\n}} }}"),
         };
-        for told in syntax::parse(FileId::default(), &text).diagnostics {
-            let _ = writeln!(wrong, "{}: {}\n{snippet}\n", told.code.id, told.message);
+        for diagnostic in syntax::parse(FileId::default(), &text).diagnostics {
+            let _ = writeln!(wrong, "{}: {}\n{snippet}\n", diagnostic.code.id, diagnostic.message);
         }
     }
     assert!(wrong.is_empty(), "{wrong}");

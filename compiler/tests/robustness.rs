@@ -139,7 +139,7 @@ proptest! {
 }
 
 /// Signs that stand for several of the language, or for one of another length: found by fuzzing, where a place in the middle of
-/// one was told.
+/// one was reported.
 #[test]
 fn places_beside_foreign_signs_lie_between_characters() {
     use msk_compiler::syntax::tree::walk::{Visitor, walk_expression, walk_file};
@@ -269,9 +269,9 @@ fn one_missing_byte_is_one_error_on_its_line() {
         broken += 1;
         single += usize::from(diagnostics.len() == 1);
         let line = sources.line_column(whole, byte).0;
-        let near = diagnostics.iter().any(|told| {
-            let told = text[..told.span().start as usize].matches('\n').count() + 1;
-            told.abs_diff(line) <= 1
+        let near = diagnostics.iter().any(|diagnostic| {
+            let found = text[..diagnostic.span().start as usize].matches('\n').count() + 1;
+            found.abs_diff(line) <= 1
         });
         on_line += usize::from(near);
     }

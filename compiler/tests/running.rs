@@ -157,7 +157,7 @@ fn states_are_read_before_their_update_in_formulas_and_after_it_in_observations(
 }
 
 #[test]
-fn ends_are_told_apart() {
+fn ends_are_distinguished() {
     let task = task(
         "horizon 4 steps\nterminate after 1 steps {\nfallen when com.height < 0.8 m\nhigh when com.height > 2 m\n}\n\
          reward {\n5 alive = not terminated\n-100 fell = ended by fallen\n}\nsuccess survived",

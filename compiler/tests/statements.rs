@@ -37,14 +37,14 @@ fn run(task: &CompiledTask, heights: &[f64], draws: &mut dyn Draws) -> Vec<(Step
     task.reset(&frame, draws, &mut state).unwrap();
     task.report(&frame, &task.weights(), &state, &mut report);
     task.observe(&frame, &state, &mut seen);
-    let mut told = vec![(report.clone(), seen.clone())];
+    let mut steps = vec![(report.clone(), seen.clone())];
     for &height in &heights[1..] {
         let frame = frame_at(task, height);
         task.step(&frame, &task.weights(), draws, &mut state, &mut report).unwrap();
         task.observe(&frame, &state, &mut seen);
-        told.push((report.clone(), seen.clone()));
+        steps.push((report.clone(), seen.clone()));
     }
-    told
+    steps
 }
 
 /// Gives numbers in turn, whatever the stream, and counts them.
@@ -62,7 +62,7 @@ impl Draws for Script {
 }
 
 #[test]
-fn a_random_is_drawn_until_it_fits_and_anew_when_told() {
+fn a_random_is_drawn_until_it_fits_and_anew_at_a_redraw() {
     let task = task(
         "random goal = uniform(1 m .. 3 m) where goal > 2 m redraw when com.height > goal\n\
          observe {\ngoal\n}\nreward {\n1 a = goal / 1 m\n}",
@@ -70,11 +70,11 @@ fn a_random_is_drawn_until_it_fits_and_anew_when_told() {
     assert_eq!(task.randoms[0].accept, "goal > 2 m");
     // 1.5 m is refused, 2.5 m is taken; reached at step 2: 1 m is refused, 2.8 m taken.
     let mut script = Script(vec![0.25, 0.75, 0.0, 0.9], 0);
-    let told = run(&task, &[0.0, 2.4, 2.6, 2.6], &mut script);
-    let seen: Vec<f64> = told.iter().map(|(_, seen)| seen[0]).collect();
+    let steps = run(&task, &[0.0, 2.4, 2.6, 2.6], &mut script);
+    let seen: Vec<f64> = steps.iter().map(|(_, seen)| seen[0]).collect();
     assert_eq!(seen, [2.5, 2.5, 2.8, 2.8]);
     // Formulas read it before the redraw, observations after.
-    let paid: Vec<f64> = told.iter().map(|(report, _)| report.terms[0]).collect();
+    let paid: Vec<f64> = steps.iter().map(|(report, _)| report.terms[0]).collect();
     assert_eq!(paid[1..], [2.5, 2.5, 2.8]);
     assert_eq!(script.1, 4);
 }
@@ -95,8 +95,8 @@ fn distributions_are_those_of_the_reference() {
          random vector = choice([1, 2, 3], [4, 5, 6])\n\
          observe {\nnumber\nwhole\naround\nplace - com.position\none\nvector\n}",
     );
-    let told = run(&task, &[0.0], &mut Script(vec![0.75], 0));
-    assert_eq!(told[0].1, [3.5, 3.0, 1.375, 0.75, 1.5, 2.25, 7.0, 4.0, 5.0, 6.0]);
+    let steps = run(&task, &[0.0], &mut Script(vec![0.75], 0));
+    assert_eq!(steps[0].1, [3.5, 3.0, 1.375, 0.75, 1.5, 2.25, 7.0, 4.0, 5.0, 6.0]);
 }
 
 #[test]
@@ -107,36 +107,36 @@ fn randoms_that_read_signals_wait_for_the_first_snapshot() {
             .replace("held_", "kept")
             .as_str(),
     );
-    let told = run(&task, &[4.0, 8.0], &mut Middle);
-    assert_eq!(told[0].1, [0.5, 2.0, 2.5]);
-    assert_eq!(told[1].1, [0.5, 2.0, 2.5]);
+    let steps = run(&task, &[4.0, 8.0], &mut Middle);
+    assert_eq!(steps[0].1, [0.5, 2.0, 2.5]);
+    assert_eq!(steps[1].1, [0.5, 2.0, 2.5]);
 }
 
 #[test]
 fn a_task_goes_on_from_a_copy_with_the_same_draws() {
     let task = task("random goal = uniform(1 m .. 3 m) redraw when step > 1\nobserve {\ngoal\n}");
     let mut script = Script(vec![0.1, 0.2, 0.3, 0.4], 0);
-    let told = run(&task, &[0.0; 5], &mut script);
-    let seen: Vec<f64> = told.iter().map(|(_, seen)| (seen[0] * 10.0).round()).collect();
+    let steps = run(&task, &[0.0; 5], &mut script);
+    let seen: Vec<f64> = steps.iter().map(|(_, seen)| (seen[0] * 10.0).round()).collect();
     assert_eq!(seen, [12.0, 12.0, 14.0, 16.0, 18.0]);
 }
 
 #[test]
-fn failures_finishes_and_the_horizon_are_told_apart() {
+fn failures_finishes_and_the_horizon_are_distinguished() {
     let task = task(
         "horizon 4 steps\nterminate after 1 steps {\nlow when com.height < 1 m\n}\nfinish {\nhigh when com.height > 2 m\n}\n\
          metrics {\nbest = running_max(com.height)\nfinished\nended by high\ncom.position\n}\n\
          reward per second {\n100 rate = com.height / 1 m\n}\nobserve {\ntruncated\nended\nsurvived\n}",
     );
     assert_eq!((task.terminations.as_slice(), task.finishes.as_slice()), (&["low".to_owned()][..], &["high".to_owned()][..]));
-    let told = run(&task, &[1.5, 0.5, 3.0, 0.5, 1.5], &mut Middle);
-    let ends: Vec<_> = told.iter().map(|(report, _)| (report.terminations[0], report.finishes[0], report.truncated)).collect();
+    let steps = run(&task, &[1.5, 0.5, 3.0, 0.5, 1.5], &mut Middle);
+    let ends: Vec<_> = steps.iter().map(|(report, _)| (report.terminations[0], report.finishes[0], report.truncated)).collect();
     // The grace of one step saves the first fall.
     assert_eq!(ends[1..], [(false, false, false), (false, true, false), (true, false, false), (false, false, true)]);
-    assert_eq!(told[2].0.metrics, [3.0, 1.0, 1.0, 0.0, 0.0, 3.0]);
-    assert_eq!(told[4].0.metrics[0], 3.0);
-    assert!((told[4].0.reward - 1.5).abs() < 1e-12);
-    let seen: Vec<&[f64]> = told.iter().map(|(_, seen)| seen.as_slice()).collect();
+    assert_eq!(steps[2].0.metrics, [3.0, 1.0, 1.0, 0.0, 0.0, 3.0]);
+    assert_eq!(steps[4].0.metrics[0], 3.0);
+    assert!((steps[4].0.reward - 1.5).abs() < 1e-12);
+    let seen: Vec<&[f64]> = steps.iter().map(|(_, seen)| seen.as_slice()).collect();
     assert_eq!(seen[2..], [&[0.0, 1.0, 0.0][..], &[0.0, 1.0, 0.0], &[1.0, 1.0, 1.0]]);
     let task = complete("terminate {\nlow when com.height < 1 m\n}\nreward {\n-1 fell = ended by low\n}");
     assert!(compile_text(&task, &[]).is_ok());
@@ -167,8 +167,8 @@ fn parameters_are_set_from_outside_within_their_range() {
         ("pace", "", "error"),
         ("pace", "1 m/s }", "error"),
     ] {
-        let told = set(&[(name, value)]).unwrap_err();
-        assert!(told.contains(wanted) && told.contains("--set"), "{name}={value}: {told}");
+        let error = set(&[(name, value)]).unwrap_err();
+        assert!(error.contains(wanted) && error.contains("--set"), "{name}={value}: {error}");
     }
 }
 
@@ -243,32 +243,32 @@ fn phases_follow_each_other_with_everything_restarted() {
     assert_eq!(channels, ["shared", "com.height", "n", "goal", "t", "start", "phase"]);
     assert_eq!(task.randoms.iter().map(|random| random.name.as_str()).collect::<Vec<_>>(), ["shared", "rise.goal"]);
 
-    let told = run(task, &[1.5, 1.5, 3.0, 0.9, 0.4], &mut Script(vec![0.25, 0.5, 0.9], 0));
-    let seen: Vec<&[f64]> = told.iter().map(|(_, seen)| seen.as_slice()).collect();
+    let steps = run(task, &[1.5, 1.5, 3.0, 0.9, 0.4], &mut Script(vec![0.25, 0.5, 0.9], 0));
+    let seen: Vec<&[f64]> = steps.iter().map(|(_, seen)| seen.as_slice()).collect();
     assert_eq!(seen[0], [0.5, 1.5, 0.0, 0.5, 0.0, 0.0, 1.0, 0.0]);
     assert_eq!(seen[1], [0.5, 1.5, 1.0, 0.5, 0.01, 0.0, 1.0, 0.0]);
     // At step 2 the second phase begins: its time is zero, its memory starts, what the sequence drew stays.
     assert_eq!(seen[2], [0.5, 3.0, 0.0, 0.0, 0.0, 3.0, 0.0, 1.0]);
     assert_eq!(seen[3], [0.5, 0.9, 0.0, 0.0, 0.01, 3.0, 0.0, 1.0]);
     // The step that ends a phase is still its own.
-    assert_eq!(told[2].0.terms, [3.0, 0.0]);
-    assert!(told[2].0.entered && !told[2].0.truncated && !told[2].0.success);
-    assert_eq!(told[3].0.terms, [0.0, -0.9]);
-    assert!(told[3].0.success && !told[3].0.truncated);
-    assert_eq!(told[4].0.finishes, [true]);
-    assert!(!told[4].0.truncated);
+    assert_eq!(steps[2].0.terms, [3.0, 0.0]);
+    assert!(steps[2].0.entered && !steps[2].0.truncated && !steps[2].0.success);
+    assert_eq!(steps[3].0.terms, [0.0, -0.9]);
+    assert!(steps[3].0.success && !steps[3].0.truncated);
+    assert_eq!(steps[4].0.finishes, [true]);
+    assert!(!steps[4].0.truncated);
 }
 
 #[test]
 fn a_phase_that_is_not_left_in_time_ends_the_sequence() {
     let compilation = compile_text(PHASES, &[]).unwrap_or_else(|report| panic!("{report}"));
     let task = compilation.tasks.iter().find(|task| task.name == "both").unwrap();
-    let told = run(task, &[1.5; 4], &mut Middle);
-    assert!(told[3].0.truncated && !told[3].0.success && !told[3].0.entered);
+    let steps = run(task, &[1.5; 4], &mut Middle);
+    assert!(steps[3].0.truncated && !steps[3].0.success && !steps[3].0.entered);
     // Without `until` the next phase begins when the time of this one is over.
     let timed = PHASES.replace(" until com.height > 2 m", "");
     let compilation = compile_text(&timed, &[]).unwrap_or_else(|report| panic!("{report}"));
     let task = compilation.tasks.iter().find(|task| task.name == "both").unwrap();
-    let told = run(task, &[1.5; 4], &mut Middle);
-    assert!(told[3].0.entered && !told[3].0.truncated);
+    let steps = run(task, &[1.5; 4], &mut Middle);
+    assert!(steps[3].0.entered && !steps[3].0.truncated);
 }

@@ -45,7 +45,7 @@ fn an_edit_changes_digits_and_nothing_else() {
 }
 
 #[test]
-fn what_is_not_allowed_is_refused_as_a_whole_and_told_in_one_go() {
+fn what_is_not_allowed_is_refused_as_a_whole_and_reported_in_one_go() {
     let edits = [
         edit("pose", 1.0),
         edit("b.pose", -1.0),
@@ -210,7 +210,7 @@ fn zero_stays_zero_with_and_without_a_norm() {
 }
 
 #[test]
-fn a_norm_out_of_reach_and_senseless_rules_are_told() {
+fn a_norm_out_of_reach_and_senseless_rules_are_reported() {
     let rules = Rules { step: 0.2, norm: Some(40.0) };
     assert!(matches!(rules.constrain(&free(&WALK), &WALK), Err(RuleError::Unreachable { .. })));
     assert_eq!(Rules { step: 2.0, norm: None }.constrain(&free(&[1.0]), &[1.0]), Err(RuleError::Rules));

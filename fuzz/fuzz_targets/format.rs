@@ -13,6 +13,6 @@ fuzz_target!(|bytes: &[u8]| {
     match format(FileId::default(), &text) {
         Ok(tidy) => assert_eq!(format(FileId::default(), &tidy).as_deref(), Ok(tidy.as_str()), "{text:?}"),
         Err(FormatError::Changed) => panic!("the layout of {text:?} would say something else"),
-        Err(FormatError::Unreadable(told)) => assert!(!told.is_empty()),
+        Err(FormatError::Unreadable(diagnostics)) => assert!(!diagnostics.is_empty()),
     }
 });

@@ -71,15 +71,15 @@ fn few_muscles() -> Vocabulary {
     whole
 }
 
-/// What must hold of all that is told: places lie within their texts, and every way of printing it works.
+/// What must hold of every diagnostic: places lie within their texts, and every way of printing it works.
 pub fn must_be_sound(report: &Report) {
     let within = |sources: &SourceMap, file, span: Span| span.start <= span.end && sources.text(file).get(span.range()).is_some();
-    for told in &report.diagnostics {
-        let Diagnostic { labels, fixes, message, .. } = told;
-        assert!(!labels.is_empty() && !message.is_empty(), "{told:?}");
-        assert!(labels.iter().all(|label| within(&report.sources, label.file, label.span)), "{told:?}");
+    for diagnostic in &report.diagnostics {
+        let Diagnostic { labels, fixes, message, .. } = diagnostic;
+        assert!(!labels.is_empty() && !message.is_empty(), "{diagnostic:?}");
+        assert!(labels.iter().all(|label| within(&report.sources, label.file, label.span)), "{diagnostic:?}");
         let mut edits = fixes.iter().flat_map(|fix| &fix.edits);
-        assert!(edits.all(|edit| within(&report.sources, edit.file, edit.span)), "{told:?}");
+        assert!(edits.all(|edit| within(&report.sources, edit.file, edit.span)), "{diagnostic:?}");
     }
     assert!(report.render(Style::Coloured).is_empty() == report.diagnostics.is_empty());
     let _ = report.to_json().to_string();

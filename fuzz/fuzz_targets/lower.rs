@@ -33,7 +33,7 @@ fn compare(task: &CompiledTask, numbers: &[u8], text: &str) {
             task.reset(&frame, &mut Middle, &mut state).expect("nothing is drawn");
             task.report(&frame, &task.weights(), &state, &mut report);
         } else {
-            // A term that is no number is told, and computed all the same.
+            // A term that is no number is reported, and computed all the same.
             let _ = task.step(&frame, &task.weights(), &mut Middle, &mut state, &mut report);
         }
         task.observe(&frame, &state, &mut observation);

@@ -44,8 +44,8 @@ fuzz_target!(|text: &str| {
     let _ = msk_lsp::serve(&connection, &language::Texts(""), &language::Human, &|_| Vec::new());
     drop(connection);
     threads.join().expect("streams in memory do not fail");
-    let told = sink.0.lock().expect("no writer panics");
-    let answers = messages(std::str::from_utf8(&told).expect("messages are texts"));
+    let bytes = sink.0.lock().expect("no writer panics");
+    let answers = messages(std::str::from_utf8(&bytes).expect("messages are texts"));
     // Bodies that lie about their length swallow those behind them.
     if !text.contains('\u{1}') {
         let lines: Vec<&str> = BEGINNING.lines().chain(text.lines()).collect();

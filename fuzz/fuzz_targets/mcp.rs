@@ -1,5 +1,5 @@
 //! Any lines given to the server for agents, behind a proper beginning: every request is answered, nothing panics, and nothing outside
-//! of the project is told or changed.
+//! of the project is shown or changed.
 //!
 //! The project is a folder on disk, written anew for each input; beside it lies what no answer may hold.
 

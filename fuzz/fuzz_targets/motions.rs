@@ -13,9 +13,9 @@ fuzz_target!(|text: &str| {
     let file = sources.add("motion.csv", text);
     let motion = match motion::read(file, text) {
         Ok(motion) => motion,
-        Err(told) => {
-            assert!(!told.is_empty(), "refused without a word: {text:?}");
-            return language::must_be_sound(&Report::new(sources, told));
+        Err(diagnostics) => {
+            assert!(!diagnostics.is_empty(), "refused without a word: {text:?}");
+            return language::must_be_sound(&Report::new(sources, diagnostics));
         }
     };
     assert!(motion.duration > 0.0 && !motion.columns.is_empty() && motion.times.len() >= 2);

@@ -28,16 +28,16 @@ fuzz_target!(|text: &str| {
     let mut sources = SourceMap::default();
     let overlay = match Overlay::read("weights.toml", text, &mut sources) {
         Ok(overlay) => overlay,
-        Err(told) => {
-            assert!(!told.is_empty(), "refused without a word: {text:?}");
-            return language::must_be_sound(&Report::new(sources, told));
+        Err(diagnostics) => {
+            assert!(!diagnostics.is_empty(), "refused without a word: {text:?}");
+            return language::must_be_sound(&Report::new(sources, diagnostics));
         }
     };
     assert!(overlay.lines().iter().all(|line| line.weight.is_finite()));
     match overlay.apply(tasks(), &Origin::CommandLine) {
-        Err(told) => {
-            assert!(!told.is_empty(), "refused without a word: {text:?}");
-            language::must_be_sound(&Report::new(sources, told));
+        Err(diagnostics) => {
+            assert!(!diagnostics.is_empty(), "refused without a word: {text:?}");
+            language::must_be_sound(&Report::new(sources, diagnostics));
         }
         Ok(laid) => {
             for (task, before) in laid.iter().zip(tasks()) {

@@ -29,7 +29,7 @@ pub fn actions(
     let mut actions: Vec<CodeAction> = Vec::new();
     let inspections = workspace.inspections_of(path);
     for (file, whole) in &inspections {
-        let here = |told: &&Diagnostic| told.file() == *file && touches(told.span(), place);
+        let here = |diagnostic: &&Diagnostic| diagnostic.file() == *file && touches(diagnostic.span(), place);
         let sources = &whole.report.sources;
         let translator = Translator::new(sources, edits.encoding);
         for diagnostic in whole.report.diagnostics.iter().filter(here) {
@@ -71,7 +71,7 @@ fn quick<'a>(
         Some(CodeAction {
             title: fix.title.clone(),
             kind: Some(CodeActionKind::QUICKFIX),
-            diagnostics: Some(vec![translator.told(diagnostic)]),
+            diagnostics: Some(vec![translator.translate(diagnostic)]),
             edit: Some(edits.workspace_edit(workspace, changes.collect())?),
             is_preferred: Some(fix.automatic),
             ..CodeAction::default()

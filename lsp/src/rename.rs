@@ -126,12 +126,15 @@ fn must_mean_the_same(
         return Err(format!("`{new_name}` is already defined where `{}` is used", index.symbols[here.symbol].name));
     }
     for entry in texts.keys().chain(workspace.documents().map(|(path, _)| path)) {
-        let errors = |told: &[Diagnostic]| told.iter().filter(|told| told.severity == Severity::Error).count();
+        let errors =
+            |diagnostics: &[Diagnostic]| diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
         let before = errors(&workspace.inspect(entry).report.diagnostics);
-        let told = workspace.diagnostics_assuming(entry, texts);
-        if errors(&told) > before {
-            let first = told.iter().find(|told| told.message.contains(new_name)).or(told.first());
-            return Err(first.map_or_else(|| "the file would no longer compile".to_owned(), |told| told.message.clone()));
+        let diagnostics = workspace.diagnostics_assuming(entry, texts);
+        if errors(&diagnostics) > before {
+            let first = diagnostics.iter().find(|diagnostic| diagnostic.message.contains(new_name)).or(diagnostics.first());
+            return Err(
+                first.map_or_else(|| "the file would no longer compile".to_owned(), |diagnostic| diagnostic.message.clone())
+            );
         }
     }
     Ok(())

@@ -1,10 +1,10 @@
-//! What the compiler tells, as the editor wants it.
+//! Translates diagnostics of the compiler to those of the protocol.
 
 use crate::paths;
 use crate::positions::{Encoding, Lines};
 use crate::workspace::Workspace;
 use lsp_types::{
-    Diagnostic as Told, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Location, NumberOrString,
+    Diagnostic as LspDiagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Location, NumberOrString,
     PublishDiagnosticsParams, Range,
 };
 use msk_compiler::diagnostics::{Diagnostic, FileId, Severity, SourceMap, Span, codes};
@@ -12,16 +12,17 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// What was last told of each file.
+/// The diagnostics last published for each file.
 #[derive(Default)]
 pub struct Reporter {
-    told: BTreeMap<PathBuf, (Option<i32>, Vec<Told>)>,
+    published: BTreeMap<PathBuf, (Option<i32>, Vec<LspDiagnostic>)>,
 }
 
 impl Reporter {
     /// What has changed since the last time, file by file: of all open texts and of what they use.
     pub fn news(&mut self, workspace: &Workspace<'_>, encoding: Encoding) -> Vec<PublishDiagnosticsParams> {
-        let mut present: BTreeMap<PathBuf, Vec<Told>> = self.told.keys().map(|path| (path.clone(), Vec::new())).collect();
+        let mut present: BTreeMap<PathBuf, Vec<LspDiagnostic>> =
+            self.published.keys().map(|path| (path.clone(), Vec::new())).collect();
         // A library that several open texts use is looked at with each of them.
         let mut seen: BTreeSet<(PathBuf, String)> = BTreeSet::new();
         for (path, _) in workspace.documents() {
@@ -30,10 +31,10 @@ impl Reporter {
             let sources = &whole.report.sources;
             let translator = Translator::new(sources, encoding);
             for diagnostic in &whole.report.diagnostics {
-                let told = translator.told(diagnostic);
+                let translated = translator.translate(diagnostic);
                 let file = PathBuf::from(sources.path(diagnostic.file()));
-                if seen.insert((file.clone(), serde_json::to_string(&told).unwrap_or_default())) {
-                    present.entry(file).or_default().push(told);
+                if seen.insert((file.clone(), serde_json::to_string(&translated).unwrap_or_default())) {
+                    present.entry(file).or_default().push(translated);
                 }
             }
         }
@@ -41,7 +42,7 @@ impl Reporter {
         for (path, diagnostics) in present {
             let version = workspace.document(&path).map(|document| document.version);
             let state = (version, diagnostics);
-            if self.told.get(&path) == Some(&state) {
+            if self.published.get(&path) == Some(&state) {
                 continue;
             }
             let uri = workspace.document(&path).map(|document| document.uri.clone()).or_else(|| paths::uri(&path));
@@ -50,9 +51,9 @@ impl Reporter {
             }
             // What is closed and sound needs no memory.
             if version.is_none() && state.1.is_empty() {
-                self.told.remove(&path);
+                self.published.remove(&path);
             } else {
-                self.told.insert(path, state);
+                self.published.insert(path, state);
             }
         }
         news
@@ -60,12 +61,12 @@ impl Reporter {
 }
 
 /// What is said of a text at which the compiler panicked.
-fn defect(words: String) -> Told {
-    Told {
+fn defect(words: String) -> LspDiagnostic {
+    LspDiagnostic {
         severity: Some(DiagnosticSeverity::ERROR),
         source: Some("msk".to_owned()),
         message: format!("the compiler cannot continue with this file, which is a bug; please report it with the file: {words}"),
-        ..Told::default()
+        ..LspDiagnostic::default()
     }
 }
 
@@ -88,7 +89,7 @@ impl<'a> Translator<'a> {
     }
 
     /// One error or warning.
-    pub fn told(&self, diagnostic: &Diagnostic) -> Told {
+    pub fn translate(&self, diagnostic: &Diagnostic) -> LspDiagnostic {
         let mut message = diagnostic.message.clone();
         if let Some(label) = diagnostic.labels.first().filter(|label| !label.text.is_empty()) {
             message += &format!(" ({})", label.text);
@@ -109,7 +110,7 @@ impl<'a> Translator<'a> {
                 Some(DiagnosticRelatedInformation { location: Location::new(uri, self.range(label.file, label.span)), message })
             })
             .collect();
-        Told {
+        LspDiagnostic {
             range: self.range(diagnostic.file(), diagnostic.span()),
             severity: Some(match diagnostic.severity {
                 Severity::Error => DiagnosticSeverity::ERROR,
@@ -120,7 +121,7 @@ impl<'a> Translator<'a> {
             message,
             related_information: (!related.is_empty()).then_some(related),
             tags: (diagnostic.code == codes::lints::UNUSED).then(|| vec![DiagnosticTag::UNNECESSARY]),
-            ..Told::default()
+            ..LspDiagnostic::default()
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::transport::logged;
 use crate::workspace::{Document, Workspace, words_of};
 use crate::{actions, completion, hints, hover, layout, navigation, paths, rename, symbols};
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
-use lsp_types::notification::{self as told, Notification as _};
+use lsp_types::notification::{self as notifications, Notification as _};
 use lsp_types::request::{self as asked, Request as _};
 use lsp_types::{
     CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions, CompletionResponse,
@@ -70,7 +70,7 @@ fn first(connection: &Connection) -> Option<(RequestId, InitializeParams)> {
             Message::Request(request) => {
                 (request.id, ErrorCode::ServerNotInitialized, "the server has not been initialised".to_owned())
             }
-            Message::Notification(notification) if notification.method == told::Exit::METHOD => return None,
+            Message::Notification(notification) if notification.method == notifications::Exit::METHOD => return None,
             Message::Notification(_) | Message::Response(_) => continue,
         };
         let _ = connection.sender.send(logged(MessageType::ERROR, format!("a request is rejected: {refusal}")));
@@ -155,7 +155,7 @@ impl Server<'_> {
             self.workspace.next_turn();
             match waiting.pop_front() {
                 Some(Message::Request(request)) => self.request(request),
-                Some(Message::Notification(notification)) if notification.method == told::Exit::METHOD => {
+                Some(Message::Notification(notification)) if notification.method == notifications::Exit::METHOD => {
                     return if self.down { Ended::Properly } else { Ended::Abruptly };
                 }
                 Some(Message::Notification(notification)) => self.notify(notification),
@@ -167,7 +167,7 @@ impl Server<'_> {
     /// Requests that nobody waits for any more are refused without work.
     fn cancel(&self, waiting: &mut VecDeque<Message>) {
         let cancelled = |message: &Message| match message {
-            Message::Notification(n) if n.method == told::Cancel::METHOD => Some(n.params.get("id")?.clone()),
+            Message::Notification(n) if n.method == notifications::Cancel::METHOD => Some(n.params.get("id")?.clone()),
             _ => None,
         };
         let ids: Vec<Value> = waiting.iter().filter_map(cancelled).collect();
@@ -200,7 +200,7 @@ impl Server<'_> {
         }
         let news = self.survive(|server| server.reporter.news(&server.workspace, server.edits.encoding));
         for news in news.unwrap_or_default() {
-            let notification = Notification::new(told::PublishDiagnostics::METHOD.to_owned(), news);
+            let notification = Notification::new(notifications::PublishDiagnostics::METHOD.to_owned(), news);
             let _ = self.connection.sender.send(notification.into());
         }
     }
@@ -330,13 +330,13 @@ impl Server<'_> {
 
     fn notification(&mut self, method: &str, params: Value) -> Result<(), (ErrorCode, String)> {
         match method {
-            told::DidOpenTextDocument::METHOD => {
+            notifications::DidOpenTextDocument::METHOD => {
                 let params: lsp_types::DidOpenTextDocumentParams = read(params)?;
                 let document = params.text_document;
                 let path = paths::path(&document.uri);
                 self.workspace.put(path, Document { uri: document.uri, version: document.version, text: document.text });
             }
-            told::DidChangeTextDocument::METHOD => {
+            notifications::DidChangeTextDocument::METHOD => {
                 let params: lsp_types::DidChangeTextDocumentParams = read(params)?;
                 let path = paths::path(&params.text_document.uri);
                 let document = self.workspace.document(&path).ok_or_else(|| not_open(&path))?;
@@ -353,13 +353,15 @@ impl Server<'_> {
                 let uri = document.uri.clone();
                 self.workspace.put(path, Document { uri, version, text });
             }
-            told::DidCloseTextDocument::METHOD => {
+            notifications::DidCloseTextDocument::METHOD => {
                 let params: lsp_types::DidCloseTextDocumentParams = read(params)?;
                 let path = paths::path(&params.text_document.uri);
                 self.workspace.close(&path).ok_or_else(|| not_open(&path))?;
             }
             // What is on disk is looked at before everything that is understood of it is used.
-            told::Initialized::METHOD | told::DidSaveTextDocument::METHOD | told::DidChangeWatchedFiles::METHOD => {}
+            notifications::Initialized::METHOD
+            | notifications::DidSaveTextDocument::METHOD
+            | notifications::DidChangeWatchedFiles::METHOD => {}
             optional if optional.starts_with("$/") => {}
             _ => return Err((ErrorCode::MethodNotFound, "unknown method".to_owned())),
         }

@@ -189,7 +189,7 @@ fn fixes_of_the_compiler_are_offered_where_they_apply() {
     let text = task("    reward { 1 tall = pelvis.height }");
     let mut client = open(&text);
     assert_eq!(client.codes(A, Some(1)), ["E0302"]);
-    let range = client.told[&uri(A)].diagnostics[0].range;
+    let range = client.published[&uri(A)].diagnostics[0].range;
     let params = json!({ "textDocument": { "uri": uri(A) }, "range": range, "context": { "diagnostics": [] } });
     let actions = client.ask("textDocument/codeAction", params).unwrap();
     let edit = &actions[0]["edit"]["changes"][uri(A)][0];

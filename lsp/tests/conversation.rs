@@ -60,7 +60,7 @@ fn texts_that_are_open_win_over_those_on_disk() {
     while !client.codes(A, Some(1)).is_empty() {
         client.ask("textDocument/hover", at(A, Position::new(0, 0))).unwrap();
     }
-    // An error in the library is told where it stands, with the call that leads to it.
+    // An error in the library is reported at its place, with the call that leads to it.
     client.change(B, 2, "fn high(x) = x.height\n");
     assert_eq!(client.codes(B, Some(2)), Vec::<String>::new());
     while client.codes(A, Some(1)) != ["E0302"] {
@@ -81,8 +81,8 @@ fn changes_are_made_in_the_units_of_utf_16() {
     let change = json!([{ "range": range, "text": "\n" }]);
     client.tell("textDocument/didChange", json!({ "textDocument": document, "contentChanges": change }));
     assert_eq!(client.codes(A, Some(2)), ["E0115"]);
-    let told = &client.told[&uri(A)].diagnostics[0].range;
-    assert_eq!((told.start.line, told.start.character), (1, 1));
+    let range = &client.published[&uri(A)].diagnostics[0].range;
+    assert_eq!((range.start.line, range.start.character), (1, 1));
     assert_eq!(client.end(), Ended::Properly);
 }
 

@@ -56,13 +56,13 @@ fn notifications_that_cannot_be_followed_are_logged() {
 }
 
 #[test]
-fn a_panic_at_one_text_is_told_there_and_the_other_texts_are_served() {
+fn a_panic_at_one_text_is_reported_there_and_the_other_texts_are_served() {
     let mut client = Client::ready(&[]);
     client.open(A, "body panic {\n    model \"panic.xml\"\n    root pelvis { forward x, up z }\n}\n");
     client.open(B, &task("    reward { 1 tall = pelvis.hight / 1 m }"));
     assert_eq!(client.codes(B, Some(1)), ["E0202"]);
-    let told = &client.told[&uri(A)].diagnostics;
-    assert!(told[0].message.contains("this body makes the compiler panic"), "{told:?}");
+    let diagnostics = &client.published[&uri(A)].diagnostics;
+    assert!(diagnostics[0].message.contains("this body makes the compiler panic"), "{diagnostics:?}");
     assert!(client.ask_at("textDocument/hover", A, Position::new(0, 0)).is_ok());
     // The text goes on where it was: what is typed next counts.
     let range = json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 4, "character": 0 } });
@@ -124,7 +124,7 @@ fn a_lone_carriage_return_ends_a_line() {
     let mut client = Client::ready(&[]);
     client.open(A, &format!("// one\r// two\r\n{}", task("    reward { 1 tall = pelvis.hight / 1 m }")));
     assert_eq!(client.codes(A, Some(1)), ["E0202"]);
-    assert_eq!(client.told[&uri(A)].diagnostics[0].range.start, Position::new(9, 29));
+    assert_eq!(client.published[&uri(A)].diagnostics[0].range.start, Position::new(9, 29));
     let range = json!({ "start": { "line": 9, "character": 29 }, "end": { "line": 9, "character": 34 } });
     let document = json!({ "uri": uri(A), "version": 2 });
     let change = json!([{ "range": range, "text": "height" }]);

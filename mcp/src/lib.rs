@@ -3,7 +3,8 @@
 //! * Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes, compare, read results.
 //! * Resources are the reference of the language, the vocabulary of the human body, and how to edit weights.
 //! * Everything happens beneath one opened folder, the project: what a path, a link or a model's file names lead to elsewhere is
-//!   neither read nor written, and nobody learns whether it exists. What writes only says what it would write, unless it is told to.
+//!   neither read nor written, and nobody learns whether it exists. Tools that write only report what they
+//!   would write, unless asked to write.
 //! * Every line is answered, one evaluation runs on each core, and a client that cancels or goes away stops what it started.
 
 // Results agree between machines to the bit: see `clippy.toml`.

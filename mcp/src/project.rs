@@ -51,10 +51,10 @@ impl Project {
     /// Compiles with another loader: of a text that is no file yet.
     pub fn compile_with(&self, file: &str, loader: &dyn Loader) -> Result<Compilation, Failure> {
         compile(&self.confined.spelled(Path::new(file)), loader, &self.library).map_err(|report| {
-            let mut told = report.to_json();
-            told["error"] = "the file has errors".into();
-            told["rendered"] = report.to_string().into();
-            Failure(told)
+            let mut json = report.to_json();
+            json["error"] = "the file has errors".into();
+            json["rendered"] = report.to_string().into();
+            Failure(json)
         })
     }
 
@@ -74,12 +74,12 @@ impl Project {
         let mut sources = SourceMap::default();
         let laid = Overlay::read(weights, &text, &mut sources)
             .and_then(|overlay| overlay.apply(&compilation.tasks, &Origin::Overlay(weights.to_owned())));
-        laid.map_err(|told| {
-            let report = msk_compiler::diagnostics::Report::new(sources, told);
-            let mut told = report.to_json();
-            told["error"] = "the weights file has errors".into();
-            told["rendered"] = report.to_string().into();
-            Failure(told)
+        laid.map_err(|diagnostics| {
+            let report = msk_compiler::diagnostics::Report::new(sources, diagnostics);
+            let mut json = report.to_json();
+            json["error"] = "the weights file has errors".into();
+            json["rendered"] = report.to_string().into();
+            Failure(json)
         })
     }
 

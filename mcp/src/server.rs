@@ -158,7 +158,7 @@ impl Server {
         self.in_turn(&self.calls, Cancellation { request, closing: None }, move |project, _| work(project)).await
     }
 
-    /// Does `work` in its turn in `queue`. The work is told, when it asks, that the request has been cancelled.
+    /// Does `work` in its turn in `queue`. The work can query whether the request has been cancelled.
     async fn in_turn(
         &self,
         queue: &Queue,
@@ -181,7 +181,7 @@ impl Server {
         };
         match tokio::task::spawn_blocking(work).await {
             Ok(Ok(value)) => CallToolResult::structured(value),
-            Ok(Err(Failure(told))) => CallToolResult::structured_error(told),
+            Ok(Err(Failure(failure))) => CallToolResult::structured_error(failure),
             Err(error) => CallToolResult::error(vec![ContentBlock::text(format!("the tool failed: {error}"))]),
         }
     }
@@ -248,8 +248,8 @@ impl Server {
                     let tasks: Vec<&str> = compilation.tasks.iter().map(|task| task.name.as_str()).collect();
                     json!({ "ok": true, "tasks": tasks, "diagnostics": report.to_json()["diagnostics"], "rendered": report.to_string() })
                 }
-                Err(Failure(told)) if told["diagnostics"].is_array() => {
-                    json!({ "ok": false, "diagnostics": told["diagnostics"], "rendered": told["rendered"] })
+                Err(Failure(failure)) if failure["diagnostics"].is_array() => {
+                    json!({ "ok": false, "diagnostics": failure["diagnostics"], "rendered": failure["rendered"] })
                 }
                 Err(failure) => return Err(failure),
             })
@@ -361,7 +361,7 @@ impl ServerHandler for Server {
                 Ok(ReadResourceResult::new(vec![contents]).into())
             }
             Ok(Ok(None)) => Err(ErrorData::resource_not_found(format!("there is no resource `{}`", request.uri), None)),
-            Ok(Err(Failure(told))) => Err(ErrorData::internal_error(told.to_string(), None)),
+            Ok(Err(Failure(failure))) => Err(ErrorData::internal_error(failure.to_string(), None)),
             Err(error) => Err(ErrorData::internal_error(error.to_string(), None)),
         }
     }

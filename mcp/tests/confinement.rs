@@ -92,16 +92,16 @@ async fn models_include_nothing_from_outside_and_tell_nothing_of_it() {
                 }
                 let answers =
                     [exists.as_str(), &format!("bbbb.{ending}")].map(|name| (name.to_owned(), format!("{folder}/{name}")));
-                let mut told = Vec::new();
+                let mut shown = Vec::new();
                 for (name, path) in answers {
                     write(if way == "model" { &path } else { "puppet.xml" }, &text(&path));
                     let (said, _) = talk.call("check", check.clone()).await;
                     assert_eq!(said["ok"], false, "{way}, {kind}: {said}");
                     let said = said.to_string();
                     assert!(said.contains("leads out of the project"), "{way}, {kind}: {said}");
-                    told.push(said.replace(&name, "NAME"));
+                    shown.push(said.replace(&name, "NAME"));
                 }
-                assert_eq!(told[0], told[1], "{way}, {kind}: who asks learns whether the file exists");
+                assert_eq!(shown[0], shown[1], "{way}, {kind}: who asks learns whether the file exists");
                 seen += 1;
             }
         }
@@ -130,22 +130,22 @@ async fn outside_paths_get_one_answer_whether_they_exist_or_not() {
     for folder in ["../outside/", "a/../../outside/", "folder/", "./", &format!("{absolute}/")] {
         let ask = async |name: &str| {
             let (file, overlay) = (format!("{folder}{name}.msk"), format!("{folder}{name}.toml"));
-            let mut told = vec![
+            let mut answers = vec![
                 talk.call("list_tasks", json!({ "file": file })).await,
                 talk.call("check", json!({ "text": format!("use \"{file}\"\n{}", task("own", "human")) })).await,
                 talk.call("explain", json!({ "task": "lean", "overlay": overlay })).await,
             ];
             for dry_run in [true, false] {
-                told.push(
+                answers.push(
                     talk.call("apply_weights", json!({ "file": file, "weights": { "alive": 12 }, "dry_run": dry_run })).await,
                 );
                 let wish = json!({ "file": "tasks.msk", "overlay": overlay, "weights": { "alive": 12 }, "dry_run": dry_run });
-                told.push(talk.call("apply_weights", wish).await);
+                answers.push(talk.call("apply_weights", wish).await);
             }
             if folder != "./" {
-                told.push(talk.call("read_results", json!({ "folder": format!("{folder}{name}") })).await);
+                answers.push(talk.call("read_results", json!({ "folder": format!("{folder}{name}") })).await);
             }
-            told.into_iter().map(|(said, error)| (said.to_string().replace(name, "NAME"), error)).collect::<Vec<_>>()
+            answers.into_iter().map(|(said, error)| (said.to_string().replace(name, "NAME"), error)).collect::<Vec<_>>()
         };
         let (exists, absent) = (ask("aaaa").await, ask("bbbb").await);
         assert_eq!(exists, absent, "{folder}");

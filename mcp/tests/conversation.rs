@@ -127,7 +127,7 @@ async fn a_weights_file_is_written_beside_the_source_and_compared() {
 }
 
 #[tokio::test]
-async fn what_is_wrong_is_told_so_that_it_can_be_mended() {
+async fn errors_are_reported_so_that_they_can_be_fixed() {
     let talk = begin().await;
     assert!(talk.refused("list_terms", json!({ "task": "laen" })).await.contains("there is no task `laen`"));
     let wish = |weights: Value| json!({ "file": "tasks.msk", "weights": weights, "dry_run": false });
@@ -142,8 +142,8 @@ async fn what_is_wrong_is_told_so_that_it_can_be_mended() {
     let checked = talk.ask("check", json!({ "text": LEAN })).await;
     assert_eq!((&checked["ok"], &checked["tasks"]), (&json!(true), &json!(["lean"])));
     fs::write(talk.path("weights.toml"), "[lean]\npose = 99\n").unwrap();
-    let told = talk.refused("explain", json!({ "task": "lean", "overlay": "weights.toml" })).await;
-    assert!(told.contains("E0464") && told.contains("weights.toml"), "{told}");
+    let refusal = talk.refused("explain", json!({ "task": "lean", "overlay": "weights.toml" })).await;
+    assert!(refusal.contains("E0464") && refusal.contains("weights.toml"), "{refusal}");
 }
 
 #[tokio::test]
@@ -201,10 +201,10 @@ async fn nothing_leads_out_of_the_project() {
     std::os::unix::fs::symlink(outside.path().join("new.toml"), inside("dangling.toml")).unwrap();
     let absolute = target.display().to_string();
     for file in ["link.msk", "folder/secret.msk", "../secret.msk", "a/../../secret.msk", &absolute, "/etc/passwd"] {
-        let told = talk.refused("apply_weights", json!({ "file": file, "weights": { "pose": 12 }, "dry_run": false })).await;
-        assert!(told.contains("leads out of the project"), "{file}: {told}");
-        let told = talk.refused("list_tasks", json!({ "file": file })).await;
-        assert!(told.contains("leads out of the project"), "{file}: {told}");
+        let refusal = talk.refused("apply_weights", json!({ "file": file, "weights": { "pose": 12 }, "dry_run": false })).await;
+        assert!(refusal.contains("leads out of the project"), "{file}: {refusal}");
+        let refusal = talk.refused("list_tasks", json!({ "file": file })).await;
+        assert!(refusal.contains("leads out of the project"), "{file}: {refusal}");
     }
     for overlay in ["dangling.toml", "folder/new.toml", "../new.toml", "/tmp/new.toml", "nowhere/new.toml", "weights.msk", ""] {
         let wish = json!({ "file": "tasks.msk", "overlay": overlay, "weights": { "pose": 12 }, "dry_run": false });

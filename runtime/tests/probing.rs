@@ -23,16 +23,19 @@ impl Loader for One {
 }
 
 /// What probing tells of a task of these statements, and the text of the main place of each.
-fn told(statements: &str) -> Vec<(Diagnostic, String)> {
-    told_by(statements, |tasks| probe::tasks(tasks, bodies()))
+fn findings(statements: &str) -> Vec<(Diagnostic, String)> {
+    findings_by(statements, |tasks| probe::tasks(tasks, bodies()))
 }
 
 /// What playing at rest tells of a task of these statements.
 fn played(statements: &str) -> Vec<Diagnostic> {
-    told_by(statements, |tasks| probe::episodes(tasks, bodies(), &|| {})).into_iter().map(|(told, _)| told).collect()
+    findings_by(statements, |tasks| probe::episodes(tasks, bodies(), &|| {}))
+        .into_iter()
+        .map(|(diagnostic, _)| diagnostic)
+        .collect()
 }
 
-fn told_by(statements: &str, look: impl Fn(&[Arc<CompiledTask>]) -> Vec<Diagnostic>) -> Vec<(Diagnostic, String)> {
+fn findings_by(statements: &str, look: impl Fn(&[Arc<CompiledTask>]) -> Vec<Diagnostic>) -> Vec<(Diagnostic, String)> {
     let mut text = format!("task example {{\nbody human\n{statements}\n");
     for (word, line) in [
         ("reward", "reward { 1 tall = pelvis.height / 1 m }"),
@@ -50,43 +53,43 @@ fn told_by(statements: &str, look: impl Fn(&[Arc<CompiledTask>]) -> Vec<Diagnost
     let compilation =
         compile(Path::new("example.msk"), &One(text), bodies()).unwrap_or_else(|report| panic!("{statements}:\n{report}"));
     let found = look(&compilation.tasks);
-    let place = |told: &Diagnostic| told.span().of(compilation.sources.text(told.file())).to_owned();
-    found.into_iter().map(|told| (told.clone(), place(&told))).collect()
+    let place = |diagnostic: &Diagnostic| diagnostic.span().of(compilation.sources.text(diagnostic.file())).to_owned();
+    found.into_iter().map(|diagnostic| (diagnostic.clone(), place(&diagnostic))).collect()
 }
 
 fn codes_of(statements: &str) -> Vec<&'static str> {
-    told(statements).iter().map(|(told, _)| told.code.id).collect()
+    findings(statements).iter().map(|(diagnostic, _)| diagnostic.code.id).collect()
 }
 
 #[test]
 fn examples_of_codes_cause_them_and_fixes_do_not() {
     for code in codes::probing::ALL.iter().filter(|code| code.lint.unwrap().stage == Stage::Probe) {
-        assert!(codes_of(code.example).contains(&code.id), "{}: {:?}", code.id, told(code.example));
-        assert_eq!(codes_of(code.fix), [""; 0], "{}: {:?}", code.id, told(code.fix));
+        assert!(codes_of(code.example).contains(&code.id), "{}: {:?}", code.id, findings(code.example));
+        assert_eq!(codes_of(code.fix), [""; 0], "{}: {:?}", code.id, findings(code.fix));
     }
 }
 
 #[test]
-fn an_overlap_is_told_with_names_and_millimetres_at_the_beginning() {
-    let told = told("init { pose neutral\n root { height 0.8 m } }");
-    let (overlap, place) = told.iter().find(|(told, _)| told.code.id == "W0530").unwrap();
+fn a_penetration_is_reported_with_names_and_millimetres() {
+    let findings = findings("init { pose neutral\n root { height 0.8 m } }");
+    let (overlap, place) = findings.iter().find(|(diagnostic, _)| diagnostic.code.id == "W0530").unwrap();
     assert_eq!(place, "init");
     assert!(overlap.message.contains("`floor` penetrates `l_bofoot_col2` by 1"), "{}", overlap.message);
 }
 
 #[test]
-fn ends_that_hold_at_the_first_step_are_told_where_they_stand() {
+fn ends_that_hold_at_the_first_step_are_reported_where_they_stand() {
     let statements = "init { pose neutral\n root { height on ground } }\n\
         terminate { low when pelvis.height < 1.2 m }\nsuccess com.height > 0.5 m";
-    let told = told(statements);
-    let places: Vec<(&str, &str)> = told.iter().map(|(told, place)| (told.code.id, place.as_str())).collect();
+    let findings = findings(statements);
+    let places: Vec<(&str, &str)> = findings.iter().map(|(diagnostic, place)| (diagnostic.code.id, place.as_str())).collect();
     assert_eq!(places, [("W0512", "pelvis.height < 1.2 m"), ("W0512", "com.height > 0.5 m")]);
-    assert!(told[0].0.message.contains("3 of 3 episodes"), "{}", told[0].0.message);
+    assert!(findings[0].0.message.contains("3 of 3 episodes"), "{}", findings[0].0.message);
 }
 
 #[test]
 fn examples_of_codes_that_take_an_episode_cause_them_and_fixes_and_reasons_do_not() {
-    let codes_of = |statements: &str| played(statements).iter().map(|told| told.code.id).collect::<Vec<_>>();
+    let codes_of = |statements: &str| played(statements).iter().map(|diagnostic| diagnostic.code.id).collect::<Vec<_>>();
     for code in codes::probing::ALL.iter().filter(|code| code.lint.unwrap().stage == Stage::Play) {
         assert_eq!(codes_of(code.example), [code.id], "{}: {:?}", code.id, played(code.example));
         assert_eq!(codes_of(code.fix), [""; 0], "{}: {:?}", code.id, played(code.fix));
@@ -98,17 +101,17 @@ fn examples_of_codes_that_take_an_episode_cause_them_and_fixes_and_reasons_do_no
 }
 
 #[test]
-fn what_rest_is_paid_is_told_with_the_term_that_pays_it_most() {
+fn the_reward_of_rest_is_reported_with_its_largest_term() {
     let statements = "horizon 100 steps\nreward { 1 calm = exp(-50 * mean(muscles.activation))\n 2 low = clip(1 - pelvis.height / 1 m, 0, 1) }\n\
         terminate { fallen when pelvis.height < 0.6 m }";
-    let told = played(statements);
-    assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].message.contains("most of all by the term `calm`"), "{}", told[0].message);
-    assert!(told[0].expected.as_ref().unwrap().contains("as `cmc` earns"), "{told:?}");
+    let findings = played(statements);
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    assert!(findings[0].message.contains("most of all by the term `calm`"), "{}", findings[0].message);
+    assert!(findings[0].expected.as_ref().unwrap().contains("as `cmc` earns"), "{findings:?}");
 }
 
 #[test]
-fn what_is_told_can_be_allowed_with_a_reason() {
+fn findings_can_be_allowed_with_a_reason() {
     for code in codes::probing::ALL.iter().filter(|code| code.lint.unwrap().stage == Stage::Probe) {
         let lint = code.lint.unwrap().name;
         let found = codes_of(&format!("allow {lint} \"on purpose\"\n{}", code.example));
@@ -165,9 +168,11 @@ fn answered(section: &str) -> String {
         kind if kind == "beginning" || kind == "task" || kind.starts_with("task-") => body.to_owned(),
         _ => format!("{kind} {{\n{body}\n}}"),
     };
-    let answer: Vec<String> = told(&statements)
+    let answer: Vec<String> = findings(&statements)
         .iter()
-        .map(|(told, place)| format!("warning[{}]: {}\n at `{}`\n", told.code.named(), told.message, place.replace('\n', " ")))
+        .map(|(diagnostic, place)| {
+            format!("warning[{}]: {}\n at `{}`\n", diagnostic.code.named(), diagnostic.message, place.replace('\n', " "))
+        })
         .collect();
     let said = answer.iter().any(|answer| answer.starts_with("warning[W053"));
     assert!(said, "probing says nothing of this:\n{section}");
@@ -198,9 +203,9 @@ fn the_suite_and_the_examples_begin_as_they_should() {
 }
 
 #[test]
-fn a_threshold_is_told_with_the_numbers_that_were_met() {
-    let told = told("success pelvis.height > 2 m");
-    let [(remark, place)] = told.as_slice() else { panic!("{told:#?}") };
+fn a_threshold_is_reported_with_the_numbers_that_were_met() {
+    let findings = findings("success pelvis.height > 2 m");
+    let [(remark, place)] = findings.as_slice() else { panic!("{findings:#?}") };
     assert_eq!((remark.code.id, place.as_str()), ("W0533", "pelvis.height > 2 m"));
     let [low, high]: [f64; 2] = numbers(&remark.message)[1..3].try_into().unwrap();
     // Lying on one side, and on the toes with straight legs, in a hop.
@@ -214,7 +219,7 @@ fn numbers(message: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_term_that_is_dead_where_the_task_begins_is_told_in_whatever_pose_that_is() {
+fn a_term_that_is_dead_at_reset_is_reported_in_any_pose() {
     let begins = |term: &str| format!("init {{ pose sitting\n root {{ height on ground }} }}\nreward {{ {term} }}");
     let upright = "1 upright = exp(-20 * (1 - torso.up.z))";
     let sideways = "1 upright = exp(-20 * (1 - torso.left.z))";
@@ -237,12 +242,12 @@ fn what_can_be_reached_is_searched_for() {
          terminate { a when ball.position.z > 1 m\n b when distance(palm_r, ball) < 15 cm\n c when ball.up.z < 0 }",
         "terminate { far when pelvis.position.x > 8 m\n left when pelvis.position.y > 3 m }",
     ] {
-        assert_eq!(codes_of(statements), [""; 0], "{statements}: {:#?}", told(statements));
+        assert_eq!(codes_of(statements), [""; 0], "{statements}: {:#?}", findings(statements));
     }
 }
 
 #[test]
-fn what_a_pose_does_not_settle_is_not_told() {
+fn what_poses_do_not_decide_is_not_reported() {
     for statements in [
         "terminate { fast when com.speed > 30 m/s }",
         "terminate { strong when sum(muscles.tension) > 1000 kN }",
@@ -253,14 +258,15 @@ fn what_a_pose_does_not_settle_is_not_told() {
          terminate { near when norm(target - palm_r.position) < 1 cm }",
     ] {
         let found: Vec<_> = codes_of(statements).into_iter().filter(|code| code.starts_with("W053")).collect();
-        assert_eq!(found, [""; 0], "{statements}: {:#?}", told(statements));
+        assert_eq!(found, [""; 0], "{statements}: {:#?}", findings(statements));
     }
 }
 
 #[test]
-fn a_threshold_in_a_let_is_told_once_where_it_stands() {
-    let told = told("let high = pelvis.height > 2 m\nreward { 1 a = torso.up.z when high\n 1 b = torso.up.z }\nsuccess high");
-    let places: Vec<(&str, &str)> = told.iter().map(|(told, place)| (told.code.id, place.as_str())).collect();
+fn a_threshold_in_a_let_is_reported_once_where_it_stands() {
+    let findings =
+        findings("let high = pelvis.height > 2 m\nreward { 1 a = torso.up.z when high\n 1 b = torso.up.z }\nsuccess high");
+    let places: Vec<(&str, &str)> = findings.iter().map(|(diagnostic, place)| (diagnostic.code.id, place.as_str())).collect();
     assert_eq!(places, [("W0533", "pelvis.height > 2 m")]);
 }
 
@@ -279,18 +285,19 @@ fn a_symmetric_task_pays_mirrored_states_alike() {
         1 wide = distance(sole_l, sole_r) / 1 m\n 1 sway = abs(torso.up.y)\n 1 force = sum(muscles.tension) / 1 kN\n\
         1 bent = sum(abs(knee_angle_{l,r}.q)) / 1 rad\n 1 planted = any(touching(sole_{l,r}, ground)) }";
     let found: Vec<_> = codes_of(fair).into_iter().filter(|code| *code == "W0537").collect();
-    assert_eq!(found, [""; 0], "{:#?}", told(fair));
+    assert_eq!(found, [""; 0], "{:#?}", findings(fair));
     let unfair = "symmetric\nreward {\n 1 sway = clip(torso.up.y, 0, 1)\n 1 turn = max(0, torso.yaw / 1 rad) }\n\
         terminate { bowed when torso.up.y > 0.3 }";
-    let told = told(unfair);
-    let unlike: Vec<&str> = told.iter().filter(|(told, _)| told.code.id == "W0537").map(|(_, place)| place.as_str()).collect();
+    let findings = findings(unfair);
+    let unlike: Vec<&str> =
+        findings.iter().filter(|(diagnostic, _)| diagnostic.code.id == "W0537").map(|(_, place)| place.as_str()).collect();
     assert_eq!(unlike, ["clip(torso.up.y, 0, 1)", "max(0, torso.yaw / 1 rad)", "torso.up.y > 0.3"]);
 }
 
 #[test]
 fn probing_tells_the_same_on_any_number_of_threads() {
     let text = "reward { 1 a = exp(-10 * mean(ankle_{l,r}.height) / 1 cm)\n 1 b = torso.up.z when pelvis.height > 1.3 m }";
-    let messages = || told(text).into_iter().map(|(told, _)| told.message).collect::<Vec<_>>();
+    let messages = || findings(text).into_iter().map(|(diagnostic, _)| diagnostic.message).collect::<Vec<_>>();
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(messages);
     assert_eq!(alone, messages());
 }

@@ -72,8 +72,8 @@ fn a_warning_that_is_denied_is_an_error_and_says_by_what() {
     }
     let json = project.msk(&["check", "--no-play", "--format", "json", "--deny", "hidden-sign", "deep.msk"]);
     let report: Value = serde_json::from_str(&json.out).unwrap();
-    let told = report["diagnostics"].as_array().unwrap();
-    let by_lint = |lint: &str| told.iter().find(|told| told["lint"] == lint).unwrap();
+    let diagnostics = report["diagnostics"].as_array().unwrap();
+    let by_lint = |lint: &str| diagnostics.iter().find(|diagnostic| diagnostic["lint"] == lint).unwrap();
     assert_eq!((json.code, &by_lint("hidden_sign")["severity"]), (Some(1), &Value::from("error")));
     assert_eq!(by_lint("hidden_sign")["denied_by"], "--deny hidden-sign");
     assert_eq!(by_lint("starts_inside")["severity"], "warning");
@@ -98,19 +98,19 @@ fn the_last_level_of_a_lint_holds_whatever_option_sets_it() {
     let project = warned();
     let codes = |options: &[&str]| {
         let done = project.msk(&[&["check", "--no-play"], options, &["--allow", "holds_at_reset", "deep.msk"]].concat());
-        let told: Vec<String> =
+        let heads: Vec<String> =
             done.out.lines().filter_map(|line| line.split_once(']')).map(|(head, _)| head.to_owned()).collect();
-        (done.code, told.into_iter().filter(|head| head.contains("[W")).collect::<Vec<_>>())
+        (done.code, heads.into_iter().filter(|head| head.contains("[W")).collect::<Vec<_>>())
     };
     let (sign, inside) = ("[W0505 hidden_sign", "[W0530 starts_inside");
-    let told = |sign_as: &str, inside_as: &str| -> Vec<String> {
+    let expected = |sign_as: &str, inside_as: &str| -> Vec<String> {
         let both = [(inside_as, inside), (sign_as, sign)];
         both.iter().filter(|(word, _)| !word.is_empty()).map(|(word, head)| format!("{word}{head}")).collect()
     };
-    assert_eq!(codes(&["--deny", "warnings", "--allow", "starts_inside"]), (Some(1), told("error", "")));
-    assert_eq!(codes(&["--allow", "starts_inside", "--deny", "warnings"]), (Some(1), told("error", "error")));
-    assert_eq!(codes(&["--deny", "warnings", "--warn", "W0505", "--allow", "w0530"]), (Some(0), told("warning", "")));
-    assert_eq!(codes(&["--allow", "warnings"]), (Some(0), told("", "")));
+    assert_eq!(codes(&["--deny", "warnings", "--allow", "starts_inside"]), (Some(1), expected("error", "")));
+    assert_eq!(codes(&["--allow", "starts_inside", "--deny", "warnings"]), (Some(1), expected("error", "error")));
+    assert_eq!(codes(&["--deny", "warnings", "--warn", "W0505", "--allow", "w0530"]), (Some(0), expected("warning", "")));
+    assert_eq!(codes(&["--allow", "warnings"]), (Some(0), expected("", "")));
 }
 
 #[test]

@@ -23,15 +23,15 @@ fn two_texts_of_one_meaning_are_the_same() {
 }
 
 #[test]
-fn a_difference_is_told_in_words_and_makes_the_exit_code() {
+fn a_difference_is_reported_in_words_and_makes_the_exit_code() {
     let project = Project::lean();
     project.write("other.msk", &LEAN.replace("10    pose", "12 (5..20) pose").replace("- 2 cm", "- 3 cm"));
     let done = differs(project.msk(&["diff", "lean", "other.msk@lean"]));
     assert!(done.out.contains("~ term pose\n      weight 10 -> 12 (+20 %)\n      range none -> 5..20\n"), "{}", done.out);
     assert!(done.out.contains("~ ends by sunk") && done.out.contains("3 cm (+50 %)\n"), "{}", done.out);
     let done = differs(project.msk(&["diff", "lean.msk", "other.msk", "--format", "json"]));
-    let told: Value = serde_json::from_str(&done.out).unwrap();
-    assert_eq!(told[0]["changes"][0]["fields"][0]["after"], "12");
+    let differences: Value = serde_json::from_str(&done.out).unwrap();
+    assert_eq!(differences[0]["changes"][0]["fields"][0]["after"], "12");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::project::Project;
 use serde_json::Value;
 
 #[test]
-fn a_task_is_told_as_text_data_tables_and_page() {
+fn a_task_is_reported_as_text_data_tables_and_page() {
     let project = Project::lean();
     let done = project.msk(&["explain", "lean"]).succeeded();
     assert!(done.out.contains("Initial state: on the ground") && done.out.contains("at reset the reward is"), "{}", done.out);

@@ -69,6 +69,6 @@ fn the_program_ends_with_its_input_whatever_still_runs() {
 }
 
 #[test]
-fn a_project_that_is_not_there_is_told() {
+fn a_project_that_is_not_there_is_reported() {
     Project::lean().msk(&["mcp", "--project", "none"]).failed(1, &["none"]);
 }

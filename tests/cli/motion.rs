@@ -26,7 +26,7 @@ fn a_motion_is_checked_and_drawn() {
 }
 
 #[test]
-fn what_is_no_motion_is_told_with_its_place() {
+fn what_is_no_motion_is_reported_with_its_place() {
     let project = Project::empty();
     project.write("nod.csv", &NOD.replace("knee_angle_l", "knee_angel_l").replace("0.5, -30", "0.5, x"));
     project.msk(&["motion", "check", "nod.csv"]).failed(1, &["nod.csv:8:6", "`x` is not a number"]);

@@ -44,8 +44,8 @@ fn a_new_body_fits_its_model_and_is_laid_out() {
     let text = project.read("bodies/legs.msk");
     assert!(text.contains("model \"../legs.xml\"") && text.contains("landmark trunk "), "{text}");
     project.msk(&["fmt", "--check", "bodies/legs.msk"]).succeeded();
-    let told = project.msk(&["vocabulary", "--body", "bodies/legs.msk"]).succeeded();
-    assert!(told.out.contains("trunk") && told.out.contains("knee"), "{}", told.out);
+    let vocabulary = project.msk(&["vocabulary", "--body", "bodies/legs.msk"]).succeeded();
+    assert!(vocabulary.out.contains("trunk") && vocabulary.out.contains("knee"), "{}", vocabulary.out);
     project.msk(&["new", "body", "legs", "--model", "legs.xml"]).failed(1, &["cannot be written"]);
     project.msk(&["new", "body", "arms", "--model", "arms.xml"]).failed(1, &["the model `arms.xml` cannot be read"]);
 }

@@ -57,7 +57,7 @@ fn a_sequence_that_runs_out_of_time_says_which_until_never_held() {
 }
 
 #[test]
-fn an_end_is_told_by_its_name() {
+fn an_end_is_reported_by_its_name() {
     let project = Project::empty();
     project.write("fall.msk", &LEAN.replace("horizon  20", "horizon  200"));
     let done = project.msk(&["run", "fall.msk", "--policy", "zero"]).succeeded();

@@ -12,7 +12,7 @@ fn tested(tests: &str) -> Project {
 }
 
 #[test]
-fn tests_are_told_one_by_one() {
+fn tests_are_reported_one_by_one() {
     let project = tested(
         "test \"high\" { pose neutral; expect pelvis.height > 0.5 m }\ncheat \"short\" { at 0.1 s { root.height = 0.2 m } }",
     );
@@ -49,7 +49,7 @@ fn the_ranking_stands_under_the_tests() {
 }
 
 #[test]
-fn what_does_not_hold_is_told_and_fails() {
+fn what_does_not_hold_is_reported_and_fails() {
     let project = tested("test \"low\" { moment there { pose neutral }; expect pelvis.height at there < 0.5 m }");
     let done = project.msk(&["test", "tested.msk"]);
     assert_eq!(done.code, Some(1));

@@ -45,7 +45,7 @@ fn a_program_may_be_the_reasoner_and_its_failure_stops_the_session_if_that_is_wi
 }
 
 #[test]
-fn what_makes_no_sense_is_told() {
+fn what_makes_no_sense_is_reported() {
     let project = Project::lean();
     tune(&project, &["--objective", "sway"]).failed(1, &["has no metric `sway`", "success or survival"]);
     tune(&project, &["--reasoner", "none.toml"]).failed(1, &["none.toml"]);

@@ -107,7 +107,7 @@ fn results_say_which_weights_paid_and_where_they_came_from() {
 }
 
 #[test]
-fn all_that_is_wrong_with_a_weights_file_is_told_at_its_place() {
+fn all_that_is_wrong_with_a_weights_file_is_reported_at_its_place() {
     let project = Project::lean();
     project.write("weights.toml", "pose = 1\n[lean]\npsoe = 3\nalive = -5\neffort = \"low\"\n[laen]\npose = 1\n");
     let done = project.msk(&["run", "lean", "--weights", "weights.toml"]);
@@ -148,8 +148,8 @@ fn a_weights_file_is_written_baked_and_extracted_and_loses_nothing() {
     project.msk(&["weights", "set", "lean.msk", "alive=-6", "--into", "weights.toml"]).failed(1, &["must stay above 0"]);
     assert_eq!(project.read("lean.msk"), LEAN);
 
-    let told = project.msk(&["weights", "apply", "tasks.msk", "--weights", "weights.toml"]);
-    told.failed(1, &["is not declared in `tasks.msk`", "the file that declares it: lean.msk"]);
+    let refused = project.msk(&["weights", "apply", "tasks.msk", "--weights", "weights.toml"]);
+    refused.failed(1, &["is not declared in `tasks.msk`", "the file that declares it: lean.msk"]);
     project.msk(&["weights", "apply", "lean.msk", "--weights", "weights.toml"]).succeeded();
     assert_eq!(project.read("lean.msk"), LEAN.replace("10    pose", "11.5    pose").replace(" 5    alive", " 6    alive"));
     project.msk(&["weights", "reset", "lean.msk"]).succeeded();

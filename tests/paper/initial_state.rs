@@ -71,7 +71,7 @@ impl Display for Value {
 pub fn compare(initial: &InitialState, snapshot: &Snapshot, vocabulary: &Vocabulary) -> (Vec<String>, Vec<[String; 3]>) {
     let ours = ours(snapshot, vocabulary);
     let found = |name: &str| ours.get(name).cloned().unwrap_or(Value::Number(0.0));
-    let (mut problems, mut rows, mut told) = (Vec::new(), Vec::new(), BTreeSet::new());
+    let (mut problems, mut rows, mut listed) = (Vec::new(), Vec::new(), BTreeSet::new());
     let same = initial.figures.iter().map(|(what, figure)| (what, Value::Number(*figure)));
     let other = initial.instead.iter().map(|instead| (&instead.what, instead.ours.clone()));
     for (what, typed) in same.chain(other) {
@@ -79,7 +79,7 @@ pub fn compare(initial: &InitialState, snapshot: &Snapshot, vocabulary: &Vocabul
             if !found(&name).is(&typed) {
                 problems.push(format!("initial state: `{name}` is {} in ours, the table has {typed}", found(&name)));
             }
-            if !told.insert(name.clone()) {
+            if !listed.insert(name.clone()) {
                 problems.push(format!("initial state: `{name}` occurs twice in the table"));
             }
         }
@@ -97,10 +97,10 @@ pub fn compare(initial: &InitialState, snapshot: &Snapshot, vocabulary: &Vocabul
             problems.push(format!("initial state: the random `{name}` lies in {found:?}, the table has {typed:?}"));
         }
     }
-    let untold =
-        ours.iter().filter(|(name, value)| !told.contains(*name) && matches!(value, Value::Number(x) if x.abs() >= ROUNDED));
+    let unlisted =
+        ours.iter().filter(|(name, value)| !listed.contains(*name) && matches!(value, Value::Number(x) if x.abs() >= ROUNDED));
     problems.extend(
-        untold.map(|(name, value)| format!("initial state: `{name}` is {value} in ours, and the table has no value for it")),
+        unlisted.map(|(name, value)| format!("initial state: `{name}` is {value} in ours, and the table has no value for it")),
     );
     (problems, rows)
 }

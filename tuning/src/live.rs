@@ -12,12 +12,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// A weights file in use.
 ///
 /// Whoever asks gets one whole version of the file: the newest that could be read and that the tasks allow. A version that is
-/// refused is told once, and the weights before it stay.
+/// refused is reported once, and the weights before it stay.
 pub struct Live {
     store: Store,
     name: String,
     tasks: Vec<Arc<CompiledTask>>,
-    told: Box<dyn Fn(&str) + Send + Sync>,
+    notify: Box<dyn Fn(&str) + Send + Sync>,
     present: Mutex<Present>,
 }
 
@@ -51,14 +51,14 @@ pub enum LiveError {
 }
 
 impl Live {
-    /// Begins with the file as it is. `told` gets a message for every later version that is refused.
+    /// Begins with the file as it is. `notify` gets a message for every later version that is refused.
     ///
     /// # Errors
     /// A file that is not there, cannot be read, or that the tasks do not allow.
     pub fn open(
         path: &Path,
         tasks: Vec<Arc<CompiledTask>>,
-        told: impl Fn(&str) + Send + Sync + 'static,
+        notify: impl Fn(&str) + Send + Sync + 'static,
     ) -> Result<Self, LiveError> {
         let name = path.display().to_string();
         // A folder that is not there has no weights file either.
@@ -66,7 +66,7 @@ impl Live {
             StoreError::Storage(error) if error.kind() == Some(ErrorKind::NotFound) => LiveError::Missing(name.clone()),
             error => error.into(),
         })?;
-        Self::begin(store, name, tasks, told)
+        Self::begin(store, name, tasks, notify)
     }
 
     /// Begins with the file of a store as it is, like [`Live::open`].
@@ -76,22 +76,22 @@ impl Live {
     pub fn over(
         store: Store,
         tasks: Vec<Arc<CompiledTask>>,
-        told: impl Fn(&str) + Send + Sync + 'static,
+        notify: impl Fn(&str) + Send + Sync + 'static,
     ) -> Result<Self, LiveError> {
         let name = store.path().display().to_string();
-        Self::begin(store, name, tasks, told)
+        Self::begin(store, name, tasks, notify)
     }
 
     fn begin(
         store: Store,
         name: String,
         tasks: Vec<Arc<CompiledTask>>,
-        told: impl Fn(&str) + Send + Sync + 'static,
+        notify: impl Fn(&str) + Send + Sync + 'static,
     ) -> Result<Self, LiveError> {
         let version = store.read()?.ok_or_else(|| LiveError::Missing(name.clone()))?;
         let taken = Arc::new(InForce::of(&name, &version, &tasks).map_err(|report| LiveError::Refused(Box::new(report)))?);
         let present = Mutex::new(Present { seen: Some(version.hash), taken });
-        Ok(Self { store, name, tasks, told: Box::new(told), present })
+        Ok(Self { store, name, tasks, notify: Box::new(notify), present })
     }
 
     /// The weights in force now.
@@ -112,9 +112,9 @@ impl Live {
             Ok(None) => (None, format!("the weights file `{}` does not exist any more\n", self.name)),
             Err(error) => (None, format!("{error}\n")),
         };
-        // A file that cannot be read is told once, not before every episode.
+        // A file that cannot be read is reported once, not before every episode.
         if seen.is_some() || present.seen.is_some() {
-            (self.told)(&format!("{refused}the weights stay at version {}", present.taken.version));
+            (self.notify)(&format!("{refused}the weights stay at version {}", present.taken.version));
         }
         present.seen = seen;
         present.taken.clone()

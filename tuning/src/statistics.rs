@@ -57,7 +57,7 @@ pub struct TermStatistics {
     pub dead: Option<f64>,
 }
 
-/// What may be done with a weight, as it is told to a reasoner.
+/// What may be done with a weight, as given to a reasoner.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Allowed {

@@ -16,23 +16,23 @@ struct Room {
     _folder: tempfile::TempDir,
     path: std::path::PathBuf,
     task: Arc<CompiledTask>,
-    told: Arc<Mutex<Vec<String>>>,
+    messages: Arc<Mutex<Vec<String>>>,
 }
 
 impl Room {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let task = trial(folder.path()).task;
-        Self { path: folder.path().join("weights.toml"), _folder: folder, task, told: Arc::default() }
+        Self { path: folder.path().join("weights.toml"), _folder: folder, task, messages: Arc::default() }
     }
 
     fn open(&self, task: &Arc<CompiledTask>) -> Result<Live, LiveError> {
-        let told = self.told.clone();
-        Live::open(&self.path, vec![task.clone()], move |message| told.lock().unwrap().push(message.to_owned()))
+        let messages = self.messages.clone();
+        Live::open(&self.path, vec![task.clone()], move |message| messages.lock().unwrap().push(message.to_owned()))
     }
 
-    fn told(&self) -> Vec<String> {
-        self.told.lock().unwrap().drain(..).collect()
+    fn messages(&self) -> Vec<String> {
+        self.messages.lock().unwrap().drain(..).collect()
     }
 }
 
@@ -53,11 +53,11 @@ fn a_new_version_is_taken_and_named_by_its_content() {
     fs::write(&room.path, "[lean]\npose = 11\n").unwrap();
     assert_eq!(live.current().version, first, "the same content is the same version");
     assert_eq!(live.weights(&room.task).weights, [11.0, 5.0, -1.0, 2.0]);
-    assert!(room.told().is_empty());
+    assert!(room.messages().is_empty());
 }
 
 #[test]
-fn what_is_refused_is_told_once_and_the_weights_stay() {
+fn what_is_refused_is_reported_once_and_the_weights_stay() {
     let room = Room::new();
     fs::write(&room.path, "[lean]\npose = 11\n").unwrap();
     let live = room.open(&room.task).unwrap();
@@ -66,13 +66,13 @@ fn what_is_refused_is_told_once_and_the_weights_stay() {
     {
         fs::write(&room.path, text).unwrap();
         assert_eq!((pose(&live), pose(&live)), (11.0, 11.0));
-        let told = room.told();
-        assert_eq!(told.len(), 1, "{told:?}");
-        assert!(told[0].contains(code) && told[0].contains("the weights stay at version"), "{told:?}");
+        let messages = room.messages();
+        assert_eq!(messages.len(), 1, "{messages:?}");
+        assert!(messages[0].contains(code) && messages[0].contains("the weights stay at version"), "{messages:?}");
     }
     fs::remove_file(&room.path).unwrap();
     assert_eq!((pose(&live), pose(&live)), (11.0, 11.0));
-    assert_eq!(room.told().len(), 1);
+    assert_eq!(room.messages().len(), 1);
     fs::write(&room.path, "[lean]\npose = 13\n").unwrap();
     assert_eq!(pose(&live), 13.0);
 }
@@ -120,5 +120,5 @@ fn threads_never_go_back_to_an_older_version() {
         }
         (1..=100).for_each(|step| write(&room.path, 10.0 + 0.1 * f64::from(step)));
     });
-    assert!(room.told().is_empty());
+    assert!(room.messages().is_empty());
 }

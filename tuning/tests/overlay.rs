@@ -14,7 +14,7 @@ fn codes(text: &str) -> Vec<&'static str> {
     let mut sources = SourceMap::default();
     match Overlay::read("weights.toml", text, &mut sources) {
         Ok(_) => Vec::new(),
-        Err(told) => told.iter().map(|told| told.code.id).collect(),
+        Err(diagnostics) => diagnostics.iter().map(|diagnostic| diagnostic.code.id).collect(),
     }
 }
 
@@ -34,7 +34,7 @@ fn tasks_phases_and_inline_tables_are_read_in_order() {
 }
 
 #[test]
-fn what_is_no_weight_is_told_all_at_once() {
+fn invalid_weights_are_reported_all_at_once() {
     assert_eq!(codes("pose = 1\n[stand]\na = \"1\"\nb = true\nc = [1]\nd = inf\ne.f.g = 1\n"), ["E0461"; 6]);
     assert_eq!(codes("[stand]\npose = 1\npose = 2\n"), ["E0460"]);
     assert_eq!(codes("[stand]\n\"sit.pose\" = 1\nsit.pose = 2\n"), ["E0461"]);

@@ -123,7 +123,7 @@ fn the_papers_examples_come_out() {
 /// What a server does with a question.
 type Answering = fn(&mut std::net::TcpStream);
 
-/// Answers one connection after the other as told, and keeps what was asked.
+/// Answers one connection after the other with the given answers, and keeps the requests.
 fn server(answers: Vec<Answering>) -> (String, Arc<Mutex<Vec<String>>>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}/v1", listener.local_addr().unwrap());
@@ -256,9 +256,9 @@ fn every_failure_says_what_it_was_and_none_shows_the_key() {
         let (url, _) = server(vec![answer]);
         let reasoner = http(&url, 1);
         let error = propose(&reasoner, &request).unwrap_err();
-        let told = format!("{error} {error:?} {reasoner:?}");
-        assert!(told.to_lowercase().contains(expected), "no `{expected}` in {told}");
-        assert!(!told.contains(KEY), "{told}");
+        let shown = format!("{error} {error:?} {reasoner:?}");
+        assert!(shown.to_lowercase().contains(expected), "no `{expected}` in {shown}");
+        assert!(!shown.contains(KEY), "{shown}");
     }
     // Nobody there at all.
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
@@ -321,14 +321,14 @@ fn an_endpoint_that_echoes_the_key_gets_it_into_nothing() {
         let reasoner = http(&url, 1);
         let result = propose(&reasoner, &request);
         assert!(heard.lock().unwrap()[0].contains(KEY), "the key was sent");
-        let told = match &result {
+        let shown = match &result {
             Ok(proposal) => serde_json::to_string(proposal).unwrap(),
             Err(error) => error.to_string(),
         };
-        let told = format!("{told} {result:?} {reasoner:?} {}", reasoner.name());
+        let shown = format!("{shown} {result:?} {reasoner:?} {}", reasoner.name());
         // Nor the part of it that a cut leaves.
-        assert!(!told.contains("sk-v"), "case {index}: {told}");
-        assert_eq!(result.is_ok(), index == 9, "case {index}: {told}");
+        assert!(!shown.contains("sk-v"), "case {index}: {shown}");
+        assert_eq!(result.is_ok(), index == 9, "case {index}: {shown}");
     }
 }
 
@@ -375,14 +375,14 @@ fn process(script: &str, limit: Duration) -> Process {
 
 #[cfg(unix)]
 #[test]
-fn a_program_answers_or_its_failure_is_told() {
+fn a_program_answers_or_its_failure_is_reported() {
     let (request, long) = (asked(), Duration::from_secs(60));
     let proposal = propose(&process("grep -q '\"task\":\"lean\"' && echo '{\"pose\": 11}'", long), &request).unwrap();
     assert_eq!(proposal.weights, [("pose".to_owned(), 11.0)]);
-    let told = |script: &str| propose(&process(script, long), &request).unwrap_err().to_string();
-    assert!(told("echo 'no idea' >&2; exit 3").contains("it ended with code 3: no idea"));
-    assert!(told("echo '{\"pose\": '").contains("ends in the middle"));
-    assert!(told("true").contains("there is none"));
+    let error_of = |script: &str| propose(&process(script, long), &request).unwrap_err().to_string();
+    assert!(error_of("echo 'no idea' >&2; exit 3").contains("it ended with code 3: no idea"));
+    assert!(error_of("echo '{\"pose\": '").contains("ends in the middle"));
+    assert!(error_of("true").contains("there is none"));
     let missing = Process::new(vec!["./none-of-that-name".into()], long, &[], |_| None).unwrap();
     assert!(matches!(propose(&missing, &request), Err(ReasonerError::Refuses(_))));
 }
@@ -465,12 +465,12 @@ fn a_program_gets_the_variables_that_its_settings_name_and_their_values_are_not_
         propose(&process, &asked())
     };
     let names = "env | cut -d= -f1 | tr '\n' ' '";
-    let told =
+    let printed =
         ask(&format!("echo \"{{\\\"weights\\\": {{\\\"pose\\\": 11}}, \\\"reason\\\": \\\"$({names})\\\"}}\"")).unwrap().reason;
-    let got: Vec<&str> = told.split(' ').collect();
-    assert!(got.contains(&"PATH") && got.contains(&"TOKEN") && got.contains(&"DEVICE"), "{told}");
+    let got: Vec<&str> = printed.split(' ').collect();
+    assert!(got.contains(&"PATH") && got.contains(&"TOKEN") && got.contains(&"DEVICE"), "{printed}");
     // Cargo sets this for every test; a key of the user's would be no different.
-    assert!(std::env::var("CARGO_MANIFEST_DIR").is_ok() && !told.contains("CARGO"), "{told}");
+    assert!(std::env::var("CARGO_MANIFEST_DIR").is_ok() && !printed.contains("CARGO"), "{printed}");
 
     let reason = ask("echo \"{\\\"weights\\\": {\\\"pose\\\": 11}, \\\"reason\\\": \\\"$TOKEN on $DEVICE\\\"}\"").unwrap().reason;
     assert_eq!(reason, "(TOKEN) on 1");
@@ -483,23 +483,23 @@ fn a_program_gets_the_variables_that_its_settings_name_and_their_values_are_not_
 }
 
 #[test]
-fn settings_that_make_no_sense_are_told() {
+fn settings_that_make_no_sense_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("reasoner.toml");
-    let told = |text: &str| {
+    let error_of = |text: &str| {
         std::fs::write(&file, text).unwrap();
         from_file(&file, |_| None).err().map(|error| error.to_string()).unwrap_or_default()
     };
-    assert!(told("kind = \"oracle\"").contains("unknown variant `oracle`"));
-    assert!(told("kind = \"http\"\nurl = \"https://h\"").contains("missing field `model`"));
-    assert!(told("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey = \"sk\"").contains("unknown field `key`"));
-    assert!(told("kind = \"rules\"\nkey = sk\n").contains("line 2: "));
+    assert!(error_of("kind = \"oracle\"").contains("unknown variant `oracle`"));
+    assert!(error_of("kind = \"http\"\nurl = \"https://h\"").contains("missing field `model`"));
+    assert!(error_of("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey = \"sk\"").contains("unknown field `key`"));
+    assert!(error_of("kind = \"rules\"\nkey = sk\n").contains("line 2: "));
     // A key in the wrong place is not repeated.
-    assert!(!told("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey = \"sk-very-secret\"").contains("sk-v"));
-    assert!(told("kind = \"process\"\ncommand = [\"a\"]\nenvironment = [\"K\"]").contains("variable `K` is not set"));
-    assert!(told("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey_variable = \"K\"").contains("variable `K`"));
-    assert!(told("kind = \"process\"\ncommand = []").contains("`command` is empty"));
-    assert!(told("kind = \"process\"\ncommand = [\"a\"]\ntimeout_s = -1").contains("timeout_s"));
-    assert_eq!(told("kind = \"rules\""), "");
+    assert!(!error_of("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey = \"sk-very-secret\"").contains("sk-v"));
+    assert!(error_of("kind = \"process\"\ncommand = [\"a\"]\nenvironment = [\"K\"]").contains("variable `K` is not set"));
+    assert!(error_of("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey_variable = \"K\"").contains("variable `K`"));
+    assert!(error_of("kind = \"process\"\ncommand = []").contains("`command` is empty"));
+    assert!(error_of("kind = \"process\"\ncommand = [\"a\"]\ntimeout_s = -1").contains("timeout_s"));
+    assert_eq!(error_of("kind = \"rules\""), "");
     assert!(matches!(read("{", &asked(), &Secrets::default()), Err(ReplyError::NoObject(_))));
 }

@@ -46,7 +46,7 @@ impl Watcher for Looker {
 
 type Answer = Result<Vec<(&'static str, f64)>, ReasonerError>;
 
-/// Says what it was told to say, round after round.
+/// Gives prepared answers, round after round.
 struct Says(fn(&Request) -> Answer);
 
 impl Reasoner for Says {
@@ -180,7 +180,7 @@ fn what_was_logged_and_not_yet_applied_is_applied_on_return() {
 }
 
 #[test]
-fn a_reasoner_that_fails_is_logged_and_the_session_goes_on_or_stops_as_told() {
+fn a_reasoner_that_fails_is_logged_and_the_session_goes_on_or_stops_as_set() {
     let folder = tempfile::tempdir().unwrap();
     let trial = trial(folder.path());
     let fails = Says(|request| match request.round {
@@ -244,7 +244,7 @@ fn another_session_and_senseless_settings_are_refused() {
 }
 
 #[test]
-fn a_journal_without_the_episodes_of_a_round_is_told_with_the_first_that_is_missing() {
+fn a_journal_without_the_episodes_of_a_round_is_reported_with_the_first_that_is_missing() {
     let folder = tempfile::tempdir().unwrap();
     let trial = trial(folder.path());
     let out = folder.path().join("tune");

@@ -60,11 +60,11 @@ fn every_version_is_in_the_history_with_its_text() {
     assert_eq!(room.store.read().unwrap().unwrap(), versions[2]);
     assert_eq!(versions[0], versions[2], "a version is what the file holds");
     let history = room.store.history().unwrap();
-    let told: Vec<_> =
+    let entries: Vec<_> =
         history.iter().map(|entry| (entry.before.as_deref(), entry.version.as_str(), entry.text.as_str())).collect();
     let hash = |index: usize| versions[index].hash.as_str();
     let (first, second) = ((None, hash(0), "a = 1\n"), (Some(hash(0)), hash(1), "a = 2\n"));
-    assert_eq!(told, [first, second, (Some(hash(1)), hash(0), "a = 1\n")]);
+    assert_eq!(entries, [first, second, (Some(hash(1)), hash(0), "a = 1\n")]);
 }
 
 #[test]
@@ -137,8 +137,8 @@ fn a_file_that_was_there_first_and_one_that_was_removed() {
     room.put("a = 1\n");
     fs::remove_file(&room.path).unwrap();
     room.put("a = 2\n");
-    let told: Vec<_> = room.store.history().unwrap().into_iter().map(|entry| (entry.text, entry.before.is_some())).collect();
-    assert_eq!(told, [("a = 0\n".into(), false), ("a = 1\n".into(), true), ("a = 2\n".into(), false)]);
+    let entries: Vec<_> = room.store.history().unwrap().into_iter().map(|entry| (entry.text, entry.before.is_some())).collect();
+    assert_eq!(entries, [("a = 0\n".into(), false), ("a = 1\n".into(), true), ("a = 2\n".into(), false)]);
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn a_line_of_the_history_that_was_cut_short_had_changed_nothing() {
 }
 
 #[test]
-fn a_damaged_history_is_told_and_left_alone() {
+fn a_damaged_history_is_reported_and_left_alone() {
     let room = Room::new();
     room.put("a = 1\n");
     let whole = fs::read_to_string(room.log()).unwrap();
@@ -335,6 +335,6 @@ fn going_back_restores_what_the_first_change_of_a_weight_found() {
     }
     room.put("a = 1\n");
     let first = room.store.first_changes().unwrap();
-    let told: Vec<_> = first.iter().map(|change| (change.term.as_str(), change.was.as_str())).collect();
-    assert_eq!(told, [("pose", "0"), ("alive", "1")]);
+    let changes: Vec<_> = first.iter().map(|change| (change.term.as_str(), change.was.as_str())).collect();
+    assert_eq!(changes, [("pose", "0"), ("alive", "1")]);
 }

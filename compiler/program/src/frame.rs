@@ -241,7 +241,7 @@ impl Sensor {
 
 impl Sensor {
     /// Whether it measures what only the full forward pass knows: forces, accelerations of joints, paths of muscles. All others
-    /// follow from positions, velocities, contacts and what the muscles are told.
+    /// follow from positions, velocities, contacts and the excitations of the muscles.
     pub fn needs_forces(self) -> bool {
         use Sensor as S;
         matches!(

@@ -28,7 +28,7 @@ pub fn for_people(value: f64) -> String {
 }
 
 /// Numbers for people that differ to the eye where they differ: with as many digits as that takes.
-pub fn told_apart<const COUNT: usize>(values: &[f64; COUNT]) -> [String; COUNT] {
+pub fn distinguished<const COUNT: usize>(values: &[f64; COUNT]) -> [String; COUNT] {
     std::array::from_fn(|index| beside(values[index], values))
 }
 
@@ -69,9 +69,9 @@ mod tests {
     }
 
     #[test]
-    fn what_differs_is_told_apart() {
-        assert_eq!(told_apart(&[0.5, 0.5, 1.0]), ["0.5", "0.5", "1"]);
-        assert_eq!(told_apart(&[0.5, 0.500_001]), ["0.5", "0.500001"]);
+    fn different_values_are_distinguished() {
+        assert_eq!(distinguished(&[0.5, 0.5, 1.0]), ["0.5", "0.5", "1"]);
+        assert_eq!(distinguished(&[0.5, 0.500_001]), ["0.5", "0.500001"]);
     }
 
     #[test]

@@ -60,7 +60,7 @@ impl Span {
     }
 }
 
-/// Where the parts of a task stand in the texts, for what is told of it once its model is at hand.
+/// Where the parts of a task stand in the texts, for diagnostics that need its model.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Places {
     /// The word `init`.

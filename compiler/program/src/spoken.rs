@@ -1,22 +1,22 @@
-//! Units in which quantities are told to people: as somebody wrote them, else as people say them.
+//! Units in which quantities are printed for people: as they were written, else as is customary.
 
-use crate::numbers::{for_people, told_apart};
+use crate::numbers::{distinguished, for_people};
 use crate::quantity::dimension::Dimension;
 use std::f64::consts::PI;
 
-/// The unit of a quantity: of its SI value, and in which it is told.
+/// The unit of a quantity: of its SI value, and in which it is printed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpokenUnit {
     /// Unit of the SI value; empty for plain numbers.
     pub si: String,
-    /// The unit in which it is told; empty for plain numbers.
+    /// The unit in which it is printed; empty for plain numbers.
     pub name: String,
     /// SI value of one of these units.
     pub factor: f64,
 }
 
 impl SpokenUnit {
-    /// A unit that is told as it is.
+    /// A unit that is printed as it is.
     pub fn si(unit: impl Into<String>) -> Self {
         let unit = unit.into();
         Self { si: unit.clone(), name: unit, factor: 1.0 }
@@ -32,14 +32,14 @@ impl SpokenUnit {
         Self { si: dimension.to_string(), name: name.to_owned(), factor }
     }
 
-    /// A value in SI units as people are told it: `40 deg`.
+    /// A value in SI units as printed for people: `40 deg`.
     pub fn tell(&self, value: f64) -> String {
         self.with_unit(&for_people(self.amount(value)))
     }
 
-    /// The bounds of a range and a value beside it, told so that they differ to the eye: `0 .. 120 deg` and `170 deg`.
+    /// The bounds of a range and a value beside it, printed so that they differ to the eye: `0 .. 120 deg` and `170 deg`.
     pub fn tell_beside(&self, [low, high]: [f64; 2], value: f64) -> (String, String) {
-        let [low, high, value] = told_apart(&[low, high, value].map(|value| self.amount(value)));
+        let [low, high, value] = distinguished(&[low, high, value].map(|value| self.amount(value)));
         (self.with_unit(&format!("{low} .. {high}")), self.with_unit(&value))
     }
 
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_are_told_in_degrees_and_all_else_in_si_units() {
+    fn angles_are_printed_in_degrees_and_all_else_in_si_units() {
         let degrees = SpokenUnit::of(Dimension::ANGLE);
         assert_eq!(degrees.tell(PI / 3.0), "60 deg");
         assert_eq!(degrees.tell_beside([0.0, 120.0 * PI / 180.0], 170.0 * PI / 180.0), ("0 .. 120 deg".into(), "170 deg".into()));

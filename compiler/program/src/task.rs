@@ -189,7 +189,7 @@ impl std::fmt::Display for Origin {
 /// What a task reports of one control step. Allocated once per episode, overwritten every step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepReport {
-    /// Which phase of a sequence is told of; in the step in which the next one begins, still the one before.
+    /// Which phase of a sequence is reported; in the step in which the next one begins, still the one before.
     pub phase: u32,
     /// Unweighted value of every reward term.
     pub terms: Vec<f64>,

@@ -119,7 +119,7 @@ pub struct Side {
     pub reading: Reading,
     /// What is taken of the values of all episodes of a moment that is reset several times.
     pub statistic: Option<Statistic>,
-    /// Its value if it is the same in every episode: no more need be told of it.
+    /// Its value if it is the same in every episode: it is then not printed.
     pub constant: bool,
 }
 

@@ -54,7 +54,7 @@ impl Checker<'_> {
         let solid = |landmark: &&Landmark| !landmark.of_scene && landmark.has_segment;
         let names: Vec<&str> = self.vocabulary.landmarks.iter().filter(solid).map(|landmark| landmark.name.as_str()).collect();
         let other = |stem: &str| names.iter().any(|name| name.strip_suffix("_r") == Some(stem));
-        let told: Vec<String> = names
+        let words: Vec<String> = names
             .iter()
             .filter_map(|name| match (name.strip_suffix("_l"), name.strip_suffix("_r")) {
                 (Some(stem), _) if other(stem) => Some(format!("{stem}_{{l,r}}")),
@@ -62,6 +62,6 @@ impl Checker<'_> {
                 _ => Some((*name).to_owned()),
             })
             .collect();
-        told.join(", ")
+        words.join(", ")
     }
 }

@@ -45,7 +45,7 @@ pub(crate) struct Step {
     pub name: String,
     pub file: FileId,
     pub span: Span,
-    /// A call is told in errors; a name only draws cycles.
+    /// A call is named in errors; a name only draws cycles.
     pub call: bool,
 }
 
@@ -216,7 +216,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A diagnostic at `span` of the present file; the chain of calls that led here is told with it.
+    /// A diagnostic at `span` of the present file; the chain of calls that led here is reported with it.
     pub(crate) fn diagnostic(&self, code: &'static Code, span: Span, message: impl Into<String>) -> Diagnostic {
         let mut diagnostic = Diagnostic::new(code, self.place.file, span, message);
         for step in self.path.iter().rev().filter(|step| step.call) {
@@ -255,7 +255,7 @@ impl<'a> Checker<'a> {
     /// Takes `amount` from what a task may cost.
     ///
     /// # Errors
-    /// The task has become too large; told once.
+    /// The task has become too large; reported once.
     pub(crate) fn spend(&mut self, amount: usize, span: Span) -> Checked<()> {
         if self.budget >= amount && self.graph.lanes() <= LANES {
             self.budget -= amount;
@@ -284,14 +284,14 @@ impl<'a> Checker<'a> {
     }
 
     /// Tries a check whose failure is none of the text's: all that it reported and learned of names is taken back, so that
-    /// whoever comes to these names again is told.
+    /// the next check of these names reports it.
     pub(crate) fn attempt<T>(&mut self, check: impl FnOnce(&mut Self) -> Checked<T>) -> Option<T> {
-        let (told, memo, spent) = (self.diagnostics.len(), self.memo.clone(), self.spent);
+        let (before, memo, spent) = (self.diagnostics.len(), self.memo.clone(), self.spent);
         let (mark, formulas) = (self.hir.mark(), self.formulas.clone());
         let ends = (self.ends.clone(), self.finishes.clone());
         let result = check(self);
         if result.is_err() {
-            self.diagnostics.truncate(told);
+            self.diagnostics.truncate(before);
             (self.memo, self.spent) = (memo, spent);
             self.formulas = formulas;
             self.hir.rewind(mark);

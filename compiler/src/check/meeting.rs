@@ -94,7 +94,7 @@ impl<'a> Checker<'a> {
         self.graph.select(wanted, data.node)
     }
 
-    /// What `compute` makes of the lanes of a node of this type, which is told whether they wrap; each way where only some do.
+    /// What `compute` makes of the lanes of a node of this type, which is given whether they wrap; each way where only some do.
     pub(crate) fn by_wrapping(
         &mut self,
         node: NodeId,

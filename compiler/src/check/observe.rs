@@ -167,7 +167,7 @@ pub(crate) fn unit_of(kind: &Type) -> String {
     }
 }
 
-/// The unit in which values of this type are told where these formulas are read.
+/// The unit in which values of this type are printed where these formulas are read.
 pub(crate) fn spoken_unit<'a>(kind: &Type, formulas: impl IntoIterator<Item = &'a Expr>) -> SpokenUnit {
     match kind.dimension() {
         Some(dimension) => spoken::written(dimension, formulas),

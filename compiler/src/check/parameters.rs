@@ -12,7 +12,7 @@ use crate::syntax::tree::{Expr, ExprKind, TaskParameter, TaskStatement, UnaryOpe
 use crate::task::Parameter;
 
 impl<'a> Checker<'a> {
-    /// Checks every parameter of the task; one that nothing reads is an error, told by [`Checker::parameters_in_use`].
+    /// Checks every parameter of the task; one that nothing reads is an error, reported by [`Checker::parameters_in_use`].
     pub(crate) fn parameters(&mut self) -> Checked<Vec<Parameter>> {
         let statements = self.statements;
         let mut parameters: Vec<Parameter> = Vec::new();
@@ -49,9 +49,9 @@ impl<'a> Checker<'a> {
     fn parameter(&mut self, parameter: &'a TaskParameter, file: FileId) -> Checked<(Value, Parameter)> {
         let errors = self.diagnostics.len();
         let found = self.parameter_here(parameter, file);
-        // It is checked where it is declared and where it is first read; what is wrong is told once.
-        let told: Vec<_> = self.diagnostics.drain(errors..).collect();
-        for diagnostic in told {
+        // It is checked where it is declared and where it is first read; errors are reported once.
+        let reported: Vec<_> = self.diagnostics.drain(errors..).collect();
+        for diagnostic in reported {
             if !self.diagnostics.contains(&diagnostic) {
                 self.diagnostics.push(diagnostic);
             }
@@ -82,11 +82,11 @@ impl<'a> Checker<'a> {
             })?;
         }
         let unit = dimension.to_string();
-        let told = Parameter { name: parameter.name.text.clone(), value, default, range, unit };
+        let checked = Parameter { name: parameter.name.text.clone(), value, default, range, unit };
         let _ = file;
         Ok((
             Value::Typed(TypedValue { node: self.graph.constant(value), kind: declared.kind, literal: LiteralKind::Plain }),
-            told,
+            checked,
         ))
     }
 

@@ -1,4 +1,4 @@
-//! `random`: values that chance decides, drawn where an episode begins and anew when told.
+//! `random`: values that chance decides, drawn where an episode begins and anew at a redraw.
 //!
 //! A draw is a formula of raw numbers: `uniform(a..b)` is `a + (b - a) u`. The graph holds that formula, and the condition that
 //! a draw must fulfil, as inputs of the random itself; the program tries them until one is taken.

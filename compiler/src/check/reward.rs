@@ -9,7 +9,7 @@ use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::graph::operation::Binary;
 use crate::graph::{NodeId, events};
 use crate::hir::{ExprId, Resolution};
-use crate::numbers::{exact, for_people, told_apart};
+use crate::numbers::{distinguished, exact, for_people};
 use crate::syntax::tree::{Bounds, Docs, Expr, Reward, TaskStatement, Term};
 use crate::weights::{LARGEST, may_be};
 
@@ -168,7 +168,7 @@ impl<'a> Checker<'a> {
                     return Err(self.report(diagnostic.suggest(format!("write `{swapped}`"), span, swapped)));
                 }
                 let message = format!("the weight of `{}` is outside of its range", term.name.text);
-                let shown = told_apart(&[low, high, weight.value]);
+                let shown = distinguished(&[low, high, weight.value]);
                 let diagnostic = Diagnostic::new(codes::tasks::WEIGHT, weight.file, weight.span, message)
                     .expected(format!("{} .. {}", shown[0], shown[1]))
                     .found(&*shown[2])

@@ -90,7 +90,7 @@ pub(crate) struct Around<'a> {
 
 /// What is found of a task.
 #[derive(Default)]
-pub(crate) struct Told {
+pub(crate) struct TaskDiagnostics {
     /// Errors, and warnings about single formulas.
     pub formulas: Vec<Diagnostic>,
     /// Warnings about the task as a whole.
@@ -105,7 +105,7 @@ pub(crate) fn check<'a>(
     around: Around<'a>,
     sequence: InSequence<'a>,
     queries: Vec<Query>,
-) -> (Checker<'a>, Checked<CheckedTask<'a>>, Told) {
+) -> (Checker<'a>, Checked<CheckedTask<'a>>, TaskDiagnostics) {
     let Around { vocabulary, scene, texts, motions } = around;
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     checker.known = scene.known.clone();
@@ -123,12 +123,12 @@ pub(crate) fn check<'a>(
         checked = Err(checker.internal_error(finding, task.task.name.span));
     }
     let broken = Reported::among(&checker.diagnostics);
-    let told = Told { formulas: std::mem::take(&mut checker.diagnostics), whole: Vec::new() };
+    let diagnostics = TaskDiagnostics { formulas: std::mem::take(&mut checker.diagnostics), whole: Vec::new() };
     let graph = std::mem::take(&mut checker.graph);
     let hir = checked.as_ref().map_or_else(|_| Arc::new(std::mem::take(&mut checker.hir)), |checked| checked.hir.clone());
     checker.keep_for_editors(hir, checked.as_ref().map_or(&graph, |checked| &checked.graph));
     let checked = checked.and_then(|checked| broken.map_or(Ok(checked), Err));
-    (checker, checked, told)
+    (checker, checked, diagnostics)
 }
 
 impl<'a> Checker<'a> {

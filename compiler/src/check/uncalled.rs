@@ -45,7 +45,7 @@ pub(crate) fn check(
         let mut reader = Reader { names, place, bodies, locals, is_shown, diagnostics };
         formulas.into_iter().for_each(|formula| reader.expression(formula));
         if let (Item::Function(function), true) = (item, is_shown) {
-            diagnostics.extend(cycles.told(function, place));
+            diagnostics.extend(cycles.diagnostic(function, place));
         }
     }
 }
@@ -171,7 +171,7 @@ impl<'a> Cycles<'a> {
     }
 
     /// Reports a function that stands on a cycle, with a shortest way back to it.
-    fn told(&self, function: &'a Function, place: Place) -> Option<Diagnostic> {
+    fn diagnostic(&self, function: &'a Function, place: Place) -> Option<Diagnostic> {
         let start = (place.file, function.name.text.as_str());
         let component = self.components.get(&start)?;
         // Breadth first within the component: the first call that comes back closes a shortest cycle.

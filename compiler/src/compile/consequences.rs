@@ -1,5 +1,5 @@
-//! Errors that only follow from errors of syntax are not told: names whose declaration could not be read, and what a task or an
-//! element does not say because its statement could not be read.
+//! Errors that only follow from errors of syntax are not reported: names whose declaration could not be read, and what a task or
+//! an element does not say because its statement could not be read.
 
 use crate::diagnostics::{Diagnostic, FileId, SourceMap, codes};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,7 +14,7 @@ pub(super) fn forget(sources: &SourceMap, diagnostics: &mut Vec<Diagnostic>) {
 fn unread_names(sources: &SourceMap, diagnostics: &mut Vec<Diagnostic>) {
     const WORDS: [&str; 9] = ["fn", "let", "const", "state", "clock", "random", "reference", "observation", "task"];
     let unreadable: BTreeSet<FileId> =
-        diagnostics.iter().filter(|told| told.code.id.starts_with("E01")).map(Diagnostic::file).collect();
+        diagnostics.iter().filter(|diagnostic| diagnostic.code.id.starts_with("E01")).map(Diagnostic::file).collect();
     let mut declared = BTreeSet::new();
     for file in unreadable {
         let words: Vec<&str> = sources.text(file).split_whitespace().collect();
@@ -22,8 +22,9 @@ fn unread_names(sources: &SourceMap, diagnostics: &mut Vec<Diagnostic>) {
         declared.extend(named.filter_map(|word| word.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).next()));
     }
     declared.remove("");
-    diagnostics
-        .retain(|told| told.code != codes::names::UNKNOWN_NAME || !declared.contains(told.span().of(sources.text(told.file()))));
+    diagnostics.retain(|diagnostic| {
+        diagnostic.code != codes::names::UNKNOWN_NAME || !declared.contains(diagnostic.span().of(sources.text(diagnostic.file())))
+    });
 }
 
 /// Leaves out errors of what is missing where an error of syntax stands on a line, there or further down, that would have said it.
@@ -31,28 +32,29 @@ fn unread_statements(sources: &SourceMap, diagnostics: &mut Vec<Diagnostic>) {
     // Of each word on a line that could not be read, where the last such line begins. Every line is looked at once.
     let mut unread: BTreeMap<(FileId, &str), usize> = BTreeMap::new();
     let mut lines = BTreeSet::new();
-    for told in diagnostics.iter().filter(|told| codes::syntax::ALL.iter().any(|code| code.id == told.code.id)) {
-        let (start, line) = line_of(sources.text(told.file()), told.span().start as usize);
-        if lines.insert((told.file(), start)) {
+    for diagnostic in diagnostics.iter().filter(|diagnostic| codes::syntax::ALL.iter().any(|code| code.id == diagnostic.code.id))
+    {
+        let (start, line) = line_of(sources.text(diagnostic.file()), diagnostic.span().start as usize);
+        if lines.insert((diagnostic.file(), start)) {
             for word in words(line) {
-                let last = unread.entry((told.file(), word)).or_default();
+                let last = unread.entry((diagnostic.file(), word)).or_default();
                 *last = (*last).max(start);
             }
         }
     }
-    diagnostics.retain(|told| {
-        let missing = missing(told);
-        let last = missing.iter().filter_map(|word| unread.get(&(told.file(), *word))).max();
-        last.is_none_or(|line| *line < line_of(sources.text(told.file()), told.span().start as usize).0)
+    diagnostics.retain(|diagnostic| {
+        let missing = missing(diagnostic);
+        let last = missing.iter().filter_map(|word| unread.get(&(diagnostic.file(), *word))).max();
+        last.is_none_or(|line| *line < line_of(sources.text(diagnostic.file()), diagnostic.span().start as usize).0)
     });
 }
 
 /// The words that would have said what is missing; none of other errors.
-fn missing(told: &Diagnostic) -> Vec<&str> {
-    if told.code.id == codes::scene::MASS.id {
+fn missing(diagnostic: &Diagnostic) -> Vec<&str> {
+    if diagnostic.code.id == codes::scene::MASS.id {
         return vec!["mass", "density"];
     }
-    let missing = told.message.split_once("does not declare").filter(|_| told.code.id == codes::tasks::MISSING.id);
+    let missing = diagnostic.message.split_once("does not declare").filter(|_| diagnostic.code.id == codes::tasks::MISSING.id);
     missing.map_or_else(Vec::new, |(_, missing)| words(missing).collect())
 }
 

@@ -32,7 +32,7 @@ pub(super) fn read(settings: &[Setting], sources: &mut SourceMap, diagnostics: &
             parsed.tree.items.into_iter().find_map(|item| if let Item::Const(binding) = item { Some(binding) } else { None });
         if let Some(binding) = binding {
             read.push(ReadSetting { task, name: binding.name.text, value: binding.value, file, span: binding.name.span });
-        } else if !diagnostics.iter().any(|told| told.file() == file) {
+        } else if !diagnostics.iter().any(|diagnostic| diagnostic.file() == file) {
             let message = "a parameter is set as NAME=VALUE, or TASK.NAME=VALUE";
             diagnostics.push(Diagnostic::new(codes::names::UNKNOWN_NAME, file, Span::default(), message));
         }

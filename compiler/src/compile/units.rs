@@ -4,7 +4,7 @@ use super::unread::Unread;
 use super::{Described, SourceFile, TaskScope};
 use crate::body::BodyDescription;
 use crate::check::reference::{Motions, Tables};
-use crate::check::task::{Around, InSequence, Told, body_of};
+use crate::check::task::{Around, InSequence, TaskDiagnostics, body_of};
 use crate::check::{self, CheckedTests};
 use crate::diagnostics::{Allowance, Checked, Diagnostic, Failures, FileId, Reported, Severity, allowance, codes};
 use crate::files::BodySource;
@@ -240,20 +240,20 @@ fn phases_of<'a>(
     whole: InSequence<'a>,
     mut queries: Vec<Query>,
     unread: &mut Unread,
-) -> (Checked<Vec<CheckedPhase<'a>>>, Told) {
-    let (mut checked, mut diagnostics) = (Vec::new(), Told::default());
+) -> (Checked<Vec<CheckedPhase<'a>>>, TaskDiagnostics) {
+    let (mut checked, mut diagnostics) = (Vec::new(), TaskDiagnostics::default());
     let mut failures = Failures::default();
     for (index, (phase, names)) in unit.phases.iter().zip(all_names).enumerate() {
         let until = phase.phase.and_then(|phase| phase.until.as_ref()).map(|until| (until, unit.file));
         let before = checked.iter().fold(0_u32, |sum, phase: &CheckedPhase<'_>| sum.saturating_add(phase.checked.timing.horizon));
         let sequence = InSequence { index, until, before, ..whole };
-        let (checker, mut found, mut told) = check::task::check(&phase.task, names, around, sequence, queries.clone());
+        let (checker, mut found, mut reported) = check::task::check(&phase.task, names, around, sequence, queries.clone());
         if let Ok(checked) = &mut found {
-            lint::find(&checker, checked, sequence, &mut told);
+            lint::find(&checker, checked, sequence, &mut reported);
         }
-        unread.note(names, around.scene, &told.whole);
-        diagnostics.formulas.extend(told.formulas);
-        diagnostics.whole.extend(told.whole);
+        unread.note(names, around.scene, &reported.whole);
+        diagnostics.formulas.extend(reported.formulas);
+        diagnostics.whole.extend(reported.whole);
         let found = failures.catch(found);
         if let Some(found) = &found {
             queries.clone_from(
@@ -336,27 +336,28 @@ impl Compiler<'_> {
         let (tests, is_phase) = (phase_names.is_empty(), unit.is_phase);
         let whole = InSequence { phases: &phase_names, success, tests, is_phase, ..InSequence::default() };
         let unread = &mut *self.unread.borrow_mut();
-        let (checked, mut told) = phases_of(unit, &all_names, around, whole, Vec::new(), unread);
+        let (checked, mut reported) = phases_of(unit, &all_names, around, whole, Vec::new(), unread);
         if broken.is_some() {
             // What formulas do not find may be what is broken in the scene: only the scene is at fault.
-            told.formulas.retain(|told| !matches!(told.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
+            reported.formulas.retain(|diagnostic| !matches!(diagnostic.code.id, "E0201" | "E0202" | "E0205" | "E0423"));
         }
         let statements = unit.phases.iter().map(|phase| &phase.task.statements);
         let mut misnamed = Vec::new();
         let mut allowances: Vec<Allowance> = statements.flat_map(|said| check::allows::of_task(said, &mut misnamed)).collect();
         let libraries = checked.iter().flatten().flat_map(|phase| &phase.checked.allowances);
         allowances.extend(libraries.cloned());
-        told.formulas.append(&mut of_scene);
-        for told in [&mut told.formulas, &mut told.whole] {
-            allowance::apply(&mut allowances, told);
+        reported.formulas.append(&mut of_scene);
+        for list in [&mut reported.formulas, &mut reported.whole] {
+            allowance::apply(&mut allowances, list);
         }
         if unit.sequence.is_some() || !misnamed.is_empty() {
-            // What an `allow` with a wrong name is to cover is not known. And a task is looked at by itself; as a phase it would only be told of again.
-            told.whole.retain(|told| told.severity == Severity::Error);
+            // What an `allow` with a wrong name is to cover is not known. And a task is checked by itself: as a phase, its
+            // warnings would only be repeated.
+            reported.whole.retain(|diagnostic| diagnostic.severity == Severity::Error);
         }
         diagnostics.append(&mut misnamed);
-        diagnostics.append(&mut told.formulas);
-        diagnostics.append(&mut told.whole);
+        diagnostics.append(&mut reported.formulas);
+        diagnostics.append(&mut reported.whole);
         let mut checked = broken.map_or(checked, Err);
         let tested = match (&unit.sequence, &mut checked) {
             (Some(statements), Ok(checked)) if statements.iter().any(is_test) => {
@@ -364,9 +365,13 @@ impl Compiler<'_> {
                 let known = checked.last().map(|last| last.checked.queries.clone()).unwrap_or_default();
                 let horizon = checked.iter().fold(0_u32, |sum, phase| sum.saturating_add(phase.checked.timing.horizon));
                 let tested = InSequence { tests: true, horizon, ..whole };
-                let (phases, told) = phases_of(unit, &all_names, around, tested, known, unread);
-                // What it warns of is told already.
-                let errors = told.formulas.into_iter().chain(told.whole).filter(|told| told.severity == Severity::Error);
+                let (phases, reported) = phases_of(unit, &all_names, around, tested, known, unread);
+                // Its warnings are reported already.
+                let errors = reported
+                    .formulas
+                    .into_iter()
+                    .chain(reported.whole)
+                    .filter(|diagnostic| diagnostic.severity == Severity::Error);
                 diagnostics.extend(errors.filter(|_| phases.is_err()));
                 Some(tests_of(phases?, diagnostics)?)
             }
@@ -422,8 +427,8 @@ impl Compiler<'_> {
         if used.edits.is_empty() {
             return Ok((described.description.clone(), Cow::Borrowed(vocabulary)));
         }
-        let (changes, told) = check::edits::edits(used, file, task, names, vocabulary);
-        diagnostics.extend(told);
+        let (changes, reported) = check::edits::edits(used, file, task, names, vocabulary);
+        diagnostics.extend(reported);
         let mut description = BodyDescription::clone(&described.description);
         description.changes = changes?;
         match self.bodies.vocabulary(&description) {

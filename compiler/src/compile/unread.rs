@@ -23,8 +23,8 @@ impl Unread {
         for place in declared.chain(groups).collect::<BTreeSet<_>>() {
             self.0.entry(place).or_default().declared += 1;
         }
-        let unread = warnings.iter().filter(|told| told.code == codes::lints::UNUSED);
-        for place in unread.map(|told| (told.file(), told.span())).collect::<BTreeSet<_>>() {
+        let unread = warnings.iter().filter(|diagnostic| diagnostic.code == codes::lints::UNUSED);
+        for place in unread.map(|diagnostic| (diagnostic.file(), diagnostic.span())).collect::<BTreeSet<_>>() {
             self.0.entry(place).or_default().unread += 1;
         }
     }
@@ -32,6 +32,6 @@ impl Unread {
     /// Drops the warnings about names that some task reads.
     pub(super) fn drop_read(&self, diagnostics: &mut Vec<Diagnostic>) {
         let read = |place| self.0.get(&place).is_some_and(|count| count.unread < count.declared);
-        diagnostics.retain(|told| told.code != codes::lints::UNUSED || !read((told.file(), told.span())));
+        diagnostics.retain(|diagnostic| diagnostic.code != codes::lints::UNUSED || !read((diagnostic.file(), diagnostic.span())));
     }
 }

@@ -9,14 +9,14 @@ fn lint_of(allowance: &Allowance) -> Option<Lint> {
 
 /// Takes the warnings of a task that `allowances` cover out of `diagnostics`; each that covers one is fulfilled. Errors stay.
 pub fn apply(allowances: &mut [Allowance], diagnostics: &mut Vec<Diagnostic>) {
-    diagnostics.retain(|told| {
+    diagnostics.retain(|diagnostic| {
         let mut covered = false;
         for allowance in allowances.iter_mut() {
-            let covers = allowance.code == told.code.id && allowance.scope.covers(told.file(), told.span());
+            let covers = allowance.code == diagnostic.code.id && allowance.scope.covers(diagnostic.file(), diagnostic.span());
             allowance.fulfilled |= covers;
             covered |= covers;
         }
-        !covered || told.severity == Severity::Error
+        !covered || diagnostic.severity == Severity::Error
     });
 }
 

@@ -60,14 +60,14 @@ impl Levels {
 
     /// Drops warnings of lints that are allowed and makes errors of those that are denied. Errors stay what they are.
     pub fn apply(&self, diagnostics: &mut Vec<Diagnostic>) {
-        diagnostics.retain_mut(|told| {
-            if told.severity == Severity::Error {
+        diagnostics.retain_mut(|diagnostic| {
+            if diagnostic.severity == Severity::Error {
                 return true;
             }
-            let Some(setting) = self.0.iter().rev().find(|setting| setting.lints.include(told.code)) else { return true };
+            let Some(setting) = self.0.iter().rev().find(|setting| setting.lints.include(diagnostic.code)) else { return true };
             if setting.level == Level::Deny {
-                told.severity = Severity::Error;
-                told.denied_by = Some(setting.written.clone());
+                diagnostic.severity = Severity::Error;
+                diagnostic.denied_by = Some(setting.written.clone());
             }
             setting.level != Level::Allow
         });
@@ -85,9 +85,10 @@ mod tests {
             all.set(Lints::named(name).unwrap(), *level, format!("--{} {name}", level.name()));
         }
         let warning = |code| Diagnostic::new(code, FileId::default(), Span::default(), "");
-        let mut told = vec![warning(codes::lints::UNUSED), warning(codes::intent::SPIKE), warning(codes::names::UNKNOWN_NAME)];
-        all.apply(&mut told);
-        told.iter().map(|told| (told.code.id, told.severity)).collect()
+        let mut diagnostics =
+            vec![warning(codes::lints::UNUSED), warning(codes::intent::SPIKE), warning(codes::names::UNKNOWN_NAME)];
+        all.apply(&mut diagnostics);
+        diagnostics.iter().map(|diagnostic| (diagnostic.code.id, diagnostic.severity)).collect()
     }
 
     #[test]

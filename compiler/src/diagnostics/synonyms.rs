@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_is_told_by_the_names_that_there_are() {
+    fn an_everyday_word_suggests_the_names_that_exist() {
         assert_eq!(of("foot_l"), ["sole_l", "ankle_l"]);
         assert_eq!(of("foot"), ["sole_{l,r}", "ankle_{l,r}"]);
         assert_eq!(of("feet"), ["sole_{l,r}", "ankle_{l,r}"]);

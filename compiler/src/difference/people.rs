@@ -10,7 +10,7 @@ enum Piece<'t> {
 }
 
 /// Two texts as people read them, and, where one number is all that differs, by how much it does: ` (+12.5 %)`.
-pub(super) fn told(before: &str, after: &str) -> (String, String, String) {
+pub(super) fn formatted(before: &str, after: &str) -> (String, String, String) {
     let (old, new) = (pieces(before), pieces(after));
     let alike = old.len() == new.len()
         && old.iter().zip(&new).all(|pair| match pair {
@@ -152,12 +152,12 @@ mod tests {
     use super::*;
 
     fn in_words(before: &str, after: &str) -> String {
-        let (before, after, ratio) = told(before, after);
+        let (before, after, ratio) = formatted(before, after);
         format!("{before} -> {after}{ratio}")
     }
 
     #[test]
-    fn one_number_that_differs_is_told_in_percent() {
+    fn one_number_that_differs_is_reported_in_percent() {
         assert_eq!(in_words("10", "12"), "10 -> 12 (+20 %)");
         assert_eq!(in_words("com.height < 0.8 m", "com.height < 0.75 m"), "com.height < 0.8 m -> com.height < 0.75 m (-6.25 %)");
         assert_eq!(in_words("exp(−10 s/m · v)", "exp(−12 s/m · v)"), "exp(−10 s/m · v) -> exp(−12 s/m · v) (+20 %)");

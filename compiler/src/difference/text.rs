@@ -44,7 +44,7 @@ impl Display for Change {
         }
         for FieldChange { field, before, after } in &self.fields {
             let shown = |value: &Option<String>| value.as_deref().map_or_else(|| "none".to_owned(), people::degrees);
-            let (before, after, ratio) = people::told(&shown(before), &shown(after));
+            let (before, after, ratio) = people::formatted(&shown(before), &shown(after));
             match field.as_str() {
                 "order" => writeln!(f, "      {before} -> {after}")?,
                 _ => writeln!(f, "      {field} {before} -> {after}{ratio}")?,
@@ -67,7 +67,7 @@ impl Change {
             match (before, after) {
                 (Some(joints), None) => match moved_to(change) {
                     Some(now) => {
-                        let (old, new, ratio) = people::told(&spread, &people::degrees(&now.field));
+                        let (old, new, ratio) = people::formatted(&spread, &people::degrees(&now.field));
                         writeln!(f, "      {old} -> {new}{ratio}: {joints}")?;
                     }
                     None => writeln!(f, "      {} -> none: {joints}", people::one(&spread))?,
@@ -105,21 +105,21 @@ impl Display for FormulaChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.before != self.after {
             // Formulas hold the numbers in the units in which they were typed; what they are computed with adds nothing to that.
-            let (_, _, ratio) = people::told(&self.before, &self.after);
+            let (_, _, ratio) = people::formatted(&self.before, &self.after);
             writeln!(f, "      from {}", self.before)?;
             return writeln!(f, "        to {}{ratio}", self.after);
         }
         let formula = if self.after.is_empty() { String::new() } else { format!(" ({})", self.after) };
         writeln!(f, "      same source, different value{formula}: a name in it has changed")?;
         for name in &self.names {
-            let (before, after, ratio) = people::told(&name.before, &name.after);
+            let (before, after, ratio) = people::formatted(&name.before, &name.after);
             writeln!(f, "      {} = {before} -> {after}{ratio}", name.name)?;
         }
         if !self.names.is_empty() || self.constants_before.is_empty() && self.constants_after.is_empty() {
             return Ok(());
         }
         let list = |constants: &[String]| if constants.is_empty() { "none".to_owned() } else { constants.join(", ") };
-        let (before, after, ratio) = people::told(&list(&self.constants_before), &list(&self.constants_after));
+        let (before, after, ratio) = people::formatted(&list(&self.constants_before), &list(&self.constants_after));
         writeln!(f, "      in SI units {before} -> {after}{ratio}")
     }
 }

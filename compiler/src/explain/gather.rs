@@ -21,7 +21,7 @@ pub struct Options<'a> {
     pub reset: Option<&'a [f64]>,
 }
 
-/// Everything that is told of a task.
+/// The report of a task.
 pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
     let at_reset = options.reset.filter(|frame| frame.len() == task.frame.size()).and_then(|frame| {
         let (mut state, mut report) = (TaskState::default(), StepReport::default());
@@ -31,7 +31,7 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
         Some(report)
     });
     let at_reset = at_reset.as_ref();
-    // What is drawn is told by its middle.
+    // Random values are reported by the middle of their range.
     let mut drawn = TaskState::default();
     let mut disturbances = task.disturbances.clone();
     let init = match task.begin(&mut Middle, &mut drawn) {
@@ -69,18 +69,18 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
 }
 
 fn parameters(task: &CompiledTask) -> Vec<ParameterReport> {
-    let told = task.parameters.iter().map(|parameter| ParameterReport {
+    let reports = task.parameters.iter().map(|parameter| ParameterReport {
         name: parameter.name.clone(),
         value: parameter.value,
         default: parameter.default,
         range: parameter.range,
         unit: parameter.unit.clone(),
     });
-    told.collect()
+    reports.collect()
 }
 
 fn motions(task: &CompiledTask) -> Vec<MotionReport> {
-    let told = task.motions.iter().map(|followed| MotionReport {
+    let reports = task.motions.iter().map(|followed| MotionReport {
         name: followed.name.clone(),
         title: followed.motion.name.clone(),
         digest: followed.motion.digest().to_owned(),
@@ -89,28 +89,28 @@ fn motions(task: &CompiledTask) -> Vec<MotionReport> {
         joints: followed.motion.joints().count(),
         start: followed.start.fixed(),
     });
-    told.collect()
+    reports.collect()
 }
 
 fn randoms(task: &CompiledTask) -> Vec<RandomReport> {
-    let told = task.randoms.iter().map(|random| RandomReport {
+    let reports = task.randoms.iter().map(|random| RandomReport {
         name: random.name.clone(),
         source: random.source.clone(),
         accept: random.accept.clone(),
         redraw: random.redraw.clone(),
     });
-    told.collect()
+    reports.collect()
 }
 
 /// A formula in all notations.
-fn told(formula: &Notation, source: &str) -> FormulaReport {
+fn formula_report(formula: &Notation, source: &str) -> FormulaReport {
     let Notation { plain, tree } = formula;
     FormulaReport { source: source.to_owned(), text: plain.clone(), latex: latex(tree), mathml: mathml(tree) }
 }
 
 fn phase_report(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport>) -> PhaseReport {
     let meaning = &phase.debug;
-    let terms = phase.terms.clone().zip(&meaning.terms).enumerate().map(|(own, (index, told_of))| {
+    let terms = phase.terms.clone().zip(&meaning.terms).enumerate().map(|(own, (index, debug))| {
         let term = &task.terms[index];
         let bounds =
             meaning.term_bounds.get(own).map(|bounds| [bounds.low, bounds.high]).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
@@ -121,33 +121,33 @@ fn phase_report(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport
             weight_from: term.origin.to_string(),
             weight_range: term.weight_range,
             fixed: term.fixed,
-            formula: told(&told_of.formula, &term.source),
-            docs: told_of.docs.clone(),
-            per_second: told_of.per_second,
-            condition: told_of.condition,
+            formula: formula_report(&debug.formula, &term.source),
+            docs: debug.docs.clone(),
+            per_second: debug.per_second,
+            condition: debug.condition,
             bounds: bounds.map(|bound| bound.is_finite().then_some(bound)),
-            reads: told_of.reads.clone(),
+            reads: debug.reads.clone(),
             remembers: phase.outputs.terms.get(own).map_or_else(Vec::new, |&node| memories(task, phase, node)),
             at_reset: at_reset.and_then(|report| report.terms.get(index).copied()),
         }
     });
-    let ends = |names: &[String], told_of: &[ConditionDebug], holds: &[bool]| -> Vec<EndReport> {
-        let told = names.iter().zip(told_of).enumerate();
-        told.map(|(index, (name, told))| end(name, told, holds.get(index).copied())).collect()
+    let ends = |names: &[String], conditions: &[ConditionDebug], holds: &[bool]| -> Vec<EndReport> {
+        let pairs = names.iter().zip(conditions).enumerate();
+        pairs.map(|(index, (name, debug))| end(name, debug, holds.get(index).copied())).collect()
     };
     let held = |report: fn(&StepReport) -> &[bool], range: std::ops::Range<usize>| {
         at_reset.and_then(|found| report(found).get(range)).unwrap_or_default()
     };
-    let metrics = task.metrics[phase.metrics.clone()].iter().zip(&meaning.metrics).map(|(metric, told_of)| MetricReport {
+    let metrics = task.metrics[phase.metrics.clone()].iter().zip(&meaning.metrics).map(|(metric, debug)| MetricReport {
         name: metric.name.clone(),
         size: metric.size,
         unit: metric.unit.clone(),
-        formula: told(&told_of.formula, ""),
+        formula: formula_report(&debug.formula, ""),
     });
     PhaseReport {
         name: phase.name.clone(),
         horizon: phase.horizon,
-        until: meaning.until.as_ref().map(|until| told(&until.formula, &until.source)),
+        until: meaning.until.as_ref().map(|until| formula_report(&until.formula, &until.source)),
         terms: terms.collect(),
         terminations: ends(
             &task.terminations[phase.terminations.clone()],
@@ -165,18 +165,18 @@ fn phase_report(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport
     }
 }
 
-fn end(name: &str, told_of: &ConditionDebug, holds_at_reset: Option<bool>) -> EndReport {
+fn end(name: &str, debug: &ConditionDebug, holds_at_reset: Option<bool>) -> EndReport {
     EndReport {
         name: name.to_owned(),
-        condition: told(&told_of.formula, &told_of.source),
-        after: told_of.after.clone(),
-        docs: told_of.docs.clone(),
+        condition: formula_report(&debug.formula, &debug.source),
+        after: debug.after.clone(),
+        docs: debug.docs.clone(),
         holds_at_reset,
     }
 }
 
 fn definition(definition: &Definition) -> DefinitionReport {
-    let part = |(word, formula): &(&'static str, Notation)| ((*word).to_owned(), told(formula, ""));
+    let part = |(word, formula): &(&'static str, Notation)| ((*word).to_owned(), formula_report(formula, ""));
     DefinitionReport {
         kind: definition.kind.to_owned(),
         name: definition.name.clone(),
@@ -188,7 +188,7 @@ fn definition(definition: &Definition) -> DefinitionReport {
 
 fn observation(task: &CompiledTask) -> ObservationReport {
     let channels = task.channels.iter().enumerate().map(|(place, channel)| {
-        let told_of = task.phases.iter().find_map(|phase| {
+        let debug = task.phases.iter().find_map(|phase| {
             let own = phase.channels.get(place).copied().flatten()?;
             phase.debug.channels.get(own)
         });
@@ -197,9 +197,9 @@ fn observation(task: &CompiledTask) -> ObservationReport {
             offset: channel.offset,
             size: channel.size,
             unit: channel.unit.clone(),
-            block: told_of.map(|told_of| told_of.block.clone()).unwrap_or_default(),
-            formula: told_of.map(|told_of| told(&told_of.formula, "")).unwrap_or_default(),
-            docs: told_of.map(|told_of| told_of.docs.clone()).unwrap_or_default(),
+            block: debug.map(|debug| debug.block.clone()).unwrap_or_default(),
+            formula: debug.map(|debug| formula_report(&debug.formula, "")).unwrap_or_default(),
+            docs: debug.map(|debug| debug.docs.clone()).unwrap_or_default(),
         }
     });
     ObservationReport { size: task.observation_size(), channels: channels.collect() }
@@ -209,7 +209,7 @@ fn observation(task: &CompiledTask) -> ObservationReport {
 fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
     let graph = &phase.graph;
     let mut seen = BTreeSet::new();
-    let told = graph.reachable([node]).into_iter().filter_map(|id| {
+    let texts = graph.reachable([node]).into_iter().filter_map(|id| {
         let node = graph.node(id);
         let values = |width: usize| if width == 1 { "1 value".to_owned() } else { format!("{width} values") };
         let text = match &node.operation {
@@ -228,9 +228,9 @@ fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
         // What comes twice is counted by its width already or is the same thing.
         seen.insert((id, text.clone())).then_some(text)
     });
-    let mut told: Vec<String> = told.collect();
-    told.dedup();
-    told
+    let mut texts: Vec<String> = texts.collect();
+    texts.dedup();
+    texts
 }
 
 fn memory_in_words(memory: Memory) -> &'static str {

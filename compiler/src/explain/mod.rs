@@ -1,4 +1,4 @@
-//! What the compiler understood, told back.
+//! Reports what the compiler understood of a task.
 //!
 //! A [`TaskReport`] contains all of it as plain data, which is also what tools get as JSON; text for terminals, tables for papers
 //! ([`latex`]) and pages for browsers ([`html`]) are written from it. Formulas come from one tree of mathematics

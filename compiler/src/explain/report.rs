@@ -1,4 +1,4 @@
-//! Everything that is told of a task, as plain data in SI units. Its JSON form is stable: fields are added, never changed.
+//! The report of a task as plain data in SI units. Its JSON form is stable: fields are added, never changed.
 
 use crate::numbers::for_people;
 use serde::Serialize;
@@ -196,22 +196,22 @@ pub struct InitialStateReport {
 impl InitialStateReport {
     /// Joints that no coupling slaves, those of both sides that are alike under one name: `knee angle l,r`.
     pub(super) fn independent_joints(&self) -> Vec<(String, &JointReport)> {
-        let mut told: Vec<(String, &JointReport)> = Vec::new();
+        let mut rows: Vec<(String, &JointReport)> = Vec::new();
         for joint in self.joints.iter().filter(|joint| joint.independent) {
             let (base, side) = match joint.name.rsplit_once('_') {
                 Some((base, side @ ("l" | "r"))) => (base, side),
                 _ => (joint.name.as_str(), ""),
             };
-            let twin = told.iter_mut().find(|(_, known)| {
+            let twin = rows.iter_mut().find(|(_, known)| {
                 let other = known.name.rsplit_once('_').filter(|(_, other)| !side.is_empty() && matches!(*other, "l" | "r"));
                 other.is_some_and(|(known_base, other)| known_base == base && other != side) && known.value == joint.value
             });
             match twin {
                 Some((name, _)) => *name = format!("{} l,r", base.replace('_', " ")),
-                None => told.push((joint.name.replace('_', " "), joint)),
+                None => rows.push((joint.name.replace('_', " "), joint)),
             }
         }
-        told
+        rows
     }
 }
 

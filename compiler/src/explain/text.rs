@@ -194,7 +194,7 @@ fn definitions(phase: &PhaseReport, text: &mut String) {
 }
 
 fn ends(phase: &PhaseReport, text: &mut String) {
-    let told = |text: &mut String, end: &EndReport| {
+    let write_end = |text: &mut String, end: &EndReport| {
         let after = if end.after.is_empty() { String::new() } else { format!(", after {}", end.after) };
         let holds = if end.holds_at_reset == Some(true) { "   (holds at reset!)" } else { "" };
         let _ = writeln!(text, "  {} when {}{after}{holds}", end.name, end.condition.source);
@@ -203,11 +203,11 @@ fn ends(phase: &PhaseReport, text: &mut String) {
     if phase.terminations.is_empty() {
         let _ = writeln!(text, "  never");
     }
-    phase.terminations.iter().for_each(|end| told(text, end));
+    phase.terminations.iter().for_each(|end| write_end(text, end));
     if !phase.finishes.is_empty() {
         let _ = writeln!(text, "\nFinishes");
     }
-    phase.finishes.iter().for_each(|end| told(text, end));
+    phase.finishes.iter().for_each(|end| write_end(text, end));
     if let Some(success) = &phase.success {
         let holds = if success.holds_at_reset == Some(true) { "   (holds at reset!)" } else { "" };
         let _ = writeln!(text, "\nSucceeds when {} at the last step{holds}", success.condition.source);

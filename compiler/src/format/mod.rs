@@ -41,7 +41,7 @@ pub enum FormatError {
 pub fn format(file: FileId, text: &str) -> Result<String, FormatError> {
     let parsed = parse(file, text);
     if parsed.has_errors() {
-        let errors = parsed.diagnostics.into_iter().filter(|told| told.severity == Severity::Error).collect();
+        let errors = parsed.diagnostics.into_iter().filter(|diagnostic| diagnostic.severity == Severity::Error).collect();
         return Err(FormatError::Unreadable(errors));
     }
     let marks = columns::Marks::of(&parsed.tree);

@@ -351,12 +351,12 @@ fn debug_info(source: &WholeTask, checked: &CheckedTask<'_>, outputs: &Outputs, 
         per_second: paid.per_second,
     });
     let channels = |channels: &[ObservedChannel]| {
-        let told = channels.iter().map(|channel| ChannelDebug {
+        let debug = channels.iter().map(|channel| ChannelDebug {
             formula: notation(&channel.formula),
             docs: channel.docs.clone(),
             block: channel.block.clone(),
         });
-        told.collect()
+        debug.collect()
     };
     DebugInfo {
         terms: terms.collect(),

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 /// A success that neither remembers nor asks how the episode ended. A phase is judged where its sequence leaves it.
 pub(crate) fn last_step(task: &CheckedTask<'_>, sequence: InSequence<'_>, diagnostics: &mut Vec<Diagnostic>) {
-    let at_success = |told: &Diagnostic| (told.file(), told.span()) == task.success_at;
+    let at_success = |diagnostic: &Diagnostic| (diagnostic.file(), diagnostic.span()) == task.success_at;
     // One warning about a condition is enough.
     if !sequence.phases.is_empty() || sequence.is_phase || diagnostics.iter().any(at_success) {
         return;

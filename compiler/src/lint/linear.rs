@@ -10,7 +10,7 @@ use crate::graph::operation::{Binary, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
 use crate::vocabulary::Vocabulary;
 
-/// Summands of a formula that are told apart.
+/// Summands of a formula that are distinguished.
 const MOST: usize = 16;
 
 /// How deep a formula is followed, and how many of its nodes are looked at: one that is read twice is looked at twice.

@@ -32,7 +32,7 @@ mod wrong_bound;
 use crate::check::context::{Checker, End};
 use crate::check::ranges::{NeutralRange, OperatingRange, Shaken};
 use crate::check::reward::PaidTerm;
-use crate::check::task::{CheckedTask, InSequence, Told};
+use crate::check::task::{CheckedTask, InSequence, TaskDiagnostics};
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Sensor;
 use crate::graph::interval::{self, Bounds};
@@ -46,11 +46,16 @@ use crate::task::RootPlacement;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Finds what is to be warned of in a task without errors, and between which values its terms stay.
-pub(crate) fn find(checker: &Checker<'_>, checked: &mut CheckedTask<'_>, sequence: InSequence<'_>, told: &mut Told) {
-    unused(checker, &mut told.whole);
-    checked.term_bounds = task(checker, checked, &mut told.whole);
-    last_step::last_step(checked, sequence, &mut told.whole);
-    phase_end(checker, checked, sequence, &mut told.formulas);
+pub(crate) fn find(
+    checker: &Checker<'_>,
+    checked: &mut CheckedTask<'_>,
+    sequence: InSequence<'_>,
+    diagnostics: &mut TaskDiagnostics,
+) {
+    unused(checker, &mut diagnostics.whole);
+    checked.term_bounds = task(checker, checked, &mut diagnostics.whole);
+    last_step::last_step(checked, sequence, &mut diagnostics.whole);
+    phase_end(checker, checked, sequence, &mut diagnostics.formulas);
 }
 
 /// Names that a task declares and nothing reads.
@@ -192,9 +197,9 @@ fn is_plain_number(expr: &Expr) -> bool {
 
 /// Every condition that ends an episode or tells its success: in words, its node, its place.
 fn conditions(task: &CheckedTask<'_>) -> Vec<(String, NodeId, FileId, Span)> {
-    let told = |what: &str, end: &End| (format!("the {what} `{}`", end.name), end.node, end.file, end.span);
-    let mut conditions: Vec<_> = task.terminations.iter().map(|end| told("termination", end)).collect();
-    conditions.extend(task.finishes.iter().map(|end| told("reason to finish", end)));
+    let described = |what: &str, end: &End| (format!("the {what} `{}`", end.name), end.node, end.file, end.span);
+    let mut conditions: Vec<_> = task.terminations.iter().map(|end| described("termination", end)).collect();
+    conditions.extend(task.finishes.iter().map(|end| described("reason to finish", end)));
     conditions.push(("success".to_owned(), task.success, task.success_at.0, task.success_at.1));
     conditions
 }
@@ -250,7 +255,7 @@ fn held_too_long(task: &CheckedTask<'_>, node: NodeId, bounds: &[Vec<Bounds>]) -
 /// Between which values both sides of a comparison stay, if a condition is one.
 fn sides_in_words(task: &CheckedTask<'_>, node: NodeId, bounds: &[Vec<Bounds>]) -> Option<String> {
     let compared = task.comparisons.iter().find(|compared| compared.node == node)?;
-    let told = |side: NodeId| {
+    let in_words = |side: NodeId| {
         let (found, unit) = (interval::of_scalar(bounds, side), &compared.unit);
         let amount = |value: f64| for_people(unit.amount(value));
         match (found.single(), found.low.is_finite(), found.high.is_finite()) {
@@ -261,7 +266,7 @@ fn sides_in_words(task: &CheckedTask<'_>, node: NodeId, bounds: &[Vec<Bounds>]) 
             (None, false, false) => "any number".to_owned(),
         }
     };
-    Some(format!("{} on the left, {} on the right", told(compared.sides[0]), told(compared.sides[1])))
+    Some(format!("{} on the left, {} on the right", in_words(compared.sides[0]), in_words(compared.sides[1])))
 }
 
 /// A phase of a sequence that can never give way: its `until` needs more time than the phase has, for example.

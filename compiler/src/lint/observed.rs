@@ -84,7 +84,7 @@ fn places(
         diagnostics.push(root.warning(codes::incentive::WORLD_AXIS, message).help(help));
         by_axis = true;
     }
-    // Who knows the place has what the heading is to be told from.
+    // A policy that observes the place can infer the heading from it.
     let placed = |index: usize| depends[1][index] || depends[2][index];
     let first = |shift: usize, counts: &dyn Fn(usize) -> bool| {
         let found = (0..roots.len()).find(|&index| depends[shift][index] && counts(index));

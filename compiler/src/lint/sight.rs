@@ -145,7 +145,7 @@ pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics:
         .filter_map(|sensor| checker.vocabulary.joints.get(joint_of(sensor)?))
         .map(|j| j.name.as_str())
         .collect();
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     let terms = task.terms.iter().map(|term| ("the reward".to_owned(), term.node, term.file, term.formula.span));
     let ends = task.terminations.iter().chain(&task.finishes);
     let ends = ends.map(|end| (format!("the termination `{}`", end.name), end.node, end.file, end.span));
@@ -153,7 +153,7 @@ pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics:
         let read = sensors(&task.graph, std::iter::once(node), |sensor| landmark_of(sensor).is_some());
         for index in read.into_iter().filter_map(landmark_of) {
             let Some(mover) = things.mover(index) else { continue };
-            if !seen.contains(&mover) && !things.follows_from(mover, &seen, &measured) && told.insert(index) {
+            if !seen.contains(&mover) && !things.follows_from(mover, &seen, &measured) && reported.insert(index) {
                 let name = &checker.vocabulary.landmarks[index].name;
                 let message = format!("{what} depends on the place of `{name}`, which is not observed");
                 let diagnostic = Diagnostic::new(codes::intent::UNOBSERVED_OBJECT, file, span, message)

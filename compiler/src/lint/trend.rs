@@ -15,7 +15,7 @@ pub(super) enum Trend {
     Rising,
     /// It falls, or stays.
     Falling,
-    /// Both, or it cannot be told.
+    /// Both, or unknown.
     Unclear,
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Motion, Target};
 use crate::diagnostics::{Diagnostic, FileId, codes, nearest};
-use crate::numbers::told_apart;
+use crate::numbers::distinguished;
 use crate::quantity::dimension::Dimension;
 use crate::quantity::unit;
 use crate::vocabulary::{Joint, JointKind, Vocabulary};
@@ -49,7 +49,7 @@ fn beyond(motion: &Motion, column: usize, joint: &Joint, file: FileId) -> Option
     }
     let column = &motion.columns[column];
     let factor = unit::find(&column.unit).map_or(1.0, |unit| unit.factor);
-    let shown = told_apart(&[low, high, least, most].map(|value| value / factor));
+    let shown = distinguished(&[low, high, least, most].map(|value| value / factor));
     let between = |low: usize| format!("{} .. {} {}", shown[low], shown[low + 1], column.unit);
     let message = format!("`{}` leaves the range of the joint", joint.name);
     let problem = Diagnostic::new(codes::composition::MOTION_COLUMN, file, column.span, message);

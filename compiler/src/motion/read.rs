@@ -2,7 +2,7 @@
 
 use super::{Column, Motion, RootPart, Table, Target};
 use crate::diagnostics::{Checked, Code, Diagnostic, Failures, FileId, Reported, Span, codes, nearest};
-use crate::numbers::{for_people, told_apart};
+use crate::numbers::{distinguished, for_people};
 use crate::quantity::dimension::Dimension;
 use crate::quantity::unit;
 
@@ -404,7 +404,7 @@ impl Reader {
                 let name = column.target.name();
                 let factor = unit::find(&column.unit).map_or(1.0, |unit| unit.factor);
                 let tidy = |value: f64| (value / factor * 1e6).round() / 1e6;
-                let shown = told_apart(&[tidy(*first), tidy(*last)]).map(|value| format!("{value} {}", column.unit));
+                let shown = distinguished(&[tidy(*first), tidy(*last)]).map(|value| format!("{value} {}", column.unit));
                 let ([expected, found], file, span) = (shown, self.file, column.span);
                 let message = format!("the cycle does not close: first and last value of `{name}` differ");
                 let diagnostic = self.error(codes::composition::MOTION_CYCLE, last_row, message);

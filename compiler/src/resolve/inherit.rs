@@ -11,7 +11,7 @@
 use super::layers::Layers;
 use super::texts::{Texts, label_of};
 use crate::diagnostics::{Checked, Diagnostic, Failures, FileId, Span, codes, nearest};
-use crate::numbers::told_apart;
+use crate::numbers::distinguished;
 use crate::syntax::tree::{
     Allow, Block, Bounds, Channel, Ends, Entry, Ident, Remove, Reward, Task, TaskParameter, TaskStatement, Term, Weight,
 };
@@ -411,7 +411,7 @@ fn narrowed(weight: &Weight, old: &Term, file: FileId, diagnostics: &mut Vec<Dia
         if let Bounds::Range { low, high, .. } = old.bounds
             && !(low..=high).contains(&weight.value)
         {
-            let shown = told_apart(&[low, high, weight.value]);
+            let shown = distinguished(&[low, high, weight.value]);
             let diagnostic =
                 Diagnostic::new(codes::tasks::WEIGHT, file, weight.span, "this weight is outside of the range of the term")
                     .expected(format!("{} .. {}", shown[0], shown[1]))

@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_many_files_declare_is_told_a_bounded_number_of_times() {
+    fn a_name_that_many_files_declare_is_reported_a_bounded_number_of_times() {
         let mut sources = SourceMap::default();
         let parse = |_| syntax::parse(sources.add("a.msk", ""), "const same = 1\n").tree;
         let trees: Vec<File> = (0..100).map(parse).collect();

@@ -7,7 +7,7 @@ use crate::graph::operation::{Binary, Operation, Reduction, Unary};
 use crate::graph::{Graph, NodeId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is missing, 0 or more; the units of comparisons are not told apart.
+/// What is missing, 0 or more; the units of comparisons are not distinguished.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lack {
     pub to_hold: f64,

@@ -15,7 +15,7 @@ pub(super) struct Seen<'a> {
     pub trusted: &'a BTreeSet<Sensor>,
 }
 
-/// Places and distances are taken to be known to this, m: what is missed by less is not told.
+/// Places and distances are taken to be known to this, m: a smaller miss is not reported.
 const LENGTH: f64 = 5e-3;
 /// Angles and directions are taken to be known to this, rad.
 const ANGLE: f64 = 1e-2;

@@ -1,7 +1,7 @@
-//! Errors that only follow from others are not told.
+//! Errors that only follow from others are not reported.
 //!
 //! A bracket too few or too many lets the rest of its line stand where it does not belong: what is said of it there would be
-//! about a text that nobody wrote. The first error of such a line is told; whatever else is wrong with it shows when that is
+//! about a text that nobody wrote. The first error of such a line is reported; everything else wrong with it shows when that is
 //! mended.
 
 use crate::diagnostics::codes::syntax as codes;
@@ -25,7 +25,7 @@ pub(super) fn forget(text: &str, diagnostics: &mut Vec<Diagnostic>) {
             together.push(next);
         }
         if together.iter().any(is_of_a_bracket) {
-            let first = together.iter().position(|told| told.severity == Severity::Error);
+            let first = together.iter().position(|diagnostic| diagnostic.severity == Severity::Error);
             together.truncate(first.map_or(1, |first| first + 1));
         }
         kept.append(&mut together);

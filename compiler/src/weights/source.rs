@@ -59,7 +59,7 @@ impl Weights {
     pub fn of(file: FileId, text: &str) -> Result<Self, Vec<Diagnostic>> {
         let parsed = parse(file, text);
         if parsed.has_errors() {
-            return Err(parsed.diagnostics.into_iter().filter(|told| told.severity == Severity::Error).collect());
+            return Err(parsed.diagnostics.into_iter().filter(|diagnostic| diagnostic.severity == Severity::Error).collect());
         }
         let (mut entries, mut inherits) = (Vec::new(), false);
         for item in &parsed.tree.items {

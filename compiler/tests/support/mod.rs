@@ -65,9 +65,9 @@ fn check_page(page: &str, reading: &dyn Reading) -> (String, Vec<(usize, String)
         let answer = answer(&block.body, info.trim(), &files, reading);
         // The answer may follow after an empty line.
         let gap = blocks.next_if(|next| next.info.is_none() && next.source.trim().is_empty());
-        let told = blocks.next_if(|next| next.info.as_deref() == Some("text"));
-        let had_answer = told.is_some();
-        let expected = told.map(|told| told.body).unwrap_or_default();
+        let recorded = blocks.next_if(|next| next.info.as_deref() == Some("text"));
+        let had_answer = recorded.is_some();
+        let expected = recorded.map(|block| block.body).unwrap_or_default();
         if answer != expected {
             wrong.push((block.line, format!("{}-- expected --\n{expected}-- found --\n{answer}", block.body)));
         }

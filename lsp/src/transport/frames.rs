@@ -266,8 +266,8 @@ mod tests {
     #[test]
     fn every_bad_length_is_an_error_of_its_own() {
         let stream = "Content-Length: -1\r\n\r\nab".to_owned() + "Content-Length: -2\r\n\r\nab" + &frame("x");
-        let told = frames(stream.as_bytes(), 5);
-        assert_eq!(told, [error(FrameError::Length("-1".into())), error(FrameError::Length("-2".into())), body("x")]);
+        let results = frames(stream.as_bytes(), 5);
+        assert_eq!(results, [error(FrameError::Length("-1".into())), error(FrameError::Length("-2".into())), body("x")]);
     }
 
     #[test]

@@ -115,13 +115,15 @@ mod tests {
     const INVALID: i32 = ErrorCode::InvalidRequest as i32;
 
     #[test]
-    fn requests_notifications_and_answers_are_told_apart() {
+    fn requests_notifications_and_answers_are_distinguished() {
         let message = |text: &str| decode(text.as_bytes()).message.unwrap();
         assert!(matches!(message(r#"{"id":1,"method":"a"}"#), Message::Request(request) if request.id == 1.into()));
         assert!(
             matches!(message(r#"{"id":"1","method":"a"}"#), Message::Request(request) if request.id == "1".to_owned().into())
         );
-        assert!(matches!(message(r#"{"method":"a","params":[1]}"#), Message::Notification(told) if told.params == json!([1])));
+        assert!(
+            matches!(message(r#"{"method":"a","params":[1]}"#), Message::Notification(notification) if notification.params == json!([1]))
+        );
         assert!(matches!(message(r#"{"id":1,"result":null}"#), Message::Response(_)));
         assert!(matches!(message(r#"{"id":1,"error":{}}"#), Message::Response(_)));
     }
@@ -162,9 +164,11 @@ mod tests {
     }
 
     #[test]
-    fn a_change_of_a_text_with_a_lone_surrogate_is_told_and_kept() {
+    fn a_change_of_a_text_with_a_lone_surrogate_is_reported_and_kept() {
         let Decoded { message, malformed } = decode(br#"{"method":"a","params":["x\ud800y","\ud834\udd1e"]}"#);
-        assert!(matches!(message, Some(Message::Notification(told)) if told.params == json!(["x\u{fffd}y", "\u{1d11e}"])));
+        assert!(
+            matches!(message, Some(Message::Notification(notification)) if notification.params == json!(["x\u{fffd}y", "\u{1d11e}"]))
+        );
         assert_eq!(malformed.unwrap().code, PARSE);
     }
 

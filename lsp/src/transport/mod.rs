@@ -80,7 +80,7 @@ fn read<R: io::BufRead, W: Write>(input: R, output: &Output<W>, mut pass: impl F
             output.refuse(&malformed)?;
         }
         let Some(message) = message else { continue };
-        let exits = matches!(&message, Message::Notification(told) if told.method == Exit::METHOD);
+        let exits = matches!(&message, Message::Notification(notification) if notification.method == Exit::METHOD);
         if !pass(message) || exits {
             break;
         }

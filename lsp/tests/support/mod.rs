@@ -1,7 +1,7 @@
 //! A client in memory: what an editor would send and get, with texts and a body that need no disk and no physics.
 
 use lsp_server::{Connection, Message, Notification, Request, RequestId, Response};
-use lsp_types::notification::{self as told, Notification as _};
+use lsp_types::notification::{self as notifications, Notification as _};
 use lsp_types::{Position, PublishDiagnosticsParams, Range};
 use msk_compiler::body::BodyDescription;
 use msk_compiler::files::{BodySource, LoadError, Loader};
@@ -81,8 +81,8 @@ pub struct Client {
     server: Option<JoinHandle<Ended>>,
     next: i32,
     early: Vec<Response>,
-    /// What was last told of each file.
-    pub told: BTreeMap<String, PublishDiagnosticsParams>,
+    /// The diagnostics last published for each file.
+    pub published: BTreeMap<String, PublishDiagnosticsParams>,
     /// Lines of the log.
     pub log: Vec<String>,
     /// The files that the server reads.
@@ -104,8 +104,8 @@ impl Client {
         }
         let (files, body) = (disk.clone(), human.clone());
         let thread = std::thread::spawn(move || msk_lsp::serve(&server, &files, &body, &|root: &Path| files.below(root)));
-        let (early, told, log) = Default::default();
-        Self { connection, server: Some(thread), next: 0, early, told, log, disk, human }
+        let (early, published, log) = Default::default();
+        Self { connection, server: Some(thread), next: 0, early, published, log, disk, human }
     }
 
     /// Starts one and greets it.
@@ -176,12 +176,12 @@ impl Client {
     fn message(&mut self) -> Option<Response> {
         match self.connection.receiver.recv_timeout(PATIENCE).expect("the server is silent") {
             Message::Response(response) => Some(response),
-            Message::Notification(n) if n.method == told::PublishDiagnostics::METHOD => {
+            Message::Notification(n) if n.method == notifications::PublishDiagnostics::METHOD => {
                 let news: PublishDiagnosticsParams = serde_json::from_value(n.params).unwrap();
-                self.told.insert(news.uri.as_str().to_owned(), news);
+                self.published.insert(news.uri.as_str().to_owned(), news);
                 None
             }
-            Message::Notification(n) if n.method == told::LogMessage::METHOD => {
+            Message::Notification(n) if n.method == notifications::LogMessage::METHOD => {
                 self.log.push(n.params["message"].as_str().unwrap().to_owned());
                 None
             }
@@ -201,13 +201,13 @@ impl Client {
         self.tell("textDocument/didChange", json!({ "textDocument": document, "contentChanges": [{ "text": text }] }));
     }
 
-    /// The codes that are told of a file, once `version` of it has been looked at.
+    /// The codes published for a file, once `version` of it has been looked at.
     pub fn codes(&mut self, path: &str, version: Option<i32>) -> Vec<String> {
         let key = uri(path);
-        while self.told.get(&key).is_none_or(|news| news.version != version) {
+        while self.published.get(&key).is_none_or(|news| news.version != version) {
             assert!(self.message().is_none(), "no answer is due");
         }
-        self.told[&key].diagnostics.iter().map(|told| code(&serde_json::to_value(told).unwrap())).collect()
+        self.published[&key].diagnostics.iter().map(|diagnostic| code(&serde_json::to_value(diagnostic).unwrap())).collect()
     }
 
     /// Asks about a place.
@@ -229,8 +229,8 @@ impl Client {
     }
 }
 
-fn code(told: &Value) -> String {
-    told["code"].as_str().unwrap().to_owned()
+fn code(diagnostic: &Value) -> String {
+    diagnostic["code"].as_str().unwrap().to_owned()
 }
 
 /// The address of a path.

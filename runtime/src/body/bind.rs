@@ -28,8 +28,8 @@ fn list(problems: &[Problem]) -> String {
     let muscle = |problem: &Problem| if let Problem::NoFamily { muscle } = problem { Some(format!("`{muscle}`")) } else { None };
     let outside: Vec<String> = problems.iter().filter_map(muscle).collect();
     let several = outside.len() > NAMED;
-    let told = problems.iter().filter(|problem| !several || muscle(problem).is_none());
-    let mut text: String = told.map(|problem| format!("\n  - {problem}")).collect();
+    let listed = problems.iter().filter(|problem| !several || muscle(problem).is_none());
+    let mut text: String = listed.map(|problem| format!("\n  - {problem}")).collect();
     if several {
         let (named, rest) = outside.split_at(NAMED);
         text += &format!(
@@ -42,7 +42,7 @@ fn list(problems: &[Problem]) -> String {
     text
 }
 
-fn told(unit: &SpokenUnit, low: f64, high: f64, value: f64) -> (String, String) {
+fn range_and_value(unit: &SpokenUnit, low: f64, high: f64, value: f64) -> (String, String) {
     unit.tell_beside([low, high], value)
 }
 
@@ -114,7 +114,7 @@ pub enum Problem {
         joint: String,
     },
     /// A pose outside of a joint's range.
-    #[error("pose `{pose}` sets `{joint}` to {}, outside of its range {}", told(.unit, *.low, *.high, *.value).1, told(.unit, *.low, *.high, *.value).0)]
+    #[error("pose `{pose}` sets `{joint}` to {}, outside of its range {}", range_and_value(.unit, *.low, *.high, *.value).1, range_and_value(.unit, *.low, *.high, *.value).0)]
     OutOfRange {
         /// The pose.
         pose: String,
@@ -126,7 +126,7 @@ pub enum Problem {
         low: f64,
         /// Upper bound.
         high: f64,
-        /// In which people are told of it.
+        /// The unit of the message.
         unit: SpokenUnit,
     },
     /// No standing pose.
@@ -168,7 +168,7 @@ struct Binder<'a> {
 
 impl Binder<'_> {
     fn body(&mut self) -> Option<Body> {
-        // Without the root the rest is read all the same: whatever else is wrong is told at once.
+        // Without the root the rest is read all the same: all problems are reported at once.
         let root = self.root();
         self.members = root.as_ref().map_or(0..self.model.bodies.name.len(), |root| subtree(self.model, root.body));
         let landmarks = self.landmarks();

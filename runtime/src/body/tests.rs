@@ -173,7 +173,7 @@ fn everything_that_does_not_fit_is_reported_at_once() {
 #[test]
 fn a_root_that_is_missing_or_bent_is_an_error() {
     assert!(problems(|description| description.root = "trunks".into()).contains("did you mean `trunk`?"));
-    // What else is wrong is told with it.
+    // Everything else that is wrong is reported with it.
     let two = problems(|description| {
         description.root = "trunks".into();
         description.poses.clear();

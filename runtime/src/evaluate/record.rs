@@ -167,7 +167,7 @@ impl Tally {
             Some(Ending::Fault(fault)) => Some(fault.to_string()),
             _ => None,
         };
-        // Several reasons may hold at once, also of both kinds: all are told.
+        // Several reasons may hold at once, also of both kinds: all are recorded.
         let holding = |names: &[String], holds: &[bool]| {
             let names = names.iter().zip(holds).filter(|(_, holds)| **holds && fault.is_none());
             names.map(|(name, _)| name.clone()).collect::<Vec<_>>()
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn endings_are_told_apart() {
+    fn endings_are_distinguished() {
         let ended_by = |record: EpisodeRecord| record.ended_by();
         assert_eq!(ended_by(record()), "fallen and tilted");
         assert_eq!(ended_by(EpisodeRecord { terminated_by: vec![], finished_by: vec!["done".into()], ..record() }), "done");

@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_that_cannot_be_read_are_told_apart() {
+    fn files_that_cannot_be_read_are_distinguished() {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str, content: &[u8]| {
             let path = folder.path().join(name);

@@ -165,11 +165,11 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused() {
-        let told = |bytes: &[u8]| Excitations::from_npy(bytes, 2).unwrap_err().to_string();
-        let with = |header: &str, numbers: &[f64]| told(&file(1, header, numbers));
-        assert_eq!(told(b"PK\x03\x04"), "is not a NumPy array: it has no NumPy signature");
-        assert_eq!(told(&file(1, &header("1, 2"), &[])[..20]), "is not a NumPy array: it ends within its header");
-        assert_eq!(told(&file(7, "", &[])), "is not a NumPy array: its version is not 1, 2 or 3");
+        let error_of = |bytes: &[u8]| Excitations::from_npy(bytes, 2).unwrap_err().to_string();
+        let with = |header: &str, numbers: &[f64]| error_of(&file(1, header, numbers));
+        assert_eq!(error_of(b"PK\x03\x04"), "is not a NumPy array: it has no NumPy signature");
+        assert_eq!(error_of(&file(1, &header("1, 2"), &[])[..20]), "is not a NumPy array: it ends within its header");
+        assert_eq!(error_of(&file(7, "", &[])), "is not a NumPy array: its version is not 1, 2 or 3");
         assert_eq!(with("{}", &[]), "is not a NumPy array: its header has no type or no order");
         for shape in ["2", "2,", "2, 3", "2, 2, 2", "-1, 2", "x, 2", ""] {
             assert!(with(&header(shape), &[0.0; 8]).contains("must hold rows of 2 numbers"), "{shape}");
@@ -182,13 +182,13 @@ mod tests {
 
     #[test]
     fn a_header_that_would_exhaust_a_reader_is_refused() {
-        let told = |bytes: &[u8]| Excitations::from_npy(bytes, 2).unwrap_err();
+        let error_of = |bytes: &[u8]| Excitations::from_npy(bytes, 2).unwrap_err();
         // Rows beyond what any file holds: the product overflows 64 bits.
-        assert!(matches!(told(&file(1, &header("18446744073709551615, 2"), &[])), ExcitationsError::Short { .. }));
-        assert!(matches!(told(&file(1, &header("99999999999999999999, 2"), &[])), ExcitationsError::Shape { .. }));
+        assert!(matches!(error_of(&file(1, &header("18446744073709551615, 2"), &[])), ExcitationsError::Short { .. }));
+        assert!(matches!(error_of(&file(1, &header("99999999999999999999, 2"), &[])), ExcitationsError::Shape { .. }));
         // A value nested without end, a length of the header beyond the file.
         let nested = format!("{{'descr': {}", "(".repeat(60_000));
-        assert!(matches!(told(&file(1, &nested, &[])), ExcitationsError::Format(_)));
-        assert!(matches!(told(b"\x93NUMPY\x02\0\xff\xff\xff\xff{"), ExcitationsError::Format(_)));
+        assert!(matches!(error_of(&file(1, &nested, &[])), ExcitationsError::Format(_)));
+        assert!(matches!(error_of(b"\x93NUMPY\x02\0\xff\xff\xff\xff{"), ExcitationsError::Format(_)));
     }
 }

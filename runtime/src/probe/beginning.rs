@@ -18,8 +18,8 @@ use std::sync::Arc;
 /// How often a task is begun: enough to see through its noise.
 const SEEDS: u64 = 3;
 
-/// How many overlaps or gaps are told one by one.
-const MOST_TOLD: usize = 4;
+/// How many overlaps or gaps are listed one by one.
+const MOST_LISTED: usize = 4;
 
 /// Shapes that are worn may be so deep in what wears them, m.
 const DEEPEST_WORN: f64 = 0.01;
@@ -52,25 +52,25 @@ struct Tally {
     terms: Vec<f64>,
 }
 
-/// Begins a task with several seeds and tells what is wrong with that; nothing more can be said of one that cannot begin.
-pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, told: &mut Vec<Diagnostic>) -> Option<Begun> {
+/// Resets a task with several seeds and reports what is wrong; a task that cannot be reset is not probed further.
+pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, diagnostics: &mut Vec<Diagnostic>) -> Option<Begun> {
     match begin(task, bodies) {
         Ok((begun, tally)) => {
-            told.append(&mut tell(task, &tally));
-            dead(task, &tally, told);
+            diagnostics.append(&mut warnings(task, &tally));
+            dead(task, &tally, diagnostics);
             Some(begun)
         }
         Err(reason) => {
             let message = format!("the task `{}` cannot be reset or stepped", task.name);
             let diagnostic = at(probing::CANNOT_RESET, task.places.init, message).found(reason);
-            told.push(diagnostic);
+            diagnostics.push(diagnostic);
             None
         }
     }
 }
 
 /// Terms of the first phase that could pay well and pay almost nothing where the task begins.
-fn dead(task: &CompiledTask, found: &Tally, told: &mut Vec<Diagnostic>) {
+fn dead(task: &CompiledTask, found: &Tally, diagnostics: &mut Vec<Diagnostic>) {
     let Some(survey) = Survey::new(task, 0) else { return };
     for subject in survey.subjects().iter().filter(|subject| !subject.gated && subject.of_pose) {
         let About::Term(index) = subject.about else { continue };
@@ -82,13 +82,13 @@ fn dead(task: &CompiledTask, found: &Tally, told: &mut Vec<Diagnostic>) {
                 .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
                 .found(format!("{} at most in {SEEDS} episodes", for_people(most)))
                 .help("look for a wrong axis, side or sign; if the term becomes relevant later, write `allow dead_at_reset \"...\"`");
-            told.push(diagnostic);
+            diagnostics.push(diagnostic);
         }
     }
 }
 
-/// Tells of a body that begins in the air with nothing that holds it.
-pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, told: &mut Vec<Diagnostic>) {
+/// Reports a body that begins in the air with nothing that holds it.
+pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let root = &task.init.root;
     let meant = root.lift > 0.0 || root.velocity != [0.0; 3] || task.init.follows.is_some() || task.init.settle.is_some();
     if meant || room.body.root.free.is_none() || room.body.shapes.is_empty() || !room.body.connections.is_empty() {
@@ -100,12 +100,12 @@ pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, told: &mut Vec<Dia
         let diagnostic = at(probing::STARTS_ABOVE, task.places.init, message).help(
             "`height on ground` puts its lowest point on the ground; if a drop is intended, write `allow starts_above \"...\"`",
         );
-        told.push(diagnostic);
+        diagnostics.push(diagnostic);
     }
 }
 
-/// Tells of things that the body wears inside it: what is fixed to each other never collides, so no contact shows it.
-pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, told: &mut Vec<Diagnostic>) {
+/// Reports objects that the body wears inside it: bodies fixed to each other never collide, so no contact shows it.
+pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let (model, kinematics) = (room.model, &room.workspace.kinematics);
     let mut scratch = Scratch::default();
     let mut overlaps: Vec<Penetration> = Vec::new();
@@ -128,7 +128,7 @@ pub(super) fn worn(task: &CompiledTask, room: &Room<'_>, told: &mut Vec<Diagnost
         let message = format!("the task `{}` starts with attached objects inside the body: {}", task.name, overlap(deepest));
         let diagnostic = others(at(probing::STARTS_INSIDE, task.places.init, message), overlaps.iter().map(overlap));
         let help = "set their place: `at` in the frame of the parent, or write `allow starts_inside \"...\"`";
-        told.push(diagnostic.help(help));
+        diagnostics.push(diagnostic.help(help));
     }
 }
 
@@ -187,10 +187,10 @@ impl Tally {
     }
 }
 
-/// What is found as warnings.
-fn tell(task: &CompiledTask, found: &Tally) -> Vec<Diagnostic> {
+/// The findings as warnings.
+fn warnings(task: &CompiledTask, found: &Tally) -> Vec<Diagnostic> {
     let places = &task.places;
-    let mut told = Vec::new();
+    let mut diagnostics = Vec::new();
     if let Some(deepest) = found.penetrations.first() {
         let message = format!("the task `{}` starts with penetrations: {}", task.name, overlap(deepest));
         let diagnostic = at(probing::STARTS_INSIDE, places.init, message);
@@ -201,30 +201,30 @@ fn tell(task: &CompiledTask, found: &Tally) -> Vec<Diagnostic> {
         } else {
             "move"
         };
-        told.push(diagnostic.help(format!("{help} one of the shapes, or write `allow starts_inside \"...\"`")));
+        diagnostics.push(diagnostic.help(format!("{help} one of the shapes, or write `allow starts_inside \"...\"`")));
     }
     if let Some(first) = found.residuals.first() {
         let message = format!("the task `{}` starts with penetrations: {}", task.name, gap(first));
         let diagnostic = at(probing::STARTS_APART, places.init, message);
         let diagnostic = others(diagnostic, found.residuals.iter().map(gap));
-        told.push(
+        diagnostics.push(
             diagnostic.help("start where both ends coincide, keep the offset with `here`, or write `allow starts_apart \"...\"`"),
         );
     }
     // A failure is wrong in any episode; what is no failure may be met by chance, but not always.
     let failures = task.terminations.iter().zip(&places.terminations).zip(&found.terminations);
     for ((name, place), &count) in failures.filter(|(_, count)| **count > 0) {
-        told.push(holds(&format!("the termination `{name}`"), *place, count));
+        diagnostics.push(holds(&format!("the termination `{name}`"), *place, count));
     }
     let finishes = task.finishes.iter().zip(&places.finishes).zip(&found.finishes);
     for ((name, place), &count) in finishes.filter(|(_, count)| **count == SEEDS) {
-        told.push(holds(&format!("the reason to finish `{name}`"), *place, count));
+        diagnostics.push(holds(&format!("the reason to finish `{name}`"), *place, count));
     }
     // The last step of an episode may well succeed.
     if found.success == SEEDS && task.horizon > 1 {
-        told.push(holds("success", places.success, found.success));
+        diagnostics.push(holds("success", places.success, found.success));
     }
-    told
+    diagnostics
 }
 
 fn holds(what: &str, place: (FileId, Span), count: u64) -> Diagnostic {
@@ -240,13 +240,13 @@ fn overlap(found: &Penetration) -> String {
 
 fn gap(found: &Residual) -> String {
     let turn = if found.turn > 0.0 { format!(" and {:.1} degrees", found.turn.to_degrees()) } else { String::new() };
-    // A coupling of angles is missed by radians, which are told as thousandths just as metres are.
+    // A coupling of angles is missed by radians, which are printed in thousandths like metres.
     format!("`{}` apart by {:.3} mm or mrad{turn}", found.name, 1e3 * found.distance)
 }
 
-/// Tells what the message does not: all but the first.
+/// Adds what the message leaves out: all but the first.
 fn others(diagnostic: Diagnostic, all: impl ExactSizeIterator<Item = String>) -> Diagnostic {
-    let more = all.len().saturating_sub(MOST_TOLD);
-    let diagnostic = all.take(MOST_TOLD).skip(1).fold(diagnostic, |diagnostic, one| diagnostic.help(format!("also {one}")));
+    let more = all.len().saturating_sub(MOST_LISTED);
+    let diagnostic = all.take(MOST_LISTED).skip(1).fold(diagnostic, |diagnostic, one| diagnostic.help(format!("also {one}")));
     if more > 0 { diagnostic.help(format!("and {more} more")) } else { diagnostic }
 }

@@ -1,8 +1,8 @@
-//! Probing: what of a task shows only with its model at hand, told where it stands in the texts.
+//! Model-dependent lints: what of a task shows only with its model at hand, reported at its spans.
 //!
 //! 1. Every task is begun a few times, always with the same seeds, and takes one step at rest (`beginning`);
 //! 2. its body is put into many poses in its scene, always the same ones (`poses`): what holds, fails, pays nothing or always pays in all of them
-//!    is searched for (`search`), and told if nothing is found (`reach`);
+//!    is searched for (`search`), and reported if nothing is found (`reach`);
 //! 3. a task that says that it is symmetric is shown states and their mirror images (`mirror`): both must pay the same (`symmetry`).
 //! 4. apart from these, since it takes seconds and not moments: an episode of each task is played at rest (`play`), which must not succeed
 //!    and not earn more than holding the pose.
@@ -40,13 +40,13 @@ pub fn tasks(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary) -> Vec<Diagnosti
     tasks.par_iter().flat_map_iter(|task| probe(task, bodies).warnings).collect()
 }
 
-/// The same without what the compiler has `told` already (of one place and one code once is enough), and with every `allow` of
+/// The same without what the compiler has `reported` already (one place and code are reported once), and with every `allow` of
 /// what probing looks for that covers nothing.
-pub fn new_of(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary, told: &[Diagnostic]) -> Vec<Diagnostic> {
+pub fn new_of(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary, reported: &[Diagnostic]) -> Vec<Diagnostic> {
     let (warnings, allowances): (Vec<_>, Vec<_>) =
         tasks.par_iter().map(|task| probe(task, bodies)).map(|probed| (probed.warnings, probed.allowances)).unzip();
     let mut found = warnings.concat();
-    found.retain(|new| told.iter().all(|known| !repeats(new, known)));
+    found.retain(|new| reported.iter().all(|known| !repeats(new, known)));
     found.extend(allowance::unfulfilled(allowances.iter().flatten(), Stage::Probe));
     found
 }

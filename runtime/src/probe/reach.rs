@@ -1,7 +1,7 @@
 //! What no pose reaches: thresholds, ends and success that never hold or never fail, terms that never pay or always do.
 //!
 //! Many poses are drawn (`poses`), always the same ones; what all of them decide alike is searched for, from the pose that comes
-//! nearest, by small changes. What is then still decided alike is told with the numbers that were met.
+//! nearest, by small changes. What is then still decided alike is reported with the numbers that were met.
 
 use super::at;
 use super::poses::Room;
@@ -63,7 +63,7 @@ struct Verdict {
 
 /// Looks at all phases of a task in the poses `shown`; `begins` are records of beginnings.
 pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], begins: &[Vec<f64>]) -> Vec<Diagnostic> {
-    let mut told = Vec::new();
+    let mut diagnostics = Vec::new();
     let mut comparisons: BTreeMap<(FileId, Span), Vec<Verdict>> = BTreeMap::new();
     let begins_standing = room.begins_standing();
     for phase in 0..Survey::phases(task) {
@@ -85,7 +85,7 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], b
         let standing = begins_standing && phase == 0;
         let mut search = Search { room: &mut *room, survey: &mut survey, trusted: &trusted, looked: shown.len() };
         let mut decided = Vec::new();
-        // Comparisons come last, and whoever reads one that is told needs no telling.
+        // Comparisons come last, and a condition that reads a reported one is not reported itself.
         for subject in (0..tallies.len()).rev() {
             let about = search.survey.subjects()[subject].clone();
             let tally = &mut tallies[subject];
@@ -105,20 +105,20 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], b
             } else if let Some((code, _, message)) = verdict
                 && !decided.iter().any(|known| search.survey.reads(subject, *known))
             {
-                told.push(warning(code, &about, named(task, &about) + &message));
+                diagnostics.push(warning(code, &about, named(task, &about) + &message));
             }
         }
     }
     for (place, verdicts) in comparisons {
-        // A formula of a library is told where it is never reached, whoever calls it.
+        // A formula of a library is reported only where it is never reached by any caller.
         let Some(first) = verdicts.first().filter(|first| verdicts.iter().all(|other| other.never == first.never)) else {
             continue;
         };
         if first.never.is_some() {
-            told.push(unreached(place, first.message.clone()));
+            diagnostics.push(unreached(place, first.message.clone()));
         }
     }
-    told
+    diagnostics
 }
 
 fn unreached(place: (FileId, Span), message: String) -> Diagnostic {
@@ -147,7 +147,7 @@ fn warning(code: &'static Code, subject: &Subject, message: String) -> Diagnosti
     at(code, subject.at, message).help(help)
 }
 
-type Told = (&'static Code, bool, String);
+type Finding = (&'static Code, bool, String);
 
 /// A condition that never holds or never fails.
 fn condition(
@@ -156,7 +156,7 @@ fn condition(
     about: &Subject,
     tally: &mut Tally,
     shown: &[Shown],
-) -> Option<Told> {
+) -> Option<Finding> {
     for wanted in [true, false] {
         let (lack, place) = if wanted { tally.to_hold } else { tally.to_fail };
         let Some(start) = place.and_then(|place| shown.get(place)).filter(|_| lack > 0.0) else { continue };
@@ -182,7 +182,7 @@ fn missed_on_feet(
     about: &Subject,
     tally: &mut Tally,
     shown: &[Shown],
-) -> Option<Told> {
+) -> Option<Finding> {
     if about.about != About::Comparison || about.unit.si != "m" {
         return None;
     }
@@ -240,7 +240,7 @@ fn term(
     tally: &mut Tally,
     shown: &[Shown],
     standing: bool,
-) -> Option<Told> {
+) -> Option<Finding> {
     let largest = about.range.high.at_least(-about.range.low);
     let nothing = NOTHING * if largest.is_finite() { largest } else { 1.0 };
     let start = |place: Option<usize>| place.and_then(|place| shown.get(place));

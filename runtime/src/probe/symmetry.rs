@@ -39,7 +39,7 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], e
             pairs.push([here, there]);
         }
     }
-    let mut told = Vec::new();
+    let mut diagnostics = Vec::new();
     for subject in survey.subjects().iter().filter(|subject| !subject.reads_more) {
         let value = |report: &StepReport| -> Option<f64> {
             let truth = |holds: &bool| f64::from(u8::from(*holds));
@@ -68,9 +68,9 @@ pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], e
         let warning = at(probing::UNMIRRORED, subject.at, message)
             .found(format!("{} of {} states differ, by {} at most", unlike.len(), values.len(), for_people((here - there).abs())))
             .help("read both sides alike, or remove `symmetric`");
-        told.push(warning);
+        diagnostics.push(warning);
     }
-    told
+    diagnostics
 }
 
 /// The state that the room shows, pressed to the ground, moving, muscles at work.

@@ -15,7 +15,7 @@ mod returns;
 mod script;
 mod take;
 
-pub use report::{Failure, TestReport, Told};
+pub use report::{Failure, SideValue, TestReport};
 pub use returns::{DISCOUNT, Demonstration, Measure, Ranking, Returns, TermReturn};
 pub use script::Script;
 

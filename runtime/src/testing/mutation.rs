@@ -137,7 +137,7 @@ fn outcome(changed: &WithText<'_>, known: &Known<'_>, bodies: &BodyLibrary) -> (
     let compilation = match compile(&changed.path, changed, bodies) {
         Ok(compilation) => compilation,
         Err(report) => {
-            let code = report.diagnostics.first().map_or(String::new(), |told| told.code.id.to_owned());
+            let code = report.diagnostics.first().map_or(String::new(), |diagnostic| diagnostic.code.id.to_owned());
             return (Outcome::Killed(Killer::Checks), code);
         }
     };

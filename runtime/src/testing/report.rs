@@ -40,12 +40,12 @@ pub struct Failure {
     #[serde(skip)]
     pub at: (FileId, Span),
     /// The numbers of a comparison.
-    pub sides: Vec<Told>,
+    pub sides: Vec<SideValue>,
 }
 
 /// A number of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Told {
+pub struct SideValue {
     /// As written.
     pub source: String,
     /// Its value in SI units; `None` where its moment was not reached.
@@ -82,7 +82,7 @@ impl TestReport {
         Self { failures, ..Self::empty(&tests.task, test) }
     }
 
-    /// With what the cheat earns. A cheat that succeeds, or that could not be played, is told as such and not compared.
+    /// With what the cheat earns. A cheat that succeeds, or that could not be played, is reported as such and not compared.
     pub(super) fn ranked(mut self, test: &TaskTest, ranking: Ranking) -> Self {
         if self.passed() {
             self.failures = ranking.failures(test);
@@ -110,7 +110,7 @@ impl Judge<'_> {
     }
 
     /// What was instead, with the numbers of a comparison: of the first episode in which the expectation does not hold.
-    fn misses(&self, expectation: &Expectation) -> Option<(String, Vec<Told>)> {
+    fn misses(&self, expectation: &Expectation) -> Option<(String, Vec<SideValue>)> {
         let readings = expectation.readings();
         let resets = |reading: &&Reading| self.played.get(reading.take).is_some_and(|played| played.episodes() > 1);
         let several = readings.iter().find(resets);
@@ -122,7 +122,7 @@ impl Judge<'_> {
         })
     }
 
-    fn misses_in(&self, expectation: &Expectation, episode: usize) -> Option<(String, Vec<Told>)> {
+    fn misses_in(&self, expectation: &Expectation, episode: usize) -> Option<(String, Vec<SideValue>)> {
         match &expectation.check {
             Check::Holds { probe, reading } => match self.value(probe, *reading, episode) {
                 Some(value) if value != 0.0 => None,
@@ -139,9 +139,10 @@ impl Judge<'_> {
                     Some((side, _)) => self.not_there(&side.probe, side.reading),
                     None => in_words(sides, &values),
                 };
-                let told = sides.iter().zip(&values);
-                let told = told.map(|(side, &value)| Told { source: side.source.clone(), value, unit: side.unit.si.clone() });
-                Some((found, told.collect()))
+                let shown = sides.iter().zip(&values);
+                let shown =
+                    shown.map(|(side, &value)| SideValue { source: side.source.clone(), value, unit: side.unit.si.clone() });
+                Some((found, shown.collect()))
             }
         }
     }
@@ -236,10 +237,10 @@ fn in_words(sides: &[Side], values: &[Option<f64>]) -> String {
     let amounts: Vec<Option<f64>> =
         sides.iter().zip(values).map(|(side, value)| value.map(|value| side.unit.amount(value))).collect();
     let known: Vec<f64> = amounts.iter().copied().flatten().collect();
-    let told = sides.iter().zip(&amounts).filter(|(side, _)| !side.constant);
-    let told = told.map(|(side, amount)| {
+    let shown = sides.iter().zip(&amounts).filter(|(side, _)| !side.constant);
+    let shown = shown.map(|(side, amount)| {
         let amount = amount.map_or("?".into(), |amount| beside(amount, &known));
         format!("{} = {}", side.source, side.unit.with_unit(&amount))
     });
-    told.collect::<Vec<_>>().join(", ")
+    shown.collect::<Vec<_>>().join(", ")
 }

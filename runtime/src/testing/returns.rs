@@ -3,9 +3,9 @@
 //! An episode is played to its end or to the horizon, its last pose held. After an early end nothing is earned. Four figures of the
 //! exploit must each stay below the demonstration's: the return and the mean reward of a step, without discount and with [`DISCOUNT`].
 
-use super::report::{Failure, Told};
+use super::report::{Failure, SideValue};
 use crate::episode::{Ending, Environment};
-use msk_program::numbers::{for_people, told_apart};
+use msk_program::numbers::{distinguished, for_people};
 use msk_program::task::CompiledTask;
 use msk_program::testing::TaskTest;
 use serde::Serialize;
@@ -178,13 +178,13 @@ impl Ranking {
         let terms = surplus.iter().take(NAMED).map(|(name, more)| format!("`{name}` earns {} more", for_people(*more)));
         let terms: Vec<String> = terms.collect();
         let because = if terms.is_empty() { String::new() } else { format!(": {}", terms.join(", ")) };
-        let [shown, its_shown] = told_apart(&[mine, its]);
-        let told = |source: &str, value: f64| Told { source: source.to_owned(), value: Some(value), unit: String::new() };
+        let [shown, its_shown] = distinguished(&[mine, its]);
+        let side = |source: &str, value: f64| SideValue { source: source.to_owned(), value: Some(value), unit: String::new() };
         Some(Failure {
             expected: format!("{} below that of the demonstration \"{}\"", measure.name(), demonstration.title),
             found: format!("{shown} against {its_shown}{because}"),
             at: test.at,
-            sides: vec![told("exploit", mine), told("demonstration", its)],
+            sides: vec![side("exploit", mine), side("demonstration", its)],
         })
     }
 }

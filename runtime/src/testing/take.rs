@@ -72,8 +72,8 @@ impl Played {
     }
 }
 
-/// Plays a take; metrics are kept at the `wanted` steps. What is told of its end is that of the time that it says, however far it
-/// is played.
+/// Plays a take; metrics are kept at the `wanted` steps. The end that is reported is that of the time that it says,
+/// however far it is played.
 pub(super) fn play(episode: &mut Environment, take: &Take, wanted: BTreeSet<u32>, extent: Extent) -> Result<Played, TestError> {
     if let Some(count) = take.resets {
         return Ok(reset(episode, take, count));

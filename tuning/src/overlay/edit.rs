@@ -17,7 +17,7 @@ pub struct EditError(pub String);
 /// A text that is no weights file.
 pub fn edited(text: &str, weights: &[(&str, &str, f64)]) -> Result<String, EditError> {
     let overlay = Overlay::read("", text, &mut SourceMap::default())
-        .map_err(|told| EditError(told.first().map_or(String::new(), |told| told.message.clone())))?;
+        .map_err(|diagnostics| EditError(diagnostics.first().map_or(String::new(), |diagnostic| diagnostic.message.clone())))?;
     let (mut replacements, mut fresh) = (Vec::new(), Vec::new());
     for &(task, term, weight) in weights {
         match overlay.lines.iter().find(|line| line.task == task && line.term == term) {
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn what_is_no_weights_file_is_not_changed() {
         assert!(edited("pose: 1", &[]).is_err());
-        let told = edited("stand = 1", &[("stand", "pose", 1.0)]).unwrap_err().to_string();
-        assert!(told.contains("`stand` is outside of any task"), "{told}");
+        let message = edited("stand = 1", &[("stand", "pose", 1.0)]).unwrap_err().to_string();
+        assert!(message.contains("`stand` is outside of any task"), "{message}");
     }
 }

@@ -53,20 +53,20 @@ impl Overlay {
         let document = Document::parse(text).map_err(|error| {
             let span = error.span().map_or(Span::default(), |span| Span::new(span.start, span.end));
             let message = error.message().lines().next().unwrap_or("this is not TOML").trim().to_owned();
-            let told = Diagnostic::new(codes::weights::WEIGHTS_FILE, file, span, message);
-            vec![told.help("a weights file contains a table for each task: `[stand]`, then `pose = 11.5`")]
+            let diagnostic = Diagnostic::new(codes::weights::WEIGHTS_FILE, file, span, message);
+            vec![diagnostic.help("a weights file contains a table for each task: `[stand]`, then `pose = 11.5`")]
         })?;
         let mut reader = Reader {
             file,
             overlay: Self { file, tasks: Vec::new(), lines: Vec::new() },
             given: BTreeSet::new(),
-            told: Vec::new(),
+            diagnostics: Vec::new(),
         };
         for (task, _) in document.as_table().iter() {
             let Some((key, item)) = document.as_table().get_key_value(task) else { continue };
             reader.task(task, span(key.span()), item);
         }
-        if reader.told.is_empty() { Ok(reader.overlay) } else { Err(reader.told) }
+        if reader.diagnostics.is_empty() { Ok(reader.overlay) } else { Err(reader.diagnostics) }
     }
 
     /// The weights, in the order of the file.
@@ -80,10 +80,10 @@ impl Overlay {
     /// # Errors
     /// Everything that does not fit the tasks, or that they do not allow.
     pub fn apply(&self, tasks: &[Arc<CompiledTask>], origin: &Origin) -> Result<Vec<Arc<CompiledTask>>, Vec<Diagnostic>> {
-        let mut told = Vec::new();
+        let mut diagnostics = Vec::new();
         for (name, at) in &self.tasks {
             if tasks.iter().all(|task| task.name != *name) {
-                told.push(self.unknown_task(name, *at, tasks));
+                diagnostics.push(self.unknown_task(name, *at, tasks));
             }
         }
         let mut laid = Vec::new();
@@ -93,37 +93,37 @@ impl Overlay {
                 match task.find_term(&line.term).and_then(|term| task.check_weight(term, line.weight).map(|()| term)) {
                     Ok(term) if task.terms[term].origin == Origin::CommandLine => {}
                     Ok(term) => weights.push((term, line.weight)),
-                    Err(problem) => told.push(self.problem(line, problem, task)),
+                    Err(problem) => diagnostics.push(self.problem(line, problem, task)),
                 }
             }
-            // What is refused was told above, weight by weight.
+            // Refused weights were reported above, one by one.
             laid.push(match task.reweighted(&weights, origin) {
                 Ok(changed) if !weights.is_empty() => Arc::new(changed),
                 _ => task.clone(),
             });
         }
-        if told.is_empty() { Ok(laid) } else { Err(told) }
+        if diagnostics.is_empty() { Ok(laid) } else { Err(diagnostics) }
     }
 
     fn unknown_task(&self, name: &str, at: Span, tasks: &[Arc<CompiledTask>]) -> Diagnostic {
         let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
-        let mut told = Diagnostic::new(codes::weights::WEIGHTS_TASK, self.file, at, format!("there is no task `{name}`"));
+        let mut diagnostic = Diagnostic::new(codes::weights::WEIGHTS_TASK, self.file, at, format!("there is no task `{name}`"));
         for near in nearest(name, known.iter().copied()) {
-            told = told.suggest(format!("did you mean `{near}`?"), at, near);
+            diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), at, near);
         }
-        told.help(format!("there are: {}", known.join(", ")))
+        diagnostic.help(format!("there are: {}", known.join(", ")))
     }
 
     fn problem(&self, line: &Line, problem: Problem, task: &CompiledTask) -> Diagnostic {
         match problem {
             Problem::Unknown { nearest, .. } => {
                 let message = format!("task `{}` has no term `{}`", line.task, line.term);
-                let mut told = Diagnostic::new(codes::weights::WEIGHTS_TERM, self.file, line.key, message);
+                let mut diagnostic = Diagnostic::new(codes::weights::WEIGHTS_TERM, self.file, line.key, message);
                 for near in nearest {
-                    told = told.suggest(format!("did you mean `{near}`?"), line.key, near);
+                    diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), line.key, near);
                 }
                 let terms: Vec<&str> = task.terms.iter().map(|term| term.name.as_str()).collect();
-                told.help(format!("its terms are: {}", terms.join(", ")))
+                diagnostic.help(format!("its terms are: {}", terms.join(", ")))
             }
             problem => Diagnostic::new(codes::weights::WEIGHT_REFUSED, self.file, line.value, problem.to_string()),
         }
@@ -135,15 +135,16 @@ struct Reader {
     overlay: Overlay,
     /// Tasks and terms that have a line.
     given: BTreeSet<(String, String)>,
-    told: Vec<Diagnostic>,
+    diagnostics: Vec<Diagnostic>,
 }
 
 impl Reader {
     fn task(&mut self, name: &str, at: Span, item: &Item) {
         let Some(table) = item.as_table_like() else {
             let message = format!("`{name}` is outside of any task");
-            let told = Diagnostic::new(codes::weights::NO_WEIGHT, self.file, at, message);
-            self.told.push(told.help(format!("write the name of its task above it: `[stand]`, then `{name} = ...`")));
+            let diagnostic = Diagnostic::new(codes::weights::NO_WEIGHT, self.file, at, message);
+            self.diagnostics
+                .push(diagnostic.help(format!("write the name of its task above it: `[stand]`, then `{name} = ...`")));
             return;
         };
         self.overlay.tasks.push((name.to_owned(), at));
@@ -173,7 +174,7 @@ impl Reader {
                     None
                 }
             };
-            self.told.extend(wrong.map(|message| Diagnostic::new(codes::weights::NO_WEIGHT, self.file, value, message)));
+            self.diagnostics.extend(wrong.map(|message| Diagnostic::new(codes::weights::NO_WEIGHT, self.file, value, message)));
         }
     }
 }

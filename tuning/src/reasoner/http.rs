@@ -97,11 +97,11 @@ impl Http {
                 Err(RecvTimeoutError::Timeout) => {}
             }
         };
-        let told = || format!("status {status}: {}", self.secrets.shown_body(&text));
+        let reason = || format!("status {status}: {}", self.secrets.shown_body(&text));
         match status {
             200..=299 => self.proposal(&text, request).map_err(Failure::Passing),
-            408 | 425 | 429 | 500..=599 => Err(Failure::Passing(ReasonerError::Silent { attempts: 1, reason: told() })),
-            _ => Err(Failure::Lasting(ReasonerError::Refuses(told()))),
+            408 | 425 | 429 | 500..=599 => Err(Failure::Passing(ReasonerError::Silent { attempts: 1, reason: reason() })),
+            _ => Err(Failure::Lasting(ReasonerError::Refuses(reason()))),
         }
     }
 

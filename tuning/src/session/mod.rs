@@ -38,7 +38,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 const WEIGHTS: &str = "weights.toml";
 const BEST: &str = "best.toml";
-/// How many earlier rounds a reasoner is told of.
+/// How many earlier rounds a reasoner is given.
 const REMEMBERED: usize = 5;
 
 /// Looks on while a session runs.
@@ -125,7 +125,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Begins a session in `folder`, or continues the one that is there. `told` gets messages about weights files that somebody
+    /// Begins a session in `folder`, or continues the one that is there. `notify` gets messages about weights files that somebody
     /// changed so that they are refused.
     ///
     /// # Errors
@@ -134,9 +134,9 @@ impl Session {
         folder: &Path,
         settings: Settings,
         trial: Trial,
-        told: impl Fn(&str) + Send + Sync + 'static,
+        notify: impl Fn(&str) + Send + Sync + 'static,
     ) -> Result<Self, SessionError> {
-        Self::open_in(Folder::create(folder)?, settings, trial, told)
+        Self::open_in(Folder::create(folder)?, settings, trial, notify)
     }
 
     /// [`Session::open`] in an opened folder.
@@ -147,7 +147,7 @@ impl Session {
         folder: Folder,
         settings: Settings,
         trial: Trial,
-        told: impl Fn(&str) + Send + Sync + 'static,
+        notify: impl Fn(&str) + Send + Sync + 'static,
     ) -> Result<Self, SessionError> {
         settings.check(&trial.task)?;
         let in_scope = settings.scope(&trial.task)?;
@@ -163,7 +163,7 @@ impl Session {
         let log = Log::open(&folder)?;
         let store = Store::new(&folder, Path::new(WEIGHTS))?;
         begin_weights(&store, &trial, &in_scope, &first, log.rounds().last())?;
-        let live = Live::over(store.clone(), vec![trial.task.clone()], told)?;
+        let live = Live::over(store.clone(), vec![trial.task.clone()], notify)?;
         let (live, open) = (Arc::new(live), uncounted(episodes, &log)?);
         let session = Self { folder, settings, trial, in_scope, store, live, journal, log, open };
         // A session that ended between its log and this file left an earlier one.

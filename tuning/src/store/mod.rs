@@ -188,9 +188,9 @@ impl Store {
         let _lock = aside.lock(Path::new(&self.beside("lock"))).map_err(storage)?;
         let present = self.read()?;
         let before = present.clone().unwrap_or_else(|| Version::of(""));
-        let (text, told) = change(&before)?;
+        let (text, result) = change(&before)?;
         if present.is_some() && text == before.text {
-            return Ok(Outcome::Same(before, told));
+            return Ok(Outcome::Same(before, result));
         }
         if text.len() as u64 > LARGEST {
             return Err(storage(StorageError::TooLarge { path: self.path(), limit: LARGEST }));
@@ -201,7 +201,7 @@ impl Store {
         if let Some(last) = &mut last {
             last.settle(&mut log, present.as_ref())?;
         }
-        let begun = Begun::now(by, last.as_ref(), present.as_ref(), &next, changes(&told));
+        let begun = Begun::now(by, last.as_ref(), present.as_ref(), &next, changes(&result));
         history::begin(&mut log, begun)?;
         let replaced = self.folder.replace(Path::new(&self.name), next.text.as_bytes());
         // After a failure what readers see decides. If the second line cannot be written the next change writes it.
@@ -209,7 +209,7 @@ impl Store {
         let _ = history::end(&mut log, &next.hash, if made { End::Made } else { End::Undone });
         match replaced {
             Err(error) if !made => Err(storage(error)),
-            _ => Ok(Outcome::Changed(next, told)),
+            _ => Ok(Outcome::Changed(next, result)),
         }
     }
 

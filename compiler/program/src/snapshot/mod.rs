@@ -150,12 +150,12 @@ impl CompiledTask {
             ("terminate", &self.terminations[phase.terminations.clone()], &outputs.terminations, &debug.terminations),
             ("finish", &self.finishes[phase.finishes.clone()], &outputs.finishes, &debug.finishes),
         ];
-        for (kind, reasons, nodes, told) in ends {
+        for (kind, reasons, nodes, conditions) in ends {
             for (place, (name, &node)) in reasons.iter().zip(nodes).enumerate() {
-                write(Section::new(kind, name), told.get(place).map(|told| &told.formula), node, "when");
+                write(Section::new(kind, name), conditions.get(place).map(|condition| &condition.formula), node, "when");
             }
         }
-        let formula = |told: &'a Option<ConditionDebug>| told.as_ref().map(|told| &told.formula);
+        let formula = |debug: &'a Option<ConditionDebug>| debug.as_ref().map(|debug| &debug.formula);
         let phase_name = if several { phase.name.as_str() } else { "" };
         if several {
             let horizon = phase.horizon;

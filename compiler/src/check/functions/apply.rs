@@ -280,7 +280,7 @@ impl<'a> Checker<'a> {
         let found = data.kind.described(self.vocabulary);
         let name = call.name;
         let diagnostic = |checker: &Self, message: String| checker.diagnostic(codes::types::WRONG_TYPE, expr.span, message);
-        let told = match (parameter.takes, parameter.shapes) {
+        let error = match (parameter.takes, parameter.shapes) {
             (Takes::Quantity(dimension), _) => {
                 let by =
                     if signature.parameters.len() == 1 { format!("`{name}`") } else { format!("`{name}`'s {}", parameter.name) };
@@ -306,15 +306,15 @@ impl<'a> Checker<'a> {
             }
             (_, Shapes::List) => diagnostic(self, format!("`{name}` takes a list of numbers")),
             _ => {
-                let told = diagnostic(self, format!("`{name}` takes numbers"));
+                let error = diagnostic(self, format!("`{name}` takes numbers"));
                 match data.kind.element() {
-                    Some(ElementType::Vector { .. }) => told.help("use its length, `norm(v)`, or one component, such as `.z`"),
-                    Some(ElementType::Bool) => told.help("`rising(c)` and `falling(c)` are the start and the end of a condition"),
-                    _ => told,
+                    Some(ElementType::Vector { .. }) => error.help("use its length, `norm(v)`, or one component, such as `.z`"),
+                    Some(ElementType::Bool) => error.help("`rising(c)` and `falling(c)` are the start and the end of a condition"),
+                    _ => error,
                 }
             }
         };
-        self.report(told.found(found))
+        self.report(error.found(found))
     }
 }
 

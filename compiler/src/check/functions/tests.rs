@@ -82,12 +82,12 @@ fn checked(texts: &[String]) -> (Graph, Vec<Result<TypedValue, String>>) {
     let mut values = Vec::new();
     for formula in &formulas {
         let value = checker.value(formula);
-        let told = std::mem::take(&mut checker.diagnostics);
+        let diagnostics = std::mem::take(&mut checker.diagnostics);
         values.push(match value {
             Ok(Value::Typed(data)) => Ok(data),
             Ok(other) => panic!("{other:?}"),
             Err(_) => {
-                let error = told.iter().find(|told| told.severity == Severity::Error);
+                let error = diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error);
                 Err(error.unwrap_or_else(|| panic!("an error that nothing tells of")).code.id.to_owned())
             }
         });
@@ -399,18 +399,18 @@ fn rows(function: &Function, table: &mut String) {
         table.push_str("takes parts of the body or what a sensor must know beforehand\n");
         return;
     };
-    // Parameters of which the same can be said are told of together.
-    let mut told: Vec<(Vec<&str>, String)> = Vec::new();
+    // Parameters with the same properties are listed together.
+    let mut groups: Vec<(Vec<&str>, String)> = Vec::new();
     for signature in *signatures {
         for (place, parameter) in signature.parameters.iter().enumerate() {
             let row = row(function, signature, place);
-            match told.last_mut() {
+            match groups.last_mut() {
                 Some((names, known)) if *known == row => names.push(parameter.name),
-                _ => told.push((vec![parameter.name], row)),
+                _ => groups.push((vec![parameter.name], row)),
             }
         }
     }
-    for (names, row) in told {
+    for (names, row) in groups {
         let _ = writeln!(table, "{}:\n{row}", names.join(", "));
     }
 }

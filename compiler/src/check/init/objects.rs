@@ -9,7 +9,7 @@ use crate::scene::Motion;
 use crate::syntax::tree::{Field, Placement};
 use crate::task::Setting;
 
-/// What a free object may be told.
+/// The settings of a free object.
 const FREE: [&str; 4] = ["at", "orientation", "velocity", "spin"];
 
 impl<'a> Checker<'a> {

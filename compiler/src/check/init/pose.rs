@@ -7,7 +7,7 @@ use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{Span, codes};
 use crate::init::{Following, Parts, Start};
 use crate::motion::RootPart;
-use crate::numbers::told_apart;
+use crate::numbers::distinguished;
 use crate::resolve::scope::{Declared, Definition};
 use crate::syntax::tree::{Assignment, Expr, Ident, PoseUse};
 use crate::task::Init;
@@ -128,7 +128,7 @@ impl<'a> Checker<'a> {
         if let Some([low, high]) = joint.range
             && !(low..=high).contains(&chosen)
         {
-            let shown = told_apart(&[low * factor, high * factor, chosen * factor]);
+            let shown = distinguished(&[low * factor, high * factor, chosen * factor]);
             let diagnostic = self
                 .diagnostic(codes::tasks::OUT_OF_RANGE, value.span, format!("`{}` cannot have this value", joint.name))
                 .expected(format!("{} .. {} {unit}", shown[0], shown[1]))
@@ -138,7 +138,7 @@ impl<'a> Checker<'a> {
         Ok(chosen)
     }
 
-    /// Joints of objects begin at zero unless they are told: then zero must be in their range.
+    /// Joints of objects begin at zero unless `init` sets them: then zero must be in their range.
     pub(super) fn must_begin_within_ranges(&mut self, init: &Init, span: Span) -> Checked<()> {
         let mut failures = Failures::default();
         for (joint, coordinate) in self.vocabulary.joints.iter().zip(&init.coordinates).filter(|(joint, _)| joint.of_scene) {
@@ -148,7 +148,7 @@ impl<'a> Checker<'a> {
                     JointKind::Hinge => ("deg", 180.0 / std::f64::consts::PI),
                     JointKind::Slide => ("m", 1.0),
                 };
-                let shown = told_apart(&[low * factor, high * factor, *coordinate * factor]);
+                let shown = distinguished(&[low * factor, high * factor, *coordinate * factor]);
                 let (object, word) = joint.name.rsplit_once('.').unwrap_or((&joint.name, "q"));
                 let diagnostic = self
                     .diagnostic(

@@ -116,10 +116,10 @@ impl<'a> Checker<'a> {
             };
             let mut inner = locals.clone();
             inner.push((repeat.variable.text.clone(), number));
-            let told = self.diagnostics.len();
+            let before = self.diagnostics.len();
             self.expand_scene(&repeat.statements, &inner, found);
             // What is wrong in one round is wrong in all of them.
-            if Reported::among(&self.diagnostics[told..]).is_some() {
+            if Reported::among(&self.diagnostics[before..]).is_some() {
                 break;
             }
         }
@@ -129,8 +129,8 @@ impl<'a> Checker<'a> {
         if count < MOST {
             return Ok(());
         }
-        let told = Reported::among(self.diagnostics.iter().filter(|told| told.code == codes::tasks::TOO_LARGE));
-        Err(told.unwrap_or_else(|| self.error(codes::tasks::TOO_LARGE, span, format!("a scene has at most {MOST} elements"))))
+        let reported = Reported::among(self.diagnostics.iter().filter(|diagnostic| diagnostic.code == codes::tasks::TOO_LARGE));
+        Err(reported.unwrap_or_else(|| self.error(codes::tasks::TOO_LARGE, span, format!("a scene has at most {MOST} elements"))))
     }
 
     fn expand_removal(&mut self, remove: &'a Remove, locals: &Locals, found: &mut Merging<'a>) {

@@ -165,17 +165,17 @@ impl<'a> Checker<'a> {
         let mut stage = Stage { scene: SceneDescription::default(), fixed, spans, starts, landmarks };
         let mut broken: Vec<(FileId, Span)> = Vec::new();
         for Unrolled { statement: element, name, locals, file, .. } in &statements.elements {
-            // What is wrong is told, in one round of a loop; the other elements are looked at all the same.
+            // Errors are reported, for one round of a loop; the other elements are checked all the same.
             if broken.contains(&(*file, element.span)) {
                 continue;
             }
-            let told = self.diagnostics.len();
+            let before = self.diagnostics.len();
             let check = |checker: &mut Self| match name {
                 None => checker.ground(&mut stage, element),
                 Some(name) => checker.object(&mut stage, element, name, None, locals),
             };
             let result = self.in_file(*file, |checker| checker.with_locals(locals, check));
-            if result.is_err() || Reported::among(&self.diagnostics[told..]).is_some() {
+            if result.is_err() || Reported::among(&self.diagnostics[before..]).is_some() {
                 broken.push((*file, element.span));
             }
         }
@@ -209,7 +209,7 @@ impl<'a> Checker<'a> {
     /// Warns of shapes that stand still with their middle at the height of the ground: the lower face was probably meant.
     fn warn_half_buried(&mut self, stage: &Stage<'a>) {
         // Of what a loop repeats the first says it for all.
-        let mut told: BTreeSet<(FileId, Span)> = BTreeSet::new();
+        let mut reported: BTreeSet<(FileId, Span)> = BTreeSet::new();
         for (index, object) in stage.scene.objects.iter().enumerate() {
             let half = match object.shape {
                 Some(Shape::Box([_, _, height])) => height / 2.0,
@@ -221,7 +221,7 @@ impl<'a> Checker<'a> {
             let stands = stage.fixed[index] && object.parent == Parent::World && object.orientation == [1.0, 0.0, 0.0, 0.0];
             let flat = stage.scene.ground.is_none() || half < HIGHEST_PLATE || object.position[2] != 0.0;
             let (file, span) = stage.spans[index];
-            if !stands || flat || !told.insert((file, span)) {
+            if !stands || flat || !reported.insert((file, span)) {
                 continue;
             }
             let [x, y, _] =

@@ -105,7 +105,7 @@ impl<'a> Checker<'a> {
             self.error(codes::names::DECLARED_TWICE, head(part), message);
             return;
         }
-        // What is wrong in a part is told; the others are looked at all the same.
+        // What is wrong in a part is reported; the others are checked all the same.
         let _ = self.object(stage, part, &format!("{owner}.{own}"), Some(carrier), locals);
     }
 

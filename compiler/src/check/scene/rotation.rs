@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn the_axis_goes_where_it_is_told() {
+    fn the_axis_goes_where_it_is_set() {
         for direction in [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [0.0, 0.0, 1.0], [0.6, 0.0, -0.8], [-0.48, 0.64, 0.6]] {
             close(apply(z_to(direction), [0.0, 0.0, 1.0]), direction);
         }

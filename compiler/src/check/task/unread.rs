@@ -4,7 +4,7 @@ use crate::check::context::Checker;
 use crate::resolve::scope::{Declared, Definition};
 
 impl<'a> Checker<'a> {
-    /// Checks the values that nothing reads, so that their mistakes are told; of what is computed for them nothing stays.
+    /// Checks the values that nothing reads, so that their mistakes are reported; what is computed for them is discarded.
     pub(super) fn unread(&mut self) {
         let names = self.names;
         let value = |declared: &Declared<'a>| matches!(declared.definition, Definition::Let(_) | Definition::Clock(_));

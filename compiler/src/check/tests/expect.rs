@@ -43,11 +43,11 @@ impl<'a> Checker<'a> {
                 continue;
             }
             let locals = std::mem::replace(&mut self.locals, wanted.locals.clone());
-            let told = self.diagnostics.len();
+            let before = self.diagnostics.len();
             let mut parts = Vec::new();
             match self.expectation(wanted, &reader.drafts, probes, texts, &mut parts) {
                 Ok(()) => found.push(Ok(parts)),
-                Err(reported) if self.in_sequence() => found.push(Err((reported, self.diagnostics.split_off(told)))),
+                Err(reported) if self.in_sequence() => found.push(Err((reported, self.diagnostics.split_off(before)))),
                 Err(reported) => failures.add(reported),
             }
             self.locals = locals;
@@ -83,7 +83,7 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    /// A comparison of single numbers, whose both sides can be told.
+    /// A comparison of single numbers, both of whose sides can be printed.
     fn order(
         &mut self,
         part: &'a Expr,
@@ -132,11 +132,11 @@ impl<'a> Checker<'a> {
                 .help("compare aggregates: `mean(x at one) < mean(x at other)`");
             return Err(self.report(diagnostic));
         }
-        let mut told = Vec::new();
+        let mut shown = Vec::new();
         for (data, reading, statistic, operand) in sides {
             let unit = spoken_unit(&data.kind, operands);
             let constant = self.graph.constant_lanes(data.node).is_some();
-            told.push(Side {
+            shown.push(Side {
                 source: written(operand, self.place.file, texts),
                 unit,
                 probe: self.probe(&data, operand.span, probes),
@@ -146,7 +146,7 @@ impl<'a> Checker<'a> {
             });
         }
         let comparisons = operators.iter().map(|(operator, _)| *operator).collect();
-        Ok(Some(Check::Order { sides: told, comparisons }))
+        Ok(Some(Check::Order { sides: shown, comparisons }))
     }
 
     /// Has a number reported at every step; gives its place.
@@ -156,7 +156,7 @@ impl<'a> Checker<'a> {
         }
         let name = format!("test {}", probes.len());
         let (unit, source, docs, block) = (unit_of(&data.kind), String::new(), String::new(), String::new());
-        // Nobody is told of a probe, so its formula does not matter.
+        // A probe is never printed, so its formula does not matter.
         let formula = Expr { kind: ExprKind::Bool(true), span };
         probes.push(ObservedChannel {
             name,

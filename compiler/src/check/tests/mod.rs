@@ -47,7 +47,7 @@ pub(crate) struct CheckedTests {
     /// What a phase of a sequence knows of the expectations of each test.
     pub found: Vec<Vec<Found>>,
     /// What is wrong with the scripts of a sequence's tests.
-    pub told: Vec<Diagnostic>,
+    pub diagnostics: Vec<Diagnostic>,
     /// Whether something is.
     pub broken: Option<Reported>,
 }
@@ -176,14 +176,23 @@ impl<'a> Checker<'a> {
         let graph = std::mem::replace(&mut self.graph, before.0);
         let queries = std::mem::replace(&mut self.queries, before.1);
         (self.used, self.memo, self.formulas) = (before.2, before.3, formulas);
-        // What is wrong in a script is so in every phase; told once, when the tests are gathered.
-        let mut told = if sequence.phases.is_empty() { Vec::new() } else { self.diagnostics.split_off(errors) };
-        told.retain(|told| told.severity == Severity::Error);
+        // What is wrong in a script is so in every phase; it is reported once, when the tests are gathered.
+        let mut diagnostics = if sequence.phases.is_empty() { Vec::new() } else { self.diagnostics.split_off(errors) };
+        diagnostics.retain(|diagnostic| diagnostic.severity == Severity::Error);
         let broken = failures.or(()).err();
         if let (Some(reported), true) = (broken, sequence.phases.is_empty()) {
             return Err(reported);
         }
-        Ok(Some(CheckedTests { graph, queries, beginning: drawn, probes, tests: compiled, found: all_found, told, broken }))
+        Ok(Some(CheckedTests {
+            graph,
+            queries,
+            beginning: drawn,
+            probes,
+            tests: compiled,
+            found: all_found,
+            diagnostics,
+            broken,
+        }))
     }
 
     fn test(
@@ -250,7 +259,7 @@ impl<'a> Checker<'a> {
         let mut failures = Failures::default();
         for statement in statements {
             if failures.catch(self.test_statement(statement, cheat, take, reader, drawn)).is_none() {
-                // Whoever looks at that moment is not told that there is none.
+                // An expectation at that moment must not report that there is none.
                 let label = match statement {
                     TestStatement::Keyframe { label, .. } => label.as_ref(),
                     TestStatement::Play(playing) => playing.label.as_ref(),

@@ -16,7 +16,7 @@ impl CheckedTests {
     pub(crate) fn gather(phases: &mut [&mut Self], diagnostics: &mut Vec<Diagnostic>) -> Checked<()> {
         let known: Vec<Vec<Vec<Found>>> = phases.iter_mut().map(|phase| std::mem::take(&mut phase.found)).collect();
         let Some(first) = phases.first_mut() else { return Ok(()) };
-        diagnostics.append(&mut first.told);
+        diagnostics.append(&mut first.diagnostics);
         let mut failures = Failures::default();
         if let Some(reported) = first.broken {
             failures.add(reported);
@@ -30,7 +30,7 @@ impl CheckedTests {
                         failures.add(reported);
                         diagnostics.extend(why);
                     }
-                    // No phase has looked at it: its test is broken, and told.
+                    // No phase has looked at it: its test is broken, and reported.
                     None => {}
                 }
             }
@@ -53,8 +53,8 @@ fn together(found: Vec<Option<Found>>) -> Option<Found> {
                     learn(whole, part, phase);
                 }
             }
-            Some(Err(told)) => {
-                why.get_or_insert(told);
+            Some(Err(error)) => {
+                why.get_or_insert(error);
             }
             None => {}
         }

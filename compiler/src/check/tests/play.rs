@@ -81,8 +81,8 @@ impl<'a> Checker<'a> {
                 let table = self.table(self.place.file, path)?;
                 let problems = problems(&table.motion, table.file, self.vocabulary);
                 let misfit = Reported::among(&problems);
-                // One that a reference follows as well is told of once.
-                if !self.diagnostics.iter().any(|told| problems.contains(told)) {
+                // A motion that a reference follows as well is reported once.
+                if !self.diagnostics.iter().any(|diagnostic| problems.contains(diagnostic)) {
                     self.diagnostics.extend(problems);
                 }
                 misfit.map_or(Ok((table.motion, Start::Phase(start), 0.0)), Err)

@@ -38,8 +38,8 @@ impl Checker<'_> {
         let diagnostic = self.diagnostic(codes::slips::BEYOND_RANGE, span, message).expected(range).found(found);
         let people = SpokenUnit::of(kind.dimension().unwrap_or(Dimension::NONE));
         let diagnostic = match people.tell_beside([low, high], target).0 {
-            told if diagnostic.expected.as_ref() == Some(&told) => diagnostic,
-            told => diagnostic.help(format!("its range is {told}")),
+            shown if diagnostic.expected.as_ref() == Some(&shown) => diagnostic,
+            shown => diagnostic.help(format!("its range is {shown}")),
         };
         self.diagnostics.push(diagnostic.help("check the sign, and degrees written as radians"));
     }

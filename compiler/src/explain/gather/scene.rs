@@ -89,7 +89,7 @@ fn motion(motion: &Motion) -> String {
         Motion::Fixed => "fixed".to_owned(),
         Motion::Free => "free".to_owned(),
         Motion::Joints(joints) => {
-            let told = joints.iter().map(|joint| {
+            let words = joints.iter().map(|joint| {
                 let (kind, unit) = match joint.kind {
                     ObjectJointKind::Hinge => ("hinge", "rad"),
                     ObjectJointKind::Slide => ("slide", "m"),
@@ -100,7 +100,7 @@ fn motion(motion: &Motion) -> String {
                     .map_or_else(String::new, |[low, high]| format!(" {} to {} {unit}", for_people(low), for_people(high)));
                 format!("{kind} {}{range}", joint.name)
             });
-            told.collect::<Vec<_>>().join(", ")
+            words.collect::<Vec<_>>().join(", ")
         }
     }
 }
@@ -209,7 +209,7 @@ fn vector(vector: [f64; 3]) -> String {
 
 /// Free elements that move, or start elsewhere than they stand in the scene.
 fn objects(task: &CompiledTask, init: &Init) -> Vec<String> {
-    let told = init.objects.iter().filter_map(|start| {
+    let texts = init.objects.iter().filter_map(|start| {
         let object = task.scene.objects.get(start.object)?;
         let mut parts = Vec::new();
         if start.position != object.position {
@@ -223,5 +223,5 @@ fn objects(task: &CompiledTask, init: &Init) -> Vec<String> {
         }
         (!parts.is_empty()).then(|| format!("{} {}", object.name, parts.join(", ")))
     });
-    told.collect()
+    texts.collect()
 }

@@ -78,9 +78,9 @@ impl Builder<'_> {
         let span = self.span(pair);
         let diagnostic = wording::too_many_operators(self.file, span, MAXIMUM_OPERATORS);
         // The statement is left at its first excess; what is around it need not say so again.
-        let told = self.diagnostics.iter().rev().take(MAXIMUM_ERRORS);
-        let told = Reported::among(told.filter(|told| told.code == diagnostic.code && told.span().end >= span.end));
-        let reported = told.unwrap_or_else(|| self.report(diagnostic));
+        let earlier = self.diagnostics.iter().rev().take(MAXIMUM_ERRORS);
+        let earlier = Reported::among(earlier.filter(|known| known.code == diagnostic.code && known.span().end >= span.end));
+        let reported = earlier.unwrap_or_else(|| self.report(diagnostic));
         Expr { kind: ExprKind::Error(reported), span }
     }
 

@@ -150,25 +150,25 @@ fn a_carried_load_weighs_on_the_body_but_is_no_part_of_it() {
 }
 
 #[test]
-fn what_makes_no_sense_is_told_with_its_name() {
+fn what_makes_no_sense_is_reported_with_its_name() {
     let (model, body) = human();
-    let told = |object: Object| {
+    let error_of = |object: Object| {
         let scene = SceneDescription { objects: vec![object], ..SceneDescription::default() };
         stage(&model, &body, &scene).unwrap_err().to_string()
     };
     let ball = |position| object("ball", Some(Shape::Sphere(0.1)), position);
     let nowhere = Object { parent: Parent::Landmark("chests".into()), ..ball([0.0; 3]) };
     assert_eq!(
-        told(nowhere),
+        error_of(nowhere),
         "object `ball` names `chests`, which is neither a landmark of the body nor an object of the scene before it"
     );
     let flat = object("ball", Some(Shape::Sphere(0.0)), [0.0; 3]);
-    assert_eq!(told(flat), "the size of `ball` is 0; it must be positive");
-    assert!(told(ball([f64::NAN, 0.0, 0.0])).contains("position of `ball` is NaN"));
+    assert_eq!(error_of(flat), "the size of `ball` is 0; it must be positive");
+    assert!(error_of(ball([f64::NAN, 0.0, 0.0])).contains("position of `ball` is NaN"));
     let light = Object { motion: Motion::Free, ..ball([0.0; 3]) };
-    assert!(told(light).contains("has no mass"));
+    assert!(error_of(light).contains("has no mass"));
     let carried = Object { motion: Motion::Free, parent: Parent::Landmark("chest".into()), mass: 1.0, ..ball([0.0; 3]) };
-    assert!(told(carried).contains("only a body that is a child of the world can be free"));
+    assert!(error_of(carried).contains("only a body that is a child of the world can be free"));
     let turned = Object { orientation: [0.0; 4], ..ball([0.0; 3]) };
-    assert_eq!(told(turned), "object `ball`: its orientation is not a rotation");
+    assert_eq!(error_of(turned), "object `ball`: its orientation is not a rotation");
 }
