@@ -224,8 +224,8 @@ impl Comparison<'_> {
     }
 
     /// Whether the numbers of a formula of the paper are among the constants of ours, and all others on either side are said to be.
-    fn numbers(&mut self, what: &str, ours: &[&Section], said: &Numbers<'_>) {
-        let Numbers { numbers, without, adds, of, differs } = *said;
+    fn numbers(&mut self, what: &str, ours: &[&Section], declared: &Numbers<'_>) {
+        let Numbers { numbers, without, adds, of, differs } = *declared;
         let own: Vec<f64> = ours.iter().flat_map(|section| constants(section)).collect();
         let among = |list: &[f64], number: f64| list.iter().any(|known| (known.abs() - number.abs()).abs() < 1e-9);
         let known = [own.as_slice(), &[f64::from(self.horizon)]].concat();

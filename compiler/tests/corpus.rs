@@ -66,10 +66,10 @@ fn defects(page: &str, text: &str) -> Vec<Defect> {
         .skip(1)
         .map(|section| {
             let title = section.lines().next().unwrap().to_owned();
-            let said = section.lines().find_map(|line| line.strip_prefix("Verdict: "));
-            let said = said.unwrap_or_else(|| panic!("{page}: `{title}` says no verdict"));
-            let verdict = VERDICTS.into_iter().find(|known| *known == said);
-            let verdict = verdict.unwrap_or_else(|| panic!("{page}: `{said}` of `{title}` is no verdict"));
+            let written = section.lines().find_map(|line| line.strip_prefix("Verdict: "));
+            let written = written.unwrap_or_else(|| panic!("{page}: `{title}` says no verdict"));
+            let verdict = VERDICTS.into_iter().find(|known| *known == written);
+            let verdict = verdict.unwrap_or_else(|| panic!("{page}: `{written}` of `{title}` is no verdict"));
             Defect { title, verdict, text: section.to_owned() }
         })
         .collect()
@@ -99,14 +99,14 @@ fn mistakes(page: &str, text: &str) -> Vec<Mistake> {
     }
     let read = |section: &str| {
         let title = section.lines().next().unwrap().to_owned();
-        let said = section.lines().find_map(|line| line.strip_prefix("Verdict: "));
-        let said = said.unwrap_or_else(|| panic!("{page}: `{title}` carries no verdict"));
-        let (verdict, help) = said.split_once(", ").map_or((said, None), |(verdict, help)| (verdict, Some(help)));
+        let written = section.lines().find_map(|line| line.strip_prefix("Verdict: "));
+        let written = written.unwrap_or_else(|| panic!("{page}: `{title}` carries no verdict"));
+        let (verdict, help) = written.split_once(", ").map_or((written, None), |(verdict, help)| (verdict, Some(help)));
         let known = |words: &[&'static str], word: &str| words.iter().copied().find(|known| *known == word);
-        let verdict = known(&MISTAKE_VERDICTS, verdict).unwrap_or_else(|| panic!("{page}: `{title}`: {said}"));
-        let help = help.map(|help| known(&HELP, help).unwrap_or_else(|| panic!("{page}: `{title}`: {said}")));
+        let verdict = known(&MISTAKE_VERDICTS, verdict).unwrap_or_else(|| panic!("{page}: `{title}`: {written}"));
+        let help = help.map(|help| known(&HELP, help).unwrap_or_else(|| panic!("{page}: `{title}`: {written}")));
         let caught = !matches!(verdict, "not caught" | "no mistake");
-        assert_eq!(help.is_some(), caught, "{page}: `{title}`: {said}");
+        assert_eq!(help.is_some(), caught, "{page}: `{title}`: {written}");
         Mistake { defect: Defect { title, verdict, text: section.to_owned() }, help }
     };
     text.split("\n## ").skip(1).map(read).collect()

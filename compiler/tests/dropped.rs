@@ -44,7 +44,7 @@ fn nothing_vanishes(text: &str, table: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-fn said(report: Result<usize, String>) -> String {
+fn error_of(report: Result<usize, String>) -> String {
     report.unwrap_err()
 }
 
@@ -70,7 +70,7 @@ fn a_place_that_only_free_things_may_have() {
     let free = "random r = uniform(1 m .. 2 m)\nscene { ground\nsphere a { radius 1 cm, mass 1 kg, free, at [r, 0, 1 m] }";
     assert_eq!(objects(&format!("{free} }}")), Ok(1));
     let both = format!("{free}\nsphere b {{ radius 1 cm, at [r, 0, 1 m] }} }}");
-    assert!(said(objects(&both)).contains("error["));
+    assert!(error_of(objects(&both)).contains("error["));
 }
 
 #[test]

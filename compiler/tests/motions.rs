@@ -18,7 +18,7 @@ fn motion(text: &str) -> Motion {
 }
 
 /// What is said of a text, as printed.
-fn said(text: &str) -> String {
+fn rendered(text: &str) -> String {
     let mut sources = SourceMap::default();
     let file = sources.add("motion.csv", text);
     let diagnostics = match read(file, text) {
@@ -126,30 +126,30 @@ fn times_that_are_no_numbers_give_no_panic() {
 #[test]
 fn a_cell_beyond_all_angles_is_an_error() {
     for cell in ["1e308", "-1e308", "1.1e6"] {
-        let answer = said(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, {cell}\n"));
+        let answer = rendered(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, {cell}\n"));
         assert!(answer.contains(&format!("`{cell}` is too large: the largest number of a motion is 1e6")), "{answer}");
     }
-    assert_eq!(said(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, 120\n")), "");
+    assert_eq!(rendered(&format!("{HEAD}# cycle: no\ntime [s], knee_angle_r [deg]\n0, 0\n1, 120\n")), "");
 }
 
 #[test]
 fn errors_say_what_is_wrong_and_where() {
-    insta::assert_snapshot!(said(
+    insta::assert_snapshot!(rendered(
         "# name: walk\n# sorce: nobody\n# cycle: perhaps\n# advances: knee_angle_r\n\
          fase, knee_angle_r [deg], knee_angle_r [deg], root.hight [m], hip_flexion_r, root.pitch [m]\n0, 1, 2, 3, 4, 5\n"
     ));
-    insta::assert_snapshot!(said(&format!(
+    insta::assert_snapshot!(rendered(&format!(
         "{HEAD}# cycle: yes\n# duration: 1.1\n# advances: knee_angle_r, root.y\nphase, knee_angle_r [deg]\n\
          0, 1\n0.5, one\n0.5, 2\n0.4, 2\n0.7\n1, inf\n"
     )));
-    insta::assert_snapshot!(said(&format!(
+    insta::assert_snapshot!(rendered(&format!(
         "{HEAD}# cycle: yes\n# duration: 1.1 s\nphase, knee_angle_r [deg], root.x [m]\n0, 1, 0\n0.3, 2, 0.5\n0.6, 2, 0.9\n1, 5, 1.4\n"
     )));
-    insta::assert_snapshot!(said(&format!(
+    insta::assert_snapshot!(rendered(&format!(
         "{HEAD}# cycle: no\ntime [s], knee_angel_r [deg], hip_flexion_r [cm]\n0, 1, 2\n1, 2, 3\n"
     )));
     for text in ["", "# nothing but a remark\n", "phase, knee_angle_r [deg]\n", "\u{feff},,,\n,,\n", "time [s]\n0\n1\n"] {
-        assert!(said(text).contains("error[E04"), "{text:?}: {}", said(text));
+        assert!(rendered(text).contains("error[E04"), "{text:?}: {}", rendered(text));
     }
 }
 
@@ -157,11 +157,11 @@ fn errors_say_what_is_wrong_and_where() {
 fn examples_of_codes_cause_them_and_fixes_do_not() {
     for id in ["E0437", "E0438", "E0439"] {
         let code = codes::find(id).unwrap();
-        let said = |example: &str| {
+        let rendered = |example: &str| {
             let head = if example.contains("# cycle") { HEAD.to_owned() } else { format!("{HEAD}# cycle: no\n") };
-            said(&format!("{head}# duration: 1 s\n{example}\n"))
+            rendered(&format!("{head}# duration: 1 s\n{example}\n"))
         };
-        assert!(said(code.example).contains(id), "{id}: {}", said(code.example));
-        assert!(!said(code.fix).contains(id), "{id}: {}", said(code.fix));
+        assert!(rendered(code.example).contains(id), "{id}: {}", rendered(code.example));
+        assert!(!rendered(code.fix).contains(id), "{id}: {}", rendered(code.fix));
     }
 }

@@ -18,12 +18,12 @@ pub fn hover(workspace: &Workspace<'_>, path: &Path, byte: usize, encoding: Enco
     let text = workspace.text(path)?;
     let inspections = workspace.inspections_of(path);
     let typed = inspections.iter().find_map(|(file, whole)| typed(whole, *file, byte));
-    let (span, said) = unit(&text, byte)
+    let (span, markdown) = unit(&text, byte)
         .or(typed)
         .or_else(|| inspections.iter().find_map(|(file, whole)| term(whole, *file, path, byte)))
         .or_else(|| named(workspace, path, byte))
         .or_else(|| word(&text, byte))?;
-    let contents = HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value: said });
+    let contents = HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value: markdown });
     Some(Hover { contents, range: Some(Lines::new(&text, encoding).range(span)) })
 }
 
@@ -41,19 +41,19 @@ fn typed(whole: &Inspection, file: FileId, byte: usize) -> Option<(Span, String)
     }
     let around = around.filter(|_| smallest.range.is_none() && smallest.kind.starts_with('`'));
     let source = whole.report.sources.text(file);
-    let mut said = String::new();
+    let mut markdown = String::new();
     for found in [Some(&smallest), around.as_ref()].into_iter().flatten().filter(|found| !found.kind.is_empty()) {
         let written = found.span.of(source).lines().next().unwrap_or_default();
         let head = if found.kind.starts_with('`') { found.kind.clone() } else { format!("`{written}`: {}", found.kind) };
-        said += &format!("{head}\n\n");
+        markdown += &format!("{head}\n\n");
         if let Some(range) = found.range {
-            said += &format!("Stays within {}.\n\n", within(range));
+            markdown += &format!("Stays within {}.\n\n", within(range));
         }
     }
     for found in [Some(&smallest), around.as_ref()].into_iter().flatten().filter(|found| !found.docs.is_empty()) {
-        said += &format!("{}\n\n", found.docs);
+        markdown += &format!("{}\n\n", found.docs);
     }
-    Some((smallest.span, said.trim_end().to_owned())).filter(|(_, said)| !said.is_empty())
+    Some((smallest.span, markdown.trim_end().to_owned())).filter(|(_, markdown)| !markdown.is_empty())
 }
 
 /// Bounds in words.
@@ -82,9 +82,9 @@ fn term(whole: &Inspection, file: FileId, path: &Path, byte: usize) -> Option<(S
             let docs = found.docs.as_ref().map_or("", |docs| docs.text.as_str());
             let share = share(paid.weight.abs() / total);
             let per = if reward.per_second { "per second" } else { "per control step" };
-            let said =
+            let markdown =
                 format!("`{}`: a term of the reward\n\nWeight {}, {share} of all, {per}.\n\n{docs}", paid.name, paid.weight);
-            return Some((found.name.span, said.trim_end().to_owned()));
+            return Some((found.name.span, markdown.trim_end().to_owned()));
         }
     }
     None
@@ -95,8 +95,8 @@ fn named(workspace: &Workspace<'_>, path: &Path, byte: usize) -> Option<(Span, S
     let index = workspace.index();
     let here = index.at(index.file(path)?, byte)?;
     let symbol = &index.symbols[here.symbol];
-    let said = format!("`{}`: {}\n\n{}", symbol.name, symbol.what, symbol.docs);
-    Some((here.span, said.trim_end().to_owned()))
+    let markdown = format!("`{}`: {}\n\n{}", symbol.name, symbol.what, symbol.docs);
+    Some((here.span, markdown.trim_end().to_owned()))
 }
 
 /// The word at a byte, with what stands before it.
@@ -113,8 +113,8 @@ fn unit(text: &str, byte: usize) -> Option<(Span, String)> {
     let found = unit::find(word)?;
     let last = before.chars().next_back()?;
     let number = last == ' ' && before.trim_end_matches(' ').ends_with(|c: char| c.is_ascii_digit());
-    let said = || format!("`{}`: {}, {}", found.name, found.description, found.dimension.described());
-    (number || matches!(last, '*' | '/' | '(')).then(|| (span, said()))
+    let markdown = || format!("`{}`: {}, {}", found.name, found.description, found.dimension.described());
+    (number || matches!(last, '*' | '/' | '(')).then(|| (span, markdown()))
 }
 
 /// Elements and their fields: words of the language that stand for something.
@@ -122,7 +122,7 @@ fn word(text: &str, byte: usize) -> Option<(Span, String)> {
     let (span, word, _) = word_at(text, byte)?;
     let kind = elements::KINDS.iter().chain(elements::JOINTS).find(|kind| kind.name == word);
     let field = elements::FIELDS.iter().find(|field| field.name == word);
-    let said = match (kind, field) {
+    let markdown = match (kind, field) {
         (Some(kind), _) => {
             let (required, optional) = (kind.required.join(" "), kind.optional.join(" "));
             format!("`{}`: {}\n\nRequired: {required}. Optional: {optional}.", kind.name, kind.description)
@@ -130,5 +130,5 @@ fn word(text: &str, byte: usize) -> Option<(Span, String)> {
         (_, Some(field)) => format!("`{}`\n\n{}", field.form, field.description),
         _ => return None,
     };
-    Some((span, said))
+    Some((span, markdown))
 }

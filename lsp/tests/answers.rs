@@ -20,9 +20,9 @@ fn open(text: &str) -> Client {
 fn hover(text: &str) -> String {
     let (text, place) = marked(text);
     let mut client = open(&text);
-    let said = client.ask_at("textDocument/hover", A, place).unwrap();
+    let shown = client.ask_at("textDocument/hover", A, place).unwrap();
     client.end();
-    said["contents"]["value"].as_str().unwrap_or("").to_owned()
+    shown["contents"]["value"].as_str().unwrap_or("").to_owned()
 }
 
 #[test]
@@ -43,12 +43,12 @@ fn a_hover_tells_type_range_and_what_a_thing_is() {
 #[test]
 fn a_hover_tells_documentation_and_weights() {
     let text = task("    /// How far it leans.\n    let lean = 1 - torso.up.z\n    reward { 3 a = le|an\n 1 b = exp(-lean) }");
-    let said = hover(&text);
-    assert!(said.contains("a dimensionless number") && said.contains("How far it leans."), "{said}");
-    let said = hover(&task("    reward {\n        3 up|right = torso.up.z\n        1 b = pelvis.up.z\n    }"));
-    assert!(said.contains("Weight 3, 75 % of all, per control step."), "{said}");
-    let said = hover(&task("    scene {\n ground\n bo|x seat { size [1 m, 1 m, 1 m] }\n }\n    reward { 1 b = pelvis.up.z }"));
-    assert!(said.contains("a box: full extents"), "{said}");
+    let shown = hover(&text);
+    assert!(shown.contains("a dimensionless number") && shown.contains("How far it leans."), "{shown}");
+    let shown = hover(&task("    reward {\n        3 up|right = torso.up.z\n        1 b = pelvis.up.z\n    }"));
+    assert!(shown.contains("Weight 3, 75 % of all, per control step."), "{shown}");
+    let shown = hover(&task("    scene {\n ground\n bo|x seat { size [1 m, 1 m, 1 m] }\n }\n    reward { 1 b = pelvis.up.z }"));
+    assert!(shown.contains("a box: full extents"), "{shown}");
 }
 
 /// What may be written at the mark.

@@ -95,11 +95,11 @@ async fn models_include_nothing_from_outside_and_tell_nothing_of_it() {
                 let mut shown = Vec::new();
                 for (name, path) in answers {
                     write(if way == "model" { &path } else { "puppet.xml" }, &text(&path));
-                    let (said, _) = talk.call("check", check.clone()).await;
-                    assert_eq!(said["ok"], false, "{way}, {kind}: {said}");
-                    let said = said.to_string();
-                    assert!(said.contains("leads out of the project"), "{way}, {kind}: {said}");
-                    shown.push(said.replace(&name, "NAME"));
+                    let (answer, _) = talk.call("check", check.clone()).await;
+                    assert_eq!(answer["ok"], false, "{way}, {kind}: {answer}");
+                    let answer = answer.to_string();
+                    assert!(answer.contains("leads out of the project"), "{way}, {kind}: {answer}");
+                    shown.push(answer.replace(&name, "NAME"));
                 }
                 assert_eq!(shown[0], shown[1], "{way}, {kind}: who asks learns whether the file exists");
                 seen += 1;
@@ -110,7 +110,7 @@ async fn models_include_nothing_from_outside_and_tell_nothing_of_it() {
     // What lies inside is read.
     write("puppet.xml", &model("<include file=\"../inside.xml\"/>"));
     fs::write(project(&talk, "inside.xml"), "<x><option timestep=\"0.001\"/></x>").unwrap();
-    assert_eq!(talk.call("check", check.clone()).await.0["ok"], true, "{}", talk.said("check", check.clone()).await);
+    assert_eq!(talk.call("check", check.clone()).await.0["ok"], true, "{}", talk.text_of("check", check.clone()).await);
 }
 
 #[tokio::test]
@@ -145,11 +145,11 @@ async fn outside_paths_get_one_answer_whether_they_exist_or_not() {
             if folder != "./" {
                 answers.push(talk.call("read_results", json!({ "folder": format!("{folder}{name}") })).await);
             }
-            answers.into_iter().map(|(said, error)| (said.to_string().replace(name, "NAME"), error)).collect::<Vec<_>>()
+            answers.into_iter().map(|(answer, error)| (answer.to_string().replace(name, "NAME"), error)).collect::<Vec<_>>()
         };
         let (exists, absent) = (ask("aaaa").await, ask("bbbb").await);
         assert_eq!(exists, absent, "{folder}");
-        assert!(exists.iter().all(|(said, _)| said.contains("leads out of the")), "{exists:?}");
+        assert!(exists.iter().all(|(answer, _)| answer.contains("leads out of the")), "{exists:?}");
     }
     assert_eq!(fs::read_to_string(outside(&talk, "aaaa.msk")).unwrap(), task("secret", "human"));
     assert_eq!(fs::read_dir(outside(&talk, "")).unwrap().count(), 3, "nothing was written there");
@@ -162,15 +162,15 @@ async fn a_text_is_checked_under_every_spelling_of_its_name() {
     let absolute = project(&talk, "tasks.msk").canonicalize().unwrap().display().to_string();
     let wrong = task("lean", "human").replace("pelvis.height <", "pelvis.heigth <");
     for file in ["tasks.msk", "./tasks.msk", "bodies/../tasks.msk", ".//./tasks.msk", &absolute] {
-        let (said, _) = talk.call("check", json!({ "text": wrong, "file": file })).await;
-        assert_eq!(said["ok"], false, "{file}: the file was checked, not the text: {said}");
+        let (answer, _) = talk.call("check", json!({ "text": wrong, "file": file })).await;
+        assert_eq!(answer["ok"], false, "{file}: the file was checked, not the text: {answer}");
     }
     // Also where the text is reached by way of a file that uses it.
     let text = format!("use \"./bodies/uses.msk\"\n{wrong}");
     assert_eq!(talk.call("check", json!({ "text": text, "file": "./tasks.msk" })).await.0["ok"], false);
     let right = task("other", "human");
-    let (said, _) = talk.call("check", json!({ "text": right, "file": "./tasks.msk" })).await;
-    assert_eq!(said["tasks"], json!(["other"]), "{said}");
+    let (answer, _) = talk.call("check", json!({ "text": right, "file": "./tasks.msk" })).await;
+    assert_eq!(answer["tasks"], json!(["other"]), "{answer}");
 }
 
 /// Exchanges the folder `name` for a link to `target`, again and again.
@@ -216,9 +216,9 @@ async fn folders_that_are_exchanged_for_links_lead_nowhere() {
         ];
         for (tool, arguments) in calls {
             let asks_for_it = arguments.to_string().contains("secret");
-            let (said, error) = talk.call(tool, arguments).await;
-            assert!(asks_for_it || !said.to_string().contains("secret"), "{tool}: {said}");
-            assert!(!asks_for_it || error, "{tool}: {said}");
+            let (answer, error) = talk.call(tool, arguments).await;
+            assert!(asks_for_it || !answer.to_string().contains("secret"), "{tool}: {answer}");
+            assert!(!asks_for_it || error, "{tool}: {answer}");
             done += usize::from(!error);
         }
     }
@@ -244,9 +244,9 @@ async fn pipes_and_devices_are_refused_without_waiting() {
         ("apply_weights", json!({ "file": "pipe.msk", "weights": { "alive": 12 }, "dry_run": false })),
         ("apply_weights", json!({ "file": "tasks.msk", "overlay": "pipe.toml", "weights": { "alive": 12 }, "dry_run": false })),
     ] {
-        let said = talk.said(tool, arguments.clone()).await;
-        assert!(said.contains("a named pipe"), "{tool} {arguments}: {said}");
+        let answer = talk.text_of(tool, arguments.clone()).await;
+        assert!(answer.contains("a named pipe"), "{tool} {arguments}: {answer}");
     }
-    let said = talk.said("check", json!({ "text": "use \"/proc/self/environ\"\n" })).await;
-    assert!(said.contains("leads out of the project"), "{said}");
+    let answer = talk.text_of("check", json!({ "text": "use \"/proc/self/environ\"\n" })).await;
+    assert!(answer.contains("leads out of the project"), "{answer}");
 }

@@ -94,9 +94,9 @@ async fn links_beside_a_file_lead_no_change_elsewhere() {
         let link = talk.path(link);
         fs::create_dir_all(link.parent().unwrap()).unwrap();
         symlink(if link.ends_with(".msk") { elsewhere.path() } else { &victim }, &link).unwrap();
-        let (said, error) = talk.call("apply_weights", wish.clone()).await;
-        assert_eq!(error, refused, "{}: {said}", link.display());
-        assert_eq!(said.to_string().contains("is a symbolic link"), refused, "{said}");
+        let (answer, error) = talk.call("apply_weights", wish.clone()).await;
+        assert_eq!(error, refused, "{}: {answer}", link.display());
+        assert_eq!(answer.to_string().contains("is a symbolic link"), refused, "{answer}");
         assert_eq!(fs::read_to_string(&victim).unwrap(), "precious\n", "{}", link.display());
         assert_eq!(fs::read_dir(elsewhere.path()).unwrap().count(), 1, "{}", link.display());
         let aside = talk.path(".msk");
@@ -109,8 +109,8 @@ async fn links_beside_a_file_lead_no_change_elsewhere() {
 async fn a_weights_file_is_written_beside_the_source_and_compared() {
     let talk = begin().await;
     let wish = json!({ "file": "tasks.msk", "overlay": "weights.toml", "weights": { "lean.pose": 11.5 }, "dry_run": false });
-    let said = talk.ask("apply_weights", wish).await;
-    assert_eq!(said["changes"], json!([{ "task": "lean", "term": "pose", "from": 10.0, "to": 11.5 }]));
+    let answer = talk.ask("apply_weights", wish).await;
+    assert_eq!(answer["changes"], json!([{ "task": "lean", "term": "pose", "from": 10.0, "to": 11.5 }]));
     assert_eq!(talk.read("weights.toml"), "[lean]\npose = 11.5\n");
     assert_eq!(talk.read("tasks.msk"), LEAN);
     let terms = talk.ask("list_terms", json!({ "task": "lean", "overlay": "weights.toml" })).await;
@@ -149,11 +149,11 @@ async fn errors_are_reported_so_that_they_can_be_fixed() {
 #[tokio::test]
 async fn episodes_run_within_a_budget_and_results_are_read() {
     let talk = begin().await;
-    let said = talk.ask("evaluate", json!({ "task": "lean", "policy": "zero", "episodes": 2 })).await;
-    assert_eq!((&said["episodes_done"], &said["steps"], &said["budget_spent"]), (&json!(2), &json!(10), &json!(false)));
-    assert_eq!(said["summary"]["tasks"][0]["terms"][0]["name"], "pose");
-    let said = talk.ask("evaluate", json!({ "task": "lean", "policy": "zero", "episodes": 50, "max_steps": 7 })).await;
-    assert_eq!((&said["episodes_done"], &said["steps"], &said["budget_spent"]), (&json!(1), &json!(7), &json!(true)));
+    let answer = talk.ask("evaluate", json!({ "task": "lean", "policy": "zero", "episodes": 2 })).await;
+    assert_eq!((&answer["episodes_done"], &answer["steps"], &answer["budget_spent"]), (&json!(2), &json!(10), &json!(false)));
+    assert_eq!(answer["summary"]["tasks"][0]["terms"][0]["name"], "pose");
+    let answer = talk.ask("evaluate", json!({ "task": "lean", "policy": "zero", "episodes": 50, "max_steps": 7 })).await;
+    assert_eq!((&answer["episodes_done"], &answer["steps"], &answer["budget_spent"]), (&json!(1), &json!(7), &json!(true)));
     assert!(talk.refused("evaluate", json!({ "task": "lean", "policy": "genius" })).await.contains("genius"));
 
     assert_eq!(talk.ask("read_results", json!({})).await, json!({ "results": [] }));

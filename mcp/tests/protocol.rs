@@ -125,9 +125,9 @@ async fn lines_that_are_no_messages_are_answered_with_errors() {
     for (line, code, id) in cases {
         let shown = String::from_utf8_lossy(&line[..line.len().min(80)]).into_owned();
         client.line(line).await;
-        let said = client.hear().await;
-        assert_eq!((&said["error"]["code"], said.get("id")), (&json!(code), Some(&id)), "{shown}: {said}");
-        assert!(said["error"]["message"].as_str().is_some_and(|message| !message.is_empty()), "{shown}: {said}");
+        let answer = client.hear().await;
+        assert_eq!((&answer["error"]["code"], answer.get("id")), (&json!(code), Some(&id)), "{shown}: {answer}");
+        assert!(answer["error"]["message"].as_str().is_some_and(|message| !message.is_empty()), "{shown}: {answer}");
         client.still_answers().await;
     }
     // Requests that are messages, but not of this server.
@@ -138,9 +138,9 @@ async fn lines_that_are_no_messages_are_answered_with_errors() {
         json!({ "jsonrpc": "2.0", "id": 8, "method": "tools/call", "params": { "name": "evaluate", "arguments": { "task": 5 } } }),
     ] {
         client.say(request.clone()).await;
-        let said = client.hear().await;
-        assert_eq!(said["id"], 8, "{request}: {said}");
-        assert!(said["error"].is_object() || said["result"]["isError"] == true, "{request}: {said}");
+        let answer = client.hear().await;
+        assert_eq!(answer["id"], 8, "{request}: {answer}");
+        assert!(answer["error"].is_object() || answer["result"]["isError"] == true, "{request}: {answer}");
     }
     // What nobody waits for is not answered.
     for silent in [
@@ -171,9 +171,9 @@ async fn a_request_over_the_limit_is_refused_under_its_id() {
         let mut reply = String::new();
         let talk = async { tokio::join!(client.input.write_all(line.as_bytes()), client.output.read_line(&mut reply)) };
         watched("a long line", talk).await.0.unwrap();
-        let said: Value = serde_json::from_str(&reply).unwrap();
-        assert_eq!((&said["error"]["code"], said.get("id")), (&json!(-32600), Some(&id)), "{said}");
-        assert!(said["error"]["message"].as_str().unwrap().contains(&LONGEST_LINE.to_string()), "{said}");
+        let answer: Value = serde_json::from_str(&reply).unwrap();
+        assert_eq!((&answer["error"]["code"], answer.get("id")), (&json!(-32600), Some(&id)), "{answer}");
+        assert!(answer["error"]["message"].as_str().unwrap().contains(&LONGEST_LINE.to_string()), "{answer}");
         client.still_answers().await;
     }
     // The largest text fits, however it is escaped.
@@ -221,13 +221,13 @@ async fn beyond_one_evaluation_per_core_and_a_few_that_wait_the_server_is_busy()
         client.evaluate(id, "long").await;
     }
     for _ in 0..refused {
-        let said = client.hear().await;
-        assert!(said["id"].as_u64().unwrap() >= taken, "{said}");
-        let content = &said["result"]["structuredContent"];
-        assert_eq!((&said["result"]["isError"], &content["busy"]), (&json!(true), &json!(true)), "{said}");
+        let answer = client.hear().await;
+        assert!(answer["id"].as_u64().unwrap() >= taken, "{answer}");
+        let content = &answer["result"]["structuredContent"];
+        assert_eq!((&answer["result"]["isError"], &content["busy"]), (&json!(true), &json!(true)), "{answer}");
         assert!(
             content["error"].as_str().unwrap().contains(&format!("{cores} calls run and {WAITING_EVALUATIONS} wait")),
-            "{said}"
+            "{answer}"
         );
     }
     // Other tools and messages do not wait behind evaluations.
@@ -241,8 +241,8 @@ async fn beyond_one_evaluation_per_core_and_a_few_that_wait_the_server_is_busy()
         client.cancel(id).await;
     }
     client.evaluate(200, "short").await;
-    let said = client.hear().await;
-    assert_eq!((&said["id"], &said["result"]["structuredContent"]["steps"]), (&json!(200), &json!(5)), "{said}");
+    let answer = client.hear().await;
+    assert_eq!((&answer["id"], &answer["result"]["structuredContent"]["steps"]), (&json!(200), &json!(5)), "{answer}");
 }
 
 #[tokio::test]
@@ -250,8 +250,8 @@ async fn an_id_in_use_is_refused() {
     let mut client = Client::begin().await;
     client.evaluate(1, "long").await;
     client.evaluate(1, "short").await;
-    let said = client.hear().await;
-    assert_eq!((&said["error"]["code"], &said["id"]), (&json!(-32600), &json!(1)), "{said}");
+    let answer = client.hear().await;
+    assert_eq!((&answer["error"]["code"], &answer["id"]), (&json!(-32600), &json!(1)), "{answer}");
     client.cancel(1).await;
     client.still_answers().await;
 }

@@ -45,7 +45,7 @@ fn findings_by(statements: &str, look: impl Fn(&[Arc<CompiledTask>]) -> Vec<Diag
         ("init", "init { pose neutral }"),
         ("success", "success survived"),
     ] {
-        if !statements.lines().any(|said| said.starts_with(word)) {
+        if !statements.lines().any(|line| line.starts_with(word)) {
             text = format!("{text}{line}\n");
         }
     }
@@ -174,8 +174,8 @@ fn answered(section: &str) -> String {
             format!("warning[{}]: {}\n at `{}`\n", diagnostic.code.named(), diagnostic.message, place.replace('\n', " "))
         })
         .collect();
-    let said = answer.iter().any(|answer| answer.starts_with("warning[W053"));
-    assert!(said, "probing says nothing of this:\n{section}");
+    let caught = answer.iter().any(|answer| answer.starts_with("warning[W053"));
+    assert!(caught, "probing says nothing of this:\n{section}");
     let after = match after.split_once("\n```probed\n") {
         Some((between, rest)) => format!("{between}{}", rest.split_once("```").unwrap().1),
         None => after.to_owned(),

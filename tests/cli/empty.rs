@@ -36,17 +36,17 @@ fn a_task_that_is_not_there() {
 #[test]
 fn a_suite_that_names_what_is_not_there() {
     let project = Project::lean();
-    for (suite, said) in [
+    for (suite, message) in [
         ("suite w { family f { laen } }", "undefined task `laen`"),
         ("suite w { family f { } }", "the family `f` lists no task"),
         ("suite w { }", "the suite `w` lists no task"),
     ] {
         project.write("suite.msk", &format!("use \"lean.msk\"\n{suite}\n"));
-        project.msk(&["eval", "suite.msk", "--policy", "zero", "--out", "out"]).failed(1, &[said]);
+        project.msk(&["eval", "suite.msk", "--policy", "zero", "--out", "out"]).failed(1, &[message]);
         // A suite that is used by another file is held to the same.
         project.write("outer.msk", "use \"suite.msk\"\nuse \"lean.msk\"\nconst x = 1\n");
         let done = project.msk(&["check", "outer.msk"]);
-        assert!(done.code == Some(1) && done.out.contains(said), "{done:?}");
+        assert!(done.code == Some(1) && done.out.contains(message), "{done:?}");
     }
 }
 

@@ -68,11 +68,11 @@ impl<'a> Checker<'a> {
         }
         let one = unit::evaluate(unit).ok()?;
         let dimension = one.dimension.per(Dimension::TIME)?;
-        let said = format!("{} {dimension}", for_people(number.value * one.value / seconds));
+        let speed = format!("{} {dimension}", for_people(number.value * one.value / seconds));
         let message = format!("`{}` is not a unit", word.text);
         let diagnostic = self.diagnostic(codes::syntax::UNKNOWN_UNIT, right.span, message);
         let whole = format!("{} {}/{}", exact(number.value), unit.text, word.text);
-        Some(diagnostic.suggest(format!("`{whole}` is `{said}`"), last.span.to(right.span), said))
+        Some(diagnostic.suggest(format!("`{whole}` is `{speed}`"), last.span.to(right.span), speed))
     }
 
     fn infix(&mut self, operator: BinaryOperator, span: Span, left: Operand<'a>, right: Operand<'a>) -> Checked<TypedValue> {

@@ -21,13 +21,13 @@ pub(crate) fn describe(body: &Body, file: FileId, diagnostics: &mut Vec<Diagnost
         file,
         diagnostics,
         body: BodyDescription { name: body.name.text.clone(), ..BodyDescription::default() },
-        said: BTreeMap::new(),
+        seen: BTreeMap::new(),
     };
     for statement in &body.statements {
         reader.statement(statement);
     }
     let needed = [("model", "`model \"model.xml\"`"), ("root", "`root pelvis { forward x, up z }`")];
-    let missing: Vec<_> = needed.into_iter().filter(|(word, _)| !reader.said.contains_key(*word)).collect();
+    let missing: Vec<_> = needed.into_iter().filter(|(word, _)| !reader.seen.contains_key(*word)).collect();
     if !missing.is_empty() {
         let words: Vec<String> = missing.iter().map(|(word, _)| format!("`{word}`")).collect();
         let message = format!("the body `{}` does not declare its {}", body.name.text, words.join(", "));
@@ -45,7 +45,7 @@ struct Reader<'a> {
     diagnostics: &'a mut Vec<Diagnostic>,
     body: BodyDescription,
     /// Names and settings already there.
-    said: BTreeMap<String, Span>,
+    seen: BTreeMap<String, Span>,
 }
 
 impl Reader<'_> {
@@ -59,7 +59,7 @@ impl Reader<'_> {
 
     /// Reports a name or setting that is there already.
     fn once(&mut self, name: &str, span: Span) {
-        if let Some(first) = self.said.insert(name.to_owned(), span) {
+        if let Some(first) = self.seen.insert(name.to_owned(), span) {
             let diagnostic =
                 Diagnostic::new(codes::names::DECLARED_TWICE, self.file, span, format!("`{name}` is declared twice"));
             self.diagnostics.push(diagnostic.here("again here").label(self.file, first, "first here"));

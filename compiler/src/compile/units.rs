@@ -139,23 +139,23 @@ fn phases<'a>(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Checked<Vec<PhaseTask<'a>>> {
     let mut failures = Failures::default();
-    let mut said = |message: String, span| {
+    let mut report = |message: String, span| {
         failures.add(Diagnostic::new(codes::composition::SEQUENCE, file, span, message).report(diagnostics));
     };
     let declared: Vec<&Phase> =
         sequence.statements.iter().filter_map(|s| if let TaskStatement::Phase(p) = s { Some(p) } else { None }).collect();
     if declared.len() < 2 {
-        said("a sequence has at least two phases: `phase walk until arrived`".to_owned(), sequence.name.span);
+        report("a sequence has at least two phases: `phase walk until arrived`".to_owned(), sequence.name.span);
     }
     let mut named = BTreeSet::new();
     for phase in &declared {
         visit(1);
         if !named.insert(phase.task.text.as_str()) {
-            said(format!("the phase `{}` is declared twice; its results would be ambiguous", phase.task.text), phase.span);
+            report(format!("the phase `{}` is declared twice; its results would be ambiguous", phase.task.text), phase.span);
         }
     }
     if let Some(last) = declared.last().filter(|last| last.until.is_some()) {
-        said("the last phase ends with its task; no other phase follows".to_owned(), last.span);
+        report("the last phase ends with its task; no other phase follows".to_owned(), last.span);
     }
     for statement in &sequence.statements {
         let (word, span) = match statement {
@@ -165,7 +165,7 @@ fn phases<'a>(
             TaskStatement::Reference(reference) => ("reference", reference.span),
             _ => continue,
         };
-        said(format!("`{word}` belongs in the tasks of a sequence: it restarts with each phase"), span);
+        report(format!("`{word}` belongs in the tasks of a sequence: it restarts with each phase"), span);
     }
     let own: Vec<Placed> =
         sequence.statements.iter().cloned().map(|statement| Placed { statement, file, layer: 0, allowed: Vec::new() }).collect();
@@ -199,7 +199,7 @@ fn same_body(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Checked<()> {
     let mut failures = Failures::default();
-    let says = |statements: &[Placed], body: bool| {
+    let declared = |statements: &[Placed], body: bool| {
         statements.iter().find_map(|placed| match &placed.statement {
             TaskStatement::Body(used) if body => Some(texts.text(placed.file, used.span).trim().to_owned()),
             TaskStatement::Control(expr) if !body => Some(written(expr, placed.file, texts)),
@@ -207,12 +207,12 @@ fn same_body(
         })
     };
     for (what, body) in [("body", true), ("control", false)] {
-        if says(own, body).is_some() {
+        if declared(own, body).is_some() {
             continue;
         }
-        let first = tasks.first().and_then(|task| says(&task.task.statements, body));
+        let first = tasks.first().and_then(|task| declared(&task.task.statements, body));
         for task in tasks {
-            let other = says(&task.task.statements, body);
+            let other = declared(&task.task.statements, body);
             if let (Some(phase), true) = (task.phase, other != first) {
                 let message = format!("this phase has another `{what}` than the first");
                 let diagnostic = Diagnostic::new(codes::composition::SEQUENCE, file, phase.span, message)
@@ -343,7 +343,7 @@ impl Compiler<'_> {
         }
         let statements = unit.phases.iter().map(|phase| &phase.task.statements);
         let mut misnamed = Vec::new();
-        let mut allowances: Vec<Allowance> = statements.flat_map(|said| check::allows::of_task(said, &mut misnamed)).collect();
+        let mut allowances: Vec<Allowance> = statements.flat_map(|list| check::allows::of_task(list, &mut misnamed)).collect();
         let libraries = checked.iter().flatten().flat_map(|phase| &phase.checked.allowances);
         allowances.extend(libraries.cloned());
         reported.formulas.append(&mut of_scene);

@@ -50,24 +50,24 @@ pub fn format(file: FileId, text: &str) -> Result<String, FormatError> {
     if text.contains("\r\n") {
         formatted = formatted.replace('\n', "\r\n");
     }
-    if says(file, text) == says(file, &formatted) { Ok(formatted) } else { Err(FormatError::Changed) }
+    if content(file, text) == content(file, &formatted) { Ok(formatted) } else { Err(FormatError::Changed) }
 }
 
 /// What a text says: its tokens and comments, and where statements end.
-fn says(file: FileId, text: &str) -> (Vec<&str>, Vec<&str>) {
+fn content(file: FileId, text: &str) -> (Vec<&str>, Vec<&str>) {
     let (tokens, goes_on) = scanner::tokens(file, text);
-    let mut said = Vec::with_capacity(tokens.len());
+    let mut pieces = Vec::with_capacity(tokens.len());
     let mut ended = true;
     for (token, goes_on) in tokens.iter().zip(goes_on) {
         if token.kind != scanner::TokenKind::Newline {
-            said.push(&text[token.start..token.end]);
+            pieces.push(&text[token.start..token.end]);
             ended = false;
         } else if !goes_on && !std::mem::replace(&mut ended, true) {
-            said.push("\n");
+            pieces.push("\n");
         }
     }
     if !ended {
-        said.push("\n");
+        pieces.push("\n");
     }
-    (said, parse(file, text).comments.iter().map(|comment| comment.span.of(text).trim_end()).collect())
+    (pieces, parse(file, text).comments.iter().map(|comment| comment.span.of(text).trim_end()).collect())
 }

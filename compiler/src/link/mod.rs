@@ -36,7 +36,7 @@ pub(crate) struct CheckedPhase<'a> {
     pub definitions: Vec<Definition>,
 }
 
-/// What a task by itself, or a sequence as a whole, says.
+/// The header of a task by itself, or of a sequence as a whole.
 #[derive(Clone)]
 pub(crate) struct Heading<'a> {
     pub name: &'a str,
@@ -44,7 +44,7 @@ pub(crate) struct Heading<'a> {
     pub family: String,
     pub body: Arc<BodyDescription>,
     pub vocabulary: Arc<Vocabulary>,
-    /// Success, where a sequence says it.
+    /// Success, where a sequence declares it.
     pub success: Option<(&'a Expr, FileId)>,
     /// Names of the randoms that all phases share.
     pub shared: Vec<String>,
@@ -130,8 +130,8 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
         add_places(&mut compiled.places, &checked);
         whole.horizon = whole.horizon.saturating_add(checked.timing.horizon);
         let horizon = checked.timing.horizon;
-        let said = Said { until, success: heading.success, definitions };
-        let debug = debug_info(source, &checked, &outputs, said, texts);
+        let outer = FromSequence { until, success: heading.success, definitions };
+        let debug = debug_info(source, &checked, &outputs, outer, texts);
         let graph = checked.graph;
         made.push(PhaseParts { name, horizon, graph, outputs, terms, terminations, finishes, metrics, channels, streams, debug });
     }
@@ -324,14 +324,20 @@ fn outputs(checked: &CheckedTask<'_>) -> Outputs {
     }
 }
 
-/// What is said of a phase from outside, and by whom it is understood.
-struct Said<'a> {
+/// What a sequence adds to a phase, and the definitions that explain it.
+struct FromSequence<'a> {
     until: Option<(&'a Expr, FileId)>,
     success: Option<(&'a Expr, FileId)>,
     definitions: Vec<Definition>,
 }
 
-fn debug_info(source: &WholeTask, checked: &CheckedTask<'_>, outputs: &Outputs, said: Said<'_>, texts: &dyn Texts) -> DebugInfo {
+fn debug_info(
+    source: &WholeTask,
+    checked: &CheckedTask<'_>,
+    outputs: &Outputs,
+    outer: FromSequence<'_>,
+    texts: &dyn Texts,
+) -> DebugInfo {
     let own = source.statements.iter().find_map(|placed| match &placed.statement {
         TaskStatement::Success(expr) => Some((expr, placed.file)),
         _ => None,
@@ -370,11 +376,11 @@ fn debug_info(source: &WholeTask, checked: &CheckedTask<'_>, outputs: &Outputs, 
         }),
         channels: channels(&checked.channels),
         metrics: channels(&checked.metrics),
-        success: said.success.or(own).map(condition),
-        until: said.until.map(condition),
+        success: outer.success.or(own).map(condition),
+        until: outer.until.map(condition),
         comparisons: checked.comparisons.clone(),
         states: checked.states.iter().map(|state| state.name.clone()).collect(),
-        definitions: said.definitions,
+        definitions: outer.definitions,
         term_bounds: checked.term_bounds.clone(),
     }
 }

@@ -124,7 +124,7 @@ impl Reader {
             start += line.len();
             match (part.text.strip_prefix('#'), headings) {
                 _ if part.text.is_empty() => {}
-                (Some(said), None) => self.head_line(Part::new(said, part.start + 1), &mut head),
+                (Some(line), None) => self.head_line(Part::new(line, part.start + 1), &mut head),
                 (Some(_), Some(_)) => {}
                 (None, None) => headings = Some(part),
                 (None, Some(_)) => rows.push(part),
@@ -159,8 +159,8 @@ impl Reader {
         Ok(Table { name, source, cycle, duration, columns, times, values: lists }.into())
     }
 
-    fn head_line<'a>(&mut self, said: Part<'a>, head: &mut Head<'a>) {
-        let Some((word, value)) = said.cut(':').filter(|(word, _)| !word.text.contains(char::is_whitespace)) else { return };
+    fn head_line<'a>(&mut self, line: Part<'a>, head: &mut Head<'a>) {
+        let Some((word, value)) = line.cut(':').filter(|(word, _)| !word.text.contains(char::is_whitespace)) else { return };
         match word.text {
             "name" if head.name.is_none() => head.name = Some(value),
             "source" => head.sources.push(value.text),

@@ -212,8 +212,8 @@ pub(crate) fn in_sequence(phase: WholeTask, first: &WholeTask, sequence: &[Place
         Section::Single(word) | Section::Layered(word) => SHARED.contains(&word),
         _ => matches!(placed.statement, TaskStatement::Disturb(_)),
     };
-    let said: Vec<Section> = sequence.iter().map(section_of).collect();
-    let of_first = first.statements.iter().filter(|placed| shared(placed) && !said.contains(&section_of(placed)));
+    let declared: Vec<Section> = sequence.iter().map(section_of).collect();
+    let of_first = first.statements.iter().filter(|placed| shared(placed) && !declared.contains(&section_of(placed)));
     let of_sequence =
         sequence.iter().filter(|placed| !matches!(placed.statement, TaskStatement::Phase(_) | TaskStatement::Success(_)));
     let own = phase.statements.iter().filter(|placed| !shared(placed) && !matches!(placed.statement, TaskStatement::Test(_)));

@@ -80,8 +80,8 @@ const REQUIRED: [(&str, &str); 7] = [
 ];
 
 /// Lines of a task around statements that leave out those with the given keywords.
-fn task_without(said: impl Fn(&str) -> bool) -> String {
-    let lines = REQUIRED.iter().filter(|(keyword, _)| !said(keyword)).map(|(_, line)| format!("{line}\n"));
+fn task_without(declared: impl Fn(&str) -> bool) -> String {
+    let lines = REQUIRED.iter().filter(|(keyword, _)| !declared(keyword)).map(|(_, line)| format!("{line}\n"));
     format!("use \"lib/posture.msk\"\ntask example {{\n{}", lines.collect::<String>())
 }
 
@@ -93,8 +93,8 @@ pub fn complete(statements: &str) -> String {
         outer.extend(line.split_whitespace().next().filter(|_| depth == 0));
         depth += line.matches('{').count() as i32 - line.matches('}').count() as i32;
     }
-    let said = |keyword: &str| outer.contains(&keyword);
-    format!("{}{statements}\n}}\n", task_without(said))
+    let declared = |keyword: &str| outer.contains(&keyword);
+    format!("{}{statements}\n}}\n", task_without(declared))
 }
 
 /// Pages are compiled whole.
@@ -116,8 +116,8 @@ impl Reading for Compiling {
             "body" => ("body example {\nmodel \"human.xml\"\nroot pelvis { forward x, up z }\n".to_owned(), "}\n".to_owned()),
             // `task-observe-reward`: statements that say these themselves.
             _ => {
-                let said = kind.strip_prefix("task-")?;
-                (task_without(|keyword| said.split('-').any(|word| word == keyword)), "}\n".to_owned())
+                let keywords = kind.strip_prefix("task-")?;
+                (task_without(|keyword| keywords.split('-').any(|word| word == keyword)), "}\n".to_owned())
             }
         })
     }

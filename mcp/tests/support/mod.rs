@@ -58,20 +58,20 @@ impl Talk {
 
     /// What a tool says, which is no error.
     pub async fn ask(&self, tool: &'static str, arguments: Value) -> Value {
-        let (said, error) = self.call(tool, arguments).await;
-        assert!(!error, "{said}");
-        said
+        let (answer, error) = self.call(tool, arguments).await;
+        assert!(!error, "{answer}");
+        answer
     }
 
     /// The error that a tool reports.
     pub async fn refused(&self, tool: &'static str, arguments: Value) -> String {
-        let (said, error) = self.call(tool, arguments).await;
-        assert!(error, "{said}");
-        said.to_string()
+        let (answer, error) = self.call(tool, arguments).await;
+        assert!(error, "{answer}");
+        answer.to_string()
     }
 
     /// What a tool says, whether it is an error or not.
-    pub async fn said(&self, tool: &'static str, arguments: Value) -> String {
+    pub async fn text_of(&self, tool: &'static str, arguments: Value) -> String {
         self.call(tool, arguments).await.0.to_string()
     }
 }

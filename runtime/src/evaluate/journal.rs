@@ -349,8 +349,8 @@ mod tests {
             [("\"return\":1.5", "\"return\":9.5"), ("\"success\":true", "\"success\":false"), ("\"steps\":10", "\"steps\":11")]
         {
             assert!(lines.contains(before), "{lines}");
-            let said = refusal(folder.path(), &lines.replacen(before, after, 1));
-            assert!(said.contains("line 1") && said.contains("its checksum does not match its content"), "{said}");
+            let error = refusal(folder.path(), &lines.replacen(before, after, 1));
+            assert!(error.contains("line 1") && error.contains("its checksum does not match its content"), "{error}");
         }
         let bare = lines.replacen(",\"checksum\"", ",\"other\"", 1);
         assert!(refusal(folder.path(), &bare).contains("it has no checksum"));
@@ -403,8 +403,8 @@ mod tests {
         );
         assert!(more(record(1)).contains("line 4, was modified: episode 1 of `stand` already exists"));
         let fatigue = MuscleCondition { fatigue: Some(Fatigue::default()), ..MuscleCondition::default() };
-        let said = more(EpisodeRecord { condition: fatigue, ..record(0) });
-        assert!(said.contains("no task of the run is its `stand` with muscles in the condition `fatigue`"), "{said}");
+        let error = more(EpisodeRecord { condition: fatigue, ..record(0) });
+        assert!(error.contains("no task of the run is its `stand` with muscles in the condition `fatigue`"), "{error}");
     }
 
     #[test]

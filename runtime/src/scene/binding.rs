@@ -54,7 +54,7 @@ pub(super) fn bind(body: &Body, scene: &SceneDescription, placed: &Placed<'_>, b
             .connections
             .iter()
             .zip(&placed.connections)
-            .map(|(said, &equality)| Connection { equality, here: said.here })
+            .map(|(connection, &equality)| Connection { equality, here: connection.here })
             .collect(),
         members,
         ..body.clone()

@@ -131,7 +131,7 @@ impl Http {
 
     /// The proposal in the first choice of an answer.
     fn proposal(&self, text: &str, request: &Request) -> Result<Proposal, ReasonerError> {
-        let wrong = |source, said: &str| ReasonerError::Reply { source, said: self.secrets.shown_body(said) };
+        let wrong = |source, reply: &str| ReasonerError::Reply { source, reply: self.secrets.shown_body(reply) };
         let none = |reason: &str| super::ReplyError::NoObject(reason.to_owned());
         let reply: Value = serde_json::from_str(text).map_err(|error| wrong(none(&error.to_string()), text))?;
         let content = reply["choices"][0]["message"]["content"].as_str();

@@ -83,7 +83,7 @@ pub enum ReasonerError {
         /// What is wrong with it.
         source: ReplyError,
         /// What it said, without secrets and cut to a length that fits a log.
-        said: String,
+        reply: String,
     },
     /// The run was interrupted while it was asked.
     #[error("interrupted during a request to the reasoner")]

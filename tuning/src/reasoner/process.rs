@@ -57,9 +57,9 @@ impl Reasoner for Process {
 
     fn propose(&self, request: &Request, stop: &AtomicBool) -> Result<Proposal, ReasonerError> {
         let question = json!({ "request": request, "prompt": prompt(request) }).to_string();
-        let said = self.ask(question, stop)?;
-        let proposal = read(&said, request, &self.secrets);
-        proposal.map_err(|source| ReasonerError::Reply { source, said: self.secrets.shown_body(&said) })
+        let reply = self.ask(question, stop)?;
+        let proposal = read(&reply, request, &self.secrets);
+        proposal.map_err(|source| ReasonerError::Reply { source, reply: self.secrets.shown_body(&reply) })
     }
 }
 

@@ -33,7 +33,7 @@ impl core::fmt::Display for Change {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// No such term.
-    #[error("there is no term `{term}` with a weight{}", said(.nearest))]
+    #[error("there is no term `{term}` with a weight{}", suggestion(.nearest))]
     Unknown {
         /// As wished.
         term: String,
@@ -91,7 +91,7 @@ impl Problem {
     }
 }
 
-fn said(nearest: &[String]) -> String {
+fn suggestion(nearest: &[String]) -> String {
     match nearest {
         [] => String::new(),
         names => format!("; did you mean {}?", names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" or ")),

@@ -31,17 +31,17 @@ impl Beginning {
 impl<'a> Checker<'a> {
     pub(in crate::check) fn root(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
         let mut failures = Failures::default();
-        let mut said: Vec<&str> = Vec::new();
+        let mut seen: Vec<&str> = Vec::new();
         for field in &element.fields {
             let word = field.name.text.as_str();
-            if said.contains(&word) && word != "align" {
+            if seen.contains(&word) && word != "align" {
                 failures.add(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is given twice")));
                 continue;
             }
-            said.push(word);
+            seen.push(word);
             failures.catch(self.root_field(field, beginning));
         }
-        if !failures.any() && said.contains(&"align") && (said.contains(&"height") || said.contains(&"at")) {
+        if !failures.any() && seen.contains(&"align") && (seen.contains(&"height") || seen.contains(&"at")) {
             let message = "`align` already places the root; `height` and `at` are redundant";
             return Err(self.error(codes::tasks::REPEATED, element.span, message));
         }

@@ -196,13 +196,13 @@ impl<'a> Checker<'a> {
         };
         let mut disturbance = Disturbance { landmark, force: [0.0; 3], torque: [0.0; 3], start: 0, steps: 0, every: 0 };
         let mut drawn = Drawn::new();
-        let mut said: Vec<&str> = Vec::new();
+        let mut seen: Vec<&str> = Vec::new();
         for field in &element.fields {
             let word = field.name.text.as_str();
-            if said.contains(&word) {
+            if seen.contains(&word) {
                 return Err(self.error(codes::tasks::REPEATED, field.span, format!("`{word}` is given twice")));
             }
-            said.push(word);
+            seen.push(word);
             match word {
                 "force" | "torque" => {
                     let is_force = word == "force";
@@ -241,8 +241,8 @@ impl<'a> Checker<'a> {
                 }
             }
         }
-        let pushes = said.contains(&"force") || said.contains(&"torque");
-        if !pushes || !said.contains(&"at") || disturbance.steps == 0 {
+        let pushes = seen.contains(&"force") || seen.contains(&"torque");
+        if !pushes || !seen.contains(&"at") || disturbance.steps == 0 {
             let diagnostic = self
                 .diagnostic(
                     codes::tasks::MISSING,
@@ -252,7 +252,7 @@ impl<'a> Checker<'a> {
                 .help("write `disturb pelvis { force [50 N, 0, 0], at 3 s, for 0.1 s }`");
             return Err(self.report(diagnostic));
         }
-        self.lasts_within(element, &disturbance, said.contains(&"every"))?;
+        self.lasts_within(element, &disturbance, seen.contains(&"every"))?;
         Ok((disturbance, drawn))
     }
 

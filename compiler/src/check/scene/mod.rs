@@ -135,11 +135,11 @@ pub(crate) fn of_task<'a>(
         return (CheckedScene { description, ..Default::default() }, Vec::new());
     }
     let mut merging = Merging::default();
-    let mut said = None;
+    let mut last_layer = None;
     for (block, placed) in blocks {
         // An inherited scene is read where it was written.
         checker.in_file(placed.file, |checker| {
-            if said.replace(placed.layer) == Some(placed.layer) {
+            if last_layer.replace(placed.layer) == Some(placed.layer) {
                 checker.error(codes::tasks::REPEATED, block.keyword, "`scene` is declared twice");
             }
             merging.layer = placed.layer;

@@ -22,7 +22,7 @@ impl Checker<'_> {
         if self.repeated.iter().any(|(file, known, _)| (*file, *known) == place) {
             return;
         }
-        if let Some(name) = self.says(value) {
+        if let Some(name) = self.known_length(value) {
             self.repeated.push((place.0, place.1, name));
         }
     }
@@ -53,7 +53,7 @@ impl Checker<'_> {
     }
 
     /// Which size or place of the scene is this length.
-    fn says(&self, value: f64) -> Option<String> {
+    fn known_length(&self, value: f64) -> Option<String> {
         let same = |lane: f64| (lane.abs() - value.abs()).abs() <= 1e-9 * value.abs();
         for (name, known) in &self.known {
             let components: &[&str] = match known.element {

@@ -19,16 +19,16 @@ pub(super) struct Parts<'a> {
     body: Located<&'a BodyUse>,
     /// Of each task of a line of extended ones, the oldest first.
     pub init: Vec<Layer<'a>>,
-    /// Which of them said it last.
+    /// The layer of the latest of them.
     begun: Option<usize>,
     pub success: Located<&'a Expr>,
 }
 
 impl<'a> Checker<'a> {
-    /// A list is said once in each task; what a task inherits comes row by row, from elsewhere.
+    /// A list is declared once in each task; what a task inherits comes row by row, from elsewhere.
     pub(super) fn lists_once(&mut self, task: &WholeTask) {
         use TaskStatement as S;
-        let mut said: Vec<&str> = Vec::new();
+        let mut seen: Vec<&str> = Vec::new();
         for statement in &task.task.statements {
             let (word, span) = match statement {
                 S::Params(block) => ("params", block.keyword),
@@ -38,10 +38,10 @@ impl<'a> Checker<'a> {
                 S::Reward(reward) => ("reward", reward.span),
                 _ => continue,
             };
-            if said.contains(&word) {
-                self.said_twice(span, word);
+            if seen.contains(&word) {
+                self.given_twice(span, word);
             }
-            said.push(word);
+            seen.push(word);
         }
     }
 
@@ -59,7 +59,7 @@ impl<'a> Checker<'a> {
                 S::Body(body) => self.only_one(&mut parts.body, (body, *file), body.span, "body"),
                 S::Init(block) => {
                     if parts.begun.replace(*layer) == Some(*layer) {
-                        self.said_twice(block.keyword, "init");
+                        self.given_twice(block.keyword, "init");
                     }
                     parts.init.push((block, *file));
                 }
@@ -72,24 +72,24 @@ impl<'a> Checker<'a> {
 
     fn only_one<T>(&mut self, slot: &mut Option<T>, value: T, span: Span, word: &str) {
         if slot.replace(value).is_some() {
-            self.said_twice(span, word);
+            self.given_twice(span, word);
         }
     }
 
-    fn said_twice(&mut self, span: Span, word: &str) {
+    fn given_twice(&mut self, span: Span, word: &str) {
         let message = format!("`{word}` is given twice");
         self.error(codes::tasks::REPEATED, span, message);
     }
 
     pub(super) fn must_be_complete(&mut self, task: &WholeTask, parts: &Parts<'a>) -> Checked<()> {
-        let says = |word: fn(&TaskStatement) -> bool| task.statements.iter().any(|placed| word(&placed.statement));
+        let has = |word: fn(&TaskStatement) -> bool| task.statements.iter().any(|placed| word(&placed.statement));
         let wanted = [
             ("body", parts.body.is_some()),
             ("control", parts.control.is_some()),
             ("horizon", parts.horizon.is_some()),
             ("init", !parts.init.is_empty()),
-            ("observe", says(|statement| matches!(statement, TaskStatement::Observe(_)))),
-            ("reward", says(|statement| matches!(statement, TaskStatement::Reward(_)))),
+            ("observe", has(|statement| matches!(statement, TaskStatement::Observe(_)))),
+            ("reward", has(|statement| matches!(statement, TaskStatement::Reward(_)))),
             ("success", parts.success.is_some()),
         ];
         let missing: Vec<String> = wanted.iter().filter(|(_, there)| !there).map(|(word, _)| format!("`{word}`")).collect();

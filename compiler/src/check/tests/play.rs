@@ -33,8 +33,8 @@ impl<'a> Checker<'a> {
         let set = self.situation(&playing.situation, &mut scene)?;
         let (motion, start, after) = self.played_motion(playing, step, drawn)?;
         let steps = self.played_for(playing, &motion, start)?;
-        let said = said_of_root(playing);
-        let parts = self.played_parts(&motion, &set, &said);
+        let assigned = assigned_root_parts(playing);
+        let parts = self.played_parts(&motion, &set, &assigned);
         let moves = [RootPart::X, RootPart::Y].iter().any(|part| parts.root.contains(part));
         if moves {
             self.must_stand_somewhere(playing, &scene.init)?;
@@ -136,12 +136,12 @@ impl<'a> Checker<'a> {
     }
 
     /// What the scene takes from a motion: all that it moves but for what the changes set.
-    fn played_parts(&self, motion: &Motion, set: &[bool], said: &[RootPart]) -> Parts {
+    fn played_parts(&self, motion: &Motion, set: &[bool], assigned: &[RootPart]) -> Parts {
         let joints = self.vocabulary.joints.iter().enumerate();
         let moved = joints.filter(|(index, joint)| joint.independent && !set.get(*index).copied().unwrap_or(false));
         Parts {
             joints: moved.filter_map(|(index, joint)| Some((index, motion.joint(&joint.name)?))).collect(),
-            root: RootPart::ALL.into_iter().filter(|part| motion.root(*part).is_some() && !said.contains(part)).collect(),
+            root: RootPart::ALL.into_iter().filter(|part| motion.root(*part).is_some() && !assigned.contains(part)).collect(),
             velocity: false,
         }
     }
@@ -162,7 +162,7 @@ impl<'a> Checker<'a> {
 }
 
 /// Parts of the root that the changes decide; `at` and `heading` say where the path begins.
-fn said_of_root(playing: &Playing) -> Vec<RootPart> {
+fn assigned_root_parts(playing: &Playing) -> Vec<RootPart> {
     let named = playing.situation.changes.iter().filter_map(|change| {
         let Change::Assign(assignment) = change else { return None };
         let ExprKind::Field { base, name } = &assignment.target.kind else { return None };
