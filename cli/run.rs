@@ -160,9 +160,9 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
         writeln!(out)?;
     } else {
         writeln!(out, "{}", headline(&played, f64::from(played.steps) / trial.task.control_frequency))?;
-        let paid =
+        let weights =
             if record.weights_version.is_empty() { String::new() } else { format!(", weights {}", record.weights_version) };
-        writeln!(out, "return {}{paid}", for_people(played.total))?;
+        writeln!(out, "return {}{weights}", for_people(played.total))?;
     }
     if played.same_as(record) {
         writeln!(io::stderr(), "the same as in `{}`, bit for bit", folder.display())?;

@@ -33,9 +33,9 @@ fn posture_stands_for_the_whole_task_and_rest_falls() {
     let standing = play(&trial, "cmc");
     assert!(standing.success, "{standing:?}");
     assert_eq!(standing.steps, trial.task.horizon);
-    // Of 50 that could be paid per step.
-    let pay = standing.total / f64::from(standing.steps);
-    assert!(pay > 46.0, "{pay} per step: {standing:?}");
+    // Of 50 per step at most.
+    let reward = standing.total / f64::from(standing.steps);
+    assert!(reward > 46.0, "{reward} per step: {standing:?}");
 
     let falling = play(&trial, "zero");
     assert!(!falling.success && falling.steps < 200, "{falling:?}");

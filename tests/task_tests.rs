@@ -150,7 +150,7 @@ fn an_episode_is_played_to_its_end() {
 }
 
 #[test]
-fn pay_is_read_by_term_and_summed() {
+fn contributions_are_read_by_term_and_summed() {
     holds(
         "test \"pay\" {
             moment rest { pose neutral { root.height = 1 m } }

@@ -157,7 +157,7 @@ fn every_task_has_a_demonstration_and_three_exploits() {
 }
 
 /// A task shows how it succeeds, how it does not, every way in which it ends, and for every term two situations of which one is
-/// paid more.
+/// rewarded more.
 #[test]
 fn every_task_has_its_witnesses() {
     let mut missing = String::new();
@@ -176,8 +176,8 @@ fn every_task_has_its_witnesses() {
             wanted(format!("ends by {reason}"), written.iter().any(|text| text.starts_with(&format!("ended by {reason}"))));
         }
         for term in &task.terms {
-            let pay = format!("reward.{} at ", term.name);
-            wanted(format!("pays {} in order", term.name), written.iter().any(|text| text.matches(&pay).count() >= 2));
+            let contribution = format!("reward.{} at ", term.name);
+            wanted(format!("pays {} in order", term.name), written.iter().any(|text| text.matches(&contribution).count() >= 2));
         }
     }
     assert!(missing.is_empty(), "\n{missing}");

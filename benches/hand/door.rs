@@ -87,7 +87,7 @@ impl Hand for Door {
             flag(ended),
             self.own.effort(frame),
         ];
-        outcome.reward = pay(&outcome.terms, weights);
+        outcome.reward = weighted_sum(&outcome.terms, weights);
         outcome.truncated = self.step >= self.horizon && !ended;
         outcome.success = self.success;
     }

@@ -224,6 +224,6 @@ pub fn quaternion(axes: &[f64]) -> [f64; 4] {
 }
 
 /// The reward of all terms.
-pub fn pay(terms: &[f64], weights: &[f64]) -> f64 {
+pub fn weighted_sum(terms: &[f64], weights: &[f64]) -> f64 {
     terms.iter().zip(weights).map(|(term, weight)| term * weight).sum()
 }

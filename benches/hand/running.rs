@@ -71,7 +71,7 @@ impl Hand for Running {
             flag(!ended),
             self.own.effort(frame),
         ]);
-        outcome.reward = pay(&outcome.terms[..8], weights);
+        outcome.reward = weighted_sum(&outcome.terms[..8], weights);
         outcome.truncated = self.step >= self.horizon && !ended;
         outcome.success = self.farthest - self.start > 15.0;
     }

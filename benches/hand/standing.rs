@@ -69,7 +69,7 @@ impl Hand for Standing {
             f64::from(u8::from(!ended)),
             self.own.effort(frame),
         ]);
-        outcome.reward = pay(&outcome.terms[..6], weights);
+        outcome.reward = weighted_sum(&outcome.terms[..6], weights);
         outcome.truncated = self.step >= self.horizon && !ended;
         outcome.success = outcome.truncated;
     }

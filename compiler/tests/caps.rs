@@ -109,7 +109,7 @@ fn a_term_that_is_never_finite_is_an_error() {
     for formula in ["1 / 0", "0 / 0", "max(torso.up.z, 1 / 0)", "torso.up.z + 1e308 * 10", "exp(1000)", "log(0)"] {
         assert_eq!(codes(&complete(&format!("reward {{ 1 a = {formula} }}"))), ["E0411"], "{formula}");
     }
-    // What is infinite and never paid is nobody's business.
+    // What is infinite and never rewarded is allowed.
     assert!(!codes(&complete("reward { 1 a = min(torso.up.z, 1 / 0) }")).contains(&"E0411"));
     assert!(!codes(&complete("reward { 1 a = 1 / torso.up.z }")).contains(&"E0411"));
     let phases = "task second extends example { reward { 2 b = 1 / 0 } }\nsequence both { phase example until com.height > 2 m; phase second }";

@@ -18,7 +18,7 @@ fn report_of(source: &str) -> TaskReport {
     task_report(&compiled(source), &Options::default())
 }
 
-/// The formula of a term that pays for `formula`.
+/// The formula of a term that rewards `formula`.
 fn term(formula: &str) -> msk_compiler::explain::FormulaReport {
     report_of(&complete(&format!("reward {{\n1 a = {formula}\n}}"))).phases[0].terms[0].formula.clone()
 }

@@ -150,8 +150,8 @@ fn states_are_read_before_their_update_in_formulas_and_after_it_in_observations(
     assert_eq!(episode.observe(), [0.0, 0.0]);
     let mut seen = Vec::new();
     for _ in 0..3 {
-        let paid = episode.step().terms[0];
-        seen.push((paid, episode.observe()[0]));
+        let reward = episode.step().terms[0];
+        seen.push((reward, episode.observe()[0]));
     }
     assert_eq!(seen, [(0.0, 1.0), (1.0, 1.0), (1.0, 2.0)]);
 }

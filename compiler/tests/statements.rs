@@ -74,8 +74,8 @@ fn a_random_is_drawn_until_it_fits_and_anew_at_a_redraw() {
     let seen: Vec<f64> = steps.iter().map(|(_, seen)| seen[0]).collect();
     assert_eq!(seen, [2.5, 2.5, 2.8, 2.8]);
     // Formulas read it before the redraw, observations after.
-    let paid: Vec<f64> = steps.iter().map(|(report, _)| report.terms[0]).collect();
-    assert_eq!(paid[1..], [2.5, 2.5, 2.8]);
+    let rewards: Vec<f64> = steps.iter().map(|(report, _)| report.terms[0]).collect();
+    assert_eq!(rewards[1..], [2.5, 2.5, 2.8]);
     assert_eq!(script.1, 4);
 }
 

@@ -18,7 +18,7 @@ pub fn shares(tree: &File, whole: &Inspection, lines: &Lines<'_>, range: Span) -
             .filter_map(|statement| if let TaskStatement::Reward(reward) = statement { Some(reward) } else { None })
             .flat_map(|reward| walk::items(&reward.terms))
             .collect();
-        // What a task inherits pays as well; where it does not compile, what stands in the text must do.
+        // Inherited terms count as well; where it does not compile, what stands in the text must do.
         let compiled = whole.tasks.iter().find(|known| known.name == task.name.text);
         let total: f64 = match compiled {
             Some(compiled) => compiled.terms.iter().map(|term| term.weight.abs()).sum(),

@@ -66,7 +66,7 @@ fn within(range: Bounds) -> String {
     }
 }
 
-/// The name of a term: what it pays.
+/// The name of a term: its weight and share.
 fn term(whole: &Inspection, file: FileId, path: &Path, byte: usize) -> Option<(Span, String)> {
     use msk_compiler::syntax::tree::{Item, TaskStatement, walk};
     let tree = &whole.files.iter().find(|known| known.path == path)?.tree;
@@ -78,12 +78,12 @@ fn term(whole: &Inspection, file: FileId, path: &Path, byte: usize) -> Option<(S
             let Some(found) = walk::items(&reward.terms).find(|term| holds(term.name.span, byte)) else { continue };
             let compiled = whole.tasks.iter().find(|known| known.name == task.name.text)?;
             let total: f64 = compiled.terms.iter().map(|term| term.weight.abs()).sum();
-            let paid = compiled.terms.iter().find(|term| term.name == found.name.text)?;
+            let term = compiled.terms.iter().find(|term| term.name == found.name.text)?;
             let docs = found.docs.as_ref().map_or("", |docs| docs.text.as_str());
-            let share = share(paid.weight.abs() / total);
+            let share = share(term.weight.abs() / total);
             let per = if reward.per_second { "per second" } else { "per control step" };
             let markdown =
-                format!("`{}`: a term of the reward\n\nWeight {}, {share} of all, {per}.\n\n{docs}", paid.name, paid.weight);
+                format!("`{}`: a term of the reward\n\nWeight {}, {share} of all, {per}.\n\n{docs}", term.name, term.weight);
             return Some((found.name.span, markdown.trim_end().to_owned()));
         }
     }

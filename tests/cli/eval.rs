@@ -110,7 +110,8 @@ fn every_episode_leaves_a_record_whose_terms_add_up_to_the_return() {
         assert_eq!((&record["task"], &record["policy"], &record["seed"]), (&"lean".into(), &"random".into(), &5.into()));
         let terms = record["terms"].as_object().unwrap();
         assert_eq!(terms.len(), 3);
-        let (sum, total) = (terms.values().map(|pay| pay.as_f64().unwrap()).sum::<f64>(), record["return"].as_f64().unwrap());
+        let (sum, total) =
+            (terms.values().map(|contribution| contribution.as_f64().unwrap()).sum::<f64>(), record["return"].as_f64().unwrap());
         assert!((sum - total).abs() < 1e-9 * total.abs(), "{record}");
         let steps = record["steps"].as_u64().unwrap();
         let ended_early = !record["terminated_by"].as_array().unwrap().is_empty();

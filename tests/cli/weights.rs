@@ -194,16 +194,16 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
     assert!(done.err.contains("E0464") && done.err.contains("the weights stay at version"), "{}", done.err);
     let records: Vec<Value> =
         project.read("out/episodes.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    let paid: Vec<f64> = records.iter().map(|record| record["weights"]["pose"].as_f64().unwrap()).collect();
+    let weights: Vec<f64> = records.iter().map(|record| record["weights"]["pose"].as_f64().unwrap()).collect();
     for weight in [11.5, 12.0, 13.0] {
-        assert!(paid.contains(&weight), "nothing was paid by {weight}");
+        assert!(weights.contains(&weight), "nothing was paid by {weight}");
     }
-    assert!(!paid.contains(&-1.0));
+    assert!(!weights.contains(&-1.0));
     let versions: std::collections::BTreeSet<_> = records.iter().map(|record| record["weights_version"].to_string()).collect();
     assert_eq!(versions.len(), 3);
     assert!(project.read("out/report.md").contains("Weights while it ran (episodes): "));
     // Any of them is played again from the journal alone.
-    let index = paid.iter().position(|weight| *weight == 12.0).unwrap();
+    let index = weights.iter().position(|weight| *weight == 12.0).unwrap();
     let episode = records[index]["episode"].to_string();
     let again = project.msk(&["run", "lean", "--replay", "out", "--episode", &episode]).succeeded();
     assert!(again.err.contains("the same as in `out`, bit for bit"), "{}", again.err);

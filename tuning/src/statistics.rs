@@ -1,4 +1,4 @@
-//! What episodes say about the terms of a reward: what each was worth, paid, and had to do with success.
+//! Per-term statistics of episodes: mean value, weighted contribution, correlation with success.
 
 use msk_compiler::task::CompiledTask;
 use msk_compiler::weights::Bounds;
@@ -45,7 +45,7 @@ pub struct TermStatistics {
     pub mean: Option<f64>,
     /// Its standard deviation over the steps.
     pub deviation: Option<f64>,
-    /// Part of all that is paid and charged, -1..1.
+    /// Part of all contributions, -1..1.
     pub share: Option<f64>,
     /// Correlation of its mean in an episode with whether the episode succeeded, -1..1; `None` where either never varies.
     pub with_success: Option<f64>,
@@ -121,8 +121,8 @@ fn terms(task: &CompiledTask, weights: &[f64], in_scope: &[bool], records: &[Epi
         records.iter().filter_map(|record| part(record).0.get(index)).map(|(_, sum)| sum).sum()
     };
     let per_step = |total: f64| (steps > 0.0).then(|| total / steps);
-    let pays: Vec<f64> = (0..task.terms.len()).map(|index| sum(index, |record| &record.terms)).collect();
-    let magnitude: f64 = pays.iter().map(|pay| pay.abs()).sum();
+    let contributions: Vec<f64> = (0..task.terms.len()).map(|index| sum(index, |record| &record.terms)).collect();
+    let magnitude: f64 = contributions.iter().map(|contribution| contribution.abs()).sum();
     let success = |record: &EpisodeRecord| f64::from(u8::from(record.success));
     let survived = |record: &EpisodeRecord| f64::from(record.steps);
     let term = |index: usize| {
@@ -142,7 +142,7 @@ fn terms(task: &CompiledTask, weights: &[f64], in_scope: &[bool], records: &[Epi
             mean,
             // Rounding may put the mean of the squares a hair below the square of the mean.
             deviation: mean.zip(square).map(|(mean, square)| (square - mean * mean).at_least(0.0).sqrt()),
-            share: (magnitude > 0.0).then(|| pays[index] / magnitude),
+            share: (magnitude > 0.0).then(|| contributions[index] / magnitude),
             with_success: correlation(index, records, success),
             with_survival: correlation(index, records, survived),
             saturated: per_step(sum(index, |record| &record.saturated)),

@@ -93,14 +93,14 @@ fn the_built_in_rules_emphasise_what_is_deficient() {
     // Mean a third of what it could be, and in successful episodes more: up by the whole step.
     let pose = weight("pose").unwrap();
     assert!(pose > 11.0 && pose <= 12.0, "{pose}");
-    // Always fully paid: down by half a step.
+    // Always saturated: down by half a step.
     assert_eq!(weight("alive"), Some(4.5));
     // Dead and fixed: no weight helps.
     assert_eq!(weight("wave"), None);
     assert!(proposal.reason.contains("pose up: it has low values"), "{}", proposal.reason);
 }
 
-/// The paper's examples: too slow, so pay more for the speed that is wanted; hunched, so pay more for being upright.
+/// The paper's examples: too slow, so reward the wanted speed more; hunched, so reward being upright more.
 #[test]
 fn the_papers_examples_come_out() {
     let mut request = asked();

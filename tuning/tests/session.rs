@@ -103,7 +103,7 @@ fn a_session_changes_weights_within_the_rules_and_logs_everything() {
     assert!(first.statistics.steps >= 25 && first.statistics.steps < 35);
     // The last round is not followed by any: nobody is asked.
     assert!(rounds[2].proposal.is_none() && rounds[2].prompt.is_empty());
-    // Episodes follow on each other, each with the version that paid it.
+    // Episodes follow on each other, each with the version that rewarded it.
     assert_eq!((rounds[0].episodes[1], rounds[1].episodes[1]), (rounds[1].episodes[0], rounds[2].episodes[0]));
     let journal = std::fs::read_to_string(out.join("episodes.jsonl")).unwrap();
     for (index, line) in journal.lines().enumerate() {

@@ -44,9 +44,9 @@ pub struct TermDebug {
     pub reads: Vec<String>,
     /// Whether the formula is a condition, which counts 0 or 1.
     pub condition: bool,
-    /// Whether the formula says itself that it does not always pay: it is gated.
+    /// Whether the formula shows by itself that it does not always contribute: it is gated.
     pub gated: bool,
-    /// Whether it is paid per second, so that it is multiplied by the control step.
+    /// Whether it counts per second, so that it is multiplied by the control step.
     pub per_second: bool,
 }
 

@@ -238,7 +238,7 @@ impl CompiledTask {
         let program = &phase.program;
         let view = View { frame, record: &state.record };
         report.phase = state.phase;
-        // What another phase pays or ends for does not count in this one, and what it measures is no number.
+        // Rewards and ends of another phase do not count in this one, and what it measures is no number.
         let terms = part(&mut report.terms, self.terms.len(), &phase.terms, 0.0);
         terms.iter_mut().zip(&program.terms).for_each(|(value, term)| *value = term.read(&view));
         let holds = |conditions: &[Scalar], report: &mut [bool]| {

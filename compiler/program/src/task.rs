@@ -39,7 +39,7 @@ pub struct CompiledTask {
     pub control_frequency: f64,
     /// Episode length, control steps.
     pub horizon: u32,
-    /// Whether mirroring left and right must not change the pay.
+    /// Whether mirroring left and right must not change the reward.
     pub symmetric: bool,
     /// What surrounds the body.
     pub scene: SceneDescription,
@@ -61,7 +61,7 @@ pub struct CompiledTask {
     pub terminations: Vec<String>,
     /// Reasons that end an episode without being failures, in order.
     pub finishes: Vec<String>,
-    /// What is logged and never paid: parts of [`StepReport::metrics`].
+    /// What is logged and never rewarded: parts of [`StepReport::metrics`].
     pub metrics: Vec<Channel>,
     /// What chance decides: each has a stream of its own.
     pub randoms: Vec<RandomValue>,

@@ -24,8 +24,8 @@ impl<'a> Checker<'a> {
         if let Some(data) = self.of_episode(base, name) {
             return Ok(Value::Typed(data));
         }
-        if let Some(pay) = self.test_field(base, name) {
-            return pay.map(Value::Typed);
+        if let Some(field_of_test) = self.test_field(base, name) {
+            return field_of_test.map(Value::Typed);
         }
         if let Some(object) = dotted(base)
             && self.scene.is_none()

@@ -59,7 +59,7 @@ impl<'a> Checker<'a> {
         failures.or(channels)
     }
 
-    /// All `metrics` blocks, in order: logged, never paid.
+    /// All `metrics` blocks, in order: logged, never rewarded.
     pub(super) fn metrics(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
         let statements = self.statements;
         let mut metrics = Vec::new();

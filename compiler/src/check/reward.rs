@@ -15,7 +15,7 @@ use crate::weights::{LARGEST, may_be};
 
 /// A term that the graph computes.
 #[derive(Debug, Clone)]
-pub(crate) struct PaidTerm<'a> {
+pub(crate) struct RewardTerm<'a> {
     pub name: String,
     pub weight: f64,
     /// Where the weight stands, which may be in another file than the formula.
@@ -38,7 +38,7 @@ pub(crate) struct PaidTerm<'a> {
 
 impl<'a> Checker<'a> {
     /// All `reward` blocks, in order.
-    pub(super) fn rewards(&mut self) -> Checked<Vec<PaidTerm<'a>>> {
+    pub(super) fn rewards(&mut self) -> Checked<Vec<RewardTerm<'a>>> {
         let statements = self.statements;
         let mut terms = Vec::new();
         let mut failures = Failures::default();
@@ -51,7 +51,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Checks the terms of a reward block.
-    pub(crate) fn reward(&mut self, reward: &'a Reward, terms: &mut Vec<PaidTerm<'a>>) -> Checked<()> {
+    pub(crate) fn reward(&mut self, reward: &'a Reward, terms: &mut Vec<RewardTerm<'a>>) -> Checked<()> {
         let mut failures = Failures::default();
         for entry in &reward.terms {
             let Some(term) = self.plain_entry(entry, "term") else { continue };
@@ -60,14 +60,14 @@ impl<'a> Checker<'a> {
                 failures.add(self.error(codes::tasks::LABEL_TWICE, term.name.span, message));
             }
             match self.term(term, reward.per_second) {
-                Ok(paid) => terms.push(paid),
+                Ok(checked) => terms.push(checked),
                 Err(reported) => failures.add(reported),
             }
         }
         failures.or(())
     }
 
-    fn term(&mut self, term: &'a Term, per_second: bool) -> Checked<PaidTerm<'a>> {
+    fn term(&mut self, term: &'a Term, per_second: bool) -> Checked<RewardTerm<'a>> {
         let weight = self.weight(term);
         let Some(formula) = &term.formula else {
             let message = format!("the term `{}` has no formula", term.name.text);
@@ -89,7 +89,7 @@ impl<'a> Checker<'a> {
             let interval = self.graph.constant(self.timing.interval);
             data = TypedValue::new(self.graph.binary(Binary::Multiply, data.node, interval), ElementType::PLAIN);
         }
-        Ok(PaidTerm {
+        Ok(RewardTerm {
             name: term.name.text.clone(),
             weight,
             weight_at: term.weight.as_ref().map_or((self.place.file, term.name.span), |weight| (weight.file, weight.span)),
@@ -105,7 +105,7 @@ impl<'a> Checker<'a> {
         })
     }
 
-    /// What is paid once would be paid a fraction as a rate: `once` does not go with `reward per second`.
+    /// A term that counts once would contribute a fraction as a rate: `once` does not go with `reward per second`.
     fn must_be_a_rate(&mut self, formula: &Expr, expr: ExprId, node: NodeId, name: &str) -> Checked<()> {
         if events::single_event(&self.graph, node).is_none() {
             return Ok(());

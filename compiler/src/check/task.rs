@@ -13,7 +13,7 @@ use super::init::Beginning;
 use super::observe::ObservedChannel;
 use super::random::KnownRandom;
 use super::reference::{KnownReference, Motions};
-use super::reward::PaidTerm;
+use super::reward::RewardTerm;
 use super::scene::CheckedScene;
 use super::tests::CheckedTests;
 use crate::diagnostics::{Allowance, Diagnostic, FileId, Span};
@@ -53,7 +53,7 @@ pub(crate) struct CheckedTask<'a> {
     pub markers: Vec<(String, NodeId)>,
     pub queries: Vec<Query>,
     pub channels: Vec<ObservedChannel>,
-    pub terms: Vec<PaidTerm<'a>>,
+    pub terms: Vec<RewardTerm<'a>>,
     pub metrics: Vec<ObservedChannel>,
     pub terminations: Vec<End>,
     pub finishes: Vec<End>,

@@ -27,7 +27,7 @@ pub struct TaskReport {
     pub horizon: u32,
     /// The same in seconds.
     pub duration: f64,
-    /// Whether mirroring left and right must not change the pay.
+    /// Whether mirroring left and right must not change the reward.
     pub symmetric: bool,
     /// Numbers that may be set from outside.
     pub parameters: Vec<ParameterReport>,
@@ -279,7 +279,7 @@ pub struct PhaseReport {
     pub horizon: u32,
     /// When the next phase begins, where that is said.
     pub until: Option<FormulaReport>,
-    /// What is paid.
+    /// The terms of the reward.
     pub terms: Vec<TermReport>,
     /// Ends that are failures.
     pub terminations: Vec<EndReport>,
@@ -287,7 +287,7 @@ pub struct PhaseReport {
     pub finishes: Vec<EndReport>,
     /// What succeeds at the last step.
     pub success: Option<EndReport>,
-    /// What is logged and never paid.
+    /// What is logged and never rewarded.
     pub metrics: Vec<MetricReport>,
     /// What formulas name; what is read stands before its readers.
     pub definitions: Vec<DefinitionReport>,
@@ -298,9 +298,9 @@ pub struct PhaseReport {
 pub struct TermReport {
     /// Its name.
     pub name: String,
-    /// What it pays, times its value, in every control step.
+    /// Its weight: multiplied by its value it contributes to the reward of every control step.
     pub weight: f64,
-    /// What the source says it pays.
+    /// Its weight in the source.
     pub weight_in_source: f64,
     /// Where the weight comes from: `the source`, a weights file, or `the command line`.
     pub weight_from: String,
@@ -308,11 +308,11 @@ pub struct TermReport {
     pub weight_range: Option<[f64; 2]>,
     /// Whether the weight is fixed.
     pub fixed: bool,
-    /// What is paid for.
+    /// Its formula.
     pub formula: FormulaReport,
     /// Its documentation.
     pub docs: String,
-    /// Whether it is paid per second, so that its value is multiplied by the control step.
+    /// Whether it counts per second, so that its value is multiplied by the control step.
     pub per_second: bool,
     /// Whether it is a condition, counted 0 or 1.
     pub condition: bool,

@@ -10,8 +10,8 @@ use crate::syntax::tree::{Docs, Entry, Expr, ExprKind, TaskStatement};
 use msk_program::debug::Definition;
 use std::collections::BTreeSet;
 
-/// The declarations that the paid, ending, logged and observed formulas of a task name, and those that these name in turn; what
-/// is read stands before its readers. `others` are formulas from outside the task.
+/// The declarations that the rewarded, ending, logged and observed formulas of a task name, and those that these name in turn;
+/// what is read stands before its readers. `others` are formulas from outside the task.
 pub(crate) fn definitions<'a>(
     task: &'a WholeTask,
     names: &Names<'a>,

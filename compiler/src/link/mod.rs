@@ -348,13 +348,13 @@ fn debug_info(
         docs: String::new(),
         after: String::new(),
     };
-    let terms = checked.terms.iter().zip(&outputs.terms).map(|(paid, &node)| TermDebug {
-        formula: if paid.condition { indicator(paid.formula) } else { notation(paid.formula) },
-        docs: summary(paid.docs),
-        reads: names_in(paid.formula),
-        condition: paid.condition,
-        gated: paid.condition || gated(paid.formula, &checked.graph, node),
-        per_second: paid.per_second,
+    let terms = checked.terms.iter().zip(&outputs.terms).map(|(term, &node)| TermDebug {
+        formula: if term.condition { indicator(term.formula) } else { notation(term.formula) },
+        docs: summary(term.docs),
+        reads: names_in(term.formula),
+        condition: term.condition,
+        gated: term.condition || gated(term.formula, &checked.graph, node),
+        per_second: term.per_second,
     });
     let channels = |channels: &[ObservedChannel]| {
         let debug = channels.iter().map(|channel| ChannelDebug {

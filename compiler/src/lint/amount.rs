@@ -1,30 +1,30 @@
-//! What each term can pay at one step: the analysis that lints on rewards share.
+//! What each term can contribute in one step: the analysis that lints on rewards share.
 
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::CheckedTask;
 use crate::extremes::{maximum, minimum};
 use crate::graph::interval::{self, Bounds};
 
-/// Between which values a term stays, and what it pays for them at one step.
+/// Between which values a term stays, and what it contributes in one step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Amount {
     /// Of the formula.
     pub value: Bounds,
     /// Multiplied by the weight.
-    pub pay: Bounds,
+    pub contribution: Bounds,
 }
 
 impl Amount {
     /// Of one term, whose formula stays within `value`.
-    pub(super) fn new(term: &PaidTerm<'_>, value: Bounds) -> Self {
+    pub(super) fn new(term: &RewardTerm<'_>, value: Bounds) -> Self {
         let by = |value: f64| if term.weight == 0.0 { 0.0 } else { term.weight * value };
         let (a, b) = (by(value.low), by(value.high));
-        Self { value, pay: Bounds::new(minimum(a, b), maximum(a, b)) }
+        Self { value, contribution: Bounds::new(minimum(a, b), maximum(a, b)) }
     }
 
-    /// The largest size of what it pays.
+    /// The largest size of its contribution.
     pub(super) fn size(&self) -> f64 {
-        maximum(self.pay.high.abs(), self.pay.low.abs())
+        maximum(self.contribution.high.abs(), self.contribution.low.abs())
     }
 }
 

@@ -3,7 +3,7 @@
 use super::rates;
 use super::{at, summands};
 use crate::check::context::Checker;
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::graph::interval::Bounds;
@@ -23,7 +23,7 @@ fn earns_to_and_fro(
     checker: &Checker<'_>,
     task: &CheckedTask<'_>,
     bounds: &[Vec<Bounds>],
-    term: &PaidTerm<'_>,
+    term: &RewardTerm<'_>,
 ) -> Option<Diagnostic> {
     let rates = rates::below(&task.graph, checker.vocabulary, bounds, task.timing.interval, term.node);
     let summand = |found: &summands::Summand| {
@@ -44,7 +44,7 @@ fn earns_to_and_fro(
 }
 
 /// Whether a term asks for more than has ever been reached, so that to and fro earns nothing.
-fn keeps_progress(task: &CheckedTask<'_>, term: &PaidTerm<'_>) -> bool {
+fn keeps_progress(task: &CheckedTask<'_>, term: &RewardTerm<'_>) -> bool {
     let extreme = |operation: &Operation| matches!(operation, Operation::Memory(Memory::Highest | Memory::Lowest));
     task.graph.reachable([term.node]).iter().any(|id| extreme(&task.graph.node(*id).operation))
 }

@@ -3,7 +3,7 @@
 use super::at;
 use super::linear::{Linear, Measured};
 use crate::check::context::Checker;
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::interval::{self, Bounds};
@@ -56,7 +56,7 @@ pub(super) fn exponents(graph: &Graph, root: NodeId) -> Vec<NodeId> {
 }
 
 /// What is wrong with an exponential, if its exponent is seen to grow.
-fn grown(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>, exponent: NodeId) -> Option<Diagnostic> {
+fn grown(checker: &Checker<'_>, graph: &Graph, term: &RewardTerm<'_>, exponent: NodeId) -> Option<Diagnostic> {
     let linear = Linear::of(graph, exponent, 0)?;
     let (reach, [_, open]) = linear.reach(checker.vocabulary)?;
     if reach.high <= GROWN {
@@ -107,7 +107,7 @@ fn grown(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>, exponent: No
 }
 
 /// The number that begins the only exponent of a formula, where a sign may be missing.
-fn sign(term: &PaidTerm<'_>) -> Option<(Span, String)> {
+fn sign(term: &RewardTerm<'_>) -> Option<(Span, String)> {
     let mut exponents = Exponents(Vec::new());
     exponents.expression(term.formula);
     let [argument] = exponents.0.as_slice() else { return None };
@@ -139,8 +139,8 @@ impl<'a> Visitor<'a> for Exponents<'a> {
     }
 }
 
-/// A cost that is an error with its sign, and so is paid on one side of the target.
-fn one_sided_cost(checker: &Checker<'_>, graph: &Graph, term: &PaidTerm<'_>, diagnostics: &mut Vec<Diagnostic>) {
+/// A cost that is an error with its sign, and so is rewarded on one side of the target.
+fn one_sided_cost(checker: &Checker<'_>, graph: &Graph, term: &RewardTerm<'_>, diagnostics: &mut Vec<Diagnostic>) {
     if term.weight >= 0.0 {
         return;
     }

@@ -15,9 +15,9 @@ mod muscles;
 mod observed;
 mod open_side;
 mod outlook;
-mod pay;
 mod poles;
 mod rates;
+mod rewards;
 mod sight;
 mod signs;
 mod slips;
@@ -31,7 +31,7 @@ mod wrong_bound;
 
 use crate::check::context::{Checker, End};
 use crate::check::ranges::{NeutralRange, OperatingRange, Shaken};
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::{CheckedTask, InSequence, TaskDiagnostics};
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Sensor;
@@ -87,7 +87,7 @@ fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Dia
     states(checker, task, diagnostics);
     at_reset(checker, task, &bounds, diagnostics);
     let amounts = amount::of_terms(task, &bounds);
-    pay::of(task, &amounts, diagnostics);
+    rewards::of(task, &amounts, diagnostics);
     sight::constant_channels(checker, task, &bounds, diagnostics);
     sight::timed_failures(task, &bounds, diagnostics);
     sight::fleeting(checker, task, diagnostics);
@@ -113,19 +113,19 @@ fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Dia
 }
 
 /// A warning about a term, at its formula.
-fn at(code: &'static Code, term: &PaidTerm<'_>, message: String) -> Diagnostic {
+fn at(code: &'static Code, term: &RewardTerm<'_>, message: String) -> Diagnostic {
     Diagnostic::new(code, term.file, term.formula.span, message)
 }
 
 /// Offers another weight; one that stands in another file than the formula is pointed at.
-fn suggest_weight(diagnostic: Diagnostic, term: &PaidTerm<'_>, weight: f64) -> Diagnostic {
+fn suggest_weight(diagnostic: Diagnostic, term: &RewardTerm<'_>, weight: f64) -> Diagnostic {
     let (written, (file, span)) = (exact(weight), term.weight_at);
     let diagnostic = if file == term.file { diagnostic } else { diagnostic.label(file, span, "the weight") };
     diagnostic.suggest_at(format!("write the weight `{written}`"), term.weight_at, written)
 }
 
 /// Where a term names what is looked for: in its formula, or behind names and functions, each place once.
-fn named_in(hir: &Hir, term: &PaidTerm<'_>, wanted: impl Fn(Resolution) -> bool) -> Vec<(FileId, Span)> {
+fn named_in(hir: &Hir, term: &RewardTerm<'_>, wanted: impl Fn(Resolution) -> bool) -> Vec<(FileId, Span)> {
     let exprs = hir.read_by(term.expr).into_iter().map(|id| hir.expr(id));
     let mut found: Vec<(FileId, Span)> = Vec::new();
     for (file, span) in exprs.filter_map(|expr| expr.name.filter(|(_, to)| wanted(*to)).map(|(span, _)| (expr.file, span))) {
@@ -137,8 +137,8 @@ fn named_in(hir: &Hir, term: &PaidTerm<'_>, wanted: impl Fn(Resolution) -> bool)
     found
 }
 
-/// A term that is the same at every step pays nothing for anything.
-fn constant_term(term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
+/// A term that is the same at every step rewards nothing.
+fn constant_term(term: &RewardTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
     let Some(value) = bounds.single() else { return };
     if !value.is_finite() {
         let message = format!("the term `{}` is {} in every state", term.name, for_people(value));
@@ -152,8 +152,8 @@ fn constant_term(term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diag
     diagnostics.push(diagnostic);
 }
 
-/// A negative weight on a term that is never positive pays for what was to be a cost.
-fn doubled_sign(term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
+/// A negative weight on a term that is never positive rewards what was to be a cost.
+fn doubled_sign(term: &RewardTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagnostic>) {
     if term.weight < 0.0 && bounds.high <= 0.0 && bounds.low < 0.0 {
         let message = format!("the term `{}` is never positive and its weight is negative: the cost becomes a reward", term.name);
         let diagnostic = at(codes::lints::DOUBLED_SIGN, term, message).help("keep one of the two signs");
@@ -167,7 +167,7 @@ fn doubled_sign(term: &PaidTerm<'_>, bounds: Bounds, diagnostics: &mut Vec<Diagn
 }
 
 /// `10 x = 0.5 * f`: the factor belongs in the weight.
-fn factor_in_term(term: &PaidTerm<'_>, diagnostics: &mut Vec<Diagnostic>) {
+fn factor_in_term(term: &RewardTerm<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let mut expr: &Expr = term.formula;
     loop {
         match &expr.kind {
@@ -286,11 +286,11 @@ fn phase_end(checker: &Checker<'_>, task: &CheckedTask<'_>, sequence: InSequence
     }
 }
 
-/// A paid term is dead where it begins below this part of the highest that it can pay.
+/// A rewarding term is dead if it begins below this part of its highest contribution.
 pub const DEAD: f64 = 0.05;
 
 /// What holds in the very first snapshot, where the task begins in the standing pose, however noise shakes it: ends that hold
-/// there, and paid terms that pay less than a twentieth of what they can.
+/// there, and rewarding terms that contribute less than a twentieth of what they can.
 fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &mut Vec<Diagnostic>) {
     let standing = checker.vocabulary.joints.iter().filter(|joint| !joint.of_scene).map(|joint| joint.neutral);
     let own =
@@ -331,7 +331,8 @@ fn at_reset(checker: &Checker<'_>, task: &CheckedTask<'_>, bounds: &[Vec<Bounds>
     }
 }
 
-/// Whether a formula says itself that it does not always pay: as it is written, or as what it computes behind functions and names.
+/// Whether a formula shows by itself that it does not always contribute: as it is written, or as what it computes
+/// behind functions and names.
 pub(crate) fn gated(formula: &Expr, graph: &Graph, node: NodeId) -> bool {
     match &formula.kind {
         ExprKind::When { .. } | ExprKind::If { .. } | ExprKind::Compare { .. } | ExprKind::EndedBy(_) => true,
@@ -352,14 +353,14 @@ fn duplicate_channel(task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) 
     }
 }
 
-/// States that nothing reads, and states that the pay depends on and the policy cannot see.
+/// States that nothing reads, and states that the reward depends on and the policy cannot see.
 fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let terms = || task.terms.iter().map(|term| term.node);
     let channels = || task.channels.iter().map(|channel| channel.node);
     let reasons = || task.terminations.iter().chain(&task.finishes).map(|end| end.node);
     let ends = reasons().chain([task.success]);
     let ends = ends.chain(task.metrics.iter().map(|metric| metric.node)).chain(task.phase.until);
-    let (paid, ended) = (hidden_behind(task, terms()), hidden_behind(task, reasons()));
+    let (rewarded, ended) = (hidden_behind(task, terms()), hidden_behind(task, reasons()));
     let seen = hidden_behind(task, channels());
     let read = hidden_behind(task, terms().chain(channels()).chain(ends));
     let place = |name: &str| {
@@ -376,9 +377,9 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
         if !read.contains(&hidden) && kind == "state" {
             let message = format!("unused `{name}`");
             diagnostics.push(Diagnostic::new(codes::lints::UNUSED, file, span, message));
-        } else if (paid.contains(&hidden) || ended.contains(&hidden)) && !seen.contains(&hidden) {
+        } else if (rewarded.contains(&hidden) || ended.contains(&hidden)) && !seen.contains(&hidden) {
             let (what, answered) =
-                if paid.contains(&hidden) { ("the reward", "rewards") } else { ("the termination", "terminations") };
+                if rewarded.contains(&hidden) { ("the reward", "rewards") } else { ("the termination", "terminations") };
             let message = format!("{what} depends on the {kind} `{name}`, which is not observed");
             let diagnostic = Diagnostic::new(codes::lints::UNOBSERVED, file, span, message)
                 .help(format!("add it to `observe`: otherwise the same observation can have different {answered}"));
@@ -391,7 +392,7 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
     }
 }
 
-/// What decides pay and is no signal of the body.
+/// What decides the reward and is no signal of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Hidden {
     State(usize),

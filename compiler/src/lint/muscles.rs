@@ -4,7 +4,7 @@ use super::amount::Amount;
 use super::trend::{self, Trend};
 use super::{at, named_in, suggest_weight};
 use crate::check::context::Checker;
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::frame::Sensor;
@@ -47,10 +47,10 @@ fn is_effort(sensor: Sensor) -> bool {
     matches!(sensor, Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::Action(_))
 }
 
-/// A term that pays more the more the muscles work.
+/// A term that contributes more the more the muscles work.
 fn rewards_effort(
     task: &CheckedTask<'_>,
-    (term, amount): (&PaidTerm<'_>, &Amount),
+    (term, amount): (&RewardTerm<'_>, &Amount),
     bounds: &[Vec<Bounds>],
     diagnostics: &mut Vec<Diagnostic>,
 ) {
@@ -73,7 +73,7 @@ fn rewards_effort(
 }
 
 /// A size of actions, which are -1 at rest.
-fn rest_of_actions(task: &CheckedTask<'_>, term: &PaidTerm<'_>, read: &[NodeId], diagnostics: &mut Vec<Diagnostic>) {
+fn rest_of_actions(task: &CheckedTask<'_>, term: &RewardTerm<'_>, read: &[NodeId], diagnostics: &mut Vec<Diagnostic>) {
     let graph = &task.graph;
     let sized = read.iter().any(|&id| {
         let node = graph.node(id);
@@ -114,7 +114,7 @@ fn are_actions(graph: &Graph, id: NodeId) -> bool {
 /// A long sum that outweighs all other terms, and would not as a mean.
 fn heavy_sum(
     task: &CheckedTask<'_>,
-    term: &PaidTerm<'_>,
+    term: &RewardTerm<'_>,
     read: &[NodeId],
     (index, amounts): (usize, &[Amount]),
     diagnostics: &mut Vec<Diagnostic>,

@@ -30,7 +30,7 @@ impl Root {
 /// Lints on what the policy cannot know.
 pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let terms = task.terms.len();
-    let paid = task.terms.iter().map(|term| Root {
+    let rewarded = task.terms.iter().map(|term| Root {
         what: format!("the term `{}`", term.name),
         node: term.node,
         file: term.file,
@@ -39,7 +39,7 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
     let ended = task.terminations.iter().chain(&task.finishes);
     let ended =
         ended.map(|end| Root { what: format!("the termination `{}`", end.name), node: end.node, file: end.file, span: end.span });
-    let roots: Vec<Root> = paid.chain(ended).collect();
+    let roots: Vec<Root> = rewarded.chain(ended).collect();
     let channels: Vec<NodeId> = task.channels.iter().map(|channel| channel.node).collect();
     places(checker, task, &roots, terms, &channels, diagnostics);
     let seen = task.graph.reachable(channels);
@@ -174,7 +174,7 @@ fn time(task: &CheckedTask<'_>, terms: &[Root], seen: &[NodeId], diagnostics: &m
     }
 }
 
-/// What a node needs; ends, and what is paid in single steps, are not looked into.
+/// What a node needs; ends, and what is rewarded in single steps, are not looked into.
 fn behind(task: &CheckedTask<'_>, root: NodeId, ends: &BTreeSet<NodeId>) -> Vec<NodeId> {
     let graph = &task.graph;
     let (mut pending, mut found) = (vec![(root, false)], BTreeSet::new());

@@ -1,7 +1,7 @@
-//! What going on, failing and finishing pay, by the signs and ranges of all terms.
+//! What going on, failing and finishing earn, by the signs and ranges of all terms.
 //!
-//! A term that reads how the episode ends is bounded anew with the conditions of the ends held or not; all others pay what they
-//! can at any step.
+//! A term that reads how the episode ends is bounded anew with the conditions of the ends held or not; all others contribute
+//! what they can at any step.
 
 use super::amount::Amount;
 use super::success::brings_success;
@@ -14,7 +14,7 @@ use crate::graph::interval::{self, Bounds, Ranges};
 use crate::numbers::for_people;
 use std::collections::BTreeSet;
 
-/// The part of what remains to the horizon that finishing with success must pay at least.
+/// The part of what remains to the horizon that finishing with success must earn at least.
 const REST: f64 = 0.5;
 
 /// Ends that are looked at: a task names few, and each is looked at with every term.
@@ -30,7 +30,7 @@ struct Outlook<'t, 'a> {
     read: Vec<Vec<NodeId>>,
 }
 
-/// Lints on what ending an episode pays.
+/// Lints on what ending an episode earns.
 pub(super) fn of(
     task: &CheckedTask<'_>,
     bounds: &[Vec<Bounds>],
@@ -52,10 +52,10 @@ pub(super) fn of(
 }
 
 impl Outlook<'_, '_> {
-    /// What a term pays where conditions hold or fail.
-    fn pay(&self, index: usize, given: &[(NodeId, bool)]) -> Bounds {
+    /// What a term contributes where conditions hold or fail.
+    fn contribution(&self, index: usize, given: &[(NodeId, bool)]) -> Bounds {
         if !self.read[index].iter().any(|end| given.iter().any(|(known, _)| known == end)) {
-            return self.amounts[index].pay;
+            return self.amounts[index].contribution;
         }
         let term = &self.task.terms[index];
         let graph = &self.task.graph;
@@ -72,7 +72,7 @@ impl Outlook<'_, '_> {
                 self.bounds[id.index()].clone()
             };
         }
-        Amount::new(term, interval::of_scalar(&known, term.node)).pay
+        Amount::new(term, interval::of_scalar(&known, term.node)).contribution
     }
 
     /// No end holds.
@@ -80,18 +80,20 @@ impl Outlook<'_, '_> {
         self.task.terminations.iter().chain(&self.task.finishes).map(|end| (end.node, false)).collect()
     }
 
-    /// Terms that pay more in the step that fails than in any other; whether there are some.
+    /// Terms that contribute more in the step that fails than in any other; whether there are some.
     fn rewards_failure(&self, diagnostics: &mut Vec<Diagnostic>) -> bool {
         let mut found = false;
         for (index, term) in self.task.terms.iter().enumerate() {
-            let going = self.pay(index, &self.going_on());
+            let going = self.contribution(index, &self.going_on());
             let read = self.task.terminations.iter().filter(|end| self.read[index].contains(&end.node)).take(ENDS);
-            let failing = read.map(|end| (end, self.pay(index, &[(end.node, true)]))).find(|(_, pay)| pay.low > going.high);
-            let Some((end, pay)) = failing else { continue };
+            let failing = read
+                .map(|end| (end, self.contribution(index, &[(end.node, true)])))
+                .find(|(_, contribution)| contribution.low > going.high);
+            let Some((end, contribution)) = failing else { continue };
             let message = format!(
                 "the term `{}` rewards failing: {} in the step that `{}` ends, at most {} in any other",
                 term.name,
-                for_people(pay.low),
+                for_people(contribution.low),
                 end.name,
                 for_people(going.high)
             );
@@ -114,15 +116,16 @@ impl Outlook<'_, '_> {
             return;
         }
         let going = self.going_on();
-        let steps: Vec<Bounds> = (0..self.task.terms.len()).map(|index| self.pay(index, &going)).collect();
-        let (worst, best) = steps.iter().fold((0.0, 0.0), |(low, high), pay| (low + pay.low, high + pay.high));
+        let steps: Vec<Bounds> = (0..self.task.terms.len()).map(|index| self.contribution(index, &going)).collect();
+        let (worst, best) =
+            steps.iter().fold((0.0, 0.0), |(low, high), contribution| (low + contribution.low, high + contribution.high));
         let whole = -worst * f64::from(self.task.timing.horizon);
         if best > 0.0 || worst >= 0.0 {
             return;
         }
         let charged = |end: NodeId| -> f64 {
             let reading = (0..steps.len()).filter(|index| self.read[*index].contains(&end));
-            -reading.map(|index| self.pay(index, &[(end, true)]).high).sum::<f64>()
+            -reading.map(|index| self.contribution(index, &[(end, true)]).high).sum::<f64>()
         };
         let cheap = self.task.terminations.iter().take(ENDS).map(|end| (end, charged(end.node))).find(|(_, cost)| *cost < whole);
         let Some((end, cost)) = cheap else { return };
@@ -141,15 +144,15 @@ impl Outlook<'_, '_> {
         diagnostics.push(diagnostic);
     }
 
-    /// Finishing with success ends what steps would still have paid.
+    /// Finishing with success ends what steps would still have earned.
     fn forfeits(&self, diagnostics: &mut Vec<Diagnostic>) {
         let horizon = f64::from(self.task.timing.horizon);
         let terms = || self.task.terms.iter().enumerate();
         for end in self.task.finishes.iter().take(ENDS).filter(|end| brings_success(self.task, end)) {
             let going = self.going_on();
             let lasting = terms().filter(|(_, term)| !is_event(&self.task.graph, term.node));
-            let step: f64 = lasting.map(|(index, _)| self.pay(index, &going).high).sum();
-            let last: f64 = terms().map(|(index, _)| self.pay(index, &[(end.node, true)]).high).sum();
+            let step: f64 = lasting.map(|(index, _)| self.contribution(index, &going).high).sum();
+            let last: f64 = terms().map(|(index, _)| self.contribution(index, &[(end.node, true)]).high).sum();
             if !step.is_finite() || step <= 0.0 || last >= REST * step * horizon {
                 continue;
             }

@@ -3,7 +3,7 @@
 use super::at;
 use super::linear::{Linear, Measured};
 use crate::check::context::Checker;
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::graph::interval::{self, Bounds};
@@ -30,7 +30,7 @@ enum Pole {
     Power,
 }
 
-fn pole(checker: &Checker<'_>, graph: &Graph, bounds: &[Vec<Bounds>], term: &PaidTerm<'_>) -> Option<Diagnostic> {
+fn pole(checker: &Checker<'_>, graph: &Graph, bounds: &[Vec<Bounds>], term: &RewardTerm<'_>) -> Option<Diagnostic> {
     // Each with whether a bound keeps it finite.
     let (mut pending, mut seen) = (vec![(term.node, false)], BTreeSet::new());
     while let Some((id, bounded)) = pending.pop() {
@@ -93,7 +93,7 @@ fn met(checker: &Checker<'_>, graph: &Graph, bounds: &[Vec<Bounds>], node: NodeI
     Some((*measured, linear.reach(checker.vocabulary)?.0))
 }
 
-fn described(checker: &Checker<'_>, term: &PaidTerm<'_>, pole: &Pole, measured: Measured) -> Diagnostic {
+fn described(checker: &Checker<'_>, term: &RewardTerm<'_>, pole: &Pole, measured: Measured) -> Diagnostic {
     let (name, ..) = measured.described(checker.vocabulary);
     let (what, help) = match pole {
         Pole::Divisor => (

@@ -131,7 +131,7 @@ fn landmark_of(sensor: Sensor) -> Option<usize> {
     if let Subject::Landmark(index) = sensor.subject() { Some(index) } else { None }
 }
 
-/// Objects that move and decide pay or ends, of which no channel tells anything.
+/// Objects that move and decide reward or ends, and that no channel observes.
 pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let things = Things::of(checker, task);
     let channels = || task.channels.iter().map(|channel| channel.node);
@@ -262,9 +262,9 @@ pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
     let names = |roots: &[NodeId]| -> BTreeSet<&str> {
         sensors(&task.graph, roots.iter().copied(), |_| true).into_iter().flat_map(|sensor| names_of(checker, sensor)).collect()
     };
-    let paid: Vec<NodeId> = task.terms.iter().map(|term| term.node).collect();
+    let rewarded: Vec<NodeId> = task.terms.iter().map(|term| term.node).collect();
     let ends: Vec<NodeId> = task.terminations.iter().chain(&task.finishes).map(|end| end.node).collect();
-    for (roots, what) in [(paid, "the reward"), (ends, "a termination")] {
+    for (roots, what) in [(rewarded, "the reward"), (ends, "a termination")] {
         let read = names(&roots);
         let other = |name: &str| match (name.strip_suffix("_l"), name.strip_suffix("_r")) {
             (Some(stem), _) => Some(format!("{stem}_r")),

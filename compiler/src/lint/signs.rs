@@ -1,10 +1,10 @@
-//! Terms whose weight or sign pays for nothing, or for the wrong thing.
+//! Terms whose weight or sign rewards nothing, or the wrong thing.
 
 use super::amount::Amount;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 
-/// Terms that pay nothing because their weight is zero and nothing may change it.
+/// Terms that contribute nothing because their weight is zero and nothing may change it.
 pub(super) fn weightless(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics: &mut Vec<Diagnostic>) {
     for (term, amount) in task.terms.iter().zip(amounts) {
         let tuned = term.range.is_some_and(|[low, high]| low < high);

@@ -3,7 +3,7 @@
 use super::at;
 use super::sight::is_condition;
 use super::summands::{self, Summand};
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::graph::interval::{self, Bounds};
@@ -25,7 +25,7 @@ pub(super) fn of(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], diagnostics: &m
 }
 
 /// The total that a summand is and is rewarded for, in words.
-fn total(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], term: &PaidTerm<'_>, summand: &Summand) -> Option<String> {
+fn total(task: &CheckedTask<'_>, bounds: &[Vec<Bounds>], term: &RewardTerm<'_>, summand: &Summand) -> Option<String> {
     let graph = &task.graph;
     let node = graph.node(summand.node);
     let input = || node.inputs.first().copied();

@@ -4,7 +4,7 @@ use super::growth::{GROWN, exponents};
 use super::linear::Linear;
 use super::{at, named_in, summands};
 use crate::check::context::Checker;
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::extremes::{maximum, minimum};
@@ -21,7 +21,7 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
 }
 
 /// `max(x, 1)` of what goes on without bound: the same for all that is slow, and without bound for what is fast.
-fn constant_below(checker: &Checker<'_>, task: &CheckedTask<'_>, term: &PaidTerm<'_>) -> Option<Diagnostic> {
+fn constant_below(checker: &Checker<'_>, task: &CheckedTask<'_>, term: &RewardTerm<'_>) -> Option<Diagnostic> {
     let graph = &task.graph;
     let summands = summands::of(task, term.node, term.weight);
     let (bound, name) = summands.iter().filter(|found| !found.bent && found.bounds[1].is_infinite()).find_map(|found| {
@@ -49,7 +49,7 @@ fn constant_below(checker: &Checker<'_>, task: &CheckedTask<'_>, term: &PaidTerm
 }
 
 /// `exp(-k * min(0, x))`: with the other bound it would not grow.
-fn grows(checker: &Checker<'_>, task: &CheckedTask<'_>, term: &PaidTerm<'_>) -> Option<Diagnostic> {
+fn grows(checker: &Checker<'_>, task: &CheckedTask<'_>, term: &RewardTerm<'_>) -> Option<Diagnostic> {
     let graph = &task.graph;
     exponents(graph, term.node).into_iter().find_map(|exponent| {
         let (factor, node) = unscaled(graph, exponent);
@@ -106,7 +106,7 @@ fn unscaled(graph: &Graph, mut node: NodeId) -> (f64, NodeId) {
 }
 
 /// Offers the other bound, where a formula has only one of the kind.
-fn exchanged(hir: &Hir, term: &PaidTerm<'_>, written: &'static str, meant: &'static str, diagnostic: Diagnostic) -> Diagnostic {
+fn exchanged(hir: &Hir, term: &RewardTerm<'_>, written: &'static str, meant: &'static str, diagnostic: Diagnostic) -> Diagnostic {
     let diagnostic = diagnostic.help("`min(x, 1)` is at most 1, `max(x, 1)` at least 1");
     let calls = named_in(hir, term, |to| matches!(to, Resolution::Function(name) if name == written));
     match calls.as_slice() {

@@ -49,7 +49,7 @@ pub struct Subject {
     pub reads_ends: bool,
     /// Whether chance, a motion or the time has a part in it, beside the state of body and scene.
     pub reads_more: bool,
-    /// Whether the formula of a term says itself that it does not always pay: it is gated or a condition.
+    /// Whether the formula of a term shows by itself that it does not always contribute: it is gated or a condition.
     pub gated: bool,
     /// Whether it reads poses alone: no speed, force or activation.
     pub of_pose: bool,

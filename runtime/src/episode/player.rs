@@ -84,7 +84,7 @@ impl Player<'_> {
         beginning::hold(model, body, state, workspace);
     }
 
-    /// Takes one control step; a fault in it pays nothing, is not counted, and ends the episode.
+    /// Takes one control step; a fault in it gives no reward, is not counted, and ends the episode.
     pub fn step(&mut self, action: &[f64]) -> Result<(), EpisodeError> {
         if self.episode.ending.is_some() {
             return Err(EpisodeError::Ended);

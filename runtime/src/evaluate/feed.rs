@@ -22,14 +22,14 @@ pub struct Fed {
 }
 
 impl Fed {
-    /// Has the next episode paid by these weights.
-    pub fn pay(&self, episode: &mut Environment) {
+    /// Uses these weights for the reward of the next episode.
+    pub fn apply(&self, episode: &mut Environment) {
         for (weight, fed) in episode.weights_mut().iter_mut().zip(&self.weights) {
             *weight = *fed;
         }
     }
 
-    /// Notes in a record that its episode was paid by these weights.
+    /// Notes in a record that its episode was rewarded with these weights.
     pub fn note(&self, trial: &Trial, record: &mut EpisodeRecord) {
         let names = trial.task.terms.iter().map(|term| term.name.clone());
         record.weights_version.clone_from(&self.version);
@@ -55,7 +55,7 @@ pub enum ReplayError {
     Evaluation(#[from] EvaluationError),
 }
 
-/// Plays the episode of `record` once more, paid by the weights that it was paid by. But for its wall time the record that
+/// Plays the episode of `record` once more, with the weights that rewarded it. But for its wall time the record that
 /// comes back equals the first, bit for bit.
 ///
 /// # Errors
@@ -77,12 +77,12 @@ pub fn replay(trial: &Trial, record: &EpisodeRecord) -> Result<EpisodeRecord, Re
         let there = names(record.weights.0.iter().map(|(name, _)| name.as_str()).collect());
         let here = names(trial.task.terms.iter().map(|term| term.name.as_str()).collect());
         same("list of terms", &there, &here)?;
-        fed.pay(&mut episode);
+        fed.apply(&mut episode);
     }
     let mut policy = policy::create(&record.policy).map_err(EvaluationError::from)?;
     let key = EpisodeKey { seed: record.seed, episode: record.episode };
     let played = play(trial, &mut episode, key, policy.as_mut(), &AtomicBool::new(false), || {})?;
-    // Nobody stops it.
+    // It is never interrupted.
     let mut again = played.unwrap_or_else(|| record.clone());
     if live {
         fed.note(trial, &mut again);

@@ -4,7 +4,7 @@
 //! 2. A [`Journal`] keeps every ended episode and knows which are already there.
 //! 3. [`run`] plays the others on a pool of workers, each of which steps up to eight episodes of one model at once. An episode
 //!    depends on its seed and index alone, so the results have the same bits on any number of threads and in any order.
-//! 4. A [`Feed`] may change the weights between episodes; the record of each says by which it was paid, so that [`replay`] can
+//! 4. A [`Feed`] may change the weights between episodes; the record of each names those that rewarded it, so that [`replay`] can
 //!    play it again.
 //! 5. A [`Summary`] sums up per task; [`report`] prints it for people.
 

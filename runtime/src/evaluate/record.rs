@@ -63,7 +63,7 @@ pub struct EpisodeRecord {
     /// Number of steps at which each term was saturated: above 99 hundredths of the largest size that it can have.
     #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
     pub saturated: ByTerm,
-    /// Version of the weights that paid it, where they may change while a run goes on; else empty.
+    /// Version of the weights that rewarded it, where they may change while a run goes on; else empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub weights_version: String,
     /// Those weights.
@@ -97,7 +97,7 @@ const SATURATED: f64 = 0.99;
 pub struct Tally {
     steps: u32,
     total: f64,
-    pay: Vec<f64>,
+    contributions: Vec<f64>,
     values: Vec<f64>,
     squares: Vec<f64>,
     dead: Vec<f64>,
@@ -110,14 +110,14 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Nothing paid and nothing logged yet.
+    /// No reward and no metrics yet.
     pub fn new(task: &CompiledTask) -> Self {
         let terms = task.terms.len();
         let metrics = task.metrics.iter().map(|metric| metric.size).sum();
         Self {
             steps: 0,
             total: 0.0,
-            pay: vec![0.0; terms],
+            contributions: vec![0.0; terms],
             values: vec![0.0; terms],
             squares: vec![0.0; terms],
             dead: vec![0.0; terms],
@@ -138,9 +138,9 @@ impl Tally {
         let report = episode.report();
         self.steps = episode.steps();
         self.total += report.reward;
-        let sums = self.pay.iter_mut().zip(&mut self.values);
-        for ((pay, sum), (value, weight)) in sums.zip(report.terms.iter().zip(weights)) {
-            *pay += weight * value;
+        let sums = self.contributions.iter_mut().zip(&mut self.values);
+        for ((contribution, sum), (value, weight)) in sums.zip(report.terms.iter().zip(weights)) {
+            *contribution += weight * value;
             *sum += value;
         }
         for (index, value) in report.terms.iter().enumerate() {
@@ -192,7 +192,7 @@ impl Tally {
             fault,
             steps: episode.steps(),
             total: self.total,
-            terms: by_term(self.pay),
+            terms: by_term(self.contributions),
             values: by_term(self.values),
             squares: by_term(self.squares),
             dead: by_term(self.dead),

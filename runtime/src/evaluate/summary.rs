@@ -69,7 +69,7 @@ pub struct TaskSummary {
     pub faults: Vec<(u64, String)>,
     /// One entry per reward term, in the task's order.
     pub terms: Vec<TermSummary>,
-    /// Versions of weights that paid the episodes, and how many each paid; empty where weights do not change.
+    /// Versions of weights that rewarded the episodes, and how many each did; empty where weights do not change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub weights_versions: Vec<(String, u64)>,
     /// One entry per number that is logged, in the task's order.
@@ -100,8 +100,8 @@ pub struct TermSummary {
     pub value_per_step: Option<f64>,
     /// Mean of weight times value per step.
     pub pay_per_step: Option<f64>,
-    /// Part of all that terms paid and charged: pay / Σ |pay|, in -1..1. Where no term costs anything this is the share of
-    /// the return; unlike that share it stays meaningful when gains and costs cancel.
+    /// Part of the contributions of all terms: contribution / Σ |contribution|, in -1..1. Where no term costs anything this
+    /// is the share of the return; unlike that share it stays meaningful when gains and costs cancel.
     pub share: Option<f64>,
 }
 
@@ -211,31 +211,32 @@ fn terms(weights: &[(String, f64)], episodes: &[&EpisodeRecord]) -> Vec<TermSumm
     let sum = |index: usize, part: fn(&EpisodeRecord) -> &super::ByTerm| -> f64 {
         episodes.iter().filter_map(|record| part(record).0.get(index)).map(|(_, sum)| sum).sum()
     };
-    let pays: Vec<f64> = (0..weights.len()).map(|index| sum(index, |record| &record.terms)).collect();
-    let magnitude: f64 = pays.iter().map(|pay| pay.abs()).sum();
-    let rows = weights.iter().zip(&pays).enumerate().map(|(index, ((name, weight), &pay))| TermSummary {
+    let contributions: Vec<f64> = (0..weights.len()).map(|index| sum(index, |record| &record.terms)).collect();
+    let magnitude: f64 = contributions.iter().map(|contribution| contribution.abs()).sum();
+    let rows = weights.iter().zip(&contributions).enumerate().map(|(index, ((name, weight), &contribution))| TermSummary {
         name: name.clone(),
         weight: *weight,
         value_per_step: (steps > 0.0).then(|| sum(index, |record| &record.values) / steps),
-        pay_per_step: (steps > 0.0).then(|| pay / steps),
-        share: (magnitude > 0.0).then(|| pay / magnitude),
+        pay_per_step: (steps > 0.0).then(|| contribution / steps),
+        share: (magnitude > 0.0).then(|| contribution / magnitude),
     });
     rows.collect()
 }
 
 /// The weight of each term; where they changed while the run went on, their mean over the episodes.
 fn in_force(weights: &[(String, f64)], episodes: &[&EpisodeRecord]) -> Vec<(String, f64)> {
-    let paid: Vec<&EpisodeRecord> = episodes.iter().copied().filter(|record| record.weights.0.len() == weights.len()).collect();
-    let Some(first) = paid.first() else { return weights.to_vec() };
+    let weighted: Vec<&EpisodeRecord> =
+        episodes.iter().copied().filter(|record| record.weights.0.len() == weights.len()).collect();
+    let Some(first) = weighted.first() else { return weights.to_vec() };
     let mean = |index: usize| {
-        let same = paid.iter().all(|record| record.weights.0[index].1 == first.weights.0[index].1);
-        let sum: f64 = paid.iter().map(|record| record.weights.0[index].1).sum();
-        if same { first.weights.0[index].1 } else { sum / paid.len() as f64 }
+        let same = weighted.iter().all(|record| record.weights.0[index].1 == first.weights.0[index].1);
+        let sum: f64 = weighted.iter().map(|record| record.weights.0[index].1).sum();
+        if same { first.weights.0[index].1 } else { sum / weighted.len() as f64 }
     };
     weights.iter().enumerate().map(|(index, (name, _))| (name.clone(), mean(index))).collect()
 }
 
-/// The versions of weights that paid the episodes, in the order of the episodes, and how many each paid.
+/// The versions of weights that rewarded the episodes, in the order of the episodes, and how many each did.
 fn versions(episodes: &[&EpisodeRecord]) -> Vec<(String, u64)> {
     let mut versions: Vec<(String, u64)> = Vec::new();
     for record in episodes.iter().filter(|record| !record.weights_version.is_empty()) {

@@ -69,7 +69,7 @@ pub(super) fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary, diagnostics:
     }
 }
 
-/// Terms of the first phase that could pay well and pay almost nothing where the task begins.
+/// Terms of the first phase that could contribute much and contribute almost nothing in the initial state.
 fn dead(task: &CompiledTask, found: &Tally, diagnostics: &mut Vec<Diagnostic>) {
     let Some(survey) = Survey::new(task, 0) else { return };
     for subject in survey.subjects().iter().filter(|subject| !subject.gated && subject.of_pose) {

@@ -1,9 +1,9 @@
 //! Model-dependent lints: what of a task shows only with its model at hand, reported at its spans.
 //!
 //! 1. Every task is begun a few times, always with the same seeds, and takes one step at rest (`beginning`);
-//! 2. its body is put into many poses in its scene, always the same ones (`poses`): what holds, fails, pays nothing or always pays in all of them
-//!    is searched for (`search`), and reported if nothing is found (`reach`);
-//! 3. a task that says that it is symmetric is shown states and their mirror images (`mirror`): both must pay the same (`symmetry`).
+//! 2. its body is put into many poses in its scene, always the same ones (`poses`): what holds, fails, contributes
+//!    nothing or always contributes in all of them is searched for (`search`), and reported if nothing is found (`reach`);
+//! 3. a task declared symmetric is shown states and their mirror images (`mirror`): both must be rewarded alike (`symmetry`).
 //! 4. apart from these, since it takes seconds and not moments: an episode of each task is played at rest (`play`), which must not succeed
 //!    and not earn more than holding the pose.
 //!

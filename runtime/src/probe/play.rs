@@ -1,7 +1,7 @@
 //! An episode of doing nothing: a task whose reward or success `zero` gets is not learnt.
 //!
 //! The policy `zero` leaves every muscle at rest and plays one episode, to its end or for [`MOST_STEPS`]. It must not succeed. The policy
-//! `cmc` holds the pose for as many steps: a task in which resting is paid more per step pays for giving up.
+//! `cmc` holds the pose for as many steps: a task in which resting earns more per step rewards giving up.
 
 use super::at;
 use crate::episode::{Ending, Environment, EpisodeKey, REST};
@@ -43,7 +43,7 @@ pub fn episodes(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary, played: &(dyn
 struct Played {
     steps: u32,
     success: bool,
-    /// What each term was paid in all.
+    /// The contribution of each term to the return.
     terms: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! What no pose reaches: thresholds, ends and success that never hold or never fail, terms that never pay or always do.
+//! What no pose reaches: thresholds, ends and success that never hold or never fail, terms that never contribute or always do.
 //!
 //! Many poses are drawn (`poses`), always the same ones; what all of them decide alike is searched for, from the pose that comes
 //! nearest, by small changes. What is then still decided alike is reported with the numbers that were met.
@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// How many poses are drawn.
 const POSES: usize = 200;
-/// A term pays nothing where it is below this part of its highest value, or of 1.
+/// A term contributes nothing where it is below this part of its highest value, or of 1.
 const NOTHING: f64 = 1e-3;
 /// A length of a body that stands just misses its threshold if it does by less than this, m, ...
 const JUST: f64 = 0.05;
@@ -29,7 +29,7 @@ const OFTEN: f64 = 0.2;
 const AS_NEAR: f64 = 0.01;
 /// Several comparisons that cannot be met together must miss each other by so much, m or rad.
 const TOGETHER: f64 = 0.1;
-/// A term that always pays more than this part of its range can hardly be earned.
+/// A term that always contributes more than this part of its range can hardly be earned.
 const MOST: f64 = 0.5;
 
 /// Poses of a body in a scene, always the same.
@@ -232,7 +232,7 @@ fn amount(value: f64) -> String {
     for_people(value.at_least(0.0))
 }
 
-/// A term that never pays or always does.
+/// A term that never contributes or always does.
 fn term(
     search: &mut Search<'_, '_, '_, '_>,
     subject: usize,
@@ -248,9 +248,9 @@ fn term(
     if tally.all.size() < nothing {
         let begin = if tally.all.size() > 0.0 { sized(&tally.all) } else { start(tally.to_hold.1) }?;
         let looked = search.looked;
-        let paid = search.run(subject, Goal::Pay(nothing), begin, false, tally);
+        let reached = search.run(subject, Goal::Reward(nothing), begin, false, tally);
         // What only fails together may yet be met by poses that are hard to find.
-        if paid || (tally.all.size() <= 0.0 && tally.to_hold.0 < TOGETHER) {
+        if reached || (tally.all.size() <= 0.0 && tally.to_hold.0 < TOGETHER) {
             return None;
         }
         let poses = search.looked - looked + shown.len();

@@ -116,7 +116,7 @@ impl Tally {
 pub(super) enum Goal {
     Hold(bool),
     /// A term beyond a size.
-    Pay(f64),
+    Reward(f64),
     /// A term below a value.
     Less(f64),
 }
@@ -135,10 +135,10 @@ impl Search<'_, '_, '_, '_> {
         let bounds = || self.survey.bounds(subject);
         match goal {
             Goal::Hold(wanted) => self.survey.lack(subject, wanted),
-            // Where nothing at all is paid, what is missing leads on.
-            Goal::Pay(size) => match bounds().high.at_least(-bounds().low) {
+            // Where the term is zero, the robustness margin leads on.
+            Goal::Reward(size) => match bounds().high.at_least(-bounds().low) {
                 0.0 => 1.0 + size + self.survey.lack(subject, true),
-                paid => size - paid,
+                value => size - value,
             },
             Goal::Less(value) => bounds().low - value,
         }

@@ -1,4 +1,4 @@
-//! What a task that says that it is symmetric pays for states and for their mirror images.
+//! The rewards of a task declared symmetric for states and for their mirror images.
 
 use super::at;
 use super::mirror::Mirror;
@@ -15,7 +15,7 @@ use msk_program::task::{CompiledTask, StepReport};
 
 /// How many states are mirrored.
 const STATES: usize = 24;
-/// The body's two sides differ a little: pays that differ by less than this part of the largest are the same.
+/// The body's two sides differ a little: rewards that differ by less than this part of the largest are equal.
 const SAME: f64 = 0.05;
 /// So many states must tell: one may stand on the edge of a contact.
 const WITNESSES: usize = 2;
@@ -91,7 +91,7 @@ fn moving(room: &Room<'_>, chance: &mut Stream) -> State<f64> {
     state
 }
 
-/// What the task says of a state; `None` if the physics or the task cannot.
+/// The reward of a state; `None` if the physics or the task cannot.
 fn looked(episode: &mut Environment, state: &State<f64>) -> Option<StepReport> {
     episode.reset_to(EpisodeKey::default(), &mut |present| present.copy_from(state));
     episode.ending().is_none().then(|| episode.report().clone())

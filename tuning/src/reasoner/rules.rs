@@ -1,6 +1,6 @@
 //! The reasoner that is built in: a few rules of thumb, the same answer to the same question every time.
 //!
-//! The published examples (too slow: pay more for the speed that is wanted; hunched: pay more for being upright) are one rule:
+//! The published examples (too slow: reward the wanted speed more; hunched: reward being upright more) are one rule:
 //! what is deficient is emphasised. The others keep a reward from being ruled by what teaches nothing.
 
 use super::{Proposal, Reasoner, ReasonerError, Request};
@@ -12,9 +12,9 @@ use std::sync::atomic::AtomicBool;
 const ALWAYS: f64 = 0.95;
 /// Correlation beyond which a term has something to do with success.
 const RELATED: f64 = 0.3;
-/// Share of all pay beyond which a term outweighs the others together.
+/// Share of all contributions beyond which a term outweighs the others together.
 const DOMINANT: f64 = 0.6;
-/// Share of all pay beyond which a price outweighs what is won.
+/// Share of all contributions beyond which a cost outweighs the reward.
 const DEAR: f64 = 0.5;
 
 /// The rules.
@@ -49,30 +49,30 @@ fn judge(term: &TermStatistics) -> Vec<(f64, &'static str)> {
     let mut found = Vec::new();
     let always = |part: Option<f64>| part.is_some_and(|part| part >= ALWAYS);
     if always(term.dead) {
-        // No weight makes anything of nothing; it is for people to see why the term never pays.
+        // No weight makes anything of nothing; it is for people to see why the term never contributes.
         return found;
     }
-    let paid = term.weight > 0.0;
+    let rewarded = term.weight > 0.0;
     let top = term.range[1].filter(|top| *top > 0.0);
-    if always(term.saturated) && paid {
+    if always(term.saturated) && rewarded {
         found.push((-0.5, "it is always saturated and gives no signal"));
-    } else if let (true, Some(mean), Some(top)) = (paid, term.mean, top)
+    } else if let (true, Some(mean), Some(top)) = (rewarded, term.mean, top)
         && mean < 0.5 * top
     {
         found.push((1.0 - (mean / top).at_least(0.0), "it has low values"));
     }
     let related = term.with_success.or(term.with_survival).unwrap_or(0.0);
-    if related > RELATED && paid {
+    if related > RELATED && rewarded {
         found.push((0.5 * related, "episodes that have it succeed"));
     }
-    if related < -RELATED && paid {
+    if related < -RELATED && rewarded {
         found.push((0.5 * related, "episodes that have it fail"));
     }
     let share = term.share.unwrap_or(0.0);
-    if paid && share > DOMINANT {
+    if rewarded && share > DOMINANT {
         found.push((-0.5, "it outweighs all others"));
     }
-    if !paid && share < -DEAR {
+    if !rewarded && share < -DEAR {
         found.push((-1.0, "the cost outweighs the reward"));
     }
     found

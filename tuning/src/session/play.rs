@@ -89,7 +89,7 @@ impl Hall<'_> {
                 count.next - 1
             };
             let fed = self.feed.weights(&self.trial.task);
-            fed.pay(&mut episode);
+            fed.apply(&mut episode);
             let key = EpisodeKey { seed: self.seed, episode: index };
             let Some(mut record) = play(self.trial, &mut episode, key, policy.as_mut(), over, stepped)? else { break };
             fed.note(self.trial, &mut record);

@@ -9,7 +9,7 @@ use msk_tuning::reasoner::Request;
 use msk_tuning::statistics::Statistics;
 use std::path::Path;
 
-/// Ten steps of the human body. `still` teaches nothing, `wave` never pays.
+/// Ten steps of the human body. `still` teaches nothing, `wave` never contributes.
 pub const LEAN: &str = r#"//! A short task.
 
 /// Lean a little.

@@ -1,5 +1,5 @@
-//! What holds at single steps only, and what does not always pay, read off the graph: whatever functions and names of the text
-//! it is hidden behind.
+//! What holds at single steps only, and what does not always contribute, read off the graph: whatever functions and names of
+//! the text it is hidden behind.
 
 use super::operation::{Binary, Memory, Operation, Unary};
 use super::{Graph, NodeId};
@@ -43,7 +43,7 @@ pub fn single_event(graph: &Graph, node: NodeId) -> Option<NodeId> {
 }
 
 /// Whether a value is one of two, a comparison, or lasts from when a condition first held: it says itself that it does not always
-/// pay. What is paid per second is looked at without the length of the step.
+/// contribute. A term per second is looked at without the length of the step.
 pub fn is_gated(graph: &Graph, node: NodeId) -> bool {
     let inputs = &graph.node(node).inputs;
     match graph.node(node).operation {

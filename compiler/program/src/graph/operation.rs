@@ -186,7 +186,7 @@ impl Unary {
             Self::Sine => libm::sin(x),
             Self::Cosine => libm::cos(x),
             Self::Tangent => libm::tan(x),
-            // Products of unit vectors overshoot 1 by a rounding error; that is no reason for a non-finite pay.
+            // Products of unit vectors overshoot 1 by a rounding error; that is no reason for a non-finite reward.
             Self::ArcSine => libm::asin(between(x, -1.0, 1.0)),
             Self::ArcCosine => libm::acos(between(x, -1.0, 1.0)),
             Self::Floor => x.floor(),

@@ -33,7 +33,7 @@ impl CompiledTask {
         bounds.map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| [bounds.low, bounds.high])
     }
 
-    /// Whether a term is the price of an end: `-100 done = terminated` is paid in one step and outweighs all that is paid step
+    /// Whether a term is the price of an end: `-100 done = terminated` counts in one step and outweighs all that counts step
     /// by step, so that scopes without such terms are common.
     pub fn is_terminal(&self, term: usize) -> bool {
         matches!(self.terms[term].source.trim(), "terminated" | "terminated()")

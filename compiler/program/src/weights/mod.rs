@@ -10,7 +10,7 @@ pub mod rules;
 pub use crate::numbers::exact as written;
 pub use change::{Change, Problem, Refused};
 
-/// Largest size of a weight: what a step pays then stays a number that sums and tables can hold.
+/// Largest size of a weight: the reward of a step then stays a number that sums and tables can hold.
 pub const LARGEST: f64 = 1e9;
 
 /// Whether a number may be a weight at all: finite, and not beyond [`LARGEST`].

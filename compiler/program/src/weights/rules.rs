@@ -35,7 +35,7 @@ pub struct Weight {
     /// What its author allows.
     pub bounds: Bounds,
     /// Whether it is tuned and counts in the norm. Others stay as they are: the end of an episode, for example, which
-    /// outweighs everything that is paid step by step.
+    /// outweighs everything that counts step by step.
     pub in_scope: bool,
 }
 
@@ -45,7 +45,7 @@ pub enum Scope {
     /// All terms that are not fixed.
     #[default]
     All,
-    /// Those that are paid while an episode goes on: not the price of its end.
+    /// Those that count while an episode goes on: not the price of its end.
     Running,
 }
 

@@ -3,7 +3,7 @@
 use crate::check::context::{Checked, Checker};
 use crate::check::init::Beginning;
 use crate::check::observe::ObservedChannel;
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::tests::CheckedTests;
 use crate::diagnostics::FileId;
 use crate::graph::NodeId;
@@ -46,7 +46,7 @@ impl<'a> Checker<'a> {
         &mut self,
         sequence: InSequence<'a>,
         init: &Beginning,
-        seen: (&[PaidTerm<'a>], &[ObservedChannel]),
+        seen: (&[RewardTerm<'a>], &[ObservedChannel]),
         success: NodeId,
         texts: &dyn Texts,
     ) -> Checked<Option<CheckedTests>> {

@@ -19,7 +19,7 @@ pub(crate) use reset::over_resets;
 use super::context::{Checked, Checker, Failures, Local, ReadMode, Reported};
 use super::init::Beginning;
 use super::observe::ObservedChannel;
-use super::reward::PaidTerm;
+use super::reward::RewardTerm;
 use super::task::InSequence;
 use super::types::ElementType;
 use super::value::TypedValue;
@@ -58,8 +58,8 @@ pub(crate) type Found = Result<Vec<Expectation>, (Reported, Vec<Diagnostic>)>;
 /// What names mean in tests only.
 #[derive(Debug, Clone)]
 pub(crate) struct InTests {
-    /// What each term pays in a step, by name.
-    pays: Vec<(String, NodeId)>,
+    /// The contribution of each term in a step, by name.
+    contributions: Vec<(String, NodeId)>,
     /// The channels of the observation, by name.
     channels: Vec<(String, TypedValue)>,
     success: NodeId,
@@ -134,7 +134,7 @@ impl<'a> Checker<'a> {
         &mut self,
         tests: &[(&'a Test, FileId)],
         init: &Beginning,
-        (terms, channels): (&[PaidTerm<'_>], &[ObservedChannel]),
+        (terms, channels): (&[RewardTerm<'_>], &[ObservedChannel]),
         success: NodeId,
         texts: &dyn Texts,
         sequence: InSequence<'a>,
@@ -147,14 +147,14 @@ impl<'a> Checker<'a> {
         let formulas = self.formulas.clone();
         let mode = ReadMode { initial: true, ..self.mode };
         let mode = std::mem::replace(&mut self.mode, mode);
-        let pays = terms.iter().map(|term| {
+        let contributions = terms.iter().map(|term| {
             let weight = self.graph.constant(term.weight);
             (term.name.clone(), self.graph.binary(Binary::Multiply, weight, term.node))
         });
-        let (pays, phases): (_, Vec<String>) = (pays.collect(), sequence.phases.to_vec());
+        let (contributions, phases): (_, Vec<String>) = (contributions.collect(), sequence.phases.to_vec());
         let horizon = if phases.is_empty() { self.timing.horizon } else { sequence.horizon };
         let channels = channels.iter().map(|channel| (channel.name.clone(), channel.data.clone())).collect();
-        self.in_tests = Some(InTests { pays, channels, success, phases, phase: sequence.index, horizon });
+        self.in_tests = Some(InTests { contributions, channels, success, phases, phase: sequence.index, horizon });
         let (mut probes, mut drawn) = (Vec::new(), init.drawn.clone());
         let (mut compiled, mut all_found) = (Vec::new(), Vec::new());
         let mut failures = Failures::default();
@@ -494,12 +494,12 @@ impl<'a> Checker<'a> {
         match name {
             "success" => Some(TypedValue::new(in_tests.success, ElementType::Bool)),
             "reward" | "return" => {
-                let pays: Vec<NodeId> = in_tests.pays.iter().map(|(_, node)| *node).collect();
-                let sum = if pays.is_empty() {
+                let contributions: Vec<NodeId> = in_tests.contributions.iter().map(|(_, node)| *node).collect();
+                let sum = if contributions.is_empty() {
                     self.graph.constant(0.0)
                 } else {
-                    let joined = self.graph.join(&pays);
-                    self.graph.reduce(crate::graph::operation::Reduction::Sum, pays.len(), joined)
+                    let joined = self.graph.join(&contributions);
+                    self.graph.reduce(crate::graph::operation::Reduction::Sum, contributions.len(), joined)
                 };
                 Some(TypedValue::new(self.reward_or_return(name, sum), ElementType::PLAIN))
             }
@@ -523,11 +523,11 @@ impl<'a> Checker<'a> {
         if !["reward", "return"].contains(&word.text.as_str()) {
             return None;
         }
-        let found = in_tests.pays.iter().find(|(known, _)| *known == name.text).map(|(_, node)| *node);
+        let found = in_tests.contributions.iter().find(|(known, _)| *known == name.text).map(|(_, node)| *node);
         Some(match found {
             Some(node) => Ok(TypedValue::new(self.reward_or_return(&word.text, node), ElementType::PLAIN)),
             None => {
-                let names = in_tests.pays.iter().map(|(name, _)| name.clone()).collect();
+                let names = in_tests.contributions.iter().map(|(name, _)| name.clone()).collect();
                 Err(self.unknown_name(&name.text, name.span, names))
             }
         })

@@ -1,4 +1,4 @@
-//! Codes of what compiles and runs, but pays for something else than it seems: effort, failing, a formula's sign.
+//! Codes of what compiles and runs, but rewards something else than it seems: effort, failing, a formula's sign.
 
 codes! {
     FAILURE_SUCCEEDS = "W0550" lint failure_succeeds Compile {

@@ -257,11 +257,11 @@ pub struct Reward {
 pub struct Term {
     /// Documentation.
     pub docs: Option<Docs>,
-    /// What it pays; an extending task may leave it out.
+    /// Its weight; an extending task may leave it out.
     pub weight: Option<Weight>,
     /// Its name.
     pub name: Ident,
-    /// What is paid for; an extending task may leave it out.
+    /// Its formula; an extending task may leave it out.
     pub formula: Option<Expr>,
     /// The statement.
     pub span: Span,

@@ -42,8 +42,8 @@ pub fn markdown(summary: &Summary) -> String {
         let _ = write!(text, "\n## {}: reward terms\n\n", task.task);
         text.push_str(&terms(&task.terms));
         if !task.weights_versions.is_empty() {
-            let paid = task.weights_versions.iter().map(|(version, count)| format!("{version} ({count})"));
-            let _ = write!(text, "\nWeights while it ran (episodes): {}\n", paid.collect::<Vec<_>>().join(", "));
+            let versions = task.weights_versions.iter().map(|(version, count)| format!("{version} ({count})"));
+            let _ = write!(text, "\nWeights while it ran (episodes): {}\n", versions.collect::<Vec<_>>().join(", "));
         }
     }
     for task in summary.tasks.iter().filter(|task| !task.metrics.is_empty()) {
@@ -76,7 +76,7 @@ pub fn terms(terms: &[TermSummary]) -> String {
     table.markdown()
 }
 
-/// What is logged and not paid, as a table: mean over the steps, and value at the last step.
+/// The metrics as a table: mean over the steps, and value at the last step.
 pub fn metrics(metrics: &[MetricSummary]) -> String {
     let mut table = Table::new(&["metric", "unit", "mean", "at the end"]);
     let number = |spread: Option<Spread>| match spread {

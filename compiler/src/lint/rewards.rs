@@ -1,8 +1,8 @@
-//! Lints on what is paid: how much, how often, and what it costs to end.
+//! Lints on contributions: how much, how often, and what it costs to end.
 
 use super::amount::Amount;
 use super::at;
-use crate::check::reward::PaidTerm;
+use crate::check::reward::RewardTerm;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::extremes::maximum;
@@ -13,19 +13,19 @@ use crate::graph::operation::{Memory, Operation};
 use crate::graph::{Graph, NodeId};
 use crate::numbers::for_people;
 
-/// How many times as much as all others a term may pay.
+/// How many times as much as all others a term may contribute.
 const MOST: f64 = 100.0;
-/// The share of what can be paid that costs may have, if ending early ends them.
+/// The share of the possible reward that costs may have, if ending early ends them.
 const SMALL: f64 = 0.5;
 
 /// Lints on the amounts of all terms.
 pub(super) fn of(task: &CheckedTask<'_>, amounts: &[Amount], diagnostics: &mut Vec<Diagnostic>) {
-    let ranges: Vec<Bounds> = amounts.iter().map(|amount| amount.pay).collect();
+    let ranges: Vec<Bounds> = amounts.iter().map(|amount| amount.contribution).collect();
     let size = |range: &Bounds| maximum(range.high.abs(), range.low.abs());
     for (index, term) in task.terms.iter().enumerate() {
         let others = || ranges.iter().enumerate().filter(move |(other, _)| *other != index).map(|(_, range)| range);
         let rest: f64 = others().map(size).sum();
-        // An event is paid in one step, the others in all.
+        // An event contributes in one step, the others in all.
         let steps = if is_event(&task.graph, term.node) { f64::from(task.timing.horizon) } else { 1.0 };
         if rest > 0.0 && size(&ranges[index]) > MOST * rest * steps && size(&ranges[index]).is_finite() {
             let message =
@@ -69,9 +69,9 @@ fn lasts(graph: &Graph, node: NodeId) -> bool {
     graph.node(node).operation == Operation::Memory(Memory::Highest)
 }
 
-/// Where each step can cost and no term knows of the end, ending early can be what pays most.
+/// Where each step can cost and no term knows of the end, ending early can earn most.
 fn ending(task: &CheckedTask<'_>, ranges: &[Bounds], diagnostics: &mut Vec<Diagnostic>) {
-    // What is written as a cost; a term that is paid and may sink below zero is none.
+    // What is written as a cost; a rewarding term that may sink below zero is none.
     let charged = task.terms.iter().zip(ranges).filter(|(term, _)| term.weight < 0.0);
     let costs: f64 = charged.map(|(_, range)| maximum(-range.low, 0.0)).sum();
     let gains: f64 = ranges.iter().map(|range| maximum(range.high, 0.0)).sum();
@@ -86,7 +86,7 @@ fn ending(task: &CheckedTask<'_>, ranges: &[Bounds], diagnostics: &mut Vec<Diagn
 }
 
 /// Whether a term depends on how the episode ends.
-fn reads_ends(task: &CheckedTask<'_>, term: &PaidTerm<'_>) -> bool {
+fn reads_ends(task: &CheckedTask<'_>, term: &RewardTerm<'_>) -> bool {
     let read = task.graph.reachable([term.node]);
     task.terminations.iter().any(|end| read.contains(&end.node))
 }
