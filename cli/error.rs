@@ -1,4 +1,4 @@
-//! What a command says when it cannot go on: one message, its causes, and what to do about it.
+//! The error of a command that cannot go on: one message, its causes, and what to do about it.
 
 use std::error::Error as StdError;
 use std::fmt::{self, Display};
@@ -42,7 +42,7 @@ impl Error {
         Self { code: USAGE, ..self }
     }
 
-    /// Says what to do about it, as one sentence.
+    /// Adds what to do about it, as one sentence.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
@@ -102,7 +102,7 @@ fn is_closed_pipe(error: &(dyn StdError + 'static)) -> bool {
 
 /// Puts what was being done in front of why it failed.
 pub trait Context<T> {
-    /// `message` says what could not be done.
+    /// `message` describes what could not be done.
     ///
     /// # Errors
     /// The same failure, with the message before it.
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lone_cause_is_the_message_and_is_said_once() {
+    fn a_lone_cause_is_the_message_and_is_printed_once() {
         let error = Error::from(io::Error::other("disk is full"));
         assert_eq!(error.to_string(), "error: disk is full\n");
     }

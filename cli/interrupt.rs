@@ -64,7 +64,7 @@ fn signals() -> Vec<i32> {
     vec![signal::SIGINT, signal::SIGTERM]
 }
 
-/// Whether whoever started the program had it ignore a signal. Only Linux tells without `unsafe`; elsewhere the answer is no.
+/// Whether the parent process had the program ignore a signal. Only Linux tells without `unsafe`; elsewhere the answer is no.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

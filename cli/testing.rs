@@ -25,7 +25,7 @@ pub use insta;
 /// The snapshot of a task of a file, as text.
 ///
 /// # Errors
-/// What the compiler says of the file, or that it holds no task of that name.
+/// The diagnostics of the file, or that it holds no task of that name.
 pub fn snapshot(file: &Path, task: &str) -> Result<String, String> {
     let compilation = compile(file, &FileLoader, &BodyLibrary::default()).map_err(|report| report.to_string())?;
     match compilation.tasks.iter().find(|known| known.name == task) {
@@ -37,8 +37,8 @@ pub fn snapshot(file: &Path, task: &str) -> Result<String, String> {
     }
 }
 
-/// Asserts that a task means what its snapshot says: `assert_task_snapshot!("tasks/crouch.msk", "crouch")`. The path is
-/// relative to the package. Panics with what the compiler says if the file does not compile.
+/// Asserts that a task means what its snapshot records: `assert_task_snapshot!("tasks/crouch.msk", "crouch")`. The path is
+/// relative to the package. Panics with the diagnostics if the file does not compile.
 #[macro_export]
 macro_rules! assert_task_snapshot {
     ($path:expr, $task:expr) => {{

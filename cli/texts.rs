@@ -62,7 +62,7 @@ pub fn replace(path: &Path, text: &str) -> Result<(), Error> {
     Ok(folder.replace(&name, text.as_bytes())?)
 }
 
-/// Replaces a file whose text is still `before`, and says whether it did: what somebody else wrote meanwhile is not lost.
+/// Replaces a file whose text is still `before`, and returns whether it did: what another program wrote meanwhile is not lost.
 ///
 /// # Errors
 /// The file cannot be read or written.

@@ -1,4 +1,4 @@
-//! Muscle conditions: weak muscles pull less, tired ones too, and results say so.
+//! Muscle conditions: weak muscles pull less, tired ones too, and results name the condition.
 
 use msk::compiler::compile;
 use msk::physics::{self, State, Workspace};

@@ -1,4 +1,4 @@
-//! What must hold for the constrained half of a step whatever MuJoCo says.
+//! What must hold for the constrained half of a step independently of MuJoCo.
 
 use crate::support;
 

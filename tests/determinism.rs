@@ -17,7 +17,7 @@ use support::SplitMix;
 ///
 /// Additions, multiplications, divisions and square roots are exact by IEEE 754; sines and the like come from the crate `libm`
 /// (0.2, a port of musl's), compiled from source on every machine. So the hash is the same everywhere, and changes only with the
-/// physics or the order of its operations: whoever changes either on purpose puts the new hash here, once the comparisons with
+/// physics or the order of its operations: a change of either on purpose puts the new hash here, once the comparisons with
 /// MuJoCo pass.
 const SECOND: &str = "f28eca00f44c1ff567718fb8ea8fb93f7b9e35cc715ef42d6a15e1a11f2cce7f";
 

@@ -60,7 +60,7 @@ task balance {
 
 const KEY: EpisodeKey = EpisodeKey { seed: 4, episode: 2 };
 
-/// Steps with the policy `random` until the end, or as often as said.
+/// Steps with the policy `random` until the end, or as often as given.
 fn advance(episode: &mut Environment, steps: usize) {
     let mut policy = policy::create("random").unwrap();
     let mut action = vec![0.0; episode.context().body.muscles.len()];

@@ -1,4 +1,4 @@
-//! What goes wrong in a step is an event with a name: the state stays as it was, and nobody else suffers.
+//! What goes wrong in a step is an event with a name: the state stays as it was, and other episodes are unaffected.
 
 use crate::support;
 

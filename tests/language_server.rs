@@ -125,7 +125,7 @@ fn a_conversation_with_an_editor() {
     assert!(editor.server.wait().unwrap().success());
 }
 
-/// A pipe that nobody writes to, that a text uses: a plain read of it never returns.
+/// A pipe without a writer, that a text uses: a plain read of it never returns.
 #[cfg(unix)]
 #[test]
 fn a_named_pipe_that_a_text_uses_is_an_error_and_no_wait() {

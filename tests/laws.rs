@@ -1,4 +1,4 @@
-//! Laws of mechanics that every model obeys whatever MuJoCo says: energy, momentum, inertia, virtual work, numbering.
+//! Laws of mechanics that every model obeys independently of MuJoCo: energy, momentum, inertia, virtual work, numbering.
 
 use crate::support;
 

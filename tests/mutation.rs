@@ -56,13 +56,13 @@ fn a_mutant_is_killed_by_checks_lints_or_tests_or_survives() {
 fn probing_kills_what_no_test_looks_at() {
     let text = TEXT.replace("success survived", "success pelvis.height > 1 m");
     let all = verdicts(&text);
-    // Nobody stands so high.
+    // No body stands so high.
     assert_eq!(outcome(&all, &text, "1", "2"), (Outcome::Killed(Killer::Lints), "W0533".into()));
 }
 
 #[test]
 fn an_equivalent_mutant_is_counted_nowhere() {
-    // Nobody reads the number: `1 * 1` is as much as `1 / 1`.
+    // No formula reads the number: `1 * 1` is as much as `1 / 1`.
     let text = TEXT.replace("pelvis.height / 1 m", "pelvis.height / 1 m * 1");
     let all = verdicts(&text);
     assert_eq!(outcome(&all, &text, "*", "/"), (Outcome::Equivalent, String::new()));
@@ -106,7 +106,7 @@ fn scene_initial_state_and_observation_are_parts_of_their_own_whose_mutants_test
         found.unwrap_or_else(|| panic!("no {from} -> {to} in {all:#?}")).outcome
     };
     assert_eq!(became(Part::Scene, "40", "44"), Outcome::Killed(Killer::Tests));
-    // Nobody looks at how far away it is, unless the body begins within it.
+    // Nothing measures how far away it is, unless the body begins within it.
     assert_eq!(became(Part::Scene, "0.6", "1.2"), Outcome::Survived);
     assert_eq!(became(Part::Scene, "0.6", "0.3"), Outcome::Killed(Killer::Lints));
     assert_eq!(became(Part::InitialState, "30", "33"), Outcome::Killed(Killer::Tests));

@@ -223,7 +223,7 @@ impl Comparison<'_> {
         self.listed.push([what.to_owned(), paper.to_owned(), self.reasons[first].clone()]);
     }
 
-    /// Whether the numbers of a formula of the paper are among the constants of ours, and all others on either side are said to be.
+    /// Whether the numbers of a formula of the paper are among the constants of ours, and all others on either side are declared.
     fn numbers(&mut self, what: &str, ours: &[&Section], declared: &Numbers<'_>) {
         let Numbers { numbers, without, adds, of, differs } = *declared;
         let own: Vec<f64> = ours.iter().flat_map(|section| constants(section)).collect();
@@ -252,7 +252,7 @@ impl Comparison<'_> {
         }
     }
 
-    /// Whether conditions read what they are said to read.
+    /// Whether conditions read what the table declares.
     fn reads(&mut self, what: &str, ours: &[&Section], reads: &str) {
         let found = contents(ours);
         if found != reads {
@@ -385,7 +385,7 @@ impl Comparison<'_> {
     }
 }
 
-/// What is said of the numbers of a row.
+/// The numbers of a row.
 struct Numbers<'a> {
     numbers: &'a [f64],
     without: &'a [f64],
@@ -483,7 +483,7 @@ deviations). If a body starts on the ground, its soles, hands or knees do, indep
 ";
 
 #[test]
-fn nothing_differs_from_the_paper_but_what_is_said_with_a_reason() {
+fn nothing_differs_from_the_paper_without_a_declared_reason() {
     let (problems, list) = compared();
     assert!(problems.is_empty(), "\n{}", problems.join("\n"));
     let path: &Path = &root().join("docs/paper.md");

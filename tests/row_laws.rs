@@ -1,4 +1,4 @@
-//! What must hold for constraints of every kind whatever MuJoCo says.
+//! What must hold for constraints of every kind independently of MuJoCo.
 
 use crate::support;
 

@@ -1,4 +1,4 @@
-//! Laws that the smooth physics must obey at any state, whatever MuJoCo says.
+//! Laws that the smooth physics must obey at any state, independently of MuJoCo.
 
 use crate::support;
 

@@ -65,7 +65,7 @@ fn failure_of(statements: &str) -> String {
 }
 
 #[test]
-fn a_situation_is_shown_as_it_is_said() {
+fn a_situation_is_shown_as_it_is_written() {
     holds(
         "test \"placed\" {
             moment a {

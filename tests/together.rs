@@ -14,7 +14,7 @@ fn key(episode: usize) -> EpisodeKey {
     EpisodeKey { seed: SEED, episode: episode as u64 }
 }
 
-/// The actions of an episode at a step, whoever plays it.
+/// The actions of an episode at a step, in any lane.
 fn action(episode: EpisodeKey, step: u32, into: &mut [f64]) {
     let mut chance = Stream::new(episode, "actions");
     chance.skip(u128::from(step) * into.len() as u128);

@@ -39,7 +39,7 @@ pub fn fresh(name: &str) -> Result<PathBuf, Error> {
     Err(Error::new("`results` is full"))
 }
 
-/// Says what to do about a folder that cannot be used.
+/// Adds what to do about a folder that cannot be used.
 pub fn explain(error: JournalError) -> Error {
     let hint = match &error {
         JournalError::Unusable { .. } => {

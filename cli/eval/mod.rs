@@ -126,7 +126,7 @@ struct Evaluation<'a> {
 }
 
 impl Evaluation<'_> {
-    /// Plays the missing episodes of one policy and writes its results; says whether it was interrupted.
+    /// Plays the missing episodes of one policy and writes its results; returns whether it was interrupted.
     fn one(&self, plan: &Plan, folder: &Path) -> Result<(Summary, bool), Error> {
         let settings = RunSettings::of(plan);
         let settings = if self.args.live { settings.live(self.args.overlays.file()) } else { settings };

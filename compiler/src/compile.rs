@@ -122,7 +122,7 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
         let (described, texts, motions) = (&described, &texts, &motions);
         let compiler =
             units::Compiler { described, bodies, texts, motions, globals: &globals, noting, called: &called, unread: &unread };
-        // One that fails has said why.
+        // One that fails has been reported.
         tasks.extend(compiler.compile(unit, &mut scopes, &mut diagnostics).map(Arc::new));
     }
     let known: Vec<&Vocabulary> = described.values().filter_map(|body| body.vocabulary.as_ref().ok()).collect();

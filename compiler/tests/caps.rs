@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use support::compiling::{Bodies, compile_text, complete};
 
-/// The codes of what is said to a text, in order, each once.
+/// The codes of the diagnostics of a text, in order, each once.
 fn codes(text: &str) -> Vec<&'static str> {
     let diagnostics = match compile_text(text, &[]) {
         Ok(compilation) => compilation.warnings,

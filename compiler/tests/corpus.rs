@@ -1,15 +1,16 @@
 //! The corpora of wrong programs, counted: defects of published tasks and typical mistakes with the verdict on each, and every code
 //! with its cases.
 //!
-//! The pages themselves are compared with what the compiler says by `meaning.rs` and `language.rs`; here the verdicts are compared
-//! with the answers below them. `MSK_UPDATE=1 cargo test` rewrites the tables of `defects/README.md` and `mistakes/README.md`.
+//! The pages themselves are compared with the diagnostics of the compiler by `meaning.rs` and `language.rs`; here the verdicts
+//! are compared with the answers below them. `MSK_UPDATE=1 cargo test` rewrites the tables of `defects/README.md` and
+//! `mistakes/README.md`.
 
 use msk_compiler::diagnostics::codes;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// What may be said of a defect, from what is best to what is worst.
+/// Verdicts on a defect, from the best to the worst.
 const VERDICTS: [&str; 6] =
     ["impossible to express", "compile error", "lint", "caught by probing", "shown by the task's own test", "not caught"];
 
@@ -39,7 +40,7 @@ fn pages(name: &str) -> Vec<(String, String)> {
     pages.into_iter().map(named).collect()
 }
 
-/// A defect: its title, what is said of it, and its text.
+/// A defect: its title, its verdict, and its text.
 struct Defect {
     title: String,
     verdict: &'static str,
@@ -76,7 +77,7 @@ fn defects(page: &str, text: &str) -> Vec<Defect> {
 }
 
 #[test]
-fn what_is_said_of_a_defect_is_what_the_compiler_says() {
+fn the_verdict_on_a_defect_is_that_of_the_compiler() {
     let mut wrong = Vec::new();
     for (page, text) in pages("defects") {
         let defects = defects(&page, &text);
@@ -202,7 +203,7 @@ fn hundreds_of_wrong_programs_and_every_code_among_them() {
             }
         }
     }
-    // Files of weights are no programs, and probing takes the model at hand: their own tests hold what is said of them.
+    // Files of weights are no programs, and probing takes the model at hand: their own tests hold their diagnostics.
     let programs = codes::all().filter(|code| !codes::weights::ALL.contains(code) && !codes::probing::ALL.contains(code));
     let seldom: Vec<String> = programs
         .filter(|code| !LARGE.contains(&code.id) && by_code.get(code.id).is_none_or(|count| *count < 2))

@@ -1,4 +1,4 @@
-//! Nothing vanishes: whatever a text declares is compiled, or an error says why it is not.
+//! Nothing vanishes: whatever a text declares is compiled, or an error gives the reason.
 
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
@@ -27,13 +27,13 @@ const TASK: &str = r#"
     test "stands" { pose neutral; expect not success }
 "#;
 
-/// How many objects the only task of a text has, or what is said of it.
+/// How many objects the only task of a text has, or its errors.
 fn objects(statements: &str) -> Result<usize, String> {
     let compiled = compile_text(&complete(statements), &[]);
     compiled.map(|compiled| compiled.tasks[0].scene.objects.len()).map_err(|report| report.to_string())
 }
 
-/// What a text and a table declare is there, or an error says why not.
+/// What a text and a table declare is there, or an error gives the reason.
 fn nothing_vanishes(text: &str, table: &str) -> Result<(), TestCaseError> {
     let declared = syntax::parse(FileId::default(), text).tree.items;
     let declared = declared.iter().filter(|item| matches!(item, Item::Task(_) | Item::Sequence(_))).count();
@@ -75,7 +75,7 @@ fn a_place_that_only_free_things_may_have() {
 
 #[test]
 fn a_state_that_reads_one_below_it() {
-    // The warning stands before: it is no reason to say nothing.
+    // The warning stands before: it is no reason to drop the error.
     let text = "let twice = (if com.height > 1 m then com.height else com.height) / 1 m\nstate a = twice + b becomes 1 when t > 1 s\nstate b = 0 becomes 1 when t > 1 s\nreward { 1 r = a + b }";
     let report = compile_text(&complete(text), &[]).err().unwrap().to_string();
     assert!(report.contains("W0508") && report.contains("the state `b` has no value here yet"), "{report}");

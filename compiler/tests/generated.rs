@@ -1,4 +1,4 @@
-//! Programs grown from bytes: most compile, all are answered, and their layout says what they say.
+//! Programs grown from bytes: most compile, all are answered, and formatting keeps their content.
 
 #[path = "support/generate.rs"]
 mod generate;

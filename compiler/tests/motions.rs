@@ -1,4 +1,4 @@
-//! Motions as tables: what is read, what lies between the rows, and what is said of texts that are no motion.
+//! Motions as tables: what is read, what lies between the rows, and the errors of texts that are no motion.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 #![allow(clippy::disallowed_methods, reason = "what is expected need not agree between machines to the bit")]
@@ -17,7 +17,7 @@ fn motion(text: &str) -> Motion {
     read(FileId::default(), text).unwrap()
 }
 
-/// What is said of a text, as printed.
+/// The diagnostics of a text, as printed.
 fn rendered(text: &str) -> String {
     let mut sources = SourceMap::default();
     let file = sources.add("motion.csv", text);

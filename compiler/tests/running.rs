@@ -12,7 +12,7 @@ use msk_compiler::task::{CompiledTask, StepReport, TaskState};
 use std::sync::Arc;
 use support::compiling::{compile_text, complete};
 
-/// The one task of a few statements; what they do not say is added.
+/// The one task of a few statements; what they do not declare is added.
 fn task(statements: &str) -> Arc<CompiledTask> {
     let compilation = compile_text(&complete(statements), &[]).unwrap_or_else(|report| panic!("{report}"));
     compilation.tasks[0].clone()

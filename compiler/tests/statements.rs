@@ -142,7 +142,7 @@ fn failures_finishes_and_the_horizon_are_distinguished() {
     assert!(compile_text(&task, &[]).is_ok());
 }
 
-/// The value that a parameter has after settings, or what is said against them.
+/// The value that a parameter has after settings, or the error about them.
 fn set(settings: &[(&str, &str)]) -> Result<f64, String> {
     let text =
         complete("params {\npace: speed = 130 cm/s (0.5..2 m/s)\n}\nreward {\n1 a = pace / 1 m/s * exp(-com.speed / pace)\n}");

@@ -1,4 +1,4 @@
-//! The layout of a text that can be read can be read, is its own layout, and says the same.
+//! The layout of a text that can be read can be read, is its own layout, and means the same.
 
 #![no_main]
 

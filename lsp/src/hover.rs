@@ -13,7 +13,7 @@ use msk_compiler::numbers::for_people;
 use msk_compiler::quantity::unit;
 use std::path::Path;
 
-/// What there is to say at a byte of a file.
+/// The hover text at a byte of a file.
 pub fn hover(workspace: &Workspace<'_>, path: &Path, byte: usize, encoding: Encoding) -> Option<Hover> {
     let text = workspace.text(path)?;
     let inspections = workspace.inspections_of(path);
@@ -90,7 +90,7 @@ fn term(whole: &Inspection, file: FileId, path: &Path, byte: usize) -> Option<(S
     None
 }
 
-/// What a text declares, where the checker has nothing to say.
+/// What a text declares, where the checker knows nothing.
 fn named(workspace: &Workspace<'_>, path: &Path, byte: usize) -> Option<(Span, String)> {
     let index = workspace.index();
     let here = index.at(index.file(path)?, byte)?;

@@ -60,7 +60,7 @@ impl Reporter {
     }
 }
 
-/// What is said of a text at which the compiler panicked.
+/// The diagnostic of a text at which the compiler panicked.
 fn defect(words: String) -> LspDiagnostic {
     LspDiagnostic {
         severity: Some(DiagnosticSeverity::ERROR),

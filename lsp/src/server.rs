@@ -142,7 +142,7 @@ impl Server<'_> {
         let mut waiting: VecDeque<Message> = VecDeque::new();
         loop {
             if waiting.is_empty() {
-                // Nothing is being typed: time to say what is wrong.
+                // Nothing is being typed: time to publish diagnostics.
                 self.publish();
                 match self.connection.receiver.recv() {
                     Ok(message) => waiting.push_back(message),
@@ -164,7 +164,7 @@ impl Server<'_> {
         }
     }
 
-    /// Requests that nobody waits for any more are refused without work.
+    /// Cancelled requests are refused without work.
     fn cancel(&self, waiting: &mut VecDeque<Message>) {
         let cancelled = |message: &Message| match message {
             Message::Notification(n) if n.method == notifications::Cancel::METHOD => Some(n.params.get("id")?.clone()),
@@ -208,7 +208,7 @@ impl Server<'_> {
     /// Does `work`; a panic within it is logged, and everything but the open texts is forgotten.
     ///
     /// # Errors
-    /// What the panic says.
+    /// The message of the panic.
     fn survive<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> Result<T, String> {
         // Texts change as the last step of a notification, caches may hold anything after a panic: they are emptied.
         std::panic::catch_unwind(AssertUnwindSafe(|| work(self))).map_err(|panic| {
@@ -320,7 +320,7 @@ impl Server<'_> {
         Some((path, byte))
     }
 
-    /// Notifications are never answered: one that cannot be read, or that nobody knows, is logged and changes nothing.
+    /// Notifications are never answered: one that cannot be read, or is unknown, is logged and changes nothing.
     fn notify(&mut self, notification: Notification) {
         let Notification { method, params } = notification;
         if let Ok(Err((_, reason))) = self.survive(|server| server.notification(&method, params)) {

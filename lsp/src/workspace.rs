@@ -51,7 +51,7 @@ pub struct Workspace<'a> {
 /// What the compiler understood of a file.
 struct Inspected {
     whole: Rc<Inspection>,
-    /// What the compiler said when it panicked.
+    /// The message of the panic of the compiler.
     defect: Option<String>,
     inputs: Inputs,
     /// When the inputs were last looked at.
@@ -126,7 +126,7 @@ impl<'a> Workspace<'a> {
         self.inspected(path).0
     }
 
-    /// What the compiler said when it panicked at a file.
+    /// The message of the panic of the compiler at a file.
     pub fn defect(&self, path: &Path) -> Option<String> {
         self.inspected(path).1
     }

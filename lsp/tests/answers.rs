@@ -1,4 +1,4 @@
-//! What the language server says about a text.
+//! What the language server answers about a text.
 
 #[allow(dead_code, reason = "the other tests use the rest")]
 use crate::support;
@@ -16,7 +16,7 @@ fn open(text: &str) -> Client {
     client
 }
 
-/// What a hover says at the mark.
+/// The hover text at the mark.
 fn hover(text: &str) -> String {
     let (text, place) = marked(text);
     let mut client = open(&text);

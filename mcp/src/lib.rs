@@ -3,7 +3,7 @@
 //! * Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes, compare, read results.
 //! * Resources are the reference of the language, the vocabulary of the human body, and how to edit weights.
 //! * Everything happens beneath one opened folder, the project: what a path, a link or a model's file names lead to elsewhere is
-//!   neither read nor written, and nobody learns whether it exists. Tools that write only report what they
+//!   neither read nor written, and no client learns whether it exists. Tools that write only report what they
 //!   would write, unless asked to write.
 //! * Every line is answered, one evaluation runs on each core, and a client that cancels or goes away stops what it started.
 
@@ -47,7 +47,7 @@ pub fn serve(root: &Path) -> Result<(), ServeError> {
     let server = Server::new(root)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let served = runtime.block_on(server.converse(tokio::io::stdin(), tokio::io::stdout()));
-    // A read of standard input, or a write to an output that nobody reads, would be waited for.
+    // A read of standard input, or a write to an output without a reader, would be waited for.
     runtime.shutdown_background();
     served
 }

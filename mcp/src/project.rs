@@ -43,7 +43,7 @@ impl Project {
 
     /// Compiles a file of the project.
     pub fn compile(&self, file: &str) -> Result<Compilation, Failure> {
-        // What cannot be read at all is said without the frame of a report.
+        // What cannot be read at all is reported without the frame of a report.
         self.confined.text(Path::new(file), LARGEST_FILE)?;
         self.compile_with(file, &self.confined)
     }

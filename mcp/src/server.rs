@@ -44,7 +44,7 @@ pub struct Server {
     tool_router: ToolRouter<Self>,
 }
 
-/// Tells waiting and running work that nobody wants its answer any more.
+/// Cancels waiting and running work.
 struct Cancellation {
     request: RequestContext<RoleServer>,
     /// What ends by itself is still answered when the input has ended; what may take minutes is not.
@@ -141,7 +141,7 @@ impl Server {
         let conversation = Conversation::over(input, output, self.closing.clone());
         let running = match self.serve(conversation).await {
             Ok(running) => running,
-            // Nobody asked anything.
+            // There is no request.
             Err(ServerInitializeError::ConnectionClosed(_)) => return Ok(()),
             Err(error) => return Err(ServeError::Client(error.to_string())),
         };
@@ -149,7 +149,7 @@ impl Server {
         Ok(())
     }
 
-    /// Does short work in its turn, where it holds up nobody.
+    /// Does short work in its turn, where it does not block other requests.
     async fn answer(
         &self,
         request: RequestContext<RoleServer>,

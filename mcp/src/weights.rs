@@ -93,7 +93,7 @@ pub fn propose(project: &Project, asked: &Propose) -> Result<Value, Failure> {
     }))
 }
 
-/// Writes weights, within the bounds of the source, or says what it would write.
+/// Writes weights, within the bounds of the source, or returns what it would write.
 pub fn apply(project: &Project, asked: &Apply) -> Result<Value, Failure> {
     let dry_run = asked.dry_run.unwrap_or(true);
     let compilation = project.compile(&asked.file)?;
@@ -131,7 +131,7 @@ fn into_overlay(
     }
     let wishes: Vec<Wish> = asked.weights.iter().map(|(term, weight)| Wish { term: term.clone(), weight: *weight }).collect();
     let places = wished(&compilation.tasks, &wishes, &Origin::CommandLine)?.places;
-    // What the file says now counts as what is before.
+    // The content of the file now counts as what is before.
     let store = store(project, path)?;
     let present = store.read()?;
     let before = if present.is_some() { project.overlaid(compilation, overlay)? } else { compilation.tasks.clone() };

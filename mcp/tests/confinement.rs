@@ -1,4 +1,4 @@
-//! What lies outside of the project is neither read nor written, and nobody learns whether it is there.
+//! What lies outside of the project is neither read nor written, and no client learns whether it is there.
 
 #![cfg(unix)]
 

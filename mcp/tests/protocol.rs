@@ -142,7 +142,7 @@ async fn lines_that_are_no_messages_are_answered_with_errors() {
         assert_eq!(answer["id"], 8, "{request}: {answer}");
         assert!(answer["error"].is_object() || answer["result"]["isError"] == true, "{request}: {answer}");
     }
-    // What nobody waits for is not answered.
+    // A cancelled request is not answered.
     for silent in [
         "",
         "  \r",

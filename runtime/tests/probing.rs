@@ -122,7 +122,7 @@ fn findings_can_be_allowed_with_a_reason() {
     assert_eq!(codes_of(&format!("allow holds_at_reset \"on purpose\"\n{holds}")), [""; 0]);
 }
 
-/// Defects and mistakes of the corpus of which is said that probing catches them, with what it says: a block `probed` after that of
+/// Defects and mistakes of the corpus that probing is documented to catch, with its findings: a block `probed` after that of
 /// the text.
 ///
 /// `MSK_UPDATE=1 cargo test` rewrites these blocks; read the difference before keeping it.
@@ -147,18 +147,18 @@ fn probed_blocks_of(folder: &str, pages: &[&str]) -> usize {
 }
 
 #[test]
-fn defects_that_are_said_to_be_caught_are() {
+fn defects_documented_as_caught_are() {
     let caught = probed_blocks_of("defects", &["hands", "standing", "steps", "walking"]);
     assert!(caught >= 19, "{caught}");
 }
 
 #[test]
-fn mistakes_that_are_said_to_be_caught_are() {
+fn mistakes_documented_as_caught_are() {
     let caught = probed_blocks_of("mistakes", &["endings", "rewards", "worlds_and_policies"]);
     assert!(caught >= 1, "{caught}");
 }
 
-/// A section of a page with what probing says of its first text.
+/// A section of a page with the findings of probing in its first text.
 fn answered(section: &str) -> String {
     let (before, rest) = section.split_once("\n```msk ").unwrap();
     let (kind, rest) = rest.split_once('\n').unwrap();
@@ -180,7 +180,7 @@ fn answered(section: &str) -> String {
         Some((between, rest)) => format!("{between}{}", rest.split_once("```").unwrap().1),
         None => after.to_owned(),
     };
-    // What the compiler says comes first.
+    // The diagnostics of the compiler come first.
     let (compiled, after) = match after.strip_prefix("\n```text\n").and_then(|rest| rest.split_once("\n```")) {
         Some((compiled, after)) => (format!("\n```text\n{compiled}\n```"), after),
         None => (String::new(), after.as_str()),

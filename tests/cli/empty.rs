@@ -1,4 +1,4 @@
-//! A run of nothing is no success: files, filters and suites that come to no task or test fail and say why.
+//! A run of nothing is no success: files, filters and suites that come to no task or test fail with the reason.
 
 use super::project::{LEAN, Project};
 

@@ -126,7 +126,7 @@ fn recorded_actions_are_played_again_bit_for_bit() {
     assert_eq!(recorded["return"], replayed["return"]);
     assert_eq!(recorded["steps"], replayed["steps"]);
     assert!(replayed["policy"].as_str().unwrap().starts_with("replay random.npy ("), "{}", replayed["policy"]);
-    // Zero falls later or earlier: where the actions end before the episode, that is said.
+    // Zero falls later or earlier: where the actions end before the episode, that is reported.
     let longer = project.read("lean.msk").replace("terminate { sunk when pelvis.height < neutral(pelvis.height) - 2 cm }", "");
     project.write("longer.msk", &longer.replace("horizon  20 steps", "horizon  200 steps"));
     let done = project.msk(&["run", "longer.msk", "--policy", "replay random.npy"]);

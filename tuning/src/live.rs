@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// A weights file in use.
 ///
-/// Whoever asks gets one whole version of the file: the newest that could be read and that the tasks allow. A version that is
+/// A reader gets one whole version of the file: the newest that could be read and that the tasks allow. A version that is
 /// refused is reported once, and the weights before it stay.
 pub struct Live {
     store: Store,

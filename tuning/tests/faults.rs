@@ -149,9 +149,9 @@ fn two_die(first: usize) -> bool {
     true
 }
 
-struct Nobody;
+struct NoWatcher;
 
-impl Watcher for Nobody {
+impl Watcher for NoWatcher {
     fn stepped(&self) {}
     fn ended(&self, _: &EpisodeRecord) {}
     fn round(&self, _: &Round) {}
@@ -171,10 +171,10 @@ fn run(folder: &Folder, trial: &Trial) -> Result<Ended, SessionError> {
         on_failure: OnFailure::Keep,
     };
     let mut session = Session::open_in(folder.clone(), settings, trial.clone(), |message| panic!("{message}"))?;
-    session.run(&RuleBook, NonZeroUsize::MIN, &AtomicBool::new(false), &Nobody)
+    session.run(&RuleBook, NonZeroUsize::MIN, &AtomicBool::new(false), &NoWatcher)
 }
 
-/// All files of a session without what the clock says, and the texts that its weights files had.
+/// All files of a session without times, and the texts that its weights files had.
 fn results(folder: &Path) -> BTreeMap<String, String> {
     let mut results = BTreeMap::new();
     for name in ["tune.json", "weights.toml", "best.toml", "rounds.jsonl", "episodes.jsonl"] {

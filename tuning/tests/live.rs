@@ -1,4 +1,4 @@
-//! Weights in use: one whole version for whoever asks, the last good one if a newer is refused.
+//! Weights in use: one whole version for each reader, the last good one if a newer is refused.
 
 use crate::support;
 

@@ -260,7 +260,7 @@ fn every_failure_says_what_it_was_and_none_shows_the_key() {
         assert!(shown.to_lowercase().contains(expected), "no `{expected}` in {shown}");
         assert!(!shown.contains(KEY), "{shown}");
     }
-    // Nobody there at all.
+    // No server at all.
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let error = propose(&http(&format!("http://127.0.0.1:{port}/v1"), 2), &request).unwrap_err().to_string();
     assert!(error.contains("no answer after 2 attempt(s)"), "{error}");
@@ -416,7 +416,7 @@ fn what_a_program_has_started_ends_with_it() {
     let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
     let error = propose(&process(&script, Duration::from_millis(500)), &asked()).unwrap_err().to_string();
     assert!(error.contains("no answer within 0.5 s"), "{error}");
-    // The pipe ends once nobody of them is left.
+    // The pipe ends once none of them is left.
     assert!(reader.join().unwrap().is_empty());
     assert!(!mark.exists());
 }

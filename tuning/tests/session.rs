@@ -47,9 +47,9 @@ impl Watcher for Looker {
 type Answer = Result<Vec<(&'static str, f64)>, ReasonerError>;
 
 /// Gives prepared answers, round after round.
-struct Says(fn(&Request) -> Answer);
+struct Scripted(fn(&Request) -> Answer);
 
-impl Reasoner for Says {
+impl Reasoner for Scripted {
     fn name(&self) -> String {
         "says".into()
     }
@@ -68,7 +68,7 @@ fn run(session: &mut Session, reasoner: &dyn Reasoner, threads: usize) -> Ended 
     session.run(reasoner, NonZeroUsize::new(threads).unwrap(), &looker.stop, &looker).unwrap()
 }
 
-/// The log without what the clock says.
+/// The log without times.
 fn timeless(folder: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join("rounds.jsonl")).unwrap();
     let line = |line: &str| {
@@ -84,9 +84,9 @@ fn a_session_changes_weights_within_the_rules_and_logs_everything() {
     let trial = trial(folder.path());
     let out = folder.path().join("tune");
     let mut session = open(&out, settings(), &trial);
-    // Far too much, a wrong sign, and one that nobody may change.
-    let says = Says(|_| Ok(vec![("pose", 1000.0), ("effort", 5.0), ("wave", 9.0)]));
-    assert_eq!(run(&mut session, &says, 2), Ended::Budget);
+    // Far too much, a wrong sign, and one that is fixed.
+    let reasoner = Scripted(|_| Ok(vec![("pose", 1000.0), ("effort", 5.0), ("wave", 9.0)]));
+    assert_eq!(run(&mut session, &reasoner, 2), Ended::Budget);
     let rounds = session.rounds();
     assert_eq!(rounds.len(), 3);
     let weight = |round: usize, term: usize| rounds[round].weights[term].1;
@@ -101,7 +101,7 @@ fn a_session_changes_weights_within_the_rules_and_logs_everything() {
     assert_eq!(first.proposal.as_ref().unwrap().reason, "because");
     close(first.applied.as_ref().unwrap()[0].1, 12.0);
     assert!(first.statistics.steps >= 25 && first.statistics.steps < 35);
-    // The last round is not followed by any: nobody is asked.
+    // The last round is not followed by any: no reasoner is asked.
     assert!(rounds[2].proposal.is_none() && rounds[2].prompt.is_empty());
     // Episodes follow on each other, each with the version that rewarded it.
     assert_eq!((rounds[0].episodes[1], rounds[1].episodes[1]), (rounds[1].episodes[0], rounds[2].episodes[0]));
@@ -183,7 +183,7 @@ fn what_was_logged_and_not_yet_applied_is_applied_on_return() {
 fn a_reasoner_that_fails_is_logged_and_the_session_goes_on_or_stops_as_set() {
     let folder = tempfile::tempdir().unwrap();
     let trial = trial(folder.path());
-    let fails = Says(|request| match request.round {
+    let fails = Scripted(|request| match request.round {
         1 => Err(ReasonerError::Refuses("not today".into())),
         2 => Ok(vec![("pose", f64::NAN)]),
         _ => Ok(vec![("pose", 11.0)]),
@@ -208,7 +208,7 @@ fn a_fixed_norm_is_kept_inside_the_scope() {
     let trial = trial(folder.path());
     let kept = Settings { rules: KeptRules { step: 0.2, norm: Some(30.0) }, outside: vec!["effort".into()], ..settings() };
     let mut session = open(&folder.path().join("tune"), kept, &trial);
-    run(&mut session, &Says(|_| Ok(vec![("pose", 30.0), ("alive", 10.0)])), 1);
+    run(&mut session, &Scripted(|_| Ok(vec![("pose", 30.0), ("alive", 10.0)])), 1);
     for round in session.rounds() {
         let [pose, alive, effort, wave] = [0, 1, 2, 3].map(|term| round.weights[term].1);
         assert!((pose + alive - 30.0).abs() < 1e-9, "{pose} {alive}");

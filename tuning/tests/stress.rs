@@ -124,7 +124,7 @@ fn versions(file: &str, store: &Store) -> Vec<String> {
     history.iter().enumerate().map(|(index, entry)| format!("{file} {} {index}", entry.version)).collect()
 }
 
-/// Every version that a writer made or a reader saw is known, and nobody went back. Gives how many were seen.
+/// Every version that a writer made or a reader saw is known, and no reader went back. Gives how many were seen.
 fn check_notes(folder: &Path, known: &BTreeSet<String>) -> usize {
     let (mut written, mut reads) = (BTreeSet::new(), 0);
     for note in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {

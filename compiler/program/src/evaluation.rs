@@ -45,7 +45,7 @@ impl CompiledTask {
         self.begin_given(draws, state, &[])
     }
 
-    /// The same with values that randoms have whatever chance says, until they are drawn anew: pairs of a random's place
+    /// The same with given values of randoms, until they are drawn anew: pairs of a random's place
     /// and its value.
     ///
     /// # Errors
@@ -165,7 +165,7 @@ impl CompiledTask {
         self.reset_given(frame, draws, state, &[])
     }
 
-    /// The same with values that randoms have whatever chance says; those that [`begin_given`](Self::begin_given) took.
+    /// The same with given values of randoms; those that [`begin_given`](Self::begin_given) took.
     ///
     /// # Errors
     /// A random none of whose tries was taken.

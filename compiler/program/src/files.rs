@@ -40,7 +40,7 @@ pub trait BodySource {
     /// Where the body's landmarks are at each row of a motion, in the order of its vocabulary: world axes, m.
     ///
     /// # Errors
-    /// The body is not at hand: in words. A source that knows no kinematics always says so.
+    /// The body is not at hand: in words. A source without kinematics always returns it.
     fn trace(&self, description: &BodyDescription, motion: &Motion) -> Result<Vec<Vec<[f64; 3]>>, String> {
         let _ = motion;
         Err(format!("the positions of the landmarks of `{}` cannot be computed here", description.name))

@@ -43,9 +43,9 @@ pub enum Spread {
     /// Not at all.
     #[default]
     None,
-    /// Normal, with this standard deviation about what the pose says.
+    /// Normal, with this standard deviation about the value of the pose.
     Normal(f64),
-    /// Uniform between these deviations from what the pose says.
+    /// Uniform between these deviations from the value of the pose.
     Uniform(f64, f64),
 }
 

@@ -37,7 +37,7 @@ impl<'a> PlainTask<'a> {
         if !outputs.draws.is_empty() {
             return None;
         }
-        // A state begins at what its first reader says; one that nobody reads does not matter.
+        // The first reader of a state sets its initial value; a state without readers does not matter.
         let states = vec![Vec::new(); outputs.updates.len()];
         let interpreter = Interpreter { graph, memories: BTreeMap::new(), states };
         Some(Self { layout: &task.frame, outputs, interpreter, step: 0 })

@@ -1,7 +1,7 @@
 //! Scripts as data that can be played and written: the checker reads the same script back from the text, bit for bit.
 //!
 //! A [`WrittenScript`] holds its numbers in the units in which they are written (deg, m). [`WrittenScript::take`] is the episode that it
-//! describes, [`WrittenScript::cheat`] the block of a task that says so. It begins as the task does.
+//! describes, [`WrittenScript::cheat`] the block of a task for it. It begins as the task does.
 
 use crate::init::{Setting, Spread};
 use crate::numbers::exact;

@@ -22,7 +22,7 @@ impl SpokenUnit {
         Self { si: unit.clone(), name: unit, factor: 1.0 }
     }
 
-    /// The unit in which people say a quantity of this dimension: angles in degrees, all else in SI units.
+    /// The unit customary for a quantity of this dimension: angles in degrees, all else in SI units.
     pub fn of(dimension: Dimension) -> Self {
         let (name, factor) = match dimension {
             Dimension::ANGLE => ("deg", PI / 180.0),

@@ -24,20 +24,20 @@ pub struct TaskTest {
     pub expectations: Vec<Expectation>,
 }
 
-/// An episode of a test: played as the script says, then run if it says so.
+/// An episode of a test: played as scripted, then run if the script asks for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Take {
     /// The moment that it is; `None` for the test's own.
     pub moment: Option<String>,
     /// Values that randoms have instead of those that chance gives: place among the task's randoms, SI units.
     pub given: Vec<(usize, Vec<f64>)>,
-    /// What is shown, in the order of time; the last is held. Empty where the physics begins as the task says.
+    /// What is shown, in the order of time; the last is held. Empty where the physics begins as the task does.
     pub script: Vec<Keyframe>,
     /// When it ends if the task does not end it, control steps: `None` at the horizon.
     pub until: Option<u32>,
     /// What acts once the script is over.
     pub run: Option<Run>,
-    /// So many episodes are only reset, as the task says, and read before anything moves; `None` for an episode that is played.
+    /// So many episodes are only reset, as the task does, and read before anything moves; `None` for an episode that is played.
     pub resets: Option<u32>,
 }
 

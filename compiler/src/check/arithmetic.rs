@@ -1,4 +1,4 @@
-//! Operators: which types meet, and what the error says when they do not.
+//! Operators: which types meet, and the errors when they do not.
 
 use super::context::{Checked, Checker, Reported};
 use super::dimension::{Dimension, Rational};
@@ -47,7 +47,8 @@ impl<'a> Checker<'a> {
         result
     }
 
-    /// `5 km/h`, read as a division by `h`: hours and minutes are no units here. The error says the same speed in units that are.
+    /// `5 km/h`, read as a division by `h`: hours and minutes are no units here. The error gives the same speed in units that
+    /// are.
     fn time_of_day(&self, operator: BinaryOperator, left: &Expr, right: &Expr) -> Option<Diagnostic> {
         let ExprKind::Name(word) = &right.kind else { return None };
         let seconds = match word.text.as_str() {

@@ -102,7 +102,7 @@ pub(crate) struct Cell {
 pub(crate) struct ReadMode {
     /// Whether declared states and randoms are read after their update, as observations do.
     pub after: bool,
-    /// Whether an initial state is checked, which may write down again what the scene says.
+    /// Whether an initial state is checked, which may repeat values of the scene.
     pub initial: bool,
 }
 
@@ -158,7 +158,7 @@ pub(crate) struct Checker<'a> {
     pub scene: Option<&'a CheckedScene<'a>>,
     /// Constants of objects by `NAME.SIGNAL`.
     pub known: BTreeMap<String, Known>,
-    /// Lengths in formulas that the scene says already, and where it does.
+    /// Lengths in formulas that repeat the scene, and where it does.
     pub repeated: Vec<(FileId, Span, String)>,
     /// What names mean in tests, while those are checked.
     pub in_tests: Option<super::tests::InTests>,

@@ -64,7 +64,7 @@ impl<'a> Checker<'a> {
             }
             Known::Unknown => *self.known_ends(kind) = Known::Busy,
         }
-        // Ends are the task's own, whoever asks for them from within a library or an observation.
+        // Ends are the task's own, also where they are read from within a library or an observation.
         let place = self.task_place;
         let path = std::mem::take(&mut self.path);
         let mode = ReadMode { after: false, ..self.mode };

@@ -120,7 +120,7 @@ impl<'a> Checker<'a> {
         self.by_wrapping(node, kind, |graph, node, wraps| if wraps { graph.unary(Unary::Wrap, node) } else { node })
     }
 
-    /// Says how quantities of these dimensions could meet: a unit for a number without one, else what is probably meant.
+    /// Suggests how quantities of these dimensions could meet: a unit for a number without one, else what is probably meant.
     fn units_that_meet(
         &self,
         diagnostic: Diagnostic,

@@ -129,7 +129,7 @@ impl Shaken {
 }
 
 impl NeutralRange<'_> {
-    /// Whether it is measured on an object that moves: the standing pose says nothing of it.
+    /// Whether it is measured on an object that moves: the standing pose does not determine it.
     fn moves(&self, sensor: Sensor) -> bool {
         let (landmarks, joints) = (&self.vocabulary.landmarks, &self.vocabulary.joints);
         match sensor {

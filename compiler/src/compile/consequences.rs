@@ -1,5 +1,5 @@
 //! Errors that only follow from errors of syntax are not reported: names whose declaration could not be read, and what a task or
-//! an element does not say because its statement could not be read.
+//! an element lacks because its statement could not be read.
 
 use crate::diagnostics::{Diagnostic, FileId, SourceMap, codes};
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,7 +27,8 @@ fn unread_names(sources: &SourceMap, diagnostics: &mut Vec<Diagnostic>) {
     });
 }
 
-/// Leaves out errors of what is missing where an error of syntax stands on a line, there or further down, that would have said it.
+/// Leaves out errors of what is missing where an error of syntax stands on a line, there or further down, that would have
+/// declared it.
 fn unread_statements(sources: &SourceMap, diagnostics: &mut Vec<Diagnostic>) {
     // Of each word on a line that could not be read, where the last such line begins. Every line is looked at once.
     let mut unread: BTreeMap<(FileId, &str), usize> = BTreeMap::new();
@@ -49,7 +50,7 @@ fn unread_statements(sources: &SourceMap, diagnostics: &mut Vec<Diagnostic>) {
     });
 }
 
-/// The words that would have said what is missing; none of other errors.
+/// The words that would have declared what is missing; none of other errors.
 fn missing(diagnostic: &Diagnostic) -> Vec<&str> {
     if diagnostic.code.id == codes::scene::MASS.id {
         return vec!["mass", "density"];

@@ -31,7 +31,7 @@ pub struct Inspection {
 pub struct InspectedFile {
     /// Where it is.
     pub path: PathBuf,
-    /// What it says.
+    /// Its text.
     pub tree: tree::File,
     /// The files that it uses, by their place among all.
     pub uses: Vec<usize>,

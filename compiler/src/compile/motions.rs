@@ -17,7 +17,7 @@ pub(super) fn read(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Tables {
     let mut tables = Tables::new();
-    // A motion that several texts name is read once; what is wrong with it is said once.
+    // A motion that several texts name is read once; its errors are reported once.
     let mut known: BTreeMap<PathBuf, Checked<Table>> = BTreeMap::new();
     for file in files {
         let base = file.path.parent().map(Path::to_path_buf).unwrap_or_default();

@@ -8,7 +8,7 @@ use crate::syntax::tree::{Entry, Expr, Item, TaskParameter, TaskStatement};
 
 /// A setting that could be read.
 pub(super) struct ReadSetting {
-    /// Whose parameter; any task's if it is not said.
+    /// Whose parameter; any task's if none is named.
     task: Option<String>,
     name: String,
     value: Expr,

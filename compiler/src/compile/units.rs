@@ -33,7 +33,7 @@ pub(super) struct Unit<'a> {
     file: FileId,
     /// One for a task, two or more for a sequence.
     pub phases: Vec<PhaseTask<'a>>,
-    /// What the sequence itself says.
+    /// The statements of the sequence itself.
     sequence: Option<Vec<Placed>>,
     /// Whether it is a task that a sequence has as a phase.
     is_phase: bool,
@@ -129,7 +129,7 @@ impl<'a> TaskIndex<'a> {
     }
 }
 
-/// The phases of a sequence, each with what the sequence says for all.
+/// The phases of a sequence, each with the shared statements of the sequence.
 fn phases<'a>(
     sequence: &'a Sequence,
     file: FileId,

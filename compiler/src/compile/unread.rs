@@ -16,7 +16,7 @@ struct Count {
 }
 
 impl Unread {
-    /// Counts the names of a task, of which `warnings` say which it does not read.
+    /// Counts the names of a task, of which `warnings` list those that it does not read.
     pub(super) fn note(&mut self, names: &Names<'_>, scene: &CheckedScene<'_>, warnings: &[Diagnostic]) {
         let groups = scene.statements.groups.iter().map(|group| (group.file, group.statement.name.span));
         let declared = names.of_task().map(|(_, declared)| (declared.file, declared.definition.span()));

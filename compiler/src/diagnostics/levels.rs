@@ -30,7 +30,7 @@ impl Lints {
     /// What a name, a code or `warnings` means; blanks in names may be `-` or `_`.
     ///
     /// # Errors
-    /// There is no such lint; says which were probably meant.
+    /// There is no such lint; suggests which were probably meant.
     pub fn named(name: &str) -> Result<Self, String> {
         if name == ALL {
             return Ok(Self::All);

@@ -68,7 +68,7 @@ impl Lint {
         Level::Warn
     }
 
-    /// Whether a task can say `allow` for it.
+    /// Whether a task can `allow` it.
     pub const fn allowable(self) -> bool {
         !matches!(self.stage, Stage::Text)
     }

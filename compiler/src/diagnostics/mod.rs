@@ -44,7 +44,7 @@ pub enum Severity {
     Warning,
 }
 
-/// A stretch of a file with what there is to say about it.
+/// A span of a file with its label.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
     /// Which file.
@@ -132,13 +132,13 @@ impl Diagnostic {
         self
     }
 
-    /// Says what would have been right.
+    /// Adds what was expected.
     pub fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = Some(expected.into());
         self
     }
 
-    /// Says what is there.
+    /// Adds what was found.
     pub fn found(mut self, found: impl Into<String>) -> Self {
         self.found = Some(found.into());
         self

@@ -2,7 +2,7 @@
 
 use super::{Diagnostic, Severity};
 
-/// A witness that an error has been reported: whoever holds one may give up without saying more.
+/// A witness that an error has been reported: its holder may give up without a further report.
 ///
 /// Only [`Diagnostic::report`] and [`Reported::among`] make one, both from an error diagnostic, so that nothing can fail in
 /// silence: a check that gives up either reports why or passes on the witness of who did. Which error it was is not kept;

@@ -15,7 +15,7 @@ pub(super) fn unlike(before: &[String], after: &[String]) -> (Vec<String>, Vec<S
     (old.into_iter().map(str::to_owned).collect(), new)
 }
 
-/// The number in a line of a graph, `%3 = constant 0.8`; longer lists of numbers are poses, which nobody reads.
+/// The number in a line of a graph, `%3 = constant 0.8`; longer lists of numbers are poses, which no reader compares.
 fn constants(line: &str) -> Option<&str> {
     let value = line.split_once("constant ").map(|(_, value)| value)?;
     (value.split(' ').count() <= 4).then_some(value)

@@ -47,7 +47,7 @@ pub enum ChangeKind {
     Added,
     /// Only the first task has it.
     Removed,
-    /// Both have it, and it says something else.
+    /// Both have it, with different content.
     Changed,
     /// What both have comes in another order.
     Reordered,
@@ -152,7 +152,7 @@ impl Difference {
     }
 }
 
-/// The section of the other task that says the same kind of thing; of tasks there is only one.
+/// The section of the other task of the same kind; of tasks there is only one.
 fn partner<'a>(other: &'a Snapshot, section: &Section) -> Option<&'a Section> {
     other.sections.iter().find(|known| known.kind == section.kind && (known.name == section.name || section.kind == "task"))
 }

@@ -185,7 +185,7 @@ pub struct InitialStateReport {
     pub joints: Vec<JointReport>,
     /// Noise in words, a line each.
     pub noise: Vec<String>,
-    /// Free elements that start with a velocity or elsewhere than the scene says, in words.
+    /// Free elements that start with a velocity or elsewhere than in the scene, in words.
     pub objects: Vec<String>,
     /// What is drawn: `ball.position.y`.
     pub drawn: Vec<String>,
@@ -277,7 +277,7 @@ pub struct PhaseReport {
     pub name: String,
     /// Its length, control steps.
     pub horizon: u32,
-    /// When the next phase begins, where that is said.
+    /// When the next phase begins, where a condition is declared.
     pub until: Option<FormulaReport>,
     /// The terms of the reward.
     pub terms: Vec<TermReport>,

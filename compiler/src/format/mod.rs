@@ -53,7 +53,7 @@ pub fn format(file: FileId, text: &str) -> Result<String, FormatError> {
     if content(file, text) == content(file, &formatted) { Ok(formatted) } else { Err(FormatError::Changed) }
 }
 
-/// What a text says: its tokens and comments, and where statements end.
+/// The content of a text: its tokens and comments, and where statements end.
 fn content(file: FileId, text: &str) -> (Vec<&str>, Vec<&str>) {
     let (tokens, goes_on) = scanner::tokens(file, text);
     let mut pieces = Vec::with_capacity(tokens.len());

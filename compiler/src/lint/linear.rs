@@ -1,7 +1,7 @@
 //! Formulas that are linear in what is measured, and how far they reach.
 //!
 //! The interval analysis bounds a formula from outside: what it leaves open may never be met. Here is the other side: a sum of
-//! measured numbers with constant factors takes, in some state of a body that stands or falls, the values that are said of it.
+//! measured numbers with constant factors takes, in some state of a body that stands or falls, the values that are stated of it.
 
 use crate::extremes::{maximum, minimum};
 use crate::frame::Sensor;

@@ -253,7 +253,7 @@ pub(super) fn carrier(objects: &[Object], index: usize) -> Option<usize> {
     }
 }
 
-/// In a task that says that it is symmetric: parts of one side that are read, while those of the other are not.
+/// In a task declared symmetric: parts of one side that are read, while those of the other are not.
 pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     if !task.symmetric {
         return;

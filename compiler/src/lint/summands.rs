@@ -28,7 +28,7 @@ impl Summand {
         Self { node, ..self }
     }
 
-    /// What is added to something else, whose bounds say nothing of it alone.
+    /// What is added to something else, whose bounds do not describe it alone.
     fn unbounded(self, node: NodeId, factor: f64) -> Self {
         Self { node, factor, bounds: OPEN, ..self }
     }

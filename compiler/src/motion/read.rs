@@ -6,7 +6,7 @@ use crate::numbers::{distinguished, for_people};
 use crate::quantity::dimension::Dimension;
 use crate::quantity::unit;
 
-/// What the head of a motion may say.
+/// Headers of a motion.
 const WORDS: [&str; 5] = ["name", "source", "cycle", "duration", "advances"];
 
 /// How far the first and the last row of a cycle may differ, rad or m: tables are written with a few decimals.
@@ -77,7 +77,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// What the head says.
+/// The headers of a motion, as read.
 #[derive(Default)]
 struct Head<'a> {
     name: Option<Part<'a>>,
@@ -342,7 +342,7 @@ impl Reader {
         Err(self.failed(codes::composition::MOTION_TABLE, cell.span(), message, None))
     }
 
-    /// What every head says: a name and whether it is a cycle.
+    /// What every head gives: a name and whether it is a cycle.
     fn complete(&mut self, head: &Head<'_>, place: Span) -> Checked<(String, bool)> {
         let mut failures = Failures::default();
         let missing = [("name", head.name.is_none()), ("source", head.sources.is_empty()), ("cycle", head.cycle.is_none())];

@@ -1,8 +1,9 @@
 //! `extends`: a task with all that it takes from those it extends.
 //!
 //! 1. The chain of tasks is followed to its end; a circle or a task that is not in sight is an error.
-//! 2. Sections that are lists are taken apart row by row, each under its name; what is said once is one row. Scenes and beginnings
-//!    stay whole, in layers: their rows are laid over each other once loops are unrolled (`scene::expand`, `init::layers`).
+//! 2. Sections that are lists are taken apart row by row, each under its name; what is declared once is one row. Scenes and
+//!    beginnings stay whole, in layers: their rows are laid over each other once loops are unrolled (`scene::expand`,
+//!    `init::layers`).
 //! 3. From the oldest task to the youngest, rows replace rows of the same name where those stand, `remove` takes them out, and
 //!    the rest is added behind. What is overridden must exist.
 //!
@@ -61,9 +62,9 @@ pub(crate) type Find<'f, 'a> = &'f dyn Fn(FileId, &str) -> Result<InFile<'a>, Ve
 /// What a row is named under: rows replace each other within their section only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Section {
-    /// Said once: the word itself.
+    /// Declared once: the word itself.
     Single(&'static str),
-    /// Said once in each task, in layers: the word itself.
+    /// Declared once in each task, in layers: the word itself.
     Layered(&'static str),
     Parameter,
     Channel,
@@ -200,7 +201,7 @@ pub(crate) fn whole<'a>(
     failures.or(WholeTask { task: task.task.clone(), file: task.file, statements })
 }
 
-/// A phase of a sequence: the task with what the sequence says for all its phases. What is there once for the whole episode
+/// A phase of a sequence: the task with what the sequence declares for all its phases. What is there once for the whole episode
 /// (scene, beginning, body, control) is the sequence's, or else the first phase's.
 pub(crate) fn in_sequence(phase: WholeTask, first: &WholeTask, sequence: &[Placed], texts: &dyn Texts) -> WholeTask {
     const SHARED: [&str; 6] = ["family", "body", "control", "symmetric", "scene", "init"];

@@ -1,11 +1,11 @@
-//! What tasks that extend each other say, laid over each other row by row: what an extending task says replaces what has the same
-//! name in the tasks that it extends, where the first of those stands; the rest is added behind; `remove` takes out.
+//! The declarations of tasks that extend each other, merged row by row: a declaration of an extending task replaces what has the
+//! same name in the tasks that it extends, where the first of those stands; the rest is added behind; `remove` takes out.
 //!
 //! Statements of tasks (`inherit`), scenes (`scene::expand`) and beginnings (`init::layers`) are merged by it.
 
 use std::collections::BTreeMap;
 
-/// A row, and by which task of a line of extended ones it is said: 0 is the oldest.
+/// A row, and which task of a line of extended ones declares it: 0 is the oldest.
 #[derive(Debug, Clone)]
 struct Row<K, T> {
     key: K,

@@ -1,9 +1,10 @@
-//! What a task says of a pose: between which values its terms are, and how far its conditions are from holding and from failing.
+//! The evaluation of a task in a pose: between which values its terms are, and how far its conditions are from holding and from
+//! failing.
 //!
 //! A pose settles where everything is, nothing else: speeds, forces, activations, time, chance and all that remembers may be
 //! anything within their ranges. So a condition that reads them is left open, and what is decided is decided by the pose
-//! alone (`seen`). Whoever shows many poses ([`Survey::look`]) learns which conditions none of them decides otherwise; [`Survey::lack`]
-//! says how much is missing, so that one may search for more (`lack`).
+//! alone (`seen`). A caller that shows many poses ([`Survey::look`]) learns which conditions none of them decides otherwise;
+//! [`Survey::lack`] gives how much is missing, so that one may search for more (`lack`).
 
 mod lack;
 mod seen;
@@ -57,7 +58,7 @@ pub struct Subject {
     pub range: Bounds,
     node: NodeId,
     sides: Option<[NodeId; 2]>,
-    /// Nodes that a pose has a say in, inputs before their readers.
+    /// Nodes that depend on the pose, inputs before their readers.
     needs: Vec<NodeId>,
     /// Nodes of conditions that it is made of, in the same order.
     logic: Vec<NodeId>,
@@ -225,7 +226,7 @@ impl<'a> Survey<'a> {
     }
 }
 
-/// Whether a value is not that of the present snapshot alone: a pose says nothing of it.
+/// Whether a value is not that of the present snapshot alone: a pose does not decide it.
 fn lasts(operation: &Operation) -> bool {
     operation.remembers() || matches!(operation, Operation::PhaseSuccess(_))
 }

@@ -1,8 +1,8 @@
 //! Errors that only follow from others are not reported.
 //!
-//! A bracket too few or too many lets the rest of its line stand where it does not belong: what is said of it there would be
-//! about a text that nobody wrote. The first error of such a line is reported; everything else wrong with it shows when that is
-//! mended.
+//! A bracket too few or too many lets the rest of its line stand where it does not belong: errors about it there would be
+//! about a text that was never written. The first error of such a line is reported; everything else wrong with it shows when that
+//! is mended.
 
 use crate::diagnostics::codes::syntax as codes;
 use crate::diagnostics::{Diagnostic, Severity};

@@ -3,7 +3,7 @@
 //! 1. `scanner`: comments are set aside, newlines that do not end a statement are blanked, brackets are repaired.
 //! 2. `grammar`: pest parses the prepared text; what fits nothing becomes junk, statement by statement.
 //! 3. `build`: pest's pairs become the [`tree`]; precedence, names and units are read here.
-//! 4. `recovery`: each piece of junk is looked at again to say what is wrong with it.
+//! 4. `recovery`: each piece of junk is examined again to report what is wrong with it.
 //!
 //! [`parse`] never fails and never panics: it returns the tree of everything that could be read, and all errors of the rest.
 

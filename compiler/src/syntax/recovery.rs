@@ -1,7 +1,7 @@
 //! What is wrong with a statement that fits no rule.
 //!
 //! The statement is parsed again under the strict rule of its block. Where that stops, and what could have stood there, is
-//! what pest says; the mistakes that people make most are recognised first.
+//! the error of pest; the mistakes that people make most are recognised first.
 
 use super::grammar::{Grammar, Rule};
 use super::scanner::Masked;

@@ -1,4 +1,4 @@
-//! What is said about syntax: one function per mistake, so that the tone is one.
+//! Messages about syntax: one function per mistake, so that the tone is one.
 
 use super::units;
 use crate::diagnostics::codes::{lints, syntax as codes};

@@ -153,7 +153,7 @@ impl Weights {
         Problem::of(&edit.term, edit.value, (&entry.task, &entry.term), entry.value, entry.bounds)
     }
 
-    /// How the wish is written: as it says, if that reads as the number; as it is, if nothing changes; else in the shortest way.
+    /// How the wish is written: as given, if that reads as the number; as it is, if nothing changes; else in the shortest way.
     fn digits(&self, index: usize, edit: &Edit) -> String {
         let entry = &self.entries[index];
         match &edit.digits {

@@ -1,6 +1,6 @@
 //! Compiling without physics: the body's vocabulary is a fixture, texts are in memory.
 //!
-//! The fixture is what `msk vocabulary --json` says of the body; a test of the workspace compares them.
+//! The fixture is the output of `msk vocabulary --json` for the body; a test of the workspace compares them.
 
 use super::{ENTRY, Reading};
 use msk_compiler::body::BodyDescription;
@@ -35,7 +35,7 @@ impl BodySource for Bodies {
     }
 }
 
-/// The same with a body file as short as can be: pages are compiled by the hundred, and say nothing of that file.
+/// The same with a body file as short as can be: pages are compiled by the hundred, and do not depend on that file.
 struct Brief;
 
 impl BodySource for Brief {
@@ -68,7 +68,7 @@ pub fn texts(entry: &str, files: &[(String, String)]) -> Texts {
     Texts(texts)
 }
 
-/// What every task must say, by keyword.
+/// What every task must declare, by keyword.
 const REQUIRED: [(&str, &str); 7] = [
     ("body", "body human"),
     ("control", "control 100 Hz"),
@@ -85,7 +85,7 @@ fn task_without(declared: impl Fn(&str) -> bool) -> String {
     format!("use \"lib/posture.msk\"\ntask example {{\n{}", lines.collect::<String>())
 }
 
-/// A whole task of a few statements: whatever they do not say is added.
+/// A whole task of a few statements: whatever they do not declare is added.
 pub fn complete(statements: &str) -> String {
     let mut depth = 0;
     let mut outer = Vec::new();
@@ -114,7 +114,7 @@ impl Reading for Compiling {
             "terminate" => (format!("{}terminate {{\n", task_without(|_| false)), "}\n}\n".to_owned()),
             "success" => (format!("{}success ", task_without(|keyword| keyword == "success")), "}\n".to_owned()),
             "body" => ("body example {\nmodel \"human.xml\"\nroot pelvis { forward x, up z }\n".to_owned(), "}\n".to_owned()),
-            // `task-observe-reward`: statements that say these themselves.
+            // `task-observe-reward`: statements that declare these themselves.
             _ => {
                 let keywords = kind.strip_prefix("task-")?;
                 (task_without(|keyword| keywords.split('-').any(|word| word == keyword)), "}\n".to_owned())

@@ -1,4 +1,4 @@
-//! Specifications in Markdown: what a text says and what the compiler says to it, side by side.
+//! Specifications in Markdown: a text and the diagnostics of the compiler, side by side.
 //!
 //! A page under `tests/language/` holds snippets in blocks marked `msk`. What follows a snippet in a block marked `text` is what
 //! is printed for it, to the letter; a snippet without one is right. A word after `msk` names what the snippet is put into

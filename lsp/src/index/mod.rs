@@ -67,7 +67,7 @@ pub struct Occurrence {
 pub struct SourceFile {
     /// Where it is.
     pub path: PathBuf,
-    /// What it says.
+    /// Its text.
     pub text: String,
     /// As read.
     pub tree: tree::File,

@@ -35,7 +35,7 @@ const OUTSTANDING: usize = 256;
 /// How long the last answers may take to be written when the conversation ends.
 const LAST_WORDS: Duration = Duration::from_secs(1);
 
-/// Whether the conversation is ending: nobody waits for answers any more.
+/// Whether the conversation is ending: no client waits for answers any more.
 #[derive(Debug, Clone)]
 pub struct Closing(Arc<watch::Sender<bool>>);
 
@@ -122,7 +122,7 @@ impl Transport<RoleServer> for Conversation {
     async fn close(&mut self) -> io::Result<()> {
         self.incoming.close();
         self.outgoing = None;
-        // Whoever does not read the last answers does not keep the server alive.
+        // A client that does not read the last answers does not keep the server alive.
         if tokio::time::timeout(LAST_WORDS, &mut self.writer).await.is_err() {
             self.writer.abort();
         }
@@ -148,7 +148,7 @@ async fn write(mut output: impl AsyncWrite + Unpin, mut lines: mpsc::Receiver<Ou
             return;
         }
         if let Some(written) = written {
-            // Whoever asked may have stopped waiting.
+            // The requester may have stopped waiting.
             let _ = written.send(());
         }
     }
@@ -197,7 +197,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// Reads until the input ends or cannot be read, or nobody listens.
+    /// Reads until the input ends or cannot be read, or has no receiver.
     async fn run<R: tokio::io::AsyncBufRead + Unpin>(mut self, mut lines: LineReader<R>) {
         while let Ok(Some(line)) = lines.next().await {
             let open = match parse(line) {
@@ -211,7 +211,7 @@ impl Reader {
         }
     }
 
-    /// Passes a message on. False if nobody listens.
+    /// Passes a message on. False if there is no receiver.
     async fn deliver(&mut self, message: ClientJsonRpcMessage) -> bool {
         match &message {
             JsonRpcMessage::Request(request) => {
@@ -246,7 +246,7 @@ impl Reader {
 /// What a line holds.
 enum Parsed {
     Message(Box<ClientJsonRpcMessage>),
-    /// Nothing that is answered: an empty line, a notification that nobody knows.
+    /// Nothing that is answered: an empty line, an unknown notification.
     Nothing,
     Wrong(Wrong),
 }
@@ -308,7 +308,7 @@ fn fault(value: &Value) -> &'static str {
     }
 }
 
-/// Whether a request begins the conversation: `initialize`, or one that carries what `initialize` would have said.
+/// Whether a request begins the conversation: `initialize`, or one that carries what `initialize` would have carried.
 fn opens(request: &ClientRequest) -> bool {
     match request {
         ClientRequest::InitializeRequest(_) => true,

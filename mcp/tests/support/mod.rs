@@ -51,12 +51,12 @@ impl Talk {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
-    /// What a tool says, and whether it is an error.
+    /// The answer of a tool, and whether it is an error.
     pub async fn call(&self, tool: &'static str, arguments: Value) -> (Value, bool) {
         call(&self.client, tool, arguments).await
     }
 
-    /// What a tool says, which is no error.
+    /// The answer of a tool, which is no error.
     pub async fn ask(&self, tool: &'static str, arguments: Value) -> Value {
         let (answer, error) = self.call(tool, arguments).await;
         assert!(!error, "{answer}");
@@ -70,7 +70,7 @@ impl Talk {
         answer.to_string()
     }
 
-    /// What a tool says, whether it is an error or not.
+    /// The text of an answer of a tool, whether it is an error or not.
     pub async fn text_of(&self, tool: &'static str, arguments: Value) -> String {
         self.call(tool, arguments).await.0.to_string()
     }

@@ -112,7 +112,7 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
     }
 }
 
-/// Solves the lanes that have rows together, as far as that goes, and says which have been.
+/// Solves the lanes that have rows together, as far as that goes, and returns which have been.
 fn solve_together<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> [bool; MOST_LANES] {
     let takes_part: [bool; MOST_LANES] = core::array::from_fn(|lane| {
         lane < T::LANES && workspace.lives(lane) && !workspace.lanes[lane].constraints.rows.is_empty()

@@ -41,7 +41,7 @@ impl Body {
 #[derive(Debug, Clone, Copy)]
 struct Meeting<'a> {
     contact: &'a Contact,
-    /// Whether the first part holds the contact's second shape, on which its force is said to act.
+    /// Whether the first part holds the contact's second shape, on which its force acts by convention.
     in_order: bool,
 }
 

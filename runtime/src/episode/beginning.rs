@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 /// 1. The task's coordinates, with normal noise on the independent hinges; a draw beyond a limit is folded back into the
 ///    range, since a pose that violates its limits would begin with a kick.
 /// 2. Coupled joints follow from their couplings.
-/// 3. The root stands upright at its heading, on the ground if the task says so: the noisy pose touches it, too.
+/// 3. The root stands upright at its heading, on the ground if the task asks for it: the noisy pose touches it, too.
 /// 4. The task's velocities, with noise on those of the independent joints; coupled velocities follow from the couplings'
 ///    derivatives.
 ///

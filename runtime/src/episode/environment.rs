@@ -147,7 +147,7 @@ impl Environment {
     }
 
     /// Lets an episode that its task has ended go on, as if it had not: what the task measures is measured as ever, and the next
-    /// step may end it again. Says whether it goes on; neither a fault nor the horizon can be passed.
+    /// step may end it again. Returns whether it goes on; neither a fault nor the horizon can be passed.
     pub fn ignore_termination(&mut self) -> bool {
         let passes = self.episode.ending.as_ref().is_none_or(Ending::is_of_task) && self.steps() < self.engine.task.horizon;
         if passes {
@@ -218,7 +218,7 @@ impl Environment {
         &self.episode.observation
     }
 
-    /// What the task said of the last step.
+    /// The report of the last step.
     pub fn report(&self) -> &StepReport {
         &self.episode.report
     }

@@ -66,7 +66,7 @@ impl Player<'_> {
         Ok(())
     }
 
-    /// Puts everything in its place, lets it settle if the task says so, and passes forward.
+    /// Puts everything in its place, lets it settle if the task asks for it, and passes forward.
     fn begin(&mut self, key: EpisodeKey) -> Result<(), physics::Fault> {
         self.place(key);
         let Episode { state, task, .. } = &mut *self.episode;
@@ -236,7 +236,8 @@ impl Player<'_> {
         sensors::fill(&task.frame, &snapshot, &control, &mut episode.memory, &mut episode.frame);
     }
 
-    /// Lets go what the task has said shall let go. Gives whether there was something; the forward pass is then another one.
+    /// Releases the connections that the task releases. Returns whether there was something; the forward pass is then another
+    /// one.
     fn release(&mut self) -> Result<bool, Fault> {
         let Episode { state, report, .. } = &mut *self.episode;
         let mut changed = false;

@@ -1,4 +1,4 @@
-//! Episodes in which a script says where everything is: no physics passes, the task is evaluated as ever.
+//! Episodes in which a script sets where everything is: no physics passes, the task is evaluated as ever.
 //!
 //! A step sets all coordinates; velocities are the differences over the step; a forward pass gives contacts and forces.
 
@@ -103,7 +103,7 @@ impl Player<'_> {
         self.take_first_snapshot(&[])
     }
 
-    /// The snapshot of the reset, reported, with values that randoms have whatever chance says.
+    /// The snapshot of the reset, reported, with values that randoms have independent of chance.
     fn take_first_snapshot(&mut self, given: &[(usize, Vec<f64>)]) -> Result<(), Fault> {
         let Episode { frame, streams, task, .. } = &mut *self.episode;
         self.engine.task.reset_given(frame, streams, task, given)?;

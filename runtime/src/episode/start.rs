@@ -5,7 +5,7 @@ use msk_physics::constraint::RowKind;
 use msk_physics::model::{Equality, Model};
 use msk_physics::scalar::Real;
 
-/// Shapes that overlap by less than this are said to touch, m.
+/// Shapes that overlap by less than this count as touching, m.
 const DEEPEST_TOUCH: f64 = 1e-3;
 
 /// Residuals below this are rounding, m or rad.

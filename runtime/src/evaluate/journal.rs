@@ -2,7 +2,7 @@
 //!
 //! A line is on the disk, whole, when [`Journal::append`] returns, or it is not there: whatever ends the program leaves a
 //! journal that can be continued. A folder holds one run for good: the same run is continued in it, any other is refused.
-//! Every line says of which run it is and carries a checksum (see [`line`](super::line)), so that lines of another run, and
+//! Every line names its run and carries a checksum (see [`line`](super::line)), so that lines of another run, and
 //! lines that were edited, are not counted.
 
 use super::line::{Line, LineError};
@@ -40,7 +40,7 @@ pub enum JournalError {
         /// What is different.
         difference: String,
     },
-    /// The folder holds episodes and nothing that says of which run they are.
+    /// The folder holds episodes and nothing that names their run.
     #[error("`{}` contains episodes but no `run.json` that identifies their run", folder.display())]
     Unclaimed {
         /// The folder.
@@ -333,7 +333,7 @@ mod tests {
         (folder, lines)
     }
 
-    /// What is said of a journal whose lines are replaced.
+    /// The error of a journal whose lines are replaced.
     fn refusal(folder: &Path, lines: &str) -> String {
         fs::write(folder.join(EPISODES), lines).unwrap();
         let error = Journal::open(folder, &settings(0)).unwrap_err().to_string();

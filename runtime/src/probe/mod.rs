@@ -51,7 +51,7 @@ pub fn new_of(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary, reported: &[Dia
     found
 }
 
-/// Whether `new` says what is known already: the same, or that no pose decides otherwise what holds at once.
+/// Whether `new` repeats what is known already: the same, or that no pose decides otherwise what holds at once.
 fn repeats(new: &Diagnostic, known: &Diagnostic) -> bool {
     let same = new.code.id == known.code.id || (new.code.id, known.code.id) == (UNREACHED.id, HOLDS_AT_RESET.id);
     same && (new.file(), new.span()) == (known.file(), known.span())

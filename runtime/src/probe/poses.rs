@@ -1,6 +1,6 @@
 //! Poses to look at: drawn at random but always the same, put on the ground or on things, moved a little by those who search.
 //!
-//! A pose is a row of numbers ([`Pose`]); [`Room`] puts body and objects where it says. Joints stay in their ranges, coupled ones follow
+//! A pose is a row of numbers ([`Pose`]); [`Room`] puts body and objects in it. Joints stay in their ranges, coupled ones follow
 //! their couplings. The body stands where its lowest point meets what is below it, or is a little above, as in a hop. A pose in which the
 //! body is inside scenery does not count.
 
@@ -46,7 +46,7 @@ pub(super) struct Pose {
     pub heading: f64,
     pub pitch: f64,
     pub roll: f64,
-    /// A landmark that is level, whatever pitch and roll say.
+    /// A landmark that is level, at any pitch and roll.
     pub level: Option<usize>,
     pub rest: Rest,
     /// Where free objects are, those that the body carries left out.
@@ -145,7 +145,7 @@ impl<'a> Room<'a> {
         self.body.joints[joint].range.unwrap_or([neutral - UNLIMITED, neutral + UNLIMITED])
     }
 
-    /// The pose in which the task begins, as far as a pose can say it.
+    /// The pose in which the task begins, as far as a pose describes it.
     fn beginning(&self) -> Pose {
         let at = |place: usize| self.begins.position[place];
         let joints = self.body.joints.iter().map(|joint| at(joint.position)).collect();

@@ -226,7 +226,7 @@ fn carries_load(builder: &SceneBuilder<'_>) -> bool {
     })
 }
 
-/// Makes peak forces explicit that follow from how easily a muscle moves its body: a load makes nobody stronger or weaker.
+/// Makes peak forces explicit that follow from how easily a muscle moves its body: a load changes the strength of no muscle.
 fn keep_strength(base: &Model, actuators: &mut Actuators) {
     for (index, scale) in base.actuators.acceleration_scale.iter().enumerate() {
         let own = |figures: &mut [f64; 9]| {

@@ -1,10 +1,10 @@
 //! Tests of tasks: what they show is played, what they expect is compared.
 //!
-//! 1. Every take of a test is an episode: its script says where everything is (`script`), physics takes over if it says `run`;
+//! 1. Every take of a test is an episode: its script sets where everything is (`script`), physics takes over after `run`;
 //! 2. what expectations look at is kept at their moments (`take`);
-//! 3. a [`TestReport`] says what held and, with the numbers of both sides, what did not;
+//! 3. a [`TestReport`] lists what held and, with the numbers of both sides, what did not;
 //! 4. what a cheat earns is ranked below what the demonstration earns (`returns`);
-//! 5. cheats that nobody has thought of are searched for ([`exploit`]).
+//! 5. exploits that no `cheat` describes yet are searched for ([`exploit`]).
 //!
 //! A test has no chance but that of episode 0 of seed 0, so it ends the same way everywhere.
 

@@ -100,7 +100,7 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     fn failure(&self, expectation: &Expectation) -> Option<Failure> {
-        // A fault is no way to end an episode, whatever a test says of its end.
+        // A fault is no way to end an episode, whatever a test expects of its end.
         if let Some(fault) = self.fault(expectation) {
             let (expected, at) = (expectation.source.clone(), expectation.at);
             return Some(Failure { expected, found: fault, at, sides: Vec::new() });

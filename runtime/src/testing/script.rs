@@ -3,7 +3,7 @@
 //! Every number goes smoothly from keyframe to keyframe: a cubic between two, with the slopes of Fritsch and Carlson (1980), so that
 //! nothing overshoots, comes to rest where it turns round and at both ends. Coupled joints follow their couplings at every
 //! step. Between two keyframes on the ground the body stays on it; between two that meet the same places it keeps meeting them.
-//! Where a motion is played, its table says where joints and root are from one keyframe to the next.
+//! Where a motion is played, its table gives where joints and root are from one keyframe to the next.
 
 use crate::body::Body;
 use msk_physics::model::{Model, rotation};
@@ -18,7 +18,7 @@ use msk_program::testing::Keyframe;
 enum Hold {
     /// On the ground.
     Ground,
-    /// Where it is said to be.
+    /// Where the script sets it.
     Free,
     /// So that landmarks are in their places.
     Meets(Vec<(usize, Origin)>),

@@ -29,7 +29,7 @@ pub(super) struct Played {
 /// How far a take is played.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// As far as it says.
+    /// As far as the script goes.
     Until,
     /// Until the task ends it, or its horizon: what it earns is compared.
     Horizon,
@@ -72,7 +72,7 @@ impl Played {
     }
 }
 
-/// Plays a take; metrics are kept at the `wanted` steps. The end that is reported is that of the time that it says,
+/// Plays a take; metrics are kept at the `wanted` steps. The end that is reported is that of the time that it gives,
 /// however far it is played.
 pub(super) fn play(episode: &mut Environment, take: &Take, wanted: BTreeSet<u32>, extent: Extent) -> Result<Played, TestError> {
     if let Some(count) = take.resets {

@@ -23,7 +23,7 @@ impl Drop for Lock {
 }
 
 impl Folder {
-    /// Waits until nobody else holds the lock of that name, and takes it. The file of the lock is created and stays.
+    /// Waits until the lock of that name is free, and takes it. The file of the lock is created and stays.
     ///
     /// # Errors
     /// The name of a link, or a file that cannot be created or locked.

@@ -79,7 +79,7 @@ fn replaceable(before: &Metadata, path: &Path) -> Result<(), StorageError> {
         return Err(StorageError::Link { path: path.into() });
     }
     regular::regular(before, path)?;
-    // The move would succeed, because it is the folder that it changes; the owner of the file has said no.
+    // The move would succeed, because it is the folder that it changes; the owner of the file forbids it.
     if before.permissions().readonly() {
         return Err(StorageError::ReadOnly { path: path.into() });
     }

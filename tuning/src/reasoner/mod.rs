@@ -46,7 +46,7 @@ pub struct Request {
     pub step: f64,
     /// The sum of sizes that the weights in scope must keep, if they must.
     pub norm: Option<f64>,
-    /// What the episodes of this round said.
+    /// The statistics of the episodes of this round.
     pub statistics: Statistics,
     /// The last rounds, the oldest first.
     pub history: Vec<Past>,
@@ -82,7 +82,7 @@ pub enum ReasonerError {
     Reply {
         /// What is wrong with it.
         source: ReplyError,
-        /// What it said, without secrets and cut to a length that fits a log.
+        /// Its answer, without secrets and cut to a length that fits a log.
         reply: String,
     },
     /// The run was interrupted while it was asked.

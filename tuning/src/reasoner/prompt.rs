@@ -1,4 +1,4 @@
-//! What is said to a reasoner that reads words.
+//! The prompt of a reasoner that reads words.
 
 use super::Request;
 use crate::statistics::{Allowed, TermStatistics};

@@ -12,7 +12,7 @@ pub struct Proposal {
     pub weights: Vec<(String, f64)>,
     /// Why, in the reasoner's words; may be empty.
     pub reason: String,
-    /// Who answered, if it says so: the model behind an endpoint.
+    /// Who answered, if the reply names it: the model behind an endpoint.
     pub by: String,
 }
 

@@ -44,7 +44,7 @@ impl Reasoner for RuleBook {
     }
 }
 
-/// What the rules say of a term: by which parts of a step its size shall change, and why.
+/// The verdict of the rules on a term: by which parts of a step its size shall change, and why.
 fn judge(term: &TermStatistics) -> Vec<(f64, &'static str)> {
     let mut found = Vec::new();
     let always = |part: Option<f64>| part.is_some_and(|part| part >= ALWAYS);

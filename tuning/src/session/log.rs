@@ -28,7 +28,7 @@ pub struct Round {
     pub weights: Vec<(String, f64)>,
     /// The version of the weights file that they are of.
     pub version: String,
-    /// What its episodes said.
+    /// The statistics of its episodes.
     pub statistics: Statistics,
     /// What was asked, in words; empty if nothing was asked.
     pub prompt: String,

@@ -202,7 +202,7 @@ impl Session {
         stop: &AtomicBool,
         watcher: &dyn Watcher,
     ) -> Result<Ended, SessionError> {
-        // A session that its reasoner ended goes on with the next round: whoever continues it has mended the reasoner.
+        // A session that its reasoner ended goes on with the next round: the user who continues it has fixed the reasoner.
         while !self.spent() {
             let counted = self.rounds().last().map_or(0, |round| round.episodes[1]);
             let records = std::mem::take(&mut self.open);

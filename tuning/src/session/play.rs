@@ -57,7 +57,7 @@ impl Hall<'_> {
         let count = Mutex::new(Count { next: due, due, early: BTreeMap::new(), steps, records });
         let results: Vec<Result<(), EvaluationError>> = std::thread::scope(|scope| {
             let workers: Vec<_> = (0..threads.get()).map(|_| scope.spawn(|| self.work(&count, &over))).collect();
-            // A worker that panicked has said so on standard error; the others have gone on.
+            // A worker that panicked has reported it on standard error; the others have gone on.
             workers.into_iter().filter_map(|worker| worker.join().ok()).collect()
         });
         results.into_iter().collect::<Result<(), _>>()?;

@@ -96,8 +96,8 @@ impl Begun {
         self.found.as_ref().map(|found| Version::of(found.as_str()).hash).or_else(|| self.before.clone())
     }
 
-    /// Whether a change of which nothing more is written down was made. Its program died, so nobody was promised that it was: a
-    /// file that still is what it was before has not been replaced.
+    /// Whether a change of which nothing more is written down was made. Its program died, so no caller was promised that it was:
+    /// a file that still is what it was before has not been replaced.
     fn was_made(&self, present: Option<&Version>) -> bool {
         self.base().as_ref() != present.map(|version| &version.hash)
     }

@@ -5,7 +5,7 @@
 //!
 //! * A change is made under the lock, which the operating system takes back when a program dies.
 //! * A line with the whole next text is appended to the history, the file is replaced in one move, and a second line says so.
-//!   Whoever comes after a program that died before the second line writes it: the change was made unless the file still is what
+//!   The next program after one that died before the second line writes it: the change was made unless the file still is what
 //!   it was before. The file itself is never touched by that, so what a person has put there stays.
 //! * Readers need no lock and see one version or the next, never half of one.
 //! * A version is the hash of the file's bytes. What was changed past this module is noted by the next change, in the same line:

@@ -42,8 +42,8 @@ pub fn single_event(graph: &Graph, node: NodeId) -> Option<NodeId> {
     None
 }
 
-/// Whether a value is one of two, a comparison, or lasts from when a condition first held: it says itself that it does not always
-/// contribute. A term per second is looked at without the length of the step.
+/// Whether a value is one of two, a comparison, or lasts from when a condition first held: it shows by itself that it does not
+/// always contribute. A term per second is looked at without the length of the step.
 pub fn is_gated(graph: &Graph, node: NodeId) -> bool {
     let inputs = &graph.node(node).inputs;
     match graph.node(node).operation {

@@ -75,7 +75,7 @@ impl Parts {
         let rate = |part: RootPart| motion.root(part).map_or(0.0, |column| motion.rate(column, time));
         for &part in &self.root {
             match part {
-                // Where an episode begins is the task's to say; a motion is followed from there.
+                // Where an episode begins is decided by the task; a motion is followed from there.
                 RootPart::X | RootPart::Y => {}
                 RootPart::Height => init.root.height = motion.root(part).map(|column| motion.value(column, time)),
                 RootPart::Heading => init.root.heading = value(part),

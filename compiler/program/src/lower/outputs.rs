@@ -39,7 +39,7 @@ pub struct Outputs {
 /// A random.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DrawOutput {
-    /// The random before its redraw: its inputs say how it is drawn.
+    /// The random before its redraw: its inputs define how it is drawn.
     pub value: NodeId,
     /// When it is drawn anew.
     pub redraw: Option<NodeId>,

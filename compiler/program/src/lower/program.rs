@@ -48,7 +48,7 @@ pub(crate) struct Draw {
     pub chance: Chance,
     /// Where what chance gives is written.
     pub noise: Range<usize>,
-    /// What makes a candidate of it and says whether it is taken.
+    /// What makes a candidate of it and returns whether it is taken.
     pub tries: Vec<Statement>,
     pub candidate: Plan,
     pub accept: Option<Scalar>,

@@ -9,7 +9,7 @@ const DEEPEST: usize = 24;
 /// What becomes of every computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fate {
-    /// Nobody reads it.
+    /// Nothing reads it.
     Unread,
     /// Computed by its only reader.
     Within,

@@ -218,7 +218,7 @@ impl fmt::Display for Dimension {
         if let Some((name, _)) = DERIVED.iter().find(|(_, dimension)| dimension == self) {
             return formatter.write_str(name);
         }
-        // Written in the order people say them: kg*m^2/s, rad/s.
+        // Written in the customary order: kg*m^2/s, rad/s.
         let bases = [("rad", self.exponents[3]), ("kg", self.exponents[1]), ("m", self.exponents[0]), ("s", self.exponents[2])];
         let factor = |name: &str, exponent: Rational| match exponent {
             Rational { numerator: 1, denominator: 1 } => name.to_owned(),

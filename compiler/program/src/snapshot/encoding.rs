@@ -2,7 +2,7 @@
 //! renaming one changes no hash. Every field is taken apart by name: one that is added must be written here, or left out on
 //! purpose.
 //!
-//! Whoever changes what is written (a word, an order, a field, which rewrites the graph's folding makes) raises [`VERSION`].
+//! A change of what is written (a word, an order, a field, which rewrites the graph's folding makes) raises [`VERSION`].
 //! `docs/content-hash.md` describes the whole.
 
 use crate::body::{Axis, BodyDescription, Change, ExcitationMap, LandmarkDescription, Property, TendonKind};
@@ -76,7 +76,7 @@ fn joint(joint: &ObjectJoint) -> String {
     ])
 }
 
-/// Everything that a body file says; of the model only its name, not where it lies.
+/// Everything in a body file; of the model only its name, not where it lies.
 pub(super) fn body(body: &BodyDescription) -> String {
     let BodyDescription {
         name,

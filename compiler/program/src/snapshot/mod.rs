@@ -197,7 +197,7 @@ fn own_graph(phase: &Phase, names: &dyn Labels, node: NodeId) -> Vec<String> {
     vec![format!("{} operations, sha256 {hash}", lines.len())]
 }
 
-/// A short hash of a body: of everything that its file says, but not of where the model lies.
+/// A short hash of a body: of everything in its file, but not of where the model lies.
 fn body_digest(body: &BodyDescription) -> String {
     let mut hash = digest(encoding::body(body).as_bytes());
     hash.truncate(16);

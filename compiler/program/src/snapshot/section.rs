@@ -15,14 +15,14 @@ pub struct Snapshot {
     pub sections: Vec<Section>,
 }
 
-/// One thing that a task says.
+/// One declaration of a task.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Section {
     /// `task`, `parameter`, `object`, `beginning`, `random`, `term`, `metric`, `terminate`, `finish`, `success`, `channel`, ...
     pub kind: String,
     /// Its name; empty where there is one of its kind only.
     pub name: String,
-    /// What it says, by keyword.
+    /// Its fields, by keyword.
     pub fields: Vec<(String, String)>,
     /// The formula as mathematics, for people: two formulas that are written differently may mean the same.
     pub formula: String,
@@ -40,7 +40,7 @@ impl Section {
         self
     }
 
-    /// What a field says.
+    /// The value of a field.
     pub fn get(&self, field: &str) -> Option<&str> {
         self.fields.iter().find(|(name, _)| name == field).map(|(_, value)| value.as_str())
     }

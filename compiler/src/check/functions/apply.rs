@@ -49,7 +49,7 @@ pub(super) fn apply<'a>(checker: &mut Checker<'a>, call: &Call<'a>, signatures: 
         arguments.extend(failures.catch(evaluated(checker, call, first.parameter(place).takes, expr)));
     }
     failures.or(())?;
-    // Of several signatures the first that fits the first argument, else the last says what is wrong.
+    // Of several signatures the first that fits the first argument, else the last gives the error.
     let mut candidates = signatures.iter().filter(|signature| signature.takes_so_many(given));
     let fitting = candidates.clone().find(|signature| fits(checker, signature.parameter(0), &arguments[0]));
     let Some(signature) = fitting.or(candidates.next_back()) else { return Err(call.wrong_arguments(checker)) };
@@ -132,7 +132,7 @@ fn bind<'a>(
     Ok((bound, shape))
 }
 
-/// What an error says that arguments cannot do.
+/// What arguments cannot do, in the words of an error.
 fn verb(function: &str) -> &'static str {
     match function {
         "angle_difference" => "turn between",

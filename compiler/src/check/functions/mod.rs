@@ -230,7 +230,7 @@ pub(crate) fn is_later(name: &str) -> bool {
 }
 
 impl Function {
-    /// What it takes and what it gives, as the reference says it; nothing of a function with a check of its own.
+    /// What it takes and gives, in the words of the reference; nothing of a function with a check of its own.
     pub fn in_words(&self) -> (String, String) {
         let Checks::Signatures(signatures) = &self.checks else { return Default::default() };
         let takes: Vec<String> = signatures.iter().map(Signature::takes_in_words).collect();
@@ -333,7 +333,7 @@ impl<'a> Checker<'a> {
     /// One number that must have this dimension.
     ///
     /// # Errors
-    /// Another dimension, where the error says what to divide by, or a list.
+    /// Another dimension, where the error names what to divide by, or a list.
     pub(crate) fn number_of(&mut self, expr: &'a Expr, dimension: Dimension, wanted_by: &str) -> Checked<TypedValue> {
         let data = self.data(expr)?;
         let number = data.kind.is_one_number();

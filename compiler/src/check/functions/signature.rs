@@ -331,7 +331,7 @@ impl Signature {
         if self.variadic { count >= self.parameters.len() } else { count == self.parameters.len() }
     }
 
-    /// What it takes, as the reference says it: parameters of one kind together.
+    /// What it takes, in the words of the reference: parameters of one kind together.
     pub(super) fn takes_in_words(&self) -> String {
         let alike = |a: &Parameter, b: &Parameter| (a.takes, a.shapes, a.alike) == (b.takes, b.shapes, b.alike);
         let groups = self.parameters.chunk_by(alike).map(|group| {

@@ -10,7 +10,7 @@ use crate::syntax::tree::Expr;
 use crate::task::Setting;
 
 impl Beginning {
-    /// What a later statement says instead.
+    /// What a later statement sets instead.
     pub(super) fn forget(&mut self, settings: &[Setting]) {
         self.init.drawn.retain(|(setting, _)| !settings.contains(setting));
     }

@@ -42,7 +42,7 @@ impl<'a> Checker<'a> {
         failures.or(rows.into_items().collect())
     }
 
-    /// `remove settle`: of what extended tasks say.
+    /// `remove settle`: of the settings of extended tasks.
     fn leave_out(&mut self, remove: &'a Remove, layer: usize, rows: &mut Rows<'a>) -> Checked<()> {
         let mut failures = Failures::default();
         for pattern in self.names_of(&remove.name)? {

@@ -28,11 +28,11 @@ pub(crate) struct Beginning {
     pub motion: Option<String>,
 }
 
-/// What one task says of the beginning, with its file.
+/// The `init` of one task, with its file.
 pub(crate) type Layer<'a> = (&'a Block<InitStatement>, FileId);
 
 impl<'a> Checker<'a> {
-    /// Checks what a task and those that it extends say in `init`, the oldest first; `None` where none says anything.
+    /// Checks the `init` of a task and of those that it extends, the oldest first; `None` where there is none.
     pub(crate) fn init(&mut self, layers: &[Layer<'a>]) -> Checked<Option<Beginning>> {
         let Some((block, file)) = layers.last() else { return Ok(None) };
         for (block, file) in layers {
@@ -42,7 +42,7 @@ impl<'a> Checker<'a> {
         self.in_file(*file, |checker| checker.rows_of_init(&rows?, block.keyword)).map(Some)
     }
 
-    /// Where the root or an object begins is said once in each task: a second block would silently take what the first says.
+    /// The initial state of the root or an object is set once in each task: a second block would silently override the first.
     fn placed_once(&mut self, entries: &'a [InitStatement]) {
         let mut placed: Vec<&str> = Vec::new();
         for entry in entries {

@@ -14,7 +14,7 @@ use crate::task::Setting;
 const HELP: &str = "`root` takes `height on ground` or `height 1 m`, `lift 5 cm` above the ground, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and `align palm_l to bar.grip_l`";
 
 impl Beginning {
-    /// What `root` says itself is not taken from the motion of a pose.
+    /// What `root` sets itself is not taken from the motion of a pose.
     fn unfollow(&mut self, word: &str) {
         let Some(following) = &mut self.init.follows else { return };
         let part = match word {

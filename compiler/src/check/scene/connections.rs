@@ -19,7 +19,7 @@ type Connections = (Vec<Connection>, Vec<(usize, NodeId)>);
 /// Numbers of a disturbance that are drawn.
 type Drawn = Vec<(DisturbanceSetting, NodeId)>;
 
-/// The whole scene of a task, and what its formulas say of it.
+/// The whole scene of a task, and the types of its formulas.
 #[derive(Debug, Default)]
 pub(crate) struct Staged {
     pub scene: SceneDescription,

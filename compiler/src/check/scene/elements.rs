@@ -22,7 +22,7 @@ pub struct FieldRow {
     pub name: &'static str,
     /// How it is written.
     pub form: &'static str,
-    /// What it says.
+    /// Its text.
     pub description: &'static str,
 }
 
@@ -35,14 +35,14 @@ const fn kind(
     Kind { name, description, required, optional }
 }
 
-/// What every solid shape may say.
+/// Fields of every solid shape.
 const SOLID: &[&str] = &["at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
 /// The same for shapes with an axis.
 const LONG: &[&str] =
     &["length", "from", "along", "at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
-/// What terrain may say.
+/// Fields of terrain.
 const TERRAIN: &[&str] = &["at", "orientation", "friction", "solid", "walkable"];
-/// What joints may say.
+/// Fields of joints.
 const JOINT: &[&str] = &["at", "range", "damping", "stiffness", "friction"];
 
 /// Elements.

@@ -1,6 +1,6 @@
 //! Loops unrolled, removals carried out, layers of extended tasks laid over each other: the statements of a scene as flat lists.
 //!
-//! What a task says of a scene that it extends replaces what has the same name there, in its place; the rest is added.
+//! What a task declares over a scene that it extends replaces what has the same name there, in its place; the rest is added.
 
 use crate::check::context::{Checked, Checker, Local, Reported};
 use crate::check::lookup::fits;

@@ -10,7 +10,7 @@ use crate::check::value::{TypedValue, Value};
 use crate::diagnostics::{Span, codes, nearest};
 use crate::syntax::tree::{Element, Expr, ExprKind, Field, FieldValue};
 
-/// The fields of one element, each known to its kind and said once.
+/// The fields of one element, each known to its kind and given once.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fields<'a> {
     kind: &'static Kind,
@@ -88,7 +88,7 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
-    /// A flag: there, or `true`, or `false`; `otherwise` where nothing is said.
+    /// A flag: there, or `true`, or `false`; `otherwise` where it is missing.
     pub(super) fn flag(&mut self, fields: &Fields<'a>, name: &str, otherwise: bool) -> Checked<bool> {
         match fields.get(name) {
             None => Ok(otherwise),

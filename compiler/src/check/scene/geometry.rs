@@ -1,4 +1,4 @@
-//! Sizes and places of objects that formulas read: constants, so that a task never repeats what its scene says.
+//! Sizes and places of objects that formulas read: constants, so that a task never repeats values of its scene.
 
 use super::{Stage, shapes};
 use crate::check::context::{Checked, Checker};
@@ -156,7 +156,7 @@ impl<'a> Checker<'a> {
         self.graph.join(&nodes)
     }
 
-    /// What a sensor always says of a thing that stands still.
+    /// The constant value of a sensor of a thing that stands still.
     fn constant_sensor(&self, sensor: Sensor) -> Option<Vec<f64>> {
         use Sensor::{LandmarkAcceleration, LandmarkAngularVelocity, LandmarkAxes, LandmarkPosition, LandmarkVelocity};
         let (LandmarkPosition(index)

@@ -155,7 +155,7 @@ pub(crate) fn of_task<'a>(
     (CheckedScene { description, fixed, known, starts, used, statements }, checker.diagnostics)
 }
 
-/// The level ground of a task that says nothing of a scene.
+/// The level ground of a task without a scene.
 const GROUND: Surface = Surface { friction: [1.0, 0.005, 0.0001], solid: true, walkable: true };
 
 impl<'a> Checker<'a> {
@@ -208,7 +208,7 @@ impl<'a> Checker<'a> {
 
     /// Warns of shapes that stand still with their middle at the height of the ground: the lower face was probably meant.
     fn warn_half_buried(&mut self, stage: &Stage<'a>) {
-        // Of what a loop repeats the first says it for all.
+        // Of what a loop repeats only the first is reported.
         let mut reported: BTreeSet<(FileId, Span)> = BTreeSet::new();
         for (index, object) in stage.scene.objects.iter().enumerate() {
             let half = match object.shape {

@@ -1,4 +1,4 @@
-//! Numbers in formulas that repeat what the scene says, and groups that nothing reads.
+//! Numbers in formulas that repeat values of the scene, and groups that nothing reads.
 
 use crate::check::context::Checker;
 use crate::check::dimension::Dimension;

@@ -49,7 +49,7 @@ impl<'a> Checker<'a> {
         Ok(size)
     }
 
-    /// `at [x, y, z]` in the frame of the parent; its origin where nothing is said.
+    /// `at [x, y, z]` in the frame of the parent; its origin by default.
     fn place_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 3], Option<&'a Expr>)> {
         let Some(field) = fields.get("at") else { return Ok(([0.0; 3], None)) };
         let expr = self.field_value(field)?;

@@ -28,7 +28,7 @@ pub(crate) struct InSequence<'a> {
     pub index: usize,
     /// When the next begins, with the file in which that stands.
     pub until: Option<(&'a Expr, FileId)>,
-    /// What the sequence calls success, if it says so.
+    /// The success of the sequence, if it declares one.
     pub success: Option<(&'a Expr, FileId)>,
     /// Whether a task by itself is a phase of a sequence somewhere.
     pub is_phase: bool,

@@ -120,7 +120,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// What a task file says about its body, before anything else is checked.
+/// What a task file declares about its body, before anything else is checked.
 pub(crate) fn body_of(statements: &[Placed]) -> Option<(&BodyUse, FileId)> {
     statements.iter().find_map(|placed| match &placed.statement {
         TaskStatement::Body(body) => Some((body, placed.file)),

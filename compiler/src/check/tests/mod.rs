@@ -1,7 +1,7 @@
 //! Tests inside files: what they show, what they expect.
 //!
-//! 1. Statements are read in their order: those that say how it begins change a [`Scene`], each keyframe takes the one before it
-//!    and changes it (`situation`);
+//! 1. Statements are read in their order: those that set its initial state change a [`Scene`], each keyframe takes the one before
+//!    it and changes it (`situation`);
 //! 2. moments may show the initial state as the task draws it, once or many times (`reset`);
 //! 3. expectations are checked once all moments are known (`expect`): every number that they look at is a node of the graph;
 //! 4. the tests of a sequence are checked in each of its phases and put together (`phases`).
@@ -99,7 +99,7 @@ struct Draft {
     name: Option<String>,
     /// How it begins.
     begins: Scene,
-    /// Whether the test says how it begins.
+    /// Whether the test sets the initial state.
     placed: bool,
     given: Vec<(usize, Vec<f64>)>,
     keys: Vec<Key>,
@@ -393,7 +393,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// How it begins is said before it moves.
+    /// Its initial state is set before it moves.
     fn must_begin(&mut self, draft: &Draft, span: Span) -> Checked<()> {
         self.must_not_reset(draft, span)?;
         if draft.keys.is_empty() && draft.is_open() {
@@ -414,7 +414,7 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    /// What is played moves as the script says; only physics takes up a velocity.
+    /// What is played moves as scripted; only physics takes up a velocity.
     fn must_move_by_script(&mut self, draft: &Draft) -> Checked<()> {
         let (Some(span), true) = (draft.velocity, draft.run.is_none() || !draft.keys.is_empty()) else { return Ok(()) };
         let diagnostic = self
@@ -568,7 +568,7 @@ impl Draft {
         let last = self.keys.last().map_or(0, |key| key.step);
         let frame = |Key { step, scene, plays }: Key| Keyframe { step, init: scene.init, activation: scene.activation, plays };
         let runs = self.run.is_some();
-        // Physics without a script begins as the task says, noise and all, unless the test says how.
+        // Physics without a script begins as the task does, noise included, unless the test sets the initial state.
         let script: Vec<Keyframe> = match (self.keys.is_empty(), self.resets.is_some() || runs && !self.placed) {
             (true, true) => Vec::new(),
             (true, false) => vec![frame(Key::still(0, self.begins))],

@@ -115,7 +115,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// For how many control steps it is played: as long as is said, else one turn of a cycle, or up to the motion's end.
+    /// For how many control steps it is played: as long as written, else one turn of a cycle, or up to the motion's end.
     fn played_for(&mut self, playing: &'a Playing, motion: &Motion, start: Start) -> Checked<u32> {
         let steps = match &playing.duration {
             Some(duration) => self.script_step(duration)?,
@@ -161,7 +161,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Parts of the root that the changes decide; `at` and `heading` say where the path begins.
+/// Parts of the root that the changes decide; `at` and `heading` set where the path begins.
 fn assigned_root_parts(playing: &Playing) -> Vec<RootPart> {
     let named = playing.situation.changes.iter().filter_map(|change| {
         let Change::Assign(assignment) = change else { return None };

@@ -27,7 +27,7 @@ pub(super) fn statistic_of(function: &Expr) -> Option<Statistic> {
 }
 
 impl<'a> Checker<'a> {
-    /// `reset 50 times`: nothing but the task itself says how these episodes begin.
+    /// `reset 50 times`: only the task itself sets how these episodes begin.
     pub(super) fn reset(&mut self, times: Option<&'a Expr>, span: Span, cheat: bool, draft: &mut Draft) -> Checked<()> {
         let count =
             times.map(|times| self.fixed_number(times, Dimension::NONE, "the number of resets")).transpose()?.unwrap_or(1.0);

@@ -13,7 +13,7 @@ use crate::task::{Init, Setting};
 const ROOT: &str = "`root.height`, `root.lift`, `root.at`, `root.heading`, `root.pitch`, `root.roll`";
 
 impl<'a> Checker<'a> {
-    /// Changes a scene as a statement says; what it does not name stays. Gives, joint by joint, whether it is set.
+    /// Changes a scene as a statement specifies; what it does not name stays. Returns, joint by joint, whether it is set.
     pub(super) fn situation(&mut self, situation: &'a Situation, scene: &mut Scene) -> Checked<Vec<bool>> {
         let mut failures = Failures::default();
         if let Some(pose) = &situation.pose {

@@ -13,7 +13,7 @@ pub(super) fn scene(task: &CompiledTask, init: &Init) -> SceneReport {
     let name_of = |index: usize| scene.objects.get(index).map_or_else(|| index.to_string(), |object| object.name.clone());
     let objects = scene.objects.iter().enumerate().map(|(index, object)| {
         let (kind, size) = shape(object);
-        // Where chance places an object, the scene cannot say where it is.
+        // Where chance places an object, the scene has no place for it.
         let start = init.objects.iter().find(|start| start.object == index && task.init.objects != init.objects);
         ObjectReport {
             name: object.name.clone(),

@@ -77,7 +77,7 @@ impl Builder<'_> {
     pub(super) fn too_many_operators(&mut self, pair: &Pair<'_>) -> Expr {
         let span = self.span(pair);
         let diagnostic = wording::too_many_operators(self.file, span, MAXIMUM_OPERATORS);
-        // The statement is left at its first excess; what is around it need not say so again.
+        // The statement is left at its first excess; what is around it does not report it again.
         let earlier = self.diagnostics.iter().rev().take(MAXIMUM_ERRORS);
         let earlier = Reported::among(earlier.filter(|known| known.code == diagnostic.code && known.span().end >= span.end));
         let reported = earlier.unwrap_or_else(|| self.report(diagnostic));

@@ -1,4 +1,4 @@
-//! The syntax tree: what a file says, in the order in which it says it.
+//! The syntax tree: the content of a file in its order.
 //!
 //! Every node carries the [`Span`] of the source it came from, in bytes, so that errors point at exact text and edits change
 //! nothing else. Names keep their brace patterns, numbers keep their unit expressions, brackets are nodes of their own.

@@ -25,7 +25,7 @@ pub enum TestStatement {
     Keyframe {
         /// When.
         time: Expr,
-        /// In which pose; what is not said stays as it was.
+        /// In which pose; what is not set stays as it was.
         situation: Situation,
         /// The name of this moment.
         label: Option<Ident>,

@@ -87,7 +87,7 @@ impl Constraints {
         }
     }
 
-    /// Appends `sign` times a tendon's row to the Jacobian, and says whether there is one: a tendon that nothing moves, with
+    /// Appends `sign` times a tendon's row to the Jacobian, and returns whether there is one: a tendon that nothing moves, with
     /// its ends on one body, is not constrained (nor is it in MuJoCo).
     fn push_tendon_row<T: Real>(
         &mut self,

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 
 /// The files that a model is made of: the model file, what it includes, meshes and height fields.
 ///
-/// The reader of models opens no file itself. Names in a model come from whoever wrote it, so the caller decides what they may
+/// The reader of models opens no file itself. Names in a model come from its author, so the caller decides what they may
 /// lead to: any file of the machine, the files of one folder, or what lies in memory where there are no files.
 pub trait ModelFiles: Debug {
     /// The bytes of a file; `None` if there is none. The path is the one that the caller gave to

@@ -16,7 +16,7 @@ pub enum Framed {
     Site(usize),
 }
 
-/// What a sensor measures. SI units, world axes where not said otherwise.
+/// What a sensor measures. SI units, world axes unless noted otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measure {
     /// Sum of the normal forces of contacts of the site's body in the site's volume, or whose normals meet it, N.

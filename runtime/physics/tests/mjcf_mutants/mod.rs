@@ -2,7 +2,7 @@
 //! refused in bounded time and memory, and what is read can be stepped.
 //!
 //! The usual run takes the first two thousand; `cargo test --release -p msk-physics --test suite mjcf_mutants -- --ignored` all
-//! ten thousand. A failure says the file's number and prints the file.
+//! ten thousand. A failure gives the file's number and prints the file.
 
 mod mutate;
 mod seeds;
@@ -68,7 +68,7 @@ fn attempt(files: &mutate::Files) -> Outcome {
     Outcome::Stepped
 }
 
-/// Makes and tries the files with these numbers; says how many had which outcome.
+/// Makes and tries the files with these numbers; returns how many had which outcome.
 fn survey(numbers: core::ops::Range<u64>) -> BTreeMap<Outcome, usize> {
     let outcomes: Vec<Outcome> = numbers
         .into_par_iter()

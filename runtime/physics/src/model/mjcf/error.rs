@@ -95,7 +95,7 @@ fn list(items: &[Unsupported]) -> String {
     let mut text = format!("the model uses {} unsupported feature{}:", items.len(), if items.len() == 1 { "" } else { "s" });
     for (index, item) in items.iter().enumerate().take(MOST_PRINTED) {
         text.push_str(&format!("\n  {}: {}", item.place, item.what));
-        // Said once for a run of alike features.
+        // Reported once for a run of alike features.
         if items.get(index + 1).is_none_or(|next| next.advice() != item.advice()) || index + 1 == MOST_PRINTED {
             text.push_str(&format!("\n    help: {}", item.advice()));
         }

@@ -262,7 +262,7 @@ fn context_of(tag: &str) -> &str {
     }
 }
 
-/// Whether a value says what its absence would: the same word, or numbers that are all the harmless ones.
+/// Whether a value means the same as its absence: the same word, or numbers that are all the harmless ones.
 fn is_neutral(value: &str, harmless: &str) -> bool {
     if value.trim() == harmless || value.trim() == "auto" {
         return true;

@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_network_is_said() {
+    fn what_is_no_network_is_reported() {
         let relu = [("activation", "relu")];
         let wrong = |change: fn(&mut Tensors), metadata: &[(&str, &str)]| {
             let mut tensors = whole();

@@ -128,7 +128,7 @@ impl Settings {
         }
     }
 
-    /// Whether a limit applies: said so, or inferred from a range being there.
+    /// Whether a limit applies: set, or inferred from a range being there.
     pub fn limited(&self, element: &Element, flag: &str, range: &str) -> Result<Option<[f64; 2]>, ModelError> {
         let bounds = element.numbers::<2>(range)?;
         let limited = match element.keyword(flag, &["false", "true", "auto"])? {
