@@ -1,4 +1,4 @@
-//! `msk draw`: a picture of a body, or of the beginning of a task.
+//! `msk draw`: a picture of a body, or of the initial state of a task.
 
 use crate::error::{Context, Error};
 use crate::physics::read_state;
@@ -76,7 +76,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         return Err(Error::usage(format!("an activation is between 0 and 1, found {}", args.activation)));
     }
     if let Some(task) = &args.task {
-        let picture = beginning(task, &args)?;
+        let picture = initial_state(task, &args)?;
         return write(&args, &picture);
     }
     let library = BodyLibrary::default();
@@ -111,7 +111,7 @@ fn write(args: &Args, picture: &str) -> Result<ExitCode, Error> {
 }
 
 /// The initial state of a task's episode.
-fn beginning(task: &str, args: &Args) -> Result<String, Error> {
+fn initial_state(task: &str, args: &Args) -> Result<String, Error> {
     let (_, trial) = Project::find(task, &[])?;
     let mut episode = trial.episode()?;
     episode.reset(EpisodeKey { seed: args.seed, episode: 0 });

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The first run writes the snapshot, `cargo insta review` accepts it. From then on the test fails when a term, a weight, a
-//! range, a threshold, an observation, an end, the scene or the beginning means something else; comments and layout do not
+//! range, a threshold, an observation, an end, the scene or the initial state means something else; comments and layout do not
 //! matter. A change of one term changes that term's section of the snapshot only.
 
 use crate::compiler::compile;

@@ -28,7 +28,7 @@ fn play(trial: &Trial, policy: &str) -> EpisodeRecord {
 }
 
 #[test]
-fn posture_stands_for_the_whole_task_and_rest_falls() {
+fn cmc_stands_for_the_whole_task_and_rest_falls() {
     let trial = trial("stand");
     let standing = play(&trial, "cmc");
     assert!(standing.success, "{standing:?}");
@@ -41,7 +41,7 @@ fn posture_stands_for_the_whole_task_and_rest_falls() {
     assert!(!falling.success && falling.steps < 200, "{falling:?}");
 }
 
-/// How far hips, knees and ankles are from where the reference has them, and how far they would be in the pose of the beginning:
+/// How far hips, knees and ankles are from where the reference has them, and how far they would be in the initial pose:
 /// rad, root mean square.
 fn errors(episode: &Environment, begun: f64) -> [f64; 2] {
     let context = episode.context();
@@ -61,7 +61,7 @@ fn errors(episode: &Environment, begun: f64) -> [f64; 2] {
 }
 
 #[test]
-fn posture_follows_the_reference_of_the_task() {
+fn cmc_follows_the_reference_of_the_task() {
     let trial = trial("walk");
     let mut policy = policy::create("cmc").unwrap();
     let mut episode = trial.episode().unwrap();
@@ -79,7 +79,7 @@ fn posture_follows_the_reference_of_the_task() {
 }
 
 #[test]
-fn a_witness_follows_the_script_of_the_tests() {
+fn the_demonstration_follows_the_script_of_the_tests() {
     let trial = trial("squat");
     let mut policy = policy::create("demonstration").unwrap();
     let mut episode = trial.episode().unwrap();

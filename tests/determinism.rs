@@ -1,4 +1,4 @@
-//! A trajectory is a function of its beginning and its inputs, to the last bit: whatever ran beside it, wherever it was cut.
+//! A trajectory is a function of its initial state and its inputs, to the last bit: whatever ran beside it, wherever it was cut.
 
 use crate::support;
 

@@ -95,7 +95,7 @@ fn an_episode_begins_where_the_motion_is_and_as_fast() {
         assert_eq!(channel(&episode, "gait.phase"), [start.parse::<f64>().unwrap()]);
         begins_as_the_motion(&episode);
     }
-    // The beginning is not at rest: the knee bends fast at its steepest.
+    // The initial state is not at rest: the knee bends fast at its steepest.
     assert!(channel(&episode("0.1"), "knee")[0] > 1.0);
 }
 

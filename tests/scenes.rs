@@ -16,7 +16,7 @@ impl Loader for Text {
     }
 }
 
-/// A task whose scene, beginning and observations are these.
+/// A task whose scene, initial state and observations are these.
 fn episode(scene: &str, init: &str, observe: &str, more: &str) -> Environment {
     let text = format!(
         "task among_things {{

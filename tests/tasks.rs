@@ -159,7 +159,7 @@ fn every_task_has_a_demonstration_and_three_exploits() {
 /// A task shows how it succeeds, how it does not, every way in which it ends, and for every term two situations of which one is
 /// rewarded more.
 #[test]
-fn every_task_has_its_witnesses() {
+fn every_task_has_its_demonstrations() {
     let mut missing = String::new();
     for task in compiled(FILE).tasks {
         let tests = &task.tests.as_ref().unwrap().tests;

@@ -33,7 +33,7 @@ fn still(environment: &VectorEnvironment) -> Vec<f64> {
 }
 
 /// The observations of slots whose episodes `first`, `first + 1`, ... have just begun.
-fn beginnings(first: usize) -> Vec<f64> {
+fn initial_observations(first: usize) -> Vec<f64> {
     let mut alone = episode(&[]);
     let begin = |index: usize| {
         alone.reset(key(first + index));
@@ -45,9 +45,9 @@ fn beginnings(first: usize) -> Vec<f64> {
 #[test]
 fn a_reset_gives_the_first_observations() {
     let mut environment = short(AutoresetMode::Disabled);
-    assert_eq!(environment.last().observations, beginnings(0));
+    assert_eq!(environment.last().observations, initial_observations(0));
     let step = environment.reset(SEED);
-    assert_eq!(step.observations, beginnings(0));
+    assert_eq!(step.observations, initial_observations(0));
     assert_eq!((step.rewards.clone(), step.ended.clone()), (vec![0.0; SLOTS], vec![false; SLOTS]));
 }
 
@@ -61,7 +61,7 @@ fn in_the_same_step_the_next_episode_follows_and_the_last_observation_is_kept() 
     let second = environment.step(&actions).unwrap().clone();
     assert_eq!(second.terminated, [true; SLOTS]);
     assert_eq!((second.ended, second.truncated), (vec![true; SLOTS], vec![false; SLOTS]));
-    assert_eq!(second.observations, beginnings(3));
+    assert_eq!(second.observations, initial_observations(3));
     assert_eq!(keys(&environment), [key(3), key(4), key(5)]);
     assert!(second.final_observations != second.observations && second.final_observations.iter().all(|value| value.is_finite()));
     for (slot, end) in second.ends.iter().enumerate() {
@@ -86,7 +86,7 @@ fn in_the_next_step_the_action_is_ignored_and_the_next_episode_begins() {
     let begun = environment.step(&actions).unwrap().clone();
     assert_eq!((begun.rewards, begun.terminated), (vec![0.0; SLOTS], vec![false; SLOTS]));
     assert_eq!((begun.ended, begun.ends.len()), (vec![false; SLOTS], 0));
-    assert_eq!(begun.observations, beginnings(3));
+    assert_eq!(begun.observations, initial_observations(3));
     environment.step(&actions).unwrap();
     assert!(environment.episodes().all(|episode| episode.steps() == 1));
 }
@@ -112,7 +112,7 @@ fn chosen_episodes_can_be_played_again() {
     let width = environment.last().observations.len() / SLOTS;
     let step = environment.reset_to(&[None, Some(key(40))]).clone();
     assert_eq!(keys(&environment), [key(0), key(40), key(2)]);
-    assert_eq!(step.observations[width..2 * width], beginnings(40)[..width]);
+    assert_eq!(step.observations[width..2 * width], initial_observations(40)[..width]);
     environment.reset_where(&[true, true, true]);
     assert_eq!(keys(&environment), [key(3), key(43), key(5)]);
 }

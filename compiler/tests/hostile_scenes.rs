@@ -1,4 +1,4 @@
-//! Whatever stands in a scene or a beginning, the compiler answers, and what it lets pass can be reset.
+//! Whatever stands in a scene or an initial state, the compiler answers, and what it lets pass can be reset.
 
 #[allow(dead_code)] // The pages have their own tests.
 use crate::support;
@@ -95,7 +95,7 @@ proptest! {
                 let task = &compilation.tasks[0];
                 let (frame, mut state) = (vec![0.0; task.frame.size()], TaskState::default());
                 prop_assert!(task.reset(&frame, &mut Middle, &mut state).is_ok(), "{text}");
-                let begins = task.beginning(&state);
+                let begins = task.initial_state(&state);
                 prop_assert!(begins.coordinates.iter().all(|value| value.is_finite()), "{text}");
                 for object in &task.scene.objects {
                     let numbers = object.position.iter().chain(&object.orientation).chain(&object.surface.friction);

@@ -171,7 +171,7 @@ fn terrain_is_sampled_and_asked() {
 }
 
 #[test]
-fn beginnings_know_objects_noise_and_disturbances() {
+fn initial_states_know_objects_noise_and_disturbances() {
     let task = task(
         "scene {
             ground
@@ -255,7 +255,7 @@ fn a_random_places_an_object_anew_in_every_episode() {
     for (share, lateral) in [(0.5, 0.0), (0.75, 0.25), (0.0, -0.5)] {
         let mut state = msk_compiler::task::TaskState::default();
         task.begin(&mut Share(share), &mut state).unwrap();
-        let init = task.beginning(&state);
+        let init = task.initial_state(&state);
         close(init.objects[0].position, [3.0, lateral, 1.2]);
         close(init.objects[0].velocity, [-4.0, -lateral, 1.0]);
         close([init.root.heading], [share * std::f64::consts::FRAC_PI_4]);
@@ -327,7 +327,7 @@ fn single_elements_of_an_extended_scene_are_replaced_where_they_stand_removed_an
 }
 
 #[test]
-fn single_parts_of_an_extended_beginning_are_replaced_removed_and_added() {
+fn single_parts_of_an_extended_initial_state_are_replaced_removed_and_added() {
     let [second, third] = extended_and_written(
         "scene { ground; sphere ball { radius 11 cm, mass 0.4 kg, free, at [3 m, 0, 1.2 m] } }
         init {

@@ -1,5 +1,5 @@
-//! Any lines given to the language server as messages, behind a proper beginning: every request is answered, nothing panics, and what
-//! comes back are messages.
+//! Any lines given to the language server as messages, behind a proper handshake: every request is answered, nothing panics, and
+//! what comes back are messages.
 //!
 //! A line is a body, put behind its length; after a byte 1 it goes to the server as it is, so that headers may lie, too.
 
@@ -14,7 +14,7 @@ use std::io::{self, Cursor, Write};
 use std::sync::{Arc, Mutex};
 
 /// How a conversation begins: with a text that compiles.
-const BEGINNING: &str = include_str!("../seeds/lsp-beginning.jsonl");
+const HANDSHAKE: &str = include_str!("../seeds/lsp-beginning.jsonl");
 
 /// What the server wrote.
 #[derive(Clone, Default)]
@@ -33,7 +33,7 @@ impl Write for Sink {
 
 fuzz_target!(|text: &str| {
     let mut input = Vec::new();
-    for line in BEGINNING.lines().chain(text.lines()) {
+    for line in HANDSHAKE.lines().chain(text.lines()) {
         match line.strip_prefix('\u{1}') {
             Some(raw) => input.extend_from_slice(format!("{raw}\r\n").as_bytes()),
             None => input.extend_from_slice(format!("Content-Length: {}\r\n\r\n{line}", line.len()).as_bytes()),
@@ -48,7 +48,7 @@ fuzz_target!(|text: &str| {
     let answers = messages(std::str::from_utf8(&bytes).expect("messages are texts"));
     // Bodies that lie about their length swallow those behind them.
     if !text.contains('\u{1}') {
-        let lines: Vec<&str> = BEGINNING.lines().chain(text.lines()).collect();
+        let lines: Vec<&str> = HANDSHAKE.lines().chain(text.lines()).collect();
         every_request_is_answered(&lines, &answers, text);
     }
 });

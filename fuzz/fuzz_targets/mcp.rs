@@ -1,5 +1,5 @@
-//! Any lines given to the server for agents, behind a proper beginning: every request is answered, nothing panics, and nothing outside
-//! of the project is shown or changed.
+//! Any lines given to the server for agents, behind a proper handshake: every request is answered, nothing panics, and nothing
+//! outside of the project is shown or changed.
 //!
 //! The project is a folder on disk, written anew for each input; beside it lies what no answer may hold.
 
@@ -17,7 +17,7 @@ use tokio::io::{AsyncBufReadExt, AsyncWriteExt, BufReader};
 use tokio::runtime::Runtime;
 
 /// How a conversation begins.
-const BEGINNING: &str = include_str!("../seeds/mcp-beginning.jsonl");
+const HANDSHAKE: &str = include_str!("../seeds/mcp-beginning.jsonl");
 /// What lies beside the project.
 const OUTSIDE: &str = "a secret beside the project";
 /// Files of the project.
@@ -72,7 +72,7 @@ fuzz_target!(|text: &str| {
         let serving = tokio::spawn(server.converse(input, output));
         let (output, mut input) = tokio::io::split(here);
         let mut answers = BufReader::new(output).lines();
-        for line in BEGINNING.lines().chain(text.lines()) {
+        for line in HANDSHAKE.lines().chain(text.lines()) {
             if input.write_all(format!("{line}\n").as_bytes()).await.is_err() {
                 break;
             }

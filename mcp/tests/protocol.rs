@@ -190,7 +190,7 @@ async fn a_request_over_the_limit_is_refused_under_its_id() {
 }
 
 #[tokio::test]
-async fn messages_before_the_beginning_do_not_end_the_server() {
+async fn messages_before_the_handshake_do_not_end_the_server() {
     let mut client = Client::connect();
     client.line(b"hello").await;
     assert_eq!(client.hear().await["error"]["code"], -32700);

@@ -1,6 +1,6 @@
 //! Evaluating a compiled task: once where the episode begins, once per control step.
 //!
-//! 1. [`begin`](CompiledTask::begin) draws the randoms that read no signal, so that scene and beginning may use them;
+//! 1. [`begin`](CompiledTask::begin) draws the randoms that read no signal, so that scene and initial state may use them;
 //! 2. [`reset`](CompiledTask::reset) takes the first snapshot: every memory starts, the other randoms are drawn;
 //! 3. [`step`](CompiledTask::step) advances every operator and fills the report; in a sequence it also goes on to the next phase,
 //!    which starts from the very snapshot in which the one before it ended.
@@ -22,7 +22,7 @@ pub trait Draws {
     fn normal(&mut self, random: usize) -> f64;
 }
 
-/// No chance: the middle of every distribution. For explanations, which show one beginning.
+/// No chance: the middle of every distribution. For explanations, which show one initial state.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Middle;
 
@@ -81,11 +81,11 @@ impl CompiledTask {
     }
 
     /// How this episode begins: what was drawn stands in `state`.
-    pub fn beginning(&self, state: &TaskState) -> Cow<'_, Init> {
+    pub fn initial_state(&self, state: &TaskState) -> Cow<'_, Init> {
         self.settled(&self.init, state)
     }
 
-    /// A beginning with what was drawn for this episode, which stands in `state`.
+    /// An initial state with what was drawn for this episode, which stands in `state`.
     pub fn settled<'a>(&self, init: &'a Init, state: &TaskState) -> Cow<'a, Init> {
         if init.drawn.is_empty() && init.follows.is_none() {
             return Cow::Borrowed(init);
@@ -134,9 +134,9 @@ impl CompiledTask {
         Some((followed, begun + f64::from(state.step - state.began) / self.control_frequency))
     }
 
-    /// A value that the beginning takes from what was drawn for this episode.
+    /// A value that the initial state takes from what was drawn for this episode.
     pub fn drawn(&self, index: usize, state: &TaskState) -> f64 {
-        let number = self.phase(state).program.beginning.get(index);
+        let number = self.phase(state).program.initial_values.get(index);
         number.map_or(0.0, |number| number.read(&View { frame: &[], record: &state.record }))
     }
 

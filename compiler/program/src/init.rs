@@ -1,9 +1,9 @@
 //! The initial state of an episode, and what disturbs it: plain data in SI units.
 //!
 //! Everything is known while compiling but for the numbers that a `random` of the task decides: those stand in
-//! [`Init::drawn`], and [`CompiledTask::beginning`] writes them into a copy at every reset, before the physics begins.
+//! [`Init::drawn`], and [`CompiledTask::initial_state`] writes them into a copy at every reset, before the physics begins.
 //!
-//! [`CompiledTask::beginning`]: crate::task::CompiledTask::beginning
+//! [`CompiledTask::initial_state`]: crate::task::CompiledTask::initial_state
 
 use crate::frame::Origin;
 use crate::motion::RootPart;
@@ -37,7 +37,7 @@ pub struct Init {
     pub follows: Option<Following>,
 }
 
-/// How a number of a beginning scatters.
+/// How a number of an initial state scatters.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Spread {
     /// Not at all.
@@ -173,7 +173,7 @@ impl DisturbanceSetting {
     }
 }
 
-/// A number of a beginning that may be drawn. Axes are 0, 1, 2 for x, y, z of the world.
+/// A number of an initial state that may be drawn. Axes are 0, 1, 2 for x, y, z of the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Setting {
     /// Coordinate of a joint, by its place in the vocabulary.

@@ -195,7 +195,7 @@ pub struct Connection {
     pub from: String,
     /// Second end.
     pub to: String,
-    /// Whether the offset at the beginning is kept; otherwise the ends meet.
+    /// Whether the initial offset is kept; otherwise the ends meet.
     pub here: bool,
 }
 

@@ -32,7 +32,7 @@ pub struct CompiledTask {
     pub summary: String,
     /// The body.
     pub body: Arc<BodyDescription>,
-    /// What the task may name, in the order of the numbers that sensors and beginnings use: parts of the body, then of the
+    /// What the task may name, in the order of the numbers that sensors and initial states use: parts of the body, then of the
     /// scene.
     pub vocabulary: Arc<Vocabulary>,
     /// Control steps per second, Hz.

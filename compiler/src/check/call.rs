@@ -235,7 +235,7 @@ impl<'a> Checker<'a> {
             return Err(self.unknown_type(annotation, file));
         };
         let zero = matches!(value, Value::Typed(data) if data.is_zero());
-        let number = |kind: &Type| kind.is_one_number() && kind.dimension() == Some(dimension);
+        let number = |ty: &Type| ty.is_one_number() && ty.dimension() == Some(dimension);
         Ok(zero || kind.is_some_and(number))
     }
 

@@ -1,4 +1,5 @@
-//! Quantities that stand in declarations of bodies and beginnings: numbers with units, signs, brackets and the four operations.
+//! Quantities that stand in declarations of bodies and initial states: numbers with units, signs, brackets and the four
+//! operations.
 
 use super::dimension::Dimension;
 use super::unit::{self, Quantity};

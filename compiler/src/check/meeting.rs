@@ -98,26 +98,26 @@ impl<'a> Checker<'a> {
     pub(crate) fn by_wrapping(
         &mut self,
         node: NodeId,
-        kind: &Type,
+        ty: &Type,
         compute: impl Fn(&mut Graph, NodeId, bool) -> NodeId,
     ) -> NodeId {
         let wraps = |element: ElementType| element == ElementType::WrappingAngle;
-        if kind.all(wraps) {
+        if ty.all(wraps) {
             return compute(&mut self.graph, node, true);
         }
         let straight = compute(&mut self.graph, node, false);
-        if kind.all(|element| !wraps(element)) {
+        if ty.all(|element| !wraps(element)) {
             return straight;
         }
         let round = compute(&mut self.graph, node, true);
-        let count = kind.shape().count();
+        let count = ty.shape().count();
         let both = self.graph.join(&[straight, round]);
-        self.graph.select((0..count).map(|place| if wraps(kind.element_at(place)) { count + place } else { place }), both)
+        self.graph.select((0..count).map(|place| if wraps(ty.element_at(place)) { count + place } else { place }), both)
     }
 
     /// A node of this type, its angles that wrap brought into (-pi, pi].
-    pub(crate) fn wrapped(&mut self, node: NodeId, kind: &Type) -> NodeId {
-        self.by_wrapping(node, kind, |graph, node, wraps| if wraps { graph.unary(Unary::Wrap, node) } else { node })
+    pub(crate) fn wrapped(&mut self, node: NodeId, ty: &Type) -> NodeId {
+        self.by_wrapping(node, ty, |graph, node, wraps| if wraps { graph.unary(Unary::Wrap, node) } else { node })
     }
 
     /// Suggests how quantities of these dimensions could meet: a unit for a number without one, else what is probably meant.
@@ -201,20 +201,20 @@ impl<'a> Checker<'a> {
 }
 
 impl TypedValue {
-    /// This value as one of the type `kind`, which it may become where that is kept: a written zero and an angle that does not
+    /// This value as one of the type `ty`, which it may become where that is kept: a written zero and an angle that does not
     /// wrap may. The lanes are as many as the type has.
-    pub(crate) fn kept_as(&self, graph: &mut Graph, kind: &Type) -> Option<NodeId> {
+    pub(crate) fn kept_as(&self, graph: &mut Graph, ty: &Type) -> Option<NodeId> {
         let becomes =
             |own: ElementType, kept: ElementType| own == kept || own == ElementType::ANGLE && kept == ElementType::WrappingAngle;
-        let same = self.kind.shape() == kind.shape() && self.kind.zip(kind, |a, b| becomes(a, b).then_some(b)).is_some();
+        let same = self.kind.shape() == ty.shape() && self.kind.zip(ty, |a, b| becomes(a, b).then_some(b)).is_some();
         if same {
             return Some(self.node);
         }
-        let number = kind.all(is_ordered);
-        let has_zero = number || kind.all(|element| matches!(element, ElementType::Vector { .. }));
+        let number = ty.all(is_ordered);
+        let has_zero = number || ty.all(|element| matches!(element, ElementType::Vector { .. }));
         match self.literal {
-            LiteralKind::Zero if self.kind.is_one_number() && has_zero => Some(graph.constants(&vec![0.0; kind.lanes()])),
-            LiteralKind::ZeroBracket if has_zero && self.kind.lanes() == kind.lanes() => Some(self.node),
+            LiteralKind::Zero if self.kind.is_one_number() && has_zero => Some(graph.constants(&vec![0.0; ty.lanes()])),
+            LiteralKind::ZeroBracket if has_zero && self.kind.lanes() == ty.lanes() => Some(self.node),
             _ => None,
         }
     }

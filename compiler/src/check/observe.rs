@@ -160,18 +160,18 @@ impl<'a> Checker<'a> {
 }
 
 /// The unit as printed: empty for plain numbers, several for mixed sets.
-pub(crate) fn unit_of(kind: &Type) -> String {
-    match kind {
+pub(crate) fn unit_of(ty: &Type) -> String {
+    match ty {
         Type::One(ElementType::Steps) | Type::List(ElementType::Steps, _) => "steps".to_owned(),
         other => other.units().join(", "),
     }
 }
 
 /// The unit in which values of this type are printed where these formulas are read.
-pub(crate) fn spoken_unit<'a>(kind: &Type, formulas: impl IntoIterator<Item = &'a Expr>) -> SpokenUnit {
-    match kind.dimension() {
+pub(crate) fn spoken_unit<'a>(ty: &Type, formulas: impl IntoIterator<Item = &'a Expr>) -> SpokenUnit {
+    match ty.dimension() {
         Some(dimension) => spoken::written(dimension, formulas),
-        None => SpokenUnit::si(unit_of(kind)),
+        None => SpokenUnit::si(unit_of(ty)),
     }
 }
 

@@ -56,13 +56,13 @@ fn query_bounds(query: &Query) -> Bounds {
 /// The standing pose at rest, as far as the vocabulary settles it.
 pub(crate) struct NeutralRange<'a> {
     pub vocabulary: &'a Vocabulary,
-    /// Whether it is the beginning of an episode, when no muscle is active yet.
+    /// Whether it is the reset of an episode, when no muscle is active yet.
     pub reset: bool,
     /// What shakes it.
     pub shaken: Shaken,
 }
 
-/// How far the noise of a beginning takes a body from its pose.
+/// How far the noise of an initial state takes a body from its pose.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Shaken {
     /// Between which deviations each joint is, rad or m.
@@ -77,7 +77,7 @@ pub(crate) struct Shaken {
 const DEVIATIONS: f64 = 3.0;
 
 impl Shaken {
-    /// By the noise and the speeds of a beginning, and by what is drawn for it.
+    /// By the noise and the speeds of an initial state, and by what is drawn for it.
     pub(crate) fn by(init: &Init) -> Self {
         let deviation = |spread: &Spread| match *spread {
             Spread::None => Bounds::point(0.0),

@@ -70,7 +70,7 @@ impl<'a> Checker<'a> {
                 .diagnostic(codes::types::WRONG_TYPE, update.value.span, "a state keeps its type")
                 .expected(expected)
                 .found(found);
-            let wraps = |kind: &Type| kind.met() == Some(ElementType::WrappingAngle);
+            let wraps = |ty: &Type| ty.met() == Some(ElementType::WrappingAngle);
             let diagnostic = if wraps(&value.kind) && !wraps(&present.kind) && present.kind.dimension() == value.kind.dimension()
             {
                 diagnostic.help("this angle wraps, the initial value of the state does not: use an initial value that wraps, such as `angle_difference(0 rad, 20 deg)`")

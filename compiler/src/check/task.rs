@@ -9,7 +9,7 @@ pub(crate) use phase::{InSequence, PhaseEnd};
 pub(crate) use statements::body_of;
 
 use super::context::{Cell, Checked, Checker, End, ReadMode, Reported, Timing};
-use super::init::Beginning;
+use super::init::InitialState;
 use super::observe::ObservedChannel;
 use super::random::KnownRandom;
 use super::reference::{KnownReference, Motions};
@@ -43,8 +43,8 @@ pub(crate) struct CheckedTask<'a> {
     pub symmetric: bool,
     pub scene: SceneDescription,
     pub init: Init,
-    /// Numbers that the beginning takes from what is drawn.
-    pub beginning: Vec<NodeId>,
+    /// Numbers that the initial state takes from what is drawn.
+    pub initial_values: Vec<NodeId>,
     pub disturbances: Vec<Disturbance>,
     /// Numbers of these that are drawn, with their places in `beginning`.
     pub drawn_disturbances: Vec<(usize, DisturbanceSetting, usize)>,
@@ -201,7 +201,7 @@ impl<'a> Checker<'a> {
             symmetric: parts.symmetric,
             scene: staged.scene,
             init: init.init,
-            beginning: init.drawn,
+            initial_values: init.drawn,
             disturbances: staged.disturbances,
             drawn_disturbances,
             releases: staged.releases,
@@ -231,8 +231,8 @@ impl<'a> Checker<'a> {
         })
     }
 
-    /// Where references start is known wherever it is drawn, also if the beginning does not need it.
-    fn with_starts(&self, mut init: Beginning) -> Beginning {
+    /// Where references start is known wherever it is drawn, also if the initial state does not need it.
+    fn with_starts(&self, mut init: InitialState) -> InitialState {
         let starts = self.references.iter().map(|known| known.start);
         for start in starts.filter(|start| self.graph.constant_value(*start).is_none()) {
             if !init.drawn.contains(&start) {

@@ -21,7 +21,7 @@ pub enum Stage {
     Text,
     /// Compiling a task.
     Compile,
-    /// Beginning a task on its body and putting it into poses.
+    /// Resetting a task on its body and putting it into poses.
     Probe,
     /// Playing an episode of a task.
     Play,

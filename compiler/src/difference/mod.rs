@@ -1,4 +1,4 @@
-//! What differs between two tasks in meaning: terms, weights, ranges, thresholds, observations, ends, scene and beginning.
+//! What differs between two tasks in meaning: terms, weights, ranges, thresholds, observations, ends, scene and initial state.
 //!
 //! Two [`Snapshot`]s are compared section by section. What is only written differently makes no difference; what is written
 //! the same and means something else, because a name that it uses has changed, does.

@@ -37,7 +37,7 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
     let init = match task.begin(&mut Middle, &mut drawn) {
         Ok(()) => {
             task.begin_disturbances(&drawn, &mut disturbances);
-            task.beginning(&drawn)
+            task.initial_state(&drawn)
         }
         Err(_) => Cow::Borrowed(&task.init),
     };

@@ -77,11 +77,11 @@ pub(crate) fn finish(
 fn with_probes(heading: &Heading<'_>, tested: Tested<'_>, texts: &dyn Texts) -> (CompiledTask, Vec<usize>, Vec<TaskTest>) {
     let (mut phases, mut all, mut places, mut count) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for (mut phase, tests) in tested.phases.into_iter().zip(tested.tests) {
-        let CheckedTests { graph, queries, beginning, probes, tests, .. } = tests;
+        let CheckedTests { graph, queries, initial_values, probes, tests, .. } = tests;
         places.push(count + phase.checked.metrics.len());
         phase.checked.metrics.extend(probes);
         count += phase.checked.metrics.len();
-        let checked = CheckedTask { graph, queries, beginning, ..phase.checked };
+        let checked = CheckedTask { graph, queries, initial_values, ..phase.checked };
         phases.push(CheckedPhase { checked, ..phase });
         all.push(tests);
     }
@@ -116,7 +116,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
         let metrics = whole.metrics(&name, &checked);
         for reference in &checked.references {
             let (name, motion) = (labelled(several, &name, &reference.name), reference.motion.clone());
-            let drawn = || checked.beginning.iter().position(|node| *node == reference.start);
+            let drawn = || checked.initial_values.iter().position(|node| *node == reference.start);
             let start = match checked.graph.constant_value(reference.start) {
                 Some(phase) => Start::Phase(phase),
                 None => Start::Drawn(drawn().unwrap_or(usize::MAX)),
@@ -316,7 +316,7 @@ fn outputs(checked: &CheckedTask<'_>) -> Outputs {
         channels: checked.channels.iter().map(|channel| channel.node).collect(),
         updates: checked.updates.clone(),
         draws: checked.randoms.iter().map(|random| DrawOutput { value: random.data.node, redraw: random.redraw }).collect(),
-        beginning: checked.beginning.clone(),
+        initial_values: checked.initial_values.clone(),
         releases: checked.releases.iter().map(|(_, node)| *node).collect(),
         markers: checked.markers.iter().map(|(_, node)| *node).collect(),
         until: checked.phase.until,

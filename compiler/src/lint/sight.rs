@@ -285,7 +285,7 @@ pub(super) fn one_side(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostic
     }
 }
 
-/// A beginning in which one side is posed otherwise than the other.
+/// An initial state in which one side is posed otherwise than the other.
 fn lopsided(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let joints = &checker.vocabulary.joints;
     let posed = |index: usize| task.init.coordinates.get(index).copied();

@@ -131,7 +131,7 @@ impl<'t> Surrogate<'t> {
                 Memory::Highest | Memory::Lowest | Memory::Smooth | Memory::SmoothAngle | Memory::Sampled | Memory::Delay(_) => {
                     each(&|index| lane(0, index))
                 }
-                // Where it was at the beginning, it stays.
+                // Where it was initially, it stays.
                 Memory::Initial => (0..node.width).map(|lane| made_up(id.index(), lane)).collect(),
                 Memory::Accumulate | Memory::Streak | Memory::StepsSince | Memory::Hysteresis => {
                     each(&|index| smooth(lane(0, index)))

@@ -2,7 +2,7 @@
 //!
 //! 1. The chain of tasks is followed to its end; a circle or a task that is not in sight is an error.
 //! 2. Sections that are lists are taken apart row by row, each under its name; what is declared once is one row. Scenes and
-//!    beginnings stay whole, in layers: their rows are laid over each other once loops are unrolled (`scene::expand`,
+//!    initial states stay whole, in layers: their rows are laid over each other once loops are unrolled (`scene::expand`,
 //!    `init::layers`).
 //! 3. From the oldest task to the youngest, rows replace rows of the same name where those stand, `remove` takes them out, and
 //!    the rest is added behind. What is overridden must exist.
@@ -202,7 +202,7 @@ pub(crate) fn whole<'a>(
 }
 
 /// A phase of a sequence: the task with what the sequence declares for all its phases. What is there once for the whole episode
-/// (scene, beginning, body, control) is the sequence's, or else the first phase's.
+/// (scene, initial state, body, control) is the sequence's, or else the first phase's.
 pub(crate) fn in_sequence(phase: WholeTask, first: &WholeTask, sequence: &[Placed], texts: &dyn Texts) -> WholeTask {
     const SHARED: [&str; 6] = ["family", "body", "control", "symmetric", "scene", "init"];
     let section_of = |placed: &Placed| match changes(placed.clone(), texts).into_iter().next() {

@@ -1,7 +1,7 @@
 //! The declarations of tasks that extend each other, merged row by row: a declaration of an extending task replaces what has the
 //! same name in the tasks that it extends, where the first of those stands; the rest is added behind; `remove` takes out.
 //!
-//! Statements of tasks (`inherit`), scenes (`scene::expand`) and beginnings (`init::layers`) are merged by it.
+//! Statements of tasks (`inherit`), scenes (`scene::expand`) and initial states (`init::layers`) are merged by it.
 
 use std::collections::BTreeMap;
 

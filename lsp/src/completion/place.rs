@@ -115,11 +115,11 @@ fn wanted(head: &str, begun: &str, blocks: &[String], statement: &str) -> Option
     if !statement.trim().is_empty() {
         return Some(Wanted::Formula);
     }
-    Some(beginning(blocks))
+    Some(first_word(blocks))
 }
 
 /// What a statement may begin with, in these blocks.
-fn beginning(blocks: &[String]) -> Wanted {
+fn first_word(blocks: &[String]) -> Wanted {
     let first = |block: &String| block.split_whitespace().next().unwrap_or_default().to_owned();
     let words: Vec<String> = blocks.iter().map(first).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();

@@ -53,7 +53,7 @@ pub const SCENE: Table = &[
     ("remove", "remove NAME"),
 ];
 
-/// In a beginning.
+/// In `init { }`.
 pub const INIT: Table = &[
     ("pose", "pose NAME { JOINT = VALUE }"),
     ("root", "root { height on ground, at [x, y], heading 0 deg, velocity [x, y, z] }"),
@@ -61,7 +61,7 @@ pub const INIT: Table = &[
     ("settle", "settle DURATION with activation VALUE at rest"),
 ];
 
-/// In `root { }` of a beginning.
+/// In `root { }` of `init`.
 pub const ROOT: Table = &[
     ("height", "height on ground, or a length"),
     ("at", "at [x, y]"),

@@ -176,7 +176,7 @@ fn check(name: &str, model: &Arc<Model>, starts: &[State<f64>], steps: usize) {
 #[test]
 fn a_body_with_contacts_has_the_same_bits_among_any_neighbours() {
     let model = human();
-    // A fall to the ground, cut into ten beginnings: in the air, on the feet, lying with limbs on the trunk.
+    // A fall to the ground, cut into ten initial states: in the air, on the feet, lying with limbs on the trunk.
     let (mut state, mut workspace) = (State::new(model), Workspace::new(model));
     let (mut starts, mut ground, mut limbs) = (Vec::new(), 0, 0);
     for number in 0..1000 {
@@ -194,10 +194,10 @@ fn a_body_with_contacts_has_the_same_bits_among_any_neighbours() {
     check("human", model, &starts, 60);
 }
 
-/// Beginnings at random, some of them far beyond limits.
-fn beginnings(model: &Model) -> Vec<State<f64>> {
+/// Initial states at random, some of them far beyond limits.
+fn initial_states(model: &Model) -> Vec<State<f64>> {
     let mut random = Random(5);
-    let beginning = |episode: usize| {
+    let initial_state = |episode: usize| {
         let mut state = State::new(model);
         for joint in 0..model.joints.kind.len() {
             let address = model.joints.position_address[joint];
@@ -211,7 +211,7 @@ fn beginnings(model: &Model) -> Vec<State<f64>> {
         }
         state
     };
-    (0..10).map(beginning).collect()
+    (0..10).map(initial_state).collect()
 }
 
 #[test]
@@ -225,7 +225,7 @@ fn models_of_every_constraint_and_integrator_have_the_same_bits_among_any_neighb
             let mut model = Model::from_file(&file).unwrap();
             for integrator in [Integrator::Euler, Integrator::Implicit] {
                 model.options.integrator = integrator;
-                check(&format!("{}, {integrator:?}", file.display()), &Arc::new(model.clone()), &beginnings(&model), 25);
+                check(&format!("{}, {integrator:?}", file.display()), &Arc::new(model.clone()), &initial_states(&model), 25);
                 tried += 1;
             }
         }

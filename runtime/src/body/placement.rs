@@ -50,8 +50,8 @@ impl Body {
         }
     }
 
-    /// Gives joints, root and free objects the velocities of a beginning: those of root and objects in world axes; the state has
-    /// spins in their own.
+    /// Gives joints, root and free objects the velocities of an initial state: those of root and objects in world axes; the state
+    /// has spins in their own.
     pub fn launch(&self, init: &Init, state: &mut State<f64>) {
         for (joint, &velocity) in self.joints.iter().zip(&init.velocities) {
             state.velocity[joint.dof] = velocity;

@@ -123,7 +123,7 @@ impl Engine {
         }
     }
 
-    /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
+    /// Begins the episode `key`. An initial state from which the physics cannot start ends it at once, with a fault.
     /// An episode or scratch of another engine becomes one of this engine.
     pub fn reset(&self, key: EpisodeKey, episode: &mut Episode, scratch: &mut Scratch) {
         if !self.made(episode) {

@@ -97,7 +97,7 @@ impl Environment {
         self.engine.player(&mut self.episode, &self.weights, &mut self.scratch)
     }
 
-    /// Begins the episode `key`. A beginning from which the physics cannot start ends it at once, with a fault.
+    /// Begins the episode `key`. An initial state from which the physics cannot start ends it at once, with a fault.
     pub fn reset(&mut self, key: EpisodeKey) {
         self.player().reset(key, &[]);
     }
@@ -115,7 +115,7 @@ impl Environment {
     /// What does not fit when the episode `key` begins, before anything settles.
     ///
     /// # Errors
-    /// A beginning from which the physics cannot start.
+    /// An initial state from which the physics cannot start.
     pub fn inspect_start(&self, key: EpisodeKey) -> Result<StartReport, Fault> {
         let mut other = self.clone();
         let Episode { state, task, streams, .. } = &mut other.episode;

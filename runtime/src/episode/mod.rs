@@ -12,11 +12,11 @@
 //! plays. An [`Environment`] is one of each, a [`VectorEnvironment`] many episodes on a few workers. What goes wrong inside an
 //! episode (diverging physics, a term that is not finite) is a [`Fault`] of that episode alone.
 
-mod beginning;
 mod ending;
 mod engine;
 mod environment;
 mod excitation;
+mod initial_state;
 mod player;
 mod playing;
 mod pushes;

@@ -1,6 +1,6 @@
 //! The rules by which an episode goes on: reset, and one control step.
 
-use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, REST, Scratch, beginning, excitation, pushes};
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, REST, Scratch, excitation, initial_state, pushes};
 use crate::body::sensors;
 use crate::condition::Compartments;
 use msk_physics::scalar::Real;
@@ -53,7 +53,7 @@ impl Player<'_> {
         self.scratch.forget();
     }
 
-    /// Randoms that read no signal, the beginning, the first snapshot, the other randoms.
+    /// Randoms that read no signal, the initial state, the first snapshot, the other randoms.
     fn start(&mut self, key: EpisodeKey, given: &[(usize, Vec<f64>)]) -> Result<(), Fault> {
         let episode = &mut *self.episode;
         self.engine.task.begin_given(&mut episode.streams, &mut episode.task, given)?;
@@ -70,8 +70,8 @@ impl Player<'_> {
     fn begin(&mut self, key: EpisodeKey) -> Result<(), physics::Fault> {
         self.place(key);
         let Episode { state, task, .. } = &mut *self.episode;
-        if let Some(settle) = &self.engine.task.beginning(task).settle {
-            beginning::settle(&self.engine.model, settle, state, &mut self.scratch.workspace)?;
+        if let Some(settle) = &self.engine.task.initial_state(task).settle {
+            initial_state::settle(&self.engine.model, settle, state, &mut self.scratch.workspace)?;
         }
         self.scratch.pass(&self.engine.model, state)
     }
@@ -80,8 +80,8 @@ impl Player<'_> {
     pub fn place(&mut self, key: EpisodeKey) {
         let (model, body, workspace) = (&*self.engine.model, &self.engine.body, &mut self.scratch.workspace);
         let Episode { state, task, .. } = &mut *self.episode;
-        beginning::begin(model, body, &self.engine.task.beginning(task), key, state, workspace);
-        beginning::hold(model, body, state, workspace);
+        initial_state::begin(model, body, &self.engine.task.initial_state(task), key, state, workspace);
+        initial_state::hold(model, body, state, workspace);
     }
 
     /// Takes one control step; a fault in it gives no reward, is not counted, and ends the episode.

@@ -2,7 +2,7 @@
 //!
 //! A step sets all coordinates; velocities are the differences over the step; a forward pass gives contacts and forces.
 
-use super::{Ending, Environment, Episode, EpisodeError, EpisodeKey, Fault, Player, beginning};
+use super::{Ending, Environment, Episode, EpisodeError, EpisodeKey, Fault, Player, initial_state};
 use crate::body::Body;
 use crate::episode::excitation;
 use msk_physics::model::{Model, Quaternion, rotation};
@@ -32,7 +32,7 @@ impl Environment {
         }
     }
 
-    /// Begins the episode `key` in a state that `put` writes, whatever the task says of its beginning: everything counts, speeds and
+    /// Begins the episode `key` in a state that `put` writes, not in the initial state of the task: everything counts, speeds and
     /// activations, too. A state that the physics or the task refuses ends the episode with a fault.
     pub fn reset_to(&mut self, key: EpisodeKey, put: &mut dyn FnMut(&mut State<f64>)) {
         let mut player = self.player();
@@ -85,7 +85,7 @@ impl Player<'_> {
         let activation = place(model, body, &mut episode.state, &mut self.scratch.workspace);
         self.activate(activation);
         let state = &mut self.episode.state;
-        beginning::hold(model, body, state, &mut self.scratch.workspace);
+        initial_state::hold(model, body, state, &mut self.scratch.workspace);
         self.scratch.pass(model, state)?;
         self.measure(0.0);
         self.take_first_snapshot(given)?;

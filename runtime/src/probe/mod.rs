@@ -1,6 +1,6 @@
 //! Model-dependent lints: what of a task shows only with its model at hand, reported at its spans.
 //!
-//! 1. Every task is begun a few times, always with the same seeds, and takes one step at rest (`beginning`);
+//! 1. Every task is reset a few times, always with the same seeds, and takes one step at rest (`initial_state`);
 //! 2. its body is put into many poses in its scene, always the same ones (`poses`): what holds, fails, contributes
 //!    nothing or always contributes in all of them is searched for (`search`), and reported if nothing is found (`reach`);
 //! 3. a task declared symmetric is shown states and their mirror images (`mirror`): both must be rewarded alike (`symmetry`).
@@ -9,7 +9,7 @@
 //!
 //! What is found is a warning with numbers; the task may allow it by the name of its lint.
 
-mod beginning;
+mod initial_state;
 mod mirror;
 mod play;
 mod poses;
@@ -59,11 +59,11 @@ fn repeats(new: &Diagnostic, known: &Diagnostic) -> bool {
 
 fn probe(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Probed {
     let (mut warnings, mut allowances) = (Vec::new(), task.places.allowances.clone());
-    if let Some(begun) = beginning::probe(task, bodies, &mut warnings) {
+    if let Some(begun) = initial_state::probe(task, bodies, &mut warnings) {
         let (model, body) = (&*begun.staged.model, &*begun.staged.body);
         let mut room = poses::Room::new(model, body, &begun.state, &task.frame);
-        beginning::above(task, &mut room, &mut warnings);
-        beginning::worn(task, &room, &mut warnings);
+        initial_state::above(task, &mut room, &mut warnings);
+        initial_state::worn(task, &room, &mut warnings);
         let shown = reach::draw(&mut room);
         let mut reached = reach::probe(task, &mut room, &shown, &begun.frames);
         reached.retain(|new| warnings.iter().all(|known| !repeats(new, known)));

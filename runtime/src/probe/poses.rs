@@ -42,7 +42,7 @@ pub(super) struct Pose {
     pub joints: Vec<f64>,
     /// Where the root is, m.
     pub place: [f64; 2],
-    /// Turns of the root as of a beginning, rad.
+    /// Turns of the root as of an initial state, rad.
     pub heading: f64,
     pub pitch: f64,
     pub roll: f64,
@@ -146,7 +146,7 @@ impl<'a> Room<'a> {
     }
 
     /// The pose in which the task begins, as far as a pose describes it.
-    fn beginning(&self) -> Pose {
+    fn initial_pose(&self) -> Pose {
         let at = |place: usize| self.begins.position[place];
         let joints = self.body.joints.iter().map(|joint| at(joint.position)).collect();
         let place = self.body.root.free.map_or([0.0; 2], |(root, _)| [at(root), at(root + 1)]);
@@ -161,7 +161,7 @@ impl<'a> Room<'a> {
 
     /// A pose drawn at random: a named one or a mixture of two, with noise, upright on a foot or lying, near something or anywhere.
     pub fn draw(&self, chance: &mut Stream) -> Pose {
-        let mut pose = self.beginning();
+        let mut pose = self.initial_pose();
         let named = |chance: &mut Stream| match pick(chance, self.body.poses.len() + 1) {
             0 => pose.joints.clone(),
             index => self.body.poses[index - 1].coordinates.clone(),
@@ -367,7 +367,7 @@ impl<'a> Room<'a> {
     }
 
     /// How far the body is above everything where the task begins, m.
-    pub fn height_of_beginning(&mut self) -> f64 {
+    pub fn initial_height(&mut self) -> f64 {
         kinematics::update(self.model, &self.begins, &mut self.workspace.kinematics);
         let below =
             |shapes| Ground { model: self.model, kinematics: &self.workspace.kinematics, shapes }.clearance(&self.body.shapes);

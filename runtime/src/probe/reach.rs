@@ -61,7 +61,7 @@ struct Verdict {
     message: String,
 }
 
-/// Looks at all phases of a task in the poses `shown`; `begins` are records of beginnings.
+/// Looks at all phases of a task in the poses `shown`; `begins` are records of initial states.
 pub(super) fn probe(task: &CompiledTask, room: &mut Room<'_>, shown: &[Shown], begins: &[Vec<f64>]) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     let mut comparisons: BTreeMap<(FileId, Span), Vec<Verdict>> = BTreeMap::new();

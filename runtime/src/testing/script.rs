@@ -218,7 +218,7 @@ impl Script {
     }
 }
 
-/// Where the root is in a beginning, m.
+/// Where the root is in an initial state, m.
 fn resolved(init: &Init, model: &Model, body: &Body, workspace: &mut Workspace<f64>) -> [f64; 3] {
     let mut state = State::new(model);
     put(&init.coordinates, &init.root, init.objects.iter().copied(), model, body, &mut state, workspace);

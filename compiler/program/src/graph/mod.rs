@@ -192,7 +192,7 @@ impl Graph {
         self.add(Operation::Memory(memory), inputs)
     }
 
-    /// Whether the value of a node is settled by what is drawn before the beginning: it reads no signal, no time, no memory.
+    /// Whether the value of a node is settled by what is drawn before the initial state: it reads no signal, no time, no memory.
     pub fn is_drawn_first(&self, id: NodeId) -> bool {
         let settled = |id: &NodeId| {
             !matches!(

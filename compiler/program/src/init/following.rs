@@ -24,7 +24,7 @@ pub struct Following {
 pub enum Start {
     /// This one.
     Phase(f64),
-    /// This one of the values that the beginning takes from what is drawn.
+    /// This one of the values that the initial state takes from what is drawn.
     Drawn(usize),
 }
 
@@ -49,7 +49,7 @@ pub struct Path {
     pub heading: f64,
 }
 
-/// What a beginning takes from a motion.
+/// What an initial state takes from a motion.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Parts {
     /// Joints, by their places in the vocabulary, with their columns.
@@ -61,7 +61,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Writes the beginning at `time` (s) of the motion.
+    /// Writes the initial state at `time` (s) of the motion.
     pub fn write(&self, motion: &Motion, time: f64, init: &mut Init) {
         for &(joint, column) in &self.joints {
             if let Some(coordinate) = init.coordinates.get_mut(joint) {

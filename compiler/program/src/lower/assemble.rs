@@ -49,7 +49,7 @@ impl Assembler<'_> {
             metrics: self.plan(&metrics),
             success: outputs.success.map(|node| self.single(node)),
             channels: plans(&outputs.channels),
-            beginning: scalars(&outputs.beginning),
+            initial_values: scalars(&outputs.initial_values),
             releases: scalars(&outputs.releases),
             markers: plans(&outputs.markers),
             until: outputs.until.map(|node| self.single(node)),

@@ -24,8 +24,8 @@ pub struct Outputs {
     pub updates: Vec<NodeId>,
     /// In the order of their numbers.
     pub draws: Vec<DrawOutput>,
-    /// Numbers that the beginning takes from what is drawn.
-    pub beginning: Vec<NodeId>,
+    /// Numbers that the initial state takes from what is drawn.
+    pub initial_values: Vec<NodeId>,
     /// When connections let go.
     pub releases: Vec<NodeId>,
     /// Places that are shown.
@@ -49,7 +49,7 @@ impl Outputs {
     /// Every node that is wanted, in the task's order.
     pub fn roots(&self) -> impl Iterator<Item = NodeId> + '_ {
         let ends = [&self.terms, &self.terminations, &self.finishes, &self.metrics, &self.channels, &self.updates];
-        let scene = [&self.beginning, &self.releases, &self.markers];
+        let scene = [&self.initial_values, &self.releases, &self.markers];
         let lists = ends.into_iter().chain(scene);
         let draws = self.draws.iter().flat_map(|draw| std::iter::once(draw.value).chain(draw.redraw));
         let single = [self.success, self.until, self.succeeded];

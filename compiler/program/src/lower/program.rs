@@ -52,7 +52,7 @@ pub(crate) struct Draw {
     pub tries: Vec<Statement>,
     pub candidate: Plan,
     pub accept: Option<Scalar>,
-    /// Whether it is drawn before the beginning: it reads no signal.
+    /// Whether it is drawn before the initial state: it reads no signal.
     pub first: bool,
     /// When it is drawn anew.
     pub redraw: Option<Scalar>,
@@ -85,8 +85,8 @@ pub(crate) struct Program {
     pub metrics: Plan,
     pub success: Option<Scalar>,
     pub channels: Vec<Plan>,
-    /// Numbers that the beginning takes from what is drawn.
-    pub beginning: Vec<Scalar>,
+    /// Numbers that the initial state takes from what is drawn.
+    pub initial_values: Vec<Scalar>,
     pub releases: Vec<Scalar>,
     pub markers: Vec<Plan>,
     /// When the next phase of a sequence begins.

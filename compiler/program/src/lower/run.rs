@@ -9,7 +9,7 @@ use crate::graph::operation::{Chance, Memory};
 /// Which moment of the episode is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Moment {
-    /// Before the beginning: only what is drawn first.
+    /// Before the initial state: only what is drawn first.
     First,
     /// The reset snapshot, step 0.
     Reset,
@@ -52,7 +52,7 @@ impl Program {
         &record[draw.cell..draw.cell + draw.candidate.width()]
     }
 
-    /// Draws what is drawn before the beginning and computes what that settles.
+    /// Draws what is drawn before the initial state and computes what that settles.
     pub(crate) fn first(&self, record: &mut [f64], kept: &dyn Fn(usize) -> bool, source: Source<'_>) -> Result<(), NoneTaken> {
         let list = self.first.iter().map(|&index| &self.before[index]);
         self.drawing(list, Moment::First, &[], record, kept, source)

@@ -82,7 +82,7 @@ struct Times {
     late: Vec<bool>,
     /// The draw that a node belongs to, if it depends on what chance gives at a try.
     tried: Vec<Option<usize>>,
-    /// Whether a node is computed before the beginning.
+    /// Whether a node is computed before the initial state.
     first: Vec<bool>,
 }
 
@@ -101,7 +101,7 @@ impl Times {
             };
         }
         let drawn_first = outputs.draws.iter().map(|draw| draw.value).filter(|value| graph.is_drawn_first(*value));
-        for id in graph.reachable(outputs.beginning.iter().copied().chain(drawn_first)) {
+        for id in graph.reachable(outputs.initial_values.iter().copied().chain(drawn_first)) {
             times.first[id.index()] = true;
         }
         times

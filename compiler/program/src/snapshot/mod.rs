@@ -36,7 +36,7 @@ enum Ink<'a> {
 }
 
 impl CompiledTask {
-    /// What the task means, section by section: terms, weights, ranges, ends, channels, scene and beginning.
+    /// What the task means, section by section: terms, weights, ranges, ends, channels, scene and initial state.
     pub fn snapshot(&self) -> Snapshot {
         let mut sections = self.frame_sections();
         for phase in self.phases.iter() {
@@ -91,7 +91,7 @@ impl CompiledTask {
             sections.push(section.field("start", start));
         }
         self.scene_sections(&mut sections);
-        self.beginning_sections(&mut sections);
+        self.initial_state_sections(&mut sections);
         sections
     }
 
@@ -112,11 +112,11 @@ impl CompiledTask {
         };
         let labelled = |name: &str| if several { format!("{}.{name}", phase.name) } else { name.to_owned() };
         for &(setting, index) in &self.init.drawn {
-            let Some(&node) = outputs.beginning.get(index) else { continue };
+            let Some(&node) = outputs.initial_values.get(index) else { continue };
             write(Section::new("drawn", &labelled(&names::setting(self, setting))), None, node, "is");
         }
         for &(disturbance, setting, index) in &self.drawn_disturbances {
-            let Some(&node) = outputs.beginning.get(index) else { continue };
+            let Some(&node) = outputs.initial_values.get(index) else { continue };
             let name = format!("disturbance {} {}", disturbance + 1, names::disturbance_setting(setting));
             write(Section::new("drawn", &labelled(&name)), None, node, "is");
         }

@@ -1,4 +1,4 @@
-//! Scene and beginning in a snapshot.
+//! Scene and initial state in a snapshot.
 
 use super::names;
 use super::{Section, digest, encoding};
@@ -66,7 +66,7 @@ impl CompiledTask {
         known.map_or_else(|| index.to_string(), |held| format!("{} to {}", held.from, held.to))
     }
 
-    pub(super) fn beginning_sections(&self, sections: &mut Vec<Section>) {
+    pub(super) fn initial_state_sections(&self, sections: &mut Vec<Section>) {
         let root = &self.init.root;
         let mut section = Section::new("root", "")
             .field("height", root.height.map_or_else(|| "on ground".to_owned(), |height| format!("{height:?} m")))

@@ -145,7 +145,7 @@ fn verb(function: &str) -> &'static str {
 
 /// Vectors meet in the same axes.
 fn same_axes<'a>(checker: &mut Checker<'a>, call: &Call<'a>, kinds: &[Type]) -> Checked<()> {
-    let axes = |kind: &Type| match kind.element() {
+    let axes = |ty: &Type| match ty.element() {
         Some(ElementType::Vector { size, frame, .. }) => Some((size, frame)),
         _ => None,
     };

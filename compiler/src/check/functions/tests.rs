@@ -352,9 +352,9 @@ fn what_has_no_rule_is_refused() {
 }
 
 /// How the table names a type.
-fn named(kind: &Type) -> String {
+fn named(ty: &Type) -> String {
     let element = |element: ElementType| element.described(vocabulary());
-    match kind {
+    match ty {
         Type::Mixed(elements) => elements.iter().map(|own| element(*own)).collect::<Vec<_>>().join(", "),
         other => other.described(vocabulary()),
     }

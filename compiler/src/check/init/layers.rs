@@ -1,4 +1,4 @@
-//! The beginnings of tasks that extend each other, laid over each other: what an extending task says replaces what has the same
+//! The initial states of tasks that extend each other, merged: a setting of an extending task replaces what has the same
 //! name there, in its place; the rest is added; `remove` takes out.
 
 use super::Layer;
@@ -10,7 +10,7 @@ use crate::resolve::inherit::overrides_nothing;
 use crate::resolve::layers::Layers;
 use crate::syntax::tree::{InitStatement, Remove};
 
-/// A statement of a beginning.
+/// A statement of `init`.
 #[derive(Debug, Clone)]
 pub(super) struct Row<'a> {
     pub statement: &'a InitStatement,

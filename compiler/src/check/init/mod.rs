@@ -18,9 +18,9 @@ use crate::syntax::tree::{Block, InitStatement, Settle};
 use crate::task::{self, Init, ObjectStart, Setting};
 use layers::Row;
 
-/// A beginning, and the numbers in it that are drawn.
+/// An initial state, and the numbers in it that are drawn.
 #[derive(Debug, Default)]
-pub(crate) struct Beginning {
+pub(crate) struct InitialState {
     pub init: Init,
     /// In the order of the places in [`Init::drawn`].
     pub drawn: Vec<NodeId>,
@@ -33,7 +33,7 @@ pub(crate) type Layer<'a> = (&'a Block<InitStatement>, FileId);
 
 impl<'a> Checker<'a> {
     /// Checks the `init` of a task and of those that it extends, the oldest first; `None` where there is none.
-    pub(crate) fn init(&mut self, layers: &[Layer<'a>]) -> Checked<Option<Beginning>> {
+    pub(crate) fn init(&mut self, layers: &[Layer<'a>]) -> Checked<Option<InitialState>> {
         let Some((block, file)) = layers.last() else { return Ok(None) };
         for (block, file) in layers {
             self.in_file(*file, |checker| checker.placed_once(&block.entries));
@@ -57,11 +57,11 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn rows_of_init(&mut self, rows: &[Row<'a>], span: Span) -> Checked<Beginning> {
-        let mut beginning = Beginning { init: self.starting_objects(), ..Beginning::default() };
+    fn rows_of_init(&mut self, rows: &[Row<'a>], span: Span) -> Checked<InitialState> {
+        let mut initial = InitialState { init: self.starting_objects(), ..InitialState::default() };
         let mut posed: Option<Span> = None;
         let mut failures = Failures::default();
-        failures.catch(self.drawn_places(&mut beginning));
+        failures.catch(self.drawn_places(&mut initial));
         // What is placed may differ from the pose: the pose comes first, wherever it stands.
         let is_pose = |row: &&Row<'a>| matches!(row.statement, InitStatement::Pose(_));
         let poses = rows.iter().filter(is_pose);
@@ -69,13 +69,13 @@ impl<'a> Checker<'a> {
             let statement = row.statement;
             let result = self.in_file(row.file, |checker| match statement {
                 InitStatement::Pose(pose) => match posed.replace(pose.span) {
-                    None => checker.pose(pose, &mut beginning),
+                    None => checker.pose(pose, &mut initial),
                     Some(_) => Err(checker.error(codes::tasks::REPEATED, pose.span, "a second pose would replace the first")),
                 },
-                InitStatement::Object(element) if element.object.text == "root" => checker.root(element, &mut beginning),
-                InitStatement::Object(element) => checker.placement(element, &mut beginning),
-                InitStatement::Noise(noise) => checker.noise(noise, &mut beginning.init),
-                InitStatement::Settle(settle) => checker.settle(settle, &mut beginning.init),
+                InitStatement::Object(element) if element.object.text == "root" => checker.root(element, &mut initial),
+                InitStatement::Object(element) => checker.placement(element, &mut initial),
+                InitStatement::Noise(noise) => checker.noise(noise, &mut initial.init),
+                InitStatement::Settle(settle) => checker.settle(settle, &mut initial.init),
                 // Carried out already.
                 InitStatement::Allow(_) | InitStatement::Remove(_) => Ok(()),
             });
@@ -87,8 +87,8 @@ impl<'a> Checker<'a> {
                 .help("write `pose neutral`, or another pose of the body, or the name of a `reference`");
             return Err(self.report(diagnostic));
         }
-        let root = &beginning.init.root;
-        let placed = beginning.init.drawn.iter().any(|(setting, _)| *setting == Setting::RootHeight);
+        let root = &initial.init.root;
+        let placed = initial.init.drawn.iter().any(|(setting, _)| *setting == Setting::RootHeight);
         if root.height.is_none() && root.meets.is_empty() && !placed && !failures.any() && !self.has_ground() {
             let diagnostic =
                 self.diagnostic(codes::scene::NO_GROUND, span, "this scene has no ground for the initial state").help(
@@ -97,9 +97,9 @@ impl<'a> Checker<'a> {
             return Err(self.report(diagnostic));
         }
         if !failures.any() {
-            self.must_begin_within_ranges(&beginning.init, span)?;
+            self.must_begin_within_ranges(&initial.init, span)?;
         }
-        failures.or(beginning)
+        failures.or(initial)
     }
 
     /// Joints at zero and every free object where the scene has it.

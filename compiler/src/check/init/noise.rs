@@ -1,4 +1,4 @@
-//! Noise on the coordinates and velocities of a beginning.
+//! Noise on the coordinates and velocities of an initial state.
 
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;

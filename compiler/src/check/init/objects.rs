@@ -1,6 +1,6 @@
 //! Where the objects of the scene start, and how fast.
 
-use super::Beginning;
+use super::InitialState;
 use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::value::{EntityRef, Value};
@@ -14,15 +14,15 @@ const FREE: [&str; 4] = ["at", "orientation", "velocity", "spin"];
 
 impl<'a> Checker<'a> {
     /// Free objects whose place in the scene is drawn.
-    pub(super) fn drawn_places(&mut self, beginning: &mut Beginning) -> Checked<()> {
+    pub(super) fn drawn_places(&mut self, initial: &mut InitialState) -> Checked<()> {
         let Some(scene) = self.scene else { return Ok(()) };
         let mut failures = Failures::default();
         for start in &scene.starts {
-            let Some(place) = beginning.init.objects.iter().position(|known| known.object == start.object) else { continue };
+            let Some(place) = initial.init.objects.iter().position(|known| known.object == start.object) else { continue };
             let settings = [0, 1, 2].map(|axis| Setting::ObjectPosition(place, axis));
             let result = self.in_file(start.file, |checker| {
                 checker.with_locals(&start.locals, |checker| {
-                    checker.begin_bracket(start.place, Dimension::LENGTH, "`at`", settings, beginning)
+                    checker.begin_bracket(start.place, Dimension::LENGTH, "`at`", settings, initial)
                 })
             });
             failures.catch(result);
@@ -31,7 +31,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `cube { at [1 m, 0, 1 m], velocity [-4 m/s, 0, 1 m/s] }`, `door { swing 10 deg }`
-    pub(in crate::check) fn placement(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
+    pub(in crate::check) fn placement(&mut self, element: &'a Placement, initial: &mut InitialState) -> Checked<()> {
         let things = match self.object_named(element)? {
             Value::Entity(thing) => vec![thing],
             Value::Entities { members, .. } => members,
@@ -40,7 +40,7 @@ impl<'a> Checker<'a> {
         let mut failures = Failures::default();
         for thing in things {
             for field in &element.fields {
-                failures.catch(self.placement_field(thing, field, beginning));
+                failures.catch(self.placement_field(thing, field, initial));
             }
         }
         failures.or(())
@@ -64,7 +64,7 @@ impl<'a> Checker<'a> {
         self.vocabulary.landmarks.iter().filter(|landmark| landmark.of_scene).map(|landmark| landmark.name.as_str())
     }
 
-    fn placement_field(&mut self, thing: EntityRef, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {
+    fn placement_field(&mut self, thing: EntityRef, field: &'a Field, initial: &mut InitialState) -> Checked<()> {
         let name = match thing {
             EntityRef::Landmark(index) if self.vocabulary.landmarks[index].of_scene => {
                 self.vocabulary.landmarks[index].name.clone()
@@ -79,7 +79,7 @@ impl<'a> Checker<'a> {
         let joint = format!("{name}.{word}");
         if let Some(index) = self.vocabulary.joints.iter().position(|known| known.name == joint) {
             let expr = self.field_value(field)?;
-            beginning.init.coordinates[index] = self.coordinate(index, expr, field.name.span)?;
+            initial.init.coordinates[index] = self.coordinate(index, expr, field.name.span)?;
             return Ok(());
         }
         let scene = self.scene.map(|scene| &scene.description);
@@ -87,20 +87,20 @@ impl<'a> Checker<'a> {
             let object = scene.and_then(|scene| scene.objects.get(index));
             object.is_some_and(|object| object.name == name && object.motion == Motion::Free)
         };
-        let Some(place) = beginning.init.objects.iter().position(|start| free(start.object)) else {
+        let Some(place) = initial.init.objects.iter().position(|start| free(start.object)) else {
             return Err(self.not_free(&name, field));
         };
         let expr = self.field_value(field)?;
         let three = |setting: fn(usize, usize) -> Setting| [0, 1, 2].map(|axis| setting(place, axis));
         match word {
             "at" => {
-                beginning.forget(&three(Setting::ObjectPosition));
-                self.begin_bracket(expr, Dimension::LENGTH, "`at`", three(Setting::ObjectPosition), beginning)
+                initial.forget(&three(Setting::ObjectPosition));
+                self.begin_bracket(expr, Dimension::LENGTH, "`at`", three(Setting::ObjectPosition), initial)
             }
-            "velocity" => self.begin_bracket(expr, Dimension::SPEED, "`velocity`", three(Setting::ObjectVelocity), beginning),
-            "spin" => self.begin_bracket(expr, Dimension::ANGULAR_VELOCITY, "`spin`", three(Setting::ObjectSpin), beginning),
+            "velocity" => self.begin_bracket(expr, Dimension::SPEED, "`velocity`", three(Setting::ObjectVelocity), initial),
+            "spin" => self.begin_bracket(expr, Dimension::ANGULAR_VELOCITY, "`spin`", three(Setting::ObjectSpin), initial),
             "orientation" => {
-                beginning.init.objects[place].orientation = self.turned(expr)?;
+                initial.init.objects[place].orientation = self.turned(expr)?;
                 Ok(())
             }
             _ => {

@@ -1,6 +1,6 @@
-//! The pose of a beginning: a pose of the body, adjusted by name.
+//! The pose of an initial state: a pose of the body, adjusted by name.
 
-use super::Beginning;
+use super::InitialState;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
 use crate::check::value::{EntityRef, Value};
@@ -14,12 +14,12 @@ use crate::task::Init;
 use crate::vocabulary::JointKind;
 
 impl<'a> Checker<'a> {
-    pub(super) fn pose(&mut self, pose: &'a PoseUse, beginning: &mut Beginning) -> Checked<()> {
+    pub(super) fn pose(&mut self, pose: &'a PoseUse, initial: &mut InitialState) -> Checked<()> {
         let declared = self.names.find(self.place, &pose.name.text);
         if matches!(declared, Some((Declared { definition: Definition::Reference(_), .. }, _))) {
-            return self.pose_of_motion(pose, beginning);
+            return self.pose_of_motion(pose, initial);
         }
-        let init = &mut beginning.init;
+        let init = &mut initial.init;
         self.named_pose(&pose.name, init)?;
         let mut set = vec![false; init.coordinates.len()];
         let mut failures = Failures::default();
@@ -31,11 +31,11 @@ impl<'a> Checker<'a> {
 
     /// `pose gait`: the body where the motion is when the episode starts, and as fast. Joints that the motion does not move stand
     /// as in the standing pose; those that are adjusted begin at rest.
-    fn pose_of_motion(&mut self, pose: &'a PoseUse, beginning: &mut Beginning) -> Checked<()> {
+    fn pose_of_motion(&mut self, pose: &'a PoseUse, initial: &mut InitialState) -> Checked<()> {
         self.used.insert(pose.name.text.clone());
         let known = self.known_reference(&pose.name.text, pose.name.span)?;
         let known = self.references[known].clone();
-        let (joints, init) = (&self.vocabulary.joints, &mut beginning.init);
+        let (joints, init) = (&self.vocabulary.joints, &mut initial.init);
         for (coordinate, joint) in init.coordinates.iter_mut().zip(joints) {
             *coordinate = joint.neutral;
         }
@@ -55,10 +55,10 @@ impl<'a> Checker<'a> {
         };
         let constant = self.graph.constant_value(known.start);
         parts.write(&motion, motion.time_of(constant.unwrap_or(0.0)), init);
-        beginning.motion = Some(pose.name.text.clone());
+        initial.motion = Some(pose.name.text.clone());
         if constant.is_none() {
-            init.follows = Some(Following { motion, start: Start::Drawn(beginning.drawn.len()), after: 0.0, parts, path: None });
-            beginning.drawn.push(known.start);
+            init.follows = Some(Following { motion, start: Start::Drawn(initial.drawn.len()), after: 0.0, parts, path: None });
+            initial.drawn.push(known.start);
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Where the root starts.
 
-use super::Beginning;
+use super::InitialState;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
 use crate::check::value::{EntityRef, Value};
@@ -13,7 +13,7 @@ use crate::task::Setting;
 /// How the fields of the root are written.
 const HELP: &str = "`root` takes `height on ground` or `height 1 m`, `lift 5 cm` above the ground, `at [0 m, 0 m]`, `heading 0 deg`, `pitch 0 deg`, `roll 0 deg`, `velocity [0.3 m/s, 0, 0]` and `align palm_l to bar.grip_l`";
 
-impl Beginning {
+impl InitialState {
     /// What `root` sets itself is not taken from the motion of a pose.
     fn unfollow(&mut self, word: &str) {
         let Some(following) = &mut self.init.follows else { return };
@@ -29,7 +29,7 @@ impl Beginning {
 }
 
 impl<'a> Checker<'a> {
-    pub(in crate::check) fn root(&mut self, element: &'a Placement, beginning: &mut Beginning) -> Checked<()> {
+    pub(in crate::check) fn root(&mut self, element: &'a Placement, initial: &mut InitialState) -> Checked<()> {
         let mut failures = Failures::default();
         let mut seen: Vec<&str> = Vec::new();
         for field in &element.fields {
@@ -39,7 +39,7 @@ impl<'a> Checker<'a> {
                 continue;
             }
             seen.push(word);
-            failures.catch(self.root_field(field, beginning));
+            failures.catch(self.root_field(field, initial));
         }
         if !failures.any() && seen.contains(&"align") && (seen.contains(&"height") || seen.contains(&"at")) {
             let message = "`align` already places the root; `height` and `at` are redundant";
@@ -48,44 +48,44 @@ impl<'a> Checker<'a> {
         failures.or(())
     }
 
-    fn root_field(&mut self, field: &'a Field, beginning: &mut Beginning) -> Checked<()> {
+    fn root_field(&mut self, field: &'a Field, initial: &mut InitialState) -> Checked<()> {
         let word = field.name.text.as_str();
-        if let (Some(motion), "heading") = (&beginning.motion, word) {
+        if let (Some(motion), "heading") = (&initial.motion, word) {
             let message = format!("the motion `{motion}` already sets the heading of the root");
             let diagnostic = self
                 .diagnostic(codes::composition::MOTION, field.span, message)
                 .help("a motion follows the x axis of the world, as in its table");
             return Err(self.report(diagnostic));
         }
-        beginning.unfollow(word);
+        initial.unfollow(word);
         match (field.name.text.as_str(), &field.value) {
             ("height", FieldValue::On(Expr { kind: ExprKind::Name(name), .. })) if name.text == "ground" => {
-                beginning.init.root.height = None;
+                initial.init.root.height = None;
                 Ok(())
             }
             ("height", FieldValue::Value(value)) => {
-                self.begin_number(value, Dimension::LENGTH, "`height`", Setting::RootHeight, beginning)
+                self.begin_number(value, Dimension::LENGTH, "`height`", Setting::RootHeight, initial)
             }
             ("at", FieldValue::Value(value)) => {
-                self.begin_bracket(value, Dimension::LENGTH, "`at`", [0, 1].map(Setting::RootPosition), beginning)
+                self.begin_bracket(value, Dimension::LENGTH, "`at`", [0, 1].map(Setting::RootPosition), initial)
             }
             ("heading", FieldValue::Value(value)) => {
-                self.begin_number(value, Dimension::ANGLE, "`heading`", Setting::RootHeading, beginning)
+                self.begin_number(value, Dimension::ANGLE, "`heading`", Setting::RootHeading, initial)
             }
             ("pitch", FieldValue::Value(value)) => {
-                self.begin_number(value, Dimension::ANGLE, "`pitch`", Setting::RootPitch, beginning)
+                self.begin_number(value, Dimension::ANGLE, "`pitch`", Setting::RootPitch, initial)
             }
             ("roll", FieldValue::Value(value)) => {
-                self.begin_number(value, Dimension::ANGLE, "`roll`", Setting::RootRoll, beginning)
+                self.begin_number(value, Dimension::ANGLE, "`roll`", Setting::RootRoll, initial)
             }
             ("velocity", FieldValue::Value(value)) => {
-                self.begin_bracket(value, Dimension::SPEED, "`velocity`", [0, 1, 2].map(Setting::RootVelocity), beginning)
+                self.begin_bracket(value, Dimension::SPEED, "`velocity`", [0, 1, 2].map(Setting::RootVelocity), initial)
             }
             ("lift", FieldValue::Value(value)) => {
-                beginning.init.root.lift = self.fixed_number(value, Dimension::LENGTH, "`lift`")?;
+                initial.init.root.lift = self.fixed_number(value, Dimension::LENGTH, "`lift`")?;
                 Ok(())
             }
-            ("align", FieldValue::Meets { place, target }) => self.meeting(place, target, &mut beginning.init.root.meets),
+            ("align", FieldValue::Meets { place, target }) => self.meeting(place, target, &mut initial.init.root.meets),
             (name, _) => {
                 let message = format!("`root` does not take `{name}` like this");
                 let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message).help(HELP);

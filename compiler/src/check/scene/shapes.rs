@@ -56,7 +56,7 @@ impl<'a> Checker<'a> {
         if fields.get("free").is_none() {
             return Ok((self.fixed_bracket(expr, Dimension::LENGTH, "`at`")?, None));
         }
-        // The place of a free thing may be drawn: that is looked at with the beginning, when what is drawn is known.
+        // The place of a free thing may be drawn: that is checked with the initial state, when what is drawn is known.
         Ok(match self.attempt(|checker| checker.fixed_bracket(expr, Dimension::LENGTH, "`at`")) {
             Some(place) => (place, None),
             None => ([0.0; 3], Some(expr)),

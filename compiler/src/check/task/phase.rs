@@ -1,7 +1,7 @@
 //! A task as a phase of a sequence: when it gives way to the next, and which tests it checks.
 
 use crate::check::context::{Checked, Checker};
-use crate::check::init::Beginning;
+use crate::check::init::InitialState;
 use crate::check::observe::ObservedChannel;
 use crate::check::reward::RewardTerm;
 use crate::check::tests::CheckedTests;
@@ -45,7 +45,7 @@ impl<'a> Checker<'a> {
     pub(super) fn own_tests(
         &mut self,
         sequence: InSequence<'a>,
-        init: &Beginning,
+        init: &InitialState,
         seen: (&[RewardTerm<'a>], &[ObservedChannel]),
         success: NodeId,
         texts: &dyn Texts,

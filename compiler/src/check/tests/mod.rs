@@ -17,7 +17,7 @@ mod situation;
 pub(crate) use reset::over_resets;
 
 use super::context::{Checked, Checker, Failures, Local, ReadMode, Reported};
-use super::init::Beginning;
+use super::init::InitialState;
 use super::observe::ObservedChannel;
 use super::reward::RewardTerm;
 use super::task::InSequence;
@@ -38,8 +38,8 @@ use crate::testing::{Expectation, Keyframe, Run, Take, TaskTest};
 pub(crate) struct CheckedTests {
     pub graph: Graph,
     pub queries: Vec<Query>,
-    /// Numbers that beginnings take from what is drawn: those of the task, and more.
-    pub beginning: Vec<NodeId>,
+    /// Numbers that initial states take from what is drawn: those of the task, and more.
+    pub initial_values: Vec<NodeId>,
     /// What expectations look at.
     pub probes: Vec<ObservedChannel>,
     /// In a sequence without expectations until they are gathered.
@@ -133,7 +133,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn tests(
         &mut self,
         tests: &[(&'a Test, FileId)],
-        init: &Beginning,
+        init: &InitialState,
         (terms, channels): (&[RewardTerm<'_>], &[ObservedChannel]),
         success: NodeId,
         texts: &dyn Texts,
@@ -186,7 +186,7 @@ impl<'a> Checker<'a> {
         Ok(Some(CheckedTests {
             graph,
             queries,
-            beginning: drawn,
+            initial_values: drawn,
             probes,
             tests: compiled,
             found: all_found,
@@ -198,7 +198,7 @@ impl<'a> Checker<'a> {
     fn test(
         &mut self,
         test: &'a Test,
-        init: &Beginning,
+        init: &InitialState,
         drawn: &mut Vec<NodeId>,
         probes: &mut Vec<ObservedChannel>,
         texts: &dyn Texts,
@@ -209,7 +209,7 @@ impl<'a> Checker<'a> {
         exact(&mut begins.velocity_noise);
         // A motion on which the task begins goes along the x axis of the world.
         let course = if init.motion.is_some() { 0.0 } else { begins.root.heading };
-        let own = Draft::beginning(Scene { init: begins, activation: 0.0, course });
+        let own = Draft::starting_from(Scene { init: begins, activation: 0.0, course });
         let mut reader = Reader { drafts: vec![own], wanted: Vec::new() };
         let mut failures = Failures::default();
         failures.catch(self.test_statements(&test.statements, test.cheat, 0, &mut reader, drawn));
@@ -291,12 +291,12 @@ impl<'a> Checker<'a> {
                 draft.placed = true;
                 let moving = |field: &&crate::syntax::tree::Field| ["velocity", "spin"].contains(&field.name.text.as_str());
                 draft.velocity = draft.velocity.or(placement.fields.iter().find(moving).map(|field| field.span));
-                let mut beginning = Beginning { init: draft.begins.init.clone(), drawn: std::mem::take(drawn), motion: None };
+                let mut initial = InitialState { init: draft.begins.init.clone(), drawn: std::mem::take(drawn), motion: None };
                 let placed = match placement.object.text.as_str() {
-                    "root" => self.root(placement, &mut beginning),
-                    _ => self.placement(placement, &mut beginning),
+                    "root" => self.root(placement, &mut initial),
+                    _ => self.placement(placement, &mut initial),
                 };
-                (draft.begins.init, *drawn) = (beginning.init, beginning.drawn);
+                (draft.begins.init, *drawn) = (initial.init, initial.drawn);
                 if placement.object.text == "root" {
                     placement.fields.iter().for_each(|field| situation::unfollow_field(&mut draft.begins, &field.name.text));
                 }
@@ -375,7 +375,7 @@ impl<'a> Checker<'a> {
                     placed: own.placed,
                     given: own.given.clone(),
                     velocity: own.velocity,
-                    ..Draft::beginning(own.begins.clone())
+                    ..Draft::starting_from(own.begins.clone())
                 };
                 reader.drafts.push(draft);
                 let take = reader.drafts.len() - 1;
@@ -539,7 +539,7 @@ impl<'a> Checker<'a> {
 }
 
 impl Draft {
-    fn beginning(begins: Scene) -> Self {
+    fn starting_from(begins: Scene) -> Self {
         Self {
             name: None,
             begins,

@@ -1,7 +1,7 @@
 //! The tests of a sequence: every phase checks them by its own names, here they become one.
 //!
-//! Scripts mean the same in every phase, since scene and beginning are shared: they are the first's. An expectation is read in
-//! the phase that is present at its moment, so each phase reports which number that is, if it has any; one that no phase has
+//! Scripts mean the same in every phase, since scene and initial state are shared: they are the first's. An expectation is read
+//! in the phase that is present at its moment, so each phase reports which number that is, if it has any; one that no phase has
 //! is an error.
 
 use super::{CheckedTests, Found};

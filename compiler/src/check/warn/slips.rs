@@ -14,7 +14,7 @@ use crate::syntax::tree::Expr;
 
 impl Checker<'_> {
     /// Warns of the difference between joints and a number that none of them ever has.
-    pub(crate) fn warn_beyond_range(&mut self, [a, b]: [NodeId; 2], subtract: bool, kind: &Type, written: [&Expr; 2]) {
+    pub(crate) fn warn_beyond_range(&mut self, [a, b]: [NodeId; 2], subtract: bool, ty: &Type, written: [&Expr; 2]) {
         let sides = [(a, b), (b, a)].into_iter().find_map(|(joints, number)| {
             let Operation::Sensors(sensors) = &self.graph.node(joints).operation else { return None };
             Some((sensors.clone(), self.graph.constant_value(number)?))
@@ -32,11 +32,11 @@ impl Checker<'_> {
         if !beyond([low, high]) || !ranges.all(|joint| joint.is_some_and(|(_, range)| beyond(range))) {
             return;
         }
-        let (range, found) = spoken_unit(kind, written).tell_beside([low, high], target);
+        let (range, found) = spoken_unit(ty, written).tell_beside([low, high], target);
         let message = format!("`{name}` never reaches {found}");
         let span = written[0].span.to(written[1].span);
         let diagnostic = self.diagnostic(codes::slips::BEYOND_RANGE, span, message).expected(range).found(found);
-        let people = SpokenUnit::of(kind.dimension().unwrap_or(Dimension::NONE));
+        let people = SpokenUnit::of(ty.dimension().unwrap_or(Dimension::NONE));
         let diagnostic = match people.tell_beside([low, high], target).0 {
             shown if diagnostic.expected.as_ref() == Some(&shown) => diagnostic,
             shown => diagnostic.help(format!("its range is {shown}")),

@@ -1,4 +1,4 @@
-//! Tasks, sequences, and their statements but for scene, beginning and tests.
+//! Tasks, sequences, and their statements but for scene, initial state and tests.
 
 use super::{Builder, part, parts};
 use crate::syntax::grammar::{Pair, Rule};

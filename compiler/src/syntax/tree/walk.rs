@@ -35,7 +35,7 @@ pub trait Visitor<'a> {
     fn scene_statement(&mut self, statement: &'a SceneStatement) {
         walk_scene_statement(self, statement);
     }
-    /// A statement of the beginning.
+    /// A statement of `init`.
     fn init_statement(&mut self, statement: &'a InitStatement) {
         walk_init_statement(self, statement);
     }
@@ -148,7 +148,7 @@ pub fn walk_scene_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, statem
     }
 }
 
-/// Goes on inside a statement of the beginning.
+/// Goes on inside a statement of `init`.
 pub fn walk_init_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, statement: &'a InitStatement) {
     match statement {
         InitStatement::Pose(pose) => pose.adjustments.iter().for_each(|adjustment| visitor.assignment(adjustment)),

@@ -99,7 +99,7 @@ impl Policy for ComputedMuscleControl {
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
         let hold = Hold { steps: context.substeps, timestep: context.model.options.timestep };
-        let init = context.task.beginning(context.progress);
+        let init = context.task.initial_state(context.progress);
         let present = Present::new(context);
         let mut controller = Controller::new(&present, &init.coordinates, hold)?;
         if self.along == Along::Demonstration {
@@ -117,7 +117,7 @@ impl Policy for ComputedMuscleControl {
                 let begun = context.task.followed(context.progress).map(|(followed, time)| (&followed.motion, time));
                 let phase = begun.map(|_| (context.progress.phase, context.progress.began));
                 if self.along == Along::Reference && phase != self.followed {
-                    let init = context.task.beginning(context.progress);
+                    let init = context.task.initial_state(context.progress);
                     let course = begun.map(|(motion, time)| Course::of_motion(motion, time, &init, present.body, present.state));
                     controller.follow(course, context.progress.step, &present);
                     self.followed = phase;

@@ -1,4 +1,4 @@
-//! The beginning of a task: overlaps, what does not hold together, ends that hold at the first step.
+//! Checks of the initial state: penetrations, unsatisfied constraints, terminations true at step 0.
 
 use super::at;
 use super::poses::Room;
@@ -33,7 +33,7 @@ pub(super) struct Begun {
     pub episode: Environment,
     /// Where the first seed begins.
     pub state: State<f64>,
-    /// The sensor records of all beginnings.
+    /// The sensor records of all initial states.
     pub frames: Vec<Vec<f64>>,
 }
 
@@ -94,7 +94,7 @@ pub(super) fn above(task: &CompiledTask, room: &mut Room<'_>, diagnostics: &mut 
     if meant || room.body.root.free.is_none() || room.body.shapes.is_empty() || !room.body.connections.is_empty() {
         return;
     }
-    let height = room.height_of_beginning();
+    let height = room.initial_height();
     if height > HIGHEST && height.is_finite() {
         let message = format!("the task `{}` starts with the body {:.1} cm above everything: it falls", task.name, 1e2 * height);
         let diagnostic = at(probing::STARTS_ABOVE, task.places.init, message).help(

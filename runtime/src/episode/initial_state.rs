@@ -8,7 +8,7 @@ use msk_physics::{self as physics, State, Workspace};
 use msk_program::task::{Init, ObjectStart, Settle, Spread};
 use nalgebra::Vector3;
 
-/// Puts `state` at the beginning of an episode: everything else in it is as after [`State::new`].
+/// Puts `state` into the initial state of an episode: everything else in it is as after [`State::new`].
 ///
 /// 0. Free objects stand where the task puts them, others where the scene has them.
 /// 1. The task's coordinates, with normal noise on the independent hinges; a draw beyond a limit is folded back into the
