@@ -1,5 +1,5 @@
 //! `msk help [COMMAND | CODE | LINT | lints | policies | exit-codes]`: what a command does, what a code or a lint means, which lints
-//! there are, how a policy of one's own is written, or what the program's exit codes say.
+//! there are, how a policy of one's own is written, or what the program's exit codes mean.
 
 use crate::Cli;
 use crate::error::Error;

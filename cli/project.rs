@@ -35,7 +35,7 @@ impl Project {
     /// Compiles `path` with parameters set; warnings go to standard error.
     ///
     /// # Errors
-    /// What the compiler says, all of it.
+    /// All errors of the compiler.
     pub fn open(path: &Path, settings: &[Setting]) -> Result<Self, Error> {
         Self::open_at(path, settings, &Levels::default())
     }
@@ -43,7 +43,7 @@ impl Project {
     /// The same with lints at other levels: a warning that is denied is an error.
     ///
     /// # Errors
-    /// What the compiler says, all of it, and warnings that are denied.
+    /// All errors of the compiler, and warnings that are denied.
     pub fn open_at(path: &Path, settings: &[Setting], levels: &Levels) -> Result<Self, Error> {
         let bodies = BodyLibrary::default();
         let compilation = compile_with(path, &FileLoader, &bodies, settings)

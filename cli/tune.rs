@@ -132,9 +132,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     };
     let progress = Progress::new(args.interval);
     let bar = progress.bar.clone();
-    let mut session = Session::open(&folder, settings, trial, move |message| bar.suspend(|| say(message)))?;
+    let mut session = Session::open(&folder, settings, trial, move |message| bar.suspend(|| print(message)))?;
     if !session.rounds().is_empty() {
-        say(&format!("resuming `{}`: {} of {} rounds exist", folder.display(), session.rounds().len(), args.rounds));
+        print(&format!("resuming `{}`: {} of {} rounds exist", folder.display(), session.rounds().len(), args.rounds));
     }
     let interrupt = Interrupt::listen()?;
     let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
@@ -198,7 +198,7 @@ fn line(round: &Round) -> String {
     format!("{head}; {changes}")
 }
 
-fn say(message: &str) {
+fn print(message: &str) {
     // Nothing is left to be done when standard error itself cannot be written.
     let _ = writeln!(io::stderr(), "{message}");
 }

@@ -1,4 +1,4 @@
-//! Shapes touch where MuJoCo 4.0.0 says they do: `tests/oracle/collision.py` made the golden numbers.
+//! Shapes touch where they do in MuJoCo 4.0.0: `tests/oracle/collision.py` made the golden numbers.
 
 use crate::support;
 

@@ -126,8 +126,8 @@ fn distance_after_motion(rigid: &Model, soft: &Model) -> f64 {
     end(rigid).iter().zip(end(soft)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// What `docs/elastic-tendons.md` says of the body: a muscle whose range leaves less tendon than a tenth of its path stretches
-/// by that tenth.
+/// The statement of `docs/elastic-tendons.md` about the body: a muscle whose range leaves less tendon than a tenth of its path
+/// stretches by that tenth.
 #[test]
 fn the_range_of_many_muscles_of_the_trunk_leaves_no_tendon() {
     let model = human();

@@ -1,4 +1,4 @@
-//! The human body file says what is true of its model: landmarks are where and how they are named, poses are possible.
+//! The human body file agrees with its model: landmarks are where and how they are named, poses are possible.
 
 use msk::compiler::compile;
 use msk::compiler::diagnostics::Style;

@@ -63,7 +63,7 @@ fn drift(model: &Model, seed: u64) -> [f64; 3] {
     drift
 }
 
-/// What drifts without friction and contact is the error of the step: it shrinks as the integrator's order says.
+/// What drifts without friction and contact is the error of the step: it shrinks with the integrator's order.
 #[test]
 fn energy_and_momentum_are_kept_to_the_order_of_the_integrator() {
     let orders = [(Integrator::Euler, 1.0), (Integrator::Implicit, 1.0), (Integrator::RungeKutta, 4.0)];

@@ -1,4 +1,4 @@
-//! Reading a file gives MuJoCo 4.0.0's arrays: `tests/oracle/mjcf.py` made the golden ones and says how they are stored.
+//! Reading a file gives MuJoCo 4.0.0's arrays: `tests/oracle/mjcf.py` made the golden ones and documents how they are stored.
 
 use crate::support;
 

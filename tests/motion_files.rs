@@ -1,4 +1,4 @@
-//! The reference motions of this repository: each fits the body, keeps its feet on the ground, and is what its name says.
+//! The reference motions of this repository: each fits the body, keeps its feet on the ground, and is what its name promises.
 
 use msk_compiler::diagnostics::FileId;
 use msk_compiler::motion::{Motion, RootPart, problems, read};

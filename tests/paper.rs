@@ -1,6 +1,6 @@
 //! The benchmark's tasks beside the paper's tables: weights, constants, observations, terminations and success, row by row.
 //!
-//! What the paper says is typed once, in `tests/paper/*.toml`. Whatever differs is named there with a reason, which the task
+//! The content of the paper is typed once, in `tests/paper/*.toml`. Whatever differs is named there with a reason, which the task
 //! itself gives behind `ours:`; nothing else may differ. Compared are contents, not names: the sensors, states and clocks that a
 //! channel or a condition reads, and every constant that it adds to the paper's. `docs/paper.md` lists what differs; `MSK_UPDATE=1` writes it anew.
 
@@ -373,7 +373,7 @@ impl Comparison<'_> {
         self.differs("success", &paper.success.paper, &paper.success.differs);
     }
 
-    /// Every reason that the task gives must be on the list, unless it says that nothing differs.
+    /// Every reason that the task gives must be on the list, unless it states that nothing differs.
     fn nothing_unlisted(&mut self) {
         let unlisted: Vec<String> = (0..self.reasons.len())
             .filter(|&index| !self.used[index] && !self.reasons[index].starts_with("the same"))

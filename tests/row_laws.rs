@@ -199,7 +199,7 @@ fn figure() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Whatever stiffness, impedance and mass: a step ends with numbers, or with a fault that says where it failed.
+    /// Whatever stiffness, impedance and mass: a step ends with numbers, or with a fault that names where it failed.
     #[test]
     fn the_solver_always_ends(
         reference in prop::array::uniform4(figure()),

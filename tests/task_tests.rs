@@ -391,7 +391,7 @@ fn a_test_of_a_sequence_goes_through_its_phases() {
         }",
     );
     assert!(report.passed(), "{report:#?}");
-    // What is not found wrong says nothing unless the same machinery finds something.
+    // A test that finds nothing proves nothing unless the same machinery finds something.
     assert!(in_sequence("cheat \"standing\" { pose neutral }").passed());
     let caught = in_sequence("cheat \"squatting\" { at 2 s pose squatting }");
     assert_eq!(caught.failures[0].expected, "not success");

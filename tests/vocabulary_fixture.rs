@@ -1,4 +1,4 @@
-//! The compiler's tests use a fixture in place of the body: it must be what the body says.
+//! The compiler's tests use a fixture in place of the body: it must equal the vocabulary of the body.
 //!
 //! Written by `cargo run -- vocabulary --json | jq -c .body > compiler/tests/fixtures/human_vocabulary.json`.
 

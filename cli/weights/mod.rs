@@ -130,7 +130,7 @@ impl Opened {
     }
 }
 
-/// Makes the changes that `edits` wishes of a file, or shows them. While they are made the file is locked, so that nobody's
+/// Makes the changes that `edits` wishes of a file, or shows them. While they are made the file is locked, so that no program's
 /// change is lost.
 fn change(target: &Target, by: &str, edits: impl Fn(&Opened) -> Result<Vec<Edit>, Error>) -> Result<ExitCode, Error> {
     // A file that cannot be edited is reported before anything is made beside it.

@@ -277,7 +277,7 @@ fn parameters_size_the_scene() {
     assert_eq!((count, rise, run), (4, 0.15, 0.3));
 }
 
-/// The second task, which extends the first, and the third, which says the same by itself.
+/// The second task, which extends the first, and the third, which declares the same by itself.
 fn extended_and_written(first: &str, second: &str, third: &str) -> [Arc<CompiledTask>; 2] {
     let whole = |name: &str, statements: &str| complete(statements).replacen("task example", &format!("task {name}"), 1);
     let text = format!("{}\ntask second extends first {{ {second} }}\n{}", whole("first", first), whole("third", third));

@@ -59,9 +59,9 @@ impl Client {
     async fn initialize(&mut self) {
         let info =
             json!({ "protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": { "name": "test", "version": "1" } });
-        self.say(json!({ "jsonrpc": "2.0", "id": "hello", "method": "initialize", "params": info })).await;
+        self.send(json!({ "jsonrpc": "2.0", "id": "hello", "method": "initialize", "params": info })).await;
         assert_eq!(self.hear().await["result"]["serverInfo"]["name"], "msk");
-        self.say(json!({ "jsonrpc": "2.0", "method": "notifications/initialized" })).await;
+        self.send(json!({ "jsonrpc": "2.0", "method": "notifications/initialized" })).await;
     }
 
     async fn line(&mut self, line: &[u8]) {
@@ -72,7 +72,7 @@ impl Client {
         .await;
     }
 
-    async fn say(&mut self, message: Value) {
+    async fn send(&mut self, message: Value) {
         self.line(message.to_string().as_bytes()).await;
     }
 
@@ -85,15 +85,15 @@ impl Client {
     async fn evaluate(&mut self, id: u64, task: &str) {
         let arguments = json!({ "task": task, "policy": "zero", "episodes": 1, "max_steps": 200_000, "max_seconds": 600 });
         let params = json!({ "name": "evaluate", "arguments": arguments });
-        self.say(json!({ "jsonrpc": "2.0", "id": id, "method": "tools/call", "params": params })).await;
+        self.send(json!({ "jsonrpc": "2.0", "id": id, "method": "tools/call", "params": params })).await;
     }
 
     async fn cancel(&mut self, id: u64) {
-        self.say(json!({ "jsonrpc": "2.0", "method": "notifications/cancelled", "params": { "requestId": id } })).await;
+        self.send(json!({ "jsonrpc": "2.0", "method": "notifications/cancelled", "params": { "requestId": id } })).await;
     }
 
     async fn still_answers(&mut self) {
-        self.say(json!({ "jsonrpc": "2.0", "id": "still", "method": "ping" })).await;
+        self.send(json!({ "jsonrpc": "2.0", "id": "still", "method": "ping" })).await;
         assert_eq!(self.hear().await, json!({ "jsonrpc": "2.0", "id": "still", "result": {} }));
     }
 }
@@ -137,7 +137,7 @@ async fn lines_that_are_no_messages_are_answered_with_errors() {
         json!({ "jsonrpc": "2.0", "id": 8, "method": "tools/call", "params": { "name": "no_such_tool" } }),
         json!({ "jsonrpc": "2.0", "id": 8, "method": "tools/call", "params": { "name": "evaluate", "arguments": { "task": 5 } } }),
     ] {
-        client.say(request.clone()).await;
+        client.send(request.clone()).await;
         let answer = client.hear().await;
         assert_eq!(answer["id"], 8, "{request}: {answer}");
         assert!(answer["error"].is_object() || answer["result"]["isError"] == true, "{request}: {answer}");
@@ -194,10 +194,10 @@ async fn messages_before_the_handshake_do_not_end_the_server() {
     let mut client = Client::connect();
     client.line(b"hello").await;
     assert_eq!(client.hear().await["error"]["code"], -32700);
-    client.say(json!({ "jsonrpc": "2.0", "method": "notifications/initialized" })).await;
-    client.say(json!({ "jsonrpc": "2.0", "id": 1, "result": {} })).await;
+    client.send(json!({ "jsonrpc": "2.0", "method": "notifications/initialized" })).await;
+    client.send(json!({ "jsonrpc": "2.0", "id": 1, "result": {} })).await;
     client.still_answers().await;
-    client.say(json!({ "jsonrpc": "2.0", "id": 2, "method": "tools/list" })).await;
+    client.send(json!({ "jsonrpc": "2.0", "id": 2, "method": "tools/list" })).await;
     assert!(client.hear().await["error"].is_object());
     client.cancel(2).await;
     client.initialize().await;
@@ -233,7 +233,7 @@ async fn beyond_one_evaluation_per_core_and_a_few_that_wait_the_server_is_busy()
     // Other tools and messages do not wait behind evaluations.
     client.still_answers().await;
     client
-        .say(json!({ "jsonrpc": "2.0", "id": 100, "method": "tools/call", "params": { "name": "list_tasks", "arguments": {} } }))
+        .send(json!({ "jsonrpc": "2.0", "id": 100, "method": "tools/call", "params": { "name": "list_tasks", "arguments": {} } }))
         .await;
     assert_eq!(client.hear().await["result"]["isError"], false);
     // Waiting and running ones are cancelled, and make room: within a step, not after the ten minutes of their budgets.

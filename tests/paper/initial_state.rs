@@ -39,7 +39,7 @@ struct Instead {
     because: String,
 }
 
-/// A number, or words that begin what the task says.
+/// A number, or words that begin the text of the task.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
 enum Value {

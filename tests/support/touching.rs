@@ -92,7 +92,7 @@ fn match_up(ours: &[Contact], theirs: &[Theirs], along: bool) -> Option<[f64; 3]
     Some(worst)
 }
 
-/// Whether our single contact is what it says, and across a direction that leaves a larger gap than MuJoCo's.
+/// Whether our single contact is consistent, and across a direction that leaves a larger gap than MuJoCo's.
 fn is_closer([first, second]: [&Placed<'_>; 2], ours: &[Contact], theirs: &[Theirs]) -> bool {
     let ([our], [their]) = (ours, theirs) else { return false };
     let normal = our.frame.row(0).transpose();

@@ -110,7 +110,7 @@ fn a_change_after_a_program_that_died_happens_or_does_not() {
         let log = path.with_file_name(".msk").join("weights.toml.history.jsonl");
         let lines = fs::read_to_string(&log).unwrap();
         let kept = lines.trim_end().rfind('\n').unwrap() + 1;
-        // Half of the line that says that it was made.
+        // Half of the line that records that it was made.
         fs::write(&log, &lines[..kept + 7]).unwrap();
     });
 }

@@ -203,7 +203,7 @@ pub struct StepReport {
     pub truncated: bool,
     /// Whether the next phase of a sequence begins in this snapshot.
     pub entered: bool,
-    /// Values of all metrics, laid out as [`CompiledTask::metrics`] says.
+    /// Values of all metrics, laid out by [`CompiledTask::metrics`].
     pub metrics: Vec<f64>,
     /// Whether the success expression holds at this step.
     pub success: bool,

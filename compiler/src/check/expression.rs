@@ -21,7 +21,7 @@ impl<'a> Checker<'a> {
         value
     }
 
-    /// A value whose node is as wide as its type says.
+    /// A value whose node is as wide as its type.
     fn verified(&mut self, value: Value, span: Span) -> Checked<Value> {
         if let Value::Typed(data) = &value {
             self.graph.verify_width(data.node, data.kind.lanes());
@@ -165,7 +165,7 @@ impl<'a> Checker<'a> {
     /// One condition.
     ///
     /// # Errors
-    /// Anything else; a list must say `any` or `all`.
+    /// Anything else; a list needs `any` or `all`.
     pub(crate) fn single_condition(&mut self, expr: &'a Expr) -> Checked<TypedValue> {
         let data = self.condition(expr)?;
         if data.kind.length().is_none() {

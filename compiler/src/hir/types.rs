@@ -186,7 +186,7 @@ impl Type {
         }
     }
 
-    /// One element, or a list of so many where `list` says so.
+    /// One element, or a list of so many if `list` is given.
     pub fn one_or_list(element: ElementType, list: bool, length: usize) -> Self {
         if list { Self::List(element, length) } else { Self::One(element) }
     }

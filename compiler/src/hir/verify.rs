@@ -1,4 +1,4 @@
-//! The verifier: parts lie within their wholes, and a value is as wide as its type says, after the whole task is checked.
+//! The verifier: parts lie within their wholes, and a value is as wide as its type, after the whole task is checked.
 //!
 //! What it finds is a mistake of the compiler, never of a text.
 

@@ -41,7 +41,7 @@ pub(crate) enum Definition<'a> {
 }
 
 impl<'a> Definition<'a> {
-    /// What its documentation comment says.
+    /// Its documentation comment.
     pub(crate) fn docs(&self) -> Option<&'a Docs> {
         match self {
             Self::Const(binding) | Self::Let(binding) => binding.docs.as_ref(),

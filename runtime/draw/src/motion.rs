@@ -110,7 +110,7 @@ fn curves(motion: &Motion) -> Chart {
         let turns = column.dimension == Dimension::ANGLE;
         let (factor, unit) = if turns { (180.0 / core::f64::consts::PI, "deg") } else { (1.0, "m") };
         let values = |column: usize| times.iter().map(|time| factor * motion.value(column, *time)).collect::<Vec<f64>>();
-        // Paths that go on say little as curves.
+        // Paths that go on are not informative as curves.
         let along = column.advances || column.target == Target::Root(RootPart::X) && motion.cycle;
         let [low, high] = motion.range(index);
         seen.push(stem.clone());

@@ -59,7 +59,7 @@ pub(super) fn lines(snapshot: &Snapshot<'_>, muscle: usize) -> Vec<Vec<Vector3<f
 }
 
 /// Points on an arc between where a path touches a sphere or cylinder and where it leaves: a turn about the shape's axis (for
-/// a sphere, the normal of the plane of the arc) with a steady climb along it, as long as the vertex says.
+/// a sphere, the normal of the plane of the arc) with a steady climb along it, of the length of the vertex.
 fn arc(snapshot: &Snapshot<'_>, geom: usize, touch: Vector3<f64>, leave: &PathVertex<f64>) -> Vec<Vector3<f64>> {
     let (geoms, kinematics) = (&snapshot.model.geoms, &snapshot.workspace.kinematics);
     let centre = kinematics.geom_position[geom];

@@ -7,7 +7,7 @@ use core::fmt::Write;
 /// Something to paint. Depths are distances from the viewer, m.
 #[derive(Debug, Clone)]
 pub(super) enum Item {
-    /// A limb; `near` says how near it is to the viewer against the rest of the body, 0..1.
+    /// A limb; `near` is how near it is to the viewer against the rest of the body, 0..1.
     Silhouette {
         depth: f64,
         path: Path,

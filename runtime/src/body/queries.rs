@@ -8,7 +8,7 @@ use msk_program::frame::{Origin, Query};
 use nalgebra::Vector3;
 
 impl Snapshot<'_> {
-    /// Answers a query; `answer` has as many values as it says.
+    /// Answers a query; `answer` has as many values as the query.
     pub(super) fn answer(&self, query: &Query, answer: &mut [f64]) {
         let place = |origin: &Origin| self.body.place_of(&self.workspace.kinematics, origin).xy();
         match query {

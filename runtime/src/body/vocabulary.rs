@@ -45,7 +45,7 @@ impl Body {
             gravity: model.options.gravity.norm(),
             neutral_com: self.centre_of_mass(model, kinematics).into(),
             landmarks: self.landmarks.iter().map(landmark).collect(),
-            // Poses say nothing of objects, whose joints stand at zero.
+            // Poses do not contain objects, whose joints stand at zero.
             joints: self.joints.iter().zip(neutral.iter().copied().chain(core::iter::repeat(0.0))).map(joint).collect(),
             muscles: self.muscles.iter().map(muscle).collect(),
             groups: self.groups.clone(),

@@ -1,7 +1,7 @@
 //! Muscle conditions: declared differences between a body's muscles and healthy, fresh ones.
 //!
 //! They are plain data beside the body, not an edit of it: the task, its vocabulary and its weights mean what they always
-//! meant, and the results say under which condition they were reached.
+//! meant, and the results name the condition under which they were reached.
 //!
 //! * [`Weakness`] scales the active force of muscles; their passive tissue and tendons stay.
 //! * [`Fatigue`] lets what a muscle can recruit run down with use and recover with rest ([`Compartments`]).

@@ -208,7 +208,7 @@ impl Environment {
         &self.episode.state
     }
 
-    /// The sensor record of the present snapshot, laid out as the task's `frame` says.
+    /// The sensor record of the present snapshot, laid out by the task's `frame`.
     pub fn frame(&self) -> &[f64] {
         &self.episode.frame
     }

@@ -63,7 +63,7 @@ impl Line {
     /// A line that was not written by [`Line::written`].
     pub fn read(line: &[u8]) -> Result<Self, LineError> {
         let text = core::str::from_utf8(line)?;
-        // What is no JSON says more of itself than that it has no checksum.
+        // The error of invalid JSON is more informative than a missing checksum.
         let record = serde_json::from_str(text)?;
         let (content, _) = text.rsplit_once(WALL_TIME).ok_or(LineError::Bare)?;
         let (content, checksum) = content.rsplit_once(CHECKSUM).ok_or(LineError::Bare)?;

@@ -1,6 +1,6 @@
 //! Evaluation: episodes of tasks under a policy, in parallel, journalled as they end, summed up in a table.
 //!
-//! 1. A [`Plan`] says what is run; its [`RunSettings`] are its identity.
+//! 1. A [`Plan`] lists what is run; its [`RunSettings`] are its identity.
 //! 2. A [`Journal`] keeps every ended episode and knows which are already there.
 //! 3. [`run`] plays the others on a pool of workers, each of which steps up to eight episodes of one model at once. An episode
 //!    depends on its seed and index alone, so the results have the same bits on any number of threads and in any order.

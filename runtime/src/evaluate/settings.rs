@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Hash of everything in the program that decides results: the sources of compiler and runtime, the grammar, the bodies inside
 /// the binary, and the versions of all libraries. The build script computes it, so a changed program is another program
-/// whatever its version says.
+/// independently of its version.
 pub const BUILD: &str = env!("MSK_BUILD");
 
 /// How many episodes, and from which seed.

@@ -39,7 +39,7 @@ impl Loader for WithText<'_> {
     }
 }
 
-/// Why a text cannot be had, as the compiler says it.
+/// Why a text cannot be had, in the words of the compiler.
 pub fn load_error(path: &Path, error: &StorageError) -> LoadError {
     match error {
         StorageError::TooLarge { .. } => LoadError::TooLarge(path.into()),

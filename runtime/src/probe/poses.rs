@@ -1,6 +1,6 @@
 //! Poses to look at: drawn at random but always the same, put on the ground or on things, moved a little by those who search.
 //!
-//! A pose is a row of numbers ([`Pose`]); [`Room`] puts body and objects in it. Joints stay in their ranges, coupled ones follow
+//! A pose is a row of numbers ([`Pose`]); [`Room`] puts body and objects into it. Joints stay in their ranges, coupled ones follow
 //! their couplings. The body stands where its lowest point meets what is below it, or is a little above, as in a hop. A pose in which the
 //! body is inside scenery does not count.
 

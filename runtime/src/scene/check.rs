@@ -175,7 +175,7 @@ fn check_geom(geom: &NewGeom) -> Result<(), BuildError> {
     }
 }
 
-/// A height field has as many samples as its rows and columns say, at least two by two, between 0 and 1.
+/// A height field has as many samples as rows times columns, at least two by two, between 0 and 1.
 fn check_heights(name: &str, geom: &NewGeom) -> Result<(), BuildError> {
     let wrong = |what: &'static str, value: f64, expected: &'static str| {
         Err(BuildError::Number { name: name.into(), what, value, expected })

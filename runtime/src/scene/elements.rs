@@ -66,7 +66,7 @@ pub struct NewGeom {
     pub name: String,
     /// Kind; not a mesh.
     pub kind: GeomKind,
-    /// Size as the kind says, m; without meaning for height fields.
+    /// Size as defined by the kind, m; without meaning for height fields.
     pub size: Vector3<f64>,
     /// The heights of a height field.
     pub heights: Option<HeightField>,

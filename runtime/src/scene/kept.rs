@@ -1,4 +1,4 @@
-//! What a model says of itself besides its parts: sensors read the same parts in a scene, and key frames put them where they
+//! What a model contains besides its parts: sensors read the same parts in a scene, and key frames put them where they
 //! put them alone, with what was added at its reference configuration and at rest.
 
 use super::assembly::widths;

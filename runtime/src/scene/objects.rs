@@ -103,7 +103,7 @@ fn connect(
     Ok(placed.builder.attach(NewAttachment { name, sites, weld: connection.weld, softness }))
 }
 
-/// The model's own ground goes where the scene has none, and becomes as rough as the scene says. A ground that is added.
+/// The model's own ground goes where the scene has none, and becomes as rough as in the scene. A ground that is added.
 fn set_ground(model: &Model, body: &Body, scene: &SceneDescription, builder: &mut SceneBuilder<'_>) -> Option<usize> {
     let Some(surface) = &scene.ground else {
         body.ground.iter().for_each(|&plane| builder.make_intangible(plane));

@@ -57,7 +57,7 @@ impl Played {
         self.resets.len().max(1)
     }
 
-    /// What was seen of an episode; of one that was played, as [`Self::seen`] says.
+    /// What was seen of an episode; of one that was played, as of [`Self::seen`].
     pub(super) fn seen_of(&self, episode: usize, step: Option<u32>) -> Option<&Seen> {
         if self.resets.is_empty() { self.seen(step) } else { self.resets.get(episode) }
     }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// A file of lines to which lines are appended, each whole and on the disk when [`Log::append`] returns.
 ///
 /// One log at a time may append; the caller holds a [`Lock`](crate::Lock) for as long as others could. Bytes after the last
-/// line end are what a program that died left of a line: nobody was promised that line, readers leave it out
+/// line end are what a program that died left of a line: no caller was promised that line, readers leave it out
 /// ([`Log::whole_lines`]), and the next line takes its place.
 #[derive(Debug)]
 pub struct Log {

@@ -34,7 +34,7 @@ fn a_folder_is_created_once() {
     let (place, _) = folder();
     let new = place.path().join("run");
     Folder::create_new(&new).unwrap().replace(path("a"), b"one").unwrap();
-    // Nobody else's folder is taken for one's own, nor what a link leads to.
+    // The folder of another process is not taken for one's own, nor what a link leads to.
     assert!(Folder::create_new(&new).is_err());
     assert_eq!(fs::read(new.join("a")).unwrap(), b"one");
     #[cfg(unix)]

@@ -123,7 +123,7 @@ impl Http {
                 let text = response.body_mut().with_config().limit(LONGEST).read_to_string()?;
                 Ok((response.status().as_u16(), text))
             });
-            // Nobody may be listening any more.
+            // The receiver may be gone.
             let _ = sender.send(answer);
         })?;
         Ok(receiver)

@@ -301,7 +301,7 @@ impl Session {
             rejected,
         };
         let better = self.best().is_none_or(|best| round.score > best.score);
-        // First the log: a session that ends here applies on its return what the log says.
+        // First the log: a session that ends here applies on its return the entries of the log.
         self.log.append(&round)?;
         if better {
             self.keep_best(&round)?;

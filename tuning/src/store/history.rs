@@ -1,5 +1,5 @@
-//! The history of a file: lines of JSON, for each change one that begins it, with the whole text, and one that says what became
-//! of it.
+//! The history of a file: lines of JSON, for each change one that begins it, with the whole text, and one that records what
+//! became of it.
 
 use super::{StoreError, Version};
 use msk_compiler::weights::Change;
@@ -49,7 +49,7 @@ pub(super) struct Begun {
     changes: Vec<Change>,
 }
 
-/// The line that says what became of the change before it.
+/// The line that records what became of the change before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum End {

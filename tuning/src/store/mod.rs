@@ -4,7 +4,7 @@
 //! link, so that a folder from somebody else leads nowhere.
 //!
 //! * A change is made under the lock, which the operating system takes back when a program dies.
-//! * A line with the whole next text is appended to the history, the file is replaced in one move, and a second line says so.
+//! * A line with the whole next text is appended to the history, the file is replaced in one move, and a second line records it.
 //!   The next program after one that died before the second line writes it: the change was made unless the file still is what
 //!   it was before. The file itself is never touched by that, so what a person has put there stays.
 //! * Readers need no lock and see one version or the next, never half of one.
@@ -125,7 +125,7 @@ impl Store {
     }
 
     /// Changes the file: `change` gets the present version (an empty text if there is no file) and gives the next text and
-    /// whatever else it has to say. Others wait meanwhile. If it fails nothing has happened.
+    /// whatever else it has to return. Others wait meanwhile. If it fails nothing has happened.
     ///
     /// # Errors
     /// Those of `change`, or a file, lock or history that cannot be used.

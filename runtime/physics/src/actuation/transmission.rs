@@ -1,6 +1,6 @@
 //! What actuators act on besides tendons: joints, sites and bodies in contact, and how far and how fast these are.
 //!
-//! The moment of an actuator says how its length changes with every dof. It is kept for the dofs that can have one, which
+//! The moment of an actuator is how its length changes with every dof. It is kept for the dofs that can have one, which
 //! are known once per model: those of the joint, or those between a site and the root (and its reference and the root,
 //! without the dofs that move both). Site wrenches follow MuJoCo's definition: with a reference, force and torque act in
 //! its axes on the site and are answered at the reference's origin. An actuator on a body draws it to what it touches: its

@@ -27,7 +27,7 @@ pub struct Placed<'a> {
     pub position: Vector3<f64>,
     /// Rotation from the shape's axes to the world's.
     pub rotation: Matrix3<f64>,
-    /// Size as its kind says, m.
+    /// Size as defined by its kind, m.
     pub size: Vector3<f64>,
     /// Form of meshes and height fields.
     pub asset: Asset<'a>,

@@ -22,7 +22,7 @@ fn soleus() -> Unit {
     }
 }
 
-/// Moves the path as `path` says over `time` seconds in steps of `step`, and shows each moment to `look` with the path's
+/// Moves the path along `path` over `time` seconds in steps of `step`, and shows each moment to `look` with the path's
 /// length.
 fn follow(unit: &Unit, activation: f64, step: f64, time: f64, path: impl Fn(f64) -> f64, mut look: impl FnMut(f64, &Fibre)) {
     let rate = (path(step) - path(0.0)) / step;

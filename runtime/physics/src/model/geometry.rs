@@ -61,7 +61,7 @@ pub struct Geoms {
     pub kind: Vec<GeomKind>,
     /// Body that carries it.
     pub body: Vec<usize>,
-    /// Size as the kind says, m; half extents of the bounding box for height fields and meshes.
+    /// Size as defined by the kind, m; half extents of the bounding box for height fields and meshes.
     pub size: Vec<Vector3<f64>>,
     /// What gives a height field or mesh its shape: index into the model's assets of that kind.
     pub asset: Vec<Option<usize>>,

@@ -13,7 +13,7 @@ pub fn import(mut model: Model) -> Model {
     model
 }
 
-/// The model as the text of a file, with a comment that says where it comes from and what was changed.
+/// The model as the text of a file, with a comment that names where it comes from and what was changed.
 pub fn to_file_text(model: &Model, source: &Path) -> String {
     let name = source.file_name().unwrap_or_default().to_string_lossy();
     // Two hyphens would end the comment.

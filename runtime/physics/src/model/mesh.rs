@@ -31,7 +31,7 @@ pub struct Hull {
     pub faces: Vec<Face>,
     /// Corners of all faces: indices into `vertices`, counter-clockwise from outside.
     pub corners: Vec<usize>,
-    /// Faces around all corners, in ascending order; `around` says which are whose.
+    /// Faces around all corners, in ascending order; `around` maps corners to faces.
     pub incident: Vec<usize>,
     /// The part of `incident` that belongs to each corner.
     pub around: Vec<Range<usize>>,

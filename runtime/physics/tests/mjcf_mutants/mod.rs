@@ -88,7 +88,7 @@ fn survey(numbers: core::ops::Range<u64>) -> BTreeMap<Outcome, usize> {
     counts
 }
 
-/// The most memory that this process ever had, in KiB; 0 where the system does not say.
+/// The most memory that this process ever had, in KiB; 0 where the system does not report it.
 fn peak_memory() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

@@ -337,7 +337,7 @@ fn break_others(random: &mut Random, others: &mut [(String, Vec<u8>)]) {
             (true, 1) => *contents = b"<mujoco><include file=\"limb.xml\"/></mujoco>".to_vec(),
             (true, 2) => *contents = evil_number(random, String::from_utf8_lossy(contents).into_owned()).into_bytes(),
             (true, 3) => *contents = flip_bytes(random, String::from_utf8_lossy(contents).into_owned()).into_bytes(),
-            // The number of triangles that the file says it has.
+            // The number of triangles that the file declares.
             (false, 0) => contents[80..84].copy_from_slice(&u32::MAX.to_le_bytes()),
             (false, 1) => contents[80..84].copy_from_slice(&[0; 4]),
             (false, 2) => contents.truncate(100),

@@ -43,7 +43,7 @@ pub struct EpisodeEnd {
     pub total: f64,
     /// What each term added to the return, in the task's order.
     pub totals: Vec<f64>,
-    /// The task's metrics at its last step, laid out as [`CompiledTask::metrics`] says.
+    /// The task's metrics at its last step, laid out by [`CompiledTask::metrics`].
     ///
     /// [`CompiledTask::metrics`]: msk_compiler::task::CompiledTask::metrics
     pub metrics: Vec<f64>,

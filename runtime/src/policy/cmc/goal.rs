@@ -24,7 +24,7 @@ pub(super) enum Course {
         /// s.
         start: f64,
         parts: Parts,
-        /// Joints that the motion does not move, and the turns that it does not say.
+        /// Joints that the motion does not move, and the turns that it does not contain.
         base: Box<Init>,
         /// From the table's root to where it was, m.
         shift: [f64; 3],
@@ -34,7 +34,7 @@ pub(super) enum Course {
 }
 
 impl Course {
-    /// A motion that begins at `start` (s) of its table, for a body that stands as `state` says.
+    /// A motion that begins at `start` (s) of its table, for a body that stands as in `state`.
     pub fn of_motion(motion: &Arc<Motion>, start: f64, init: &Init, body: &Body, state: &State<f64>) -> Self {
         let joints = body.joints.iter().enumerate().filter(|(_, joint)| joint.independent);
         let parts = Parts {

@@ -1,4 +1,4 @@
-//! The program computes what the graph says.
+//! The program computes the same as the graph.
 
 use super::{Interpreter, Moment};
 use crate::frame::Sensor;

@@ -27,7 +27,7 @@ const OVERLAID: [&str; 12] = [
     "gear",
 ];
 
-/// Attributes that say the same thing in different ways: giving one takes back the others.
+/// Attributes that set the same thing in different ways: giving one takes back the others.
 const ALTERNATIVES: [&[&str]; 1] = [&["quat", "axisangle", "xyaxes", "zaxis", "euler"]];
 
 /// One class: for each kind of element the attributes it starts with.

@@ -50,7 +50,7 @@ fn tag(rest: &str, mended: &mut String) -> usize {
             return at + 1;
         }
         from = at + 1;
-        // A value that never ends is left to the parser, which says so.
+        // A value that never ends is left to the parser, which reports it.
         let Some(length) = rest[from..].find(char::from(mark)) else { break };
         escape(&rest[from..from + length], mended);
         mended.push(char::from(mark));

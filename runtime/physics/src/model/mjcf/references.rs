@@ -63,7 +63,7 @@ pub(super) fn reference(element: &Element, attribute: &str) -> Option<Kind> {
     })
 }
 
-/// The kind that a sensor's `objtype` or `reftype` says.
+/// The kind of a sensor's `objtype` or `reftype`.
 fn object(word: &str) -> Option<Kind> {
     Some(match word.trim() {
         "body" | "xbody" => "body",

@@ -135,7 +135,7 @@ fn suffix_names(element: &mut Element, suffix: &str) {
 }
 
 impl Copies {
-    /// Copies what a kind of section says about the copied names, and remembers the names that are copied by that.
+    /// Copies the entries of a kind of section about the copied names, and remembers the names that are copied by that.
     fn copy_referring(&mut self, root: &mut Element, tag: &str, budget: &mut usize) -> Result<(), ModelError> {
         let mut referring = Vec::new();
         for section in root.children.iter_mut().filter(|child| child.tag == tag) {

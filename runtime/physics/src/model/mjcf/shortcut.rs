@@ -1,6 +1,6 @@
 //! Actuator shortcuts: named parameters that stand for a `general` actuator's raw ones.
 //!
-//! A shortcut resets the raw parameters to its own table, whatever a default says, except for what a default written with
+//! A shortcut resets the raw parameters to its own table, also over a default, except for what a default written with
 //! the same shortcut, or with a `general` of the shortcut's gain type, already gave it.
 
 use super::document::Element;

@@ -1,4 +1,4 @@
-//! Actuators: muscles, motors, servos and whatever else `general` can say.
+//! Actuators: muscles, motors, servos and whatever else `general` can describe.
 
 use super::names::Kind;
 use super::{Compiler, section};
@@ -6,7 +6,7 @@ use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
 use crate::model::{Bias, Dynamics, Gain, JointKind, Transmission};
 
-/// The attributes that say what an actuator acts on, of which it has exactly one.
+/// The attributes that name what an actuator acts on, of which it has exactly one.
 const TARGETS: [&str; 5] = ["joint", "jointinparent", "tendon", "site", "body"];
 
 impl Compiler<'_> {

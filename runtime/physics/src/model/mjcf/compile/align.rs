@@ -9,7 +9,7 @@ use core::ops::Range;
 use nalgebra::Vector3;
 
 impl Compiler<'_> {
-    /// Whether a body without children asks to be aligned: it must have a free joint, which may itself say so.
+    /// Whether a body without children asks to be aligned: it must have a free joint, which may itself ask for it.
     pub(super) fn aligned(&self, element: &Element, body: usize) -> Result<bool, ModelError> {
         let joint = self.model.bodies.joints[body].start;
         if self.model.bodies.joints[body].is_empty() || self.model.joints.kind[joint] != JointKind::Free {

@@ -65,7 +65,7 @@ impl Default for LengthRanges {
 }
 
 impl LengthRanges {
-    /// Takes over what a `lengthrange` element says.
+    /// Applies a `lengthrange` element.
     pub(super) fn update(&mut self, element: &Element) -> Result<(), ModelError> {
         self.mode = match element.keyword("mode", &["none", "muscle", "muscleuser", "all"])? {
             Some(0) => Mode::None,

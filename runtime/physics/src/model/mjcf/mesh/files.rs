@@ -9,7 +9,7 @@ use std::path::Path;
 const HEADER: usize = 80;
 const TRIANGLE: usize = 50;
 
-/// Reads the bytes of a mesh file; its extension says which kind it is.
+/// Reads the bytes of a mesh file; its extension decides which kind it is.
 pub(in crate::model::mjcf) fn read(path: &Path, bytes: &[u8]) -> Result<Source, ModelError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let (source, kind) = match extension.as_str() {

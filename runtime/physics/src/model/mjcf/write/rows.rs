@@ -468,7 +468,7 @@ pub(super) fn actuator(model: &Model, actuator: usize) -> Row {
     if actuators.length_range[actuator] != [0.0; 2] {
         row = row.numbers("lengthrange", actuators.length_range[actuator]);
     }
-    // A default gear reaches through where an element gives fewer numbers: all say all, or all say one.
+    // A default gear reaches through where an element gives fewer numbers: all write all, or all write one.
     let ratios = actuators.gear.iter().all(|[_, axes @ ..]| *axes == [0.0; 5]);
     let gear = actuators.gear[actuator];
     row = if ratios { row.unless_standard("general", "gear", [gear[0]]) } else { row.numbers("gear", gear) };
