@@ -9,8 +9,9 @@
 //!
 //! An [`Engine`] is what does not change (model, body, task) and is shared; an [`Episode`] is plain data of a few kilobytes, which
 //! can be cloned, kept, moved between threads, and goes on bit for bit; [`Scratch`] is the memory of a worker, whichever episode it
-//! plays. An [`Environment`] is one of each, a [`VectorEnvironment`] many episodes on a few workers. What goes wrong inside an
-//! episode (diverging physics, a term that is not finite) is a [`Fault`] of that episode alone.
+//! plays, and [`GroupScratch`] that of one which plays eight at once. An [`Environment`] is one episode, a [`VectorEnvironment`]
+//! many on a few workers. What goes wrong inside an episode (diverging physics, a term that is not finite) is a [`Fault`] of that
+//! episode alone.
 
 mod ending;
 mod engine;

@@ -25,8 +25,8 @@ pub enum AutoresetMode {
 
 /// Many episodes of one task, stepped together by a few workers.
 ///
-/// An episode costs its own data only; scratch belongs to the workers. Each episode depends on its seed, its index and its actions alone,
-/// so results have the same bits on any number of threads.
+/// An episode costs its own data only; scratch belongs to the workers, and each worker steps up to eight episodes at once in the lanes of
+/// the simulator. Each episode depends on its seed, its index and its actions alone, so results have the same bits on any number of threads.
 ///
 /// ```
 /// use msk_runtime::episode::{Engine, VectorEnvironment};
