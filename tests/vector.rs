@@ -164,3 +164,15 @@ fn single_precision_stays_finite() {
     assert_eq!(narrow[..3], [0.5, f32::MAX, f32::MIN]);
     assert!(narrow[3].is_nan());
 }
+
+#[test]
+fn an_episode_of_another_task_stays_as_it_is() {
+    let mut environment = short(AutoresetMode::Disabled);
+    let other = episode(&[("torso.up.z", "pelvis.up.z")]);
+    environment.restore(1, other.episode());
+    let actions = still(&environment);
+    environment.step(&actions).unwrap();
+    let steps: Vec<u32> = environment.episodes().map(|episode| episode.steps()).collect();
+    assert_eq!(steps, [1, 0, 1]);
+    assert_eq!(environment.episodes().nth(1), Some(other.episode()));
+}

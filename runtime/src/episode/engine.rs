@@ -160,7 +160,7 @@ impl Engine {
     }
 
     /// Whether the episode was begun here, or by an engine of the same task on a body of the same size.
-    fn made(&self, episode: &Episode) -> bool {
+    pub(super) fn made(&self, episode: &Episode) -> bool {
         episode.identity.as_ref() == Some(&self.task.hash) && episode.state.fits(&self.model)
     }
 

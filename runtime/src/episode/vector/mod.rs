@@ -165,7 +165,9 @@ impl VectorEnvironment {
                 let place = first + lane;
                 let Slot { episode, rates, weights, .. } = slot;
                 let action = &actions[width * place..width * (place + 1)];
-                goes_on[lane].then_some(Member { engine, episode, rates, weights, action })
+                // An episode of another task that was restored here stays as it is.
+                let takes_part = goes_on[lane] && engine.made(episode);
+                takes_part.then_some(Member { engine, episode, rates, weights, action })
             }));
             for (lane, slot) in slots.iter_mut().enumerate().filter(|(lane, _)| goes_on[*lane]) {
                 slot.outcome.reward = slot.episode.report.reward;
