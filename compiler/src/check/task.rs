@@ -46,7 +46,7 @@ pub(crate) struct CheckedTask<'a> {
     /// Numbers that the initial state takes from what is drawn.
     pub initial_values: Vec<NodeId>,
     pub disturbances: Vec<Disturbance>,
-    /// Numbers of these that are drawn, with their places in `beginning`.
+    /// Numbers of these that are drawn, with their places in `initial_values`.
     pub drawn_disturbances: Vec<(usize, DisturbanceSetting, usize)>,
     /// Connections of the scene with the conditions on which they let go.
     pub releases: Vec<(usize, NodeId)>,

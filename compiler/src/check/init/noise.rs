@@ -86,7 +86,7 @@ impl<'a> Checker<'a> {
         let joints: Vec<usize> = members.iter().copied().filter(free).collect();
         if joints.is_empty() {
             let diagnostic = self
-                .diagnostic(codes::tasks::SLAVED, noise.target.span, "none of these joints has this unit")
+                .diagnostic(codes::tasks::COUPLED, noise.target.span, "none of these joints has this unit")
                 .help("noise applies to independent joints of its unit: coupled joints follow, and the root keeps its place");
             return Err(self.report(diagnostic));
         }

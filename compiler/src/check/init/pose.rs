@@ -121,7 +121,7 @@ impl<'a> Checker<'a> {
         if !joint.independent {
             let message = format!("the joint `{}` is coupled to another joint; its coordinate cannot be set", joint.name);
             let diagnostic = self
-                .diagnostic(codes::tasks::SLAVED, named, message)
+                .diagnostic(codes::tasks::COUPLED, named, message)
                 .help("set the independent joint of its coupling; `msk vocabulary` lists the independent joints");
             return Err(self.report(diagnostic));
         }

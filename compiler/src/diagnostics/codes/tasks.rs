@@ -45,7 +45,7 @@ codes! {
         example: "init { pose neutral\n root { hight 1 m } }",
         fix: "init { pose neutral\n root { height 1 m } }",
     }
-    SLAVED = "E0409" {
+    COUPLED = "E0409" {
         title: "a coupled joint cannot be set",
         explanation: "Coupled joints are computed from their couplings; setting one would violate the coupling at the \
             first step.",
