@@ -34,7 +34,7 @@ pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
 pub use together::GroupScratch;
 pub(crate) use together::Member;
-pub use vector::{AutoresetMode, EpisodeEnd, VectorEnvironment, VectorStep};
+pub use vector::{AutoresetMode, EpisodeEnd, VectorEnvironment, VectorStep, single_precision};
 
 use crate::body::sensors;
 use crate::condition::Compartments;

@@ -2,7 +2,7 @@
 
 mod step;
 
-pub use step::{EpisodeEnd, VectorStep};
+pub use step::{EpisodeEnd, VectorStep, single_precision};
 
 use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Member};
 use msk_physics::Rates;
@@ -54,6 +54,8 @@ pub struct VectorEnvironment {
     scratch: Vec<GroupScratch>,
     pool: ThreadPool,
     autoreset: AutoresetMode,
+    /// How far apart the indices of successive episodes of a slot are.
+    stride: u64,
     step: VectorStep,
 }
 
@@ -95,7 +97,7 @@ impl VectorEnvironment {
         let scratch = vec![engine.group_scratch(count.get().div_ceil(workers)); workers];
         let slots = (0..count.get()).map(|_| slot.duplicate()).collect();
         let step = VectorStep::new(count.get(), engine.task().observation_size());
-        let mut environment = Self { engine, slots, scratch, pool, autoreset: AutoresetMode::default(), step };
+        let mut environment = Self { engine, slots, scratch, pool, autoreset: AutoresetMode::default(), stride: count.get() as u64, step };
         environment.reset(0);
         Ok(environment)
     }
@@ -106,7 +108,27 @@ impl VectorEnvironment {
         Self { autoreset, ..self }
     }
 
-    /// Begins in slot i episode i of `seed`; the n-th episode after it will have the index i + n times the number of slots.
+    /// The same with another distance between the indices of successive episodes of a slot: the number of slots unless it is set,
+    /// so that no two slots play the same episode of a seed. Where every slot has a seed of its own, 1 gives the episodes of as
+    /// many single environments.
+    #[must_use]
+    pub fn with_stride(self, stride: u64) -> Self {
+        Self { stride, ..self }
+    }
+
+    /// Starts the workers anew, in a process that was forked: threads do not live on there.
+    ///
+    /// # Errors
+    /// The operating system gives no threads.
+    pub fn restart_workers(&mut self) -> Result<(), ThreadPoolBuildError> {
+        let pool = ThreadPoolBuilder::new().num_threads(self.pool.current_num_threads()).build()?;
+        // The old pool is not dropped: it would lock what one of its threads may have held when the process was forked.
+        std::mem::forget(std::mem::replace(&mut self.pool, pool));
+        Ok(())
+    }
+
+    /// Begins in slot i episode i of `seed`; the n-th episode after it will have the index i + n times the
+    /// [stride](Self::with_stride).
     pub fn reset(&mut self, seed: u64) -> &VectorStep {
         for (index, slot) in self.slots.iter_mut().enumerate() {
             slot.next = EpisodeKey { seed, episode: index as u64 };
@@ -127,12 +149,12 @@ impl VectorEnvironment {
 
     /// Begins the next episode in the slots for which `chosen` holds; slots beyond its end stay as they are.
     pub fn reset_where(&mut self, chosen: &[bool]) -> &VectorStep {
-        let count = self.slots.len() as u64;
+        let stride = self.stride;
         self.each(|first, engine, slots, scratch| {
             for (lane, slot) in slots.iter_mut().enumerate() {
                 slot.outcome = Outcome::default();
                 if chosen.get(first + lane) == Some(&true) {
-                    slot.begin(count, engine, scratch, lane);
+                    slot.begin(stride, engine, scratch, lane);
                 }
             }
         });
@@ -150,7 +172,7 @@ impl VectorEnvironment {
         if actions.len() != expected {
             return Err(EpisodeError::ActionSize { expected, found: actions.len() });
         }
-        let (count, autoreset) = (self.slots.len() as u64, self.autoreset);
+        let (stride, autoreset) = (self.stride, self.autoreset);
         self.each(|first, engine, slots, scratch| {
             let mut goes_on = [false; WIDTH];
             for (lane, slot) in slots.iter_mut().enumerate() {
@@ -158,7 +180,7 @@ impl VectorEnvironment {
                 goes_on[lane] = slot.episode.ending.is_none();
                 // With `SameStep` only an episode that could not begin is found ended; it gives way to the next one now.
                 if !goes_on[lane] && autoreset != AutoresetMode::Disabled {
-                    slot.begin(count, engine, scratch, lane);
+                    slot.begin(stride, engine, scratch, lane);
                 }
             }
             scratch.step(slots.iter_mut().enumerate().map(|(lane, slot)| {
@@ -174,7 +196,7 @@ impl VectorEnvironment {
                 if let Some(end) = EpisodeEnd::of(first + lane, &slot.episode) {
                     slot.outcome.end = Some((end, slot.episode.observation.clone()));
                     if autoreset == AutoresetMode::SameStep {
-                        slot.begin(count, engine, scratch, lane);
+                        slot.begin(stride, engine, scratch, lane);
                     }
                 }
             }
@@ -234,6 +256,23 @@ impl VectorEnvironment {
         self.slots.iter().map(|slot| &slot.episode)
     }
 
+    /// The keys of the episodes that will be next, slot by slot.
+    pub fn next_keys(&self) -> impl ExactSizeIterator<Item = EpisodeKey> {
+        self.slots.iter().map(|slot| slot.next)
+    }
+
+    /// Chooses the episode that will be next in a slot, without beginning it; a slot that does not exist is left out.
+    pub fn set_next_key(&mut self, slot: usize, key: EpisodeKey) {
+        if let Some(slot) = self.slots.get_mut(slot) {
+            slot.next = key;
+        }
+    }
+
+    /// The weights that reward the episode in a slot, one per term; `None` for a slot that does not exist.
+    pub fn weights(&self, slot: usize) -> Option<&[f64]> {
+        self.slots.get(slot).map(|slot| slot.weights.as_slice())
+    }
+
     /// The weights that reward the episode in a slot, one per term; `None` for a slot that does not exist.
     pub fn weights_mut(&mut self, slot: usize) -> Option<&mut [f64]> {
         self.slots.get_mut(slot).map(|slot| slot.weights.as_mut_slice())
@@ -255,10 +294,10 @@ impl Slot {
         Self { episode: episode.clone(), rates: None, weights: weights.clone(), next: *next, outcome: Outcome::default() }
     }
 
-    /// Begins the next episode, of `count` slots, in a lane.
-    fn begin(&mut self, count: u64, engine: &Engine, scratch: &mut GroupScratch, lane: usize) {
+    /// Begins the next episode in a lane; the index of the one after it is `stride` greater.
+    fn begin(&mut self, stride: u64, engine: &Engine, scratch: &mut GroupScratch, lane: usize) {
         self.rates = scratch.begin(lane, engine, self.next, &mut self.episode);
-        self.next.episode = self.next.episode.wrapping_add(count);
+        self.next.episode = self.next.episode.wrapping_add(stride);
     }
 }
 

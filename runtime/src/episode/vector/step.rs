@@ -43,6 +43,8 @@ pub struct EpisodeEnd {
     pub total: f64,
     /// What each term added to the return, in the task's order.
     pub totals: Vec<f64>,
+    /// Unweighted value of each term at its last step, in the task's order; none after a fault.
+    pub terms: Vec<f64>,
     /// The task's metrics at its last step, laid out by [`CompiledTask::metrics`].
     ///
     /// [`CompiledTask::metrics`]: msk_compiler::task::CompiledTask::metrics
@@ -60,6 +62,7 @@ impl EpisodeEnd {
             steps: episode.task.step,
             total: episode.total,
             totals: episode.totals.clone(),
+            terms: episode.report.terms.clone(),
             metrics: episode.report.metrics.clone(),
             ending,
         })
@@ -82,8 +85,13 @@ impl VectorStep {
     /// Writes the observations in single precision, as networks read them; what is too large for it becomes its largest number.
     pub fn observations_f32(&self, out: &mut [f32]) {
         for (single, value) in out.iter_mut().zip(&self.observations) {
-            let narrow = *value as f32;
-            *single = if narrow.is_infinite() && value.is_finite() { f32::MAX.copysign(narrow) } else { narrow };
+            *single = single_precision(*value);
         }
     }
+}
+
+/// A number in single precision; what is finite stays finite.
+pub fn single_precision(value: f64) -> f32 {
+    let narrow = value as f32;
+    if narrow.is_infinite() && value.is_finite() { f32::MAX.copysign(narrow) } else { narrow }
 }

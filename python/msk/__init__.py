@@ -1,0 +1,48 @@
+"""MSK: typed motor-control tasks on a body with 416 muscles, as Gymnasium environments.
+
+>>> import gymnasium, msk
+>>> env = gymnasium.make("msk/Walk-v0")
+
+The tasks are written in the language of ``.msk`` files and run in Rust; :func:`make` opens files of one's own,
+:func:`check` reports what is wrong in one, :mod:`msk.physics` is the simulator alone.
+"""
+
+from . import physics
+from .diagnostics import Diagnostic, Diagnostics, Fix, Place
+from .environment import Env, Picture, Snapshot
+from .errors import CompileError, InternalError, LintWarning
+from .registration import id_of, make, make_vec, register
+from .tasks import TASKS, Channel, Explanation, Parameter, Task, Term, check, compile, compile_text
+from .vector import VectorEnv
+from .weights import LiveWeights
+
+__all__ = [
+    "TASKS",
+    "Channel",
+    "CompileError",
+    "Diagnostic",
+    "Diagnostics",
+    "Env",
+    "Explanation",
+    "Fix",
+    "InternalError",
+    "LintWarning",
+    "LiveWeights",
+    "Parameter",
+    "Picture",
+    "Place",
+    "Snapshot",
+    "Task",
+    "Term",
+    "VectorEnv",
+    "check",
+    "compile",
+    "compile_text",
+    "id_of",
+    "make",
+    "make_vec",
+    "physics",
+    "register",
+]
+
+register()

@@ -1,0 +1,250 @@
+"""One task as a Gymnasium environment."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, SupportsFloat
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ResetNeeded
+from numpy.typing import DTypeLike, NDArray
+
+from . import _native
+from .tasks import Channel, Parameters, Task, Weights, compile
+from .weights import LiveWeights
+
+#: Greatest seed: NumPy's integers hold it, too.
+LARGEST_SEED = 2**63 - 1
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """An environment as it was: episodes and random generator. It goes on from here bit for bit."""
+
+    episodes: _native.Snapshot
+    generator: dict[str, Any] | None
+
+
+class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
+    """A task as a Gymnasium environment.
+
+    * Observation: array of shape ``(task.observation_size,)`` in SI units, in the order of ``task.channels``.
+    * Action: array of shape ``(len(task.muscles),)``, float32 or float64, from -1 to 1: how each muscle is excited.
+    * Reward: sum over ``task.terms`` of weight times value.
+    * ``terminated``: the task ended the episode (``info["ending"]`` is ``terminated`` for failures, ``finished`` for other ends);
+      ``truncated``: the horizon or a fault of the computation did.
+    * ``info`` of a step: ``terms`` (unweighted values), ``contributions`` (weight times value), ``metrics``, ``is_success``;
+      at the end ``ending``, ``reason`` (names of the conditions, or the fault), ``steps``, ``return`` and ``term_returns``, too.
+      Of every step and reset: ``seed`` and ``episode_index``, which are all that chance depends on.
+
+    ``reset(seed=s)`` begins episode 0 of the seed, each ``reset()`` after it the next one. ``options`` may hold ``episode_index``,
+    and ``state``: arrays as in :attr:`state`, which replace those of the present state.
+
+    An environment starts no thread, and may be forked, or made in a spawned process.
+
+    Args:
+        task: a compiled task, the name of one of ``msk.TASKS``, or the path of a file.
+        params: values of the task's parameters.
+        weights: weights of its terms, or a weights file.
+        render_mode: ``ansi`` or none.
+        clip_actions: whether actions outside of [-1, 1] are clipped; else they are errors.
+        dtype: of observations, ``float32`` or ``float64``.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 50}
+
+    def __init__(
+        self,
+        task: Task | str | os.PathLike[str],
+        *,
+        params: Parameters | None = None,
+        weights: Weights | None = None,
+        render_mode: str | None = None,
+        clip_actions: bool = False,
+        dtype: DTypeLike = np.float32,
+    ) -> None:
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"there is no render mode `{render_mode}`; there are: {self.metadata['render_modes']}")
+        self.task = prepared(task, params, weights)
+        self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": round(self.task.control_frequency)}
+        self.observation_space, self.action_space = spaces(self.task, dtype)
+        single = self.observation_space.dtype == np.float32
+        self._native = _native.Environment(self.task._native, clip_actions, single)
+        #: Weights in force, by term; assign to change them.
+        self.weights = LiveWeights(self._native, self.task)
+        self._describe = Describer(self.task)
+        self._begun = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[Any], dict[str, Any]]:
+        """Begins an episode: see the class.
+
+        Raises:
+            ValueError: a seed, episode or state that cannot be.
+            RuntimeError: the physics cannot start from the initial state.
+        """
+        super().reset(seed=seed)
+        options = dict(options or {})
+        state = options.pop("state", None)
+        if seed is not None:
+            key = (checked_seed(seed), 0)
+        elif not self._begun:
+            key = (int(self.np_random.integers(LARGEST_SEED)), 0)
+        else:
+            key = (self._native.key()[0], self._native.key()[1] + 1)
+        key = (key[0], options.pop("episode_index", key[1]))
+        if options:
+            raise ValueError(f"unknown options {sorted(options)}: expected `episode_index`, `state`")
+        self._begun = True
+        if state is None:
+            observation = self._native.reset(*key)
+        else:
+            observation = self._native.reset_to(*key, dict(state))
+        return observation, identity(key)
+
+    def step(self, action: NDArray[Any]) -> tuple[NDArray[Any], SupportsFloat, bool, bool, dict[str, Any]]:
+        """Takes one control step of ``1 / task.control_frequency`` seconds.
+
+        Raises:
+            TypeError, ValueError: an action that is not in the action space.
+            gymnasium.error.ResetNeeded: the episode has ended, or none has begun.
+        """
+        if not self._begun or self._native.end() is not None:
+            raise ResetNeeded("the episode has ended, or none has begun: call reset() or restore() before step()")
+        observation, reward, terminated, truncated = self._native.step(action)
+        info = self._describe.step(self._native.weights(), *self._native.report())
+        if terminated or truncated:
+            total, totals = self._native.returns()
+            info |= self._describe.end(self._native.end(), self._native.steps(), total, totals)
+        return observation, reward, terminated, truncated, info | identity(self._native.key())
+
+    def render(self) -> str | None:  # type: ignore[override]
+        """With ``render_mode="ansi"`` the present step as text: time, reward, and a line per term."""
+        if self.render_mode is None:
+            return None
+        return self._describe.text(
+            self._native.steps(), self._native.weights(), self._native.report()[0], self._native.returns()
+        )
+
+    def draw(self, caption: str = "") -> Picture:
+        """The present state as a picture, from the side and from in front: SVG, which notebooks show."""
+        return Picture(self._native.draw(caption))
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """The physical state as named arrays, copied, with MuJoCo's names, shapes and units: ``time`` (s), ``qpos``, ``qvel``, ``act``,
+        ``ctrl`` (excitations), ``eq_active``, and others. ``reset(options={"state": {...}})`` begins an episode with some of them."""
+        return self._native.state()
+
+    def snapshot(self) -> Snapshot:
+        """All that is needed to go on from here bit for bit."""
+        generator = self._np_random
+        return Snapshot(self._native.snapshot(), None if generator is None else generator.bit_generator.state)
+
+    def restore(self, snapshot: Snapshot) -> NDArray[Any]:
+        """Goes back, or forth, to a snapshot of the same task; gives its observation. Weights stay as they are.
+
+        Raises:
+            ValueError: a snapshot of another task or body.
+        """
+        self._native.restore(snapshot.episodes)
+        if snapshot.generator is not None:
+            self.np_random.bit_generator.state = snapshot.generator
+        self._begun = True
+        return self._native.observation()
+
+
+class Picture(str):
+    """A picture as SVG text, which notebooks show."""
+
+    def __repr__(self) -> str:
+        return f"<Picture: {len(self)} characters of SVG>"
+
+    def _repr_svg_(self) -> str:
+        return str(self)
+
+
+class Describer:
+    """What native numbers mean, as the dictionaries of Gymnasium's info."""
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self.terms = [term.name for term in task.terms]
+
+    def step(
+        self, weights: list[float], values: list[float], metrics: list[float], success: bool
+    ) -> dict[str, Any]:
+        """Of a step. After a fault there are no numbers: the dictionaries are empty."""
+        pairs = zip(weights, values, strict=False)
+        return {
+            "terms": dict(zip(self.terms, values, strict=False)),
+            "contributions": dict(zip(self.terms, (weight * value for weight, value in pairs), strict=False)),
+            "metrics": self.metrics(metrics),
+            "is_success": success,
+        }
+
+    def metrics(self, values: list[float]) -> dict[str, Any]:
+        """Metrics by name: a number, or an array if it has several."""
+        return {part.name: _part(values, part) for part in self.task.metrics} if values else {}
+
+    def end(self, end: tuple[str, str] | None, steps: int, total: float, totals: list[float]) -> dict[str, Any]:
+        """Of the last step of an episode."""
+        ending, reason = end or ("", "")
+        return {
+            "ending": ending,
+            "reason": reason,
+            "steps": steps,
+            "return": total,
+            "term_returns": dict(zip(self.terms, totals, strict=True)),
+        }
+
+    def text(
+        self, steps: int, weights: list[float], values: list[float], returns: tuple[float, list[float]]
+    ) -> str:
+        """A step as text."""
+        time = steps / self.task.control_frequency
+        lines = [f"{self.task.name}: step {steps} of {self.task.horizon}, {time:.2f} s, return {returns[0]:.4g}"]
+        width = max((len(name) for name in self.terms), default=0)
+        if values:
+            for name, weight, value in zip(self.terms, weights, values, strict=True):
+                lines.append(f"  {name:{width}}  {weight:8.4g} * {value:10.4g} = {weight * value:10.4g}")
+        return "\n".join(lines)
+
+
+def _part(values: list[float], part: Channel) -> Any:
+    return values[part.offset] if part.size == 1 else np.array(values[part.slice])
+
+
+def prepared(task: Task | str | os.PathLike[str], params: Parameters | None, weights: Weights | None) -> Task:
+    """A compiled task, whichever way it was named."""
+    if not isinstance(task, Task):
+        return compile(task, params=params, weights=weights)
+    if params is not None:
+        raise ValueError("a compiled task has its parameters: give them to `msk.compile`")
+    return task if weights is None else task.reweighted(weights)
+
+
+def spaces(task: Task, dtype: DTypeLike) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+    """Observation space and action space of one episode."""
+    if np.dtype(dtype) not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise ValueError(f"observations are float32 or float64, not {np.dtype(dtype)}")
+    kind: Any = np.dtype(dtype).type
+    observation = gymnasium.spaces.Box(-np.inf, np.inf, (task.observation_size,), kind)
+    return observation, gymnasium.spaces.Box(-1.0, 1.0, (len(task.muscles),), np.float32)
+
+
+def checked_seed(seed: Any) -> int:
+    """A seed that Rust and NumPy hold."""
+    if not 0 <= int(seed) <= LARGEST_SEED:
+        raise ValueError(f"a seed is between 0 and 2**63 - 1, found {seed}")
+    return int(seed)
+
+
+def identity(key: tuple[int, int]) -> Mapping[str, int] | dict[str, Any]:
+    """Which episode of which seed, as info."""
+    return {"seed": key[0], "episode_index": key[1]}
