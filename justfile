@@ -27,6 +27,10 @@ update:
 ci:
     .ci/run
 
+# The Python package: wheel and tests, in an environment of its own
+python:
+    .ci/python
+
 # The documentation of all crates
 docs:
     cargo doc --workspace --no-deps --open

@@ -25,7 +25,7 @@ class Snapshot:
     """An environment as it was: episodes and random generator. It goes on from here bit for bit."""
 
     episodes: _native.Snapshot
-    generator: dict[str, Any] | None
+    generator: Mapping[str, Any] | None
 
 
 class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
@@ -54,7 +54,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         dtype: of observations, ``float32`` or ``float64``.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 50}
+    metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 50}  # noqa: RUF012 (as Gymnasium declares it)
 
     def __init__(
         self,
@@ -123,7 +123,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             info |= self._describe.end(self._native.end(), self._native.steps(), total, totals)
         return observation, reward, terminated, truncated, info | identity(self._native.key())
 
-    def render(self) -> str | None:  # type: ignore[override]
+    def render(self) -> str | None:
         """With ``render_mode="ansi"`` the present step as text: time, reward, and a line per term."""
         if self.render_mode is None:
             return None
@@ -176,9 +176,7 @@ class Describer:
         self.task = task
         self.terms = [term.name for term in task.terms]
 
-    def step(
-        self, weights: list[float], values: list[float], metrics: list[float], success: bool
-    ) -> dict[str, Any]:
+    def step(self, weights: list[float], values: list[float], metrics: list[float], success: bool) -> dict[str, Any]:
         """Of a step. After a fault there are no numbers: the dictionaries are empty."""
         pairs = zip(weights, values, strict=False)
         return {
@@ -203,9 +201,7 @@ class Describer:
             "term_returns": dict(zip(self.terms, totals, strict=True)),
         }
 
-    def text(
-        self, steps: int, weights: list[float], values: list[float], returns: tuple[float, list[float]]
-    ) -> str:
+    def text(self, steps: int, weights: list[float], values: list[float], returns: tuple[float, list[float]]) -> str:
         """A step as text."""
         time = steps / self.task.control_frequency
         lines = [f"{self.task.name}: step {steps} of {self.task.horizon}, {time:.2f} s, return {returns[0]:.4g}"]
@@ -245,6 +241,6 @@ def checked_seed(seed: Any) -> int:
     return int(seed)
 
 
-def identity(key: tuple[int, int]) -> Mapping[str, int] | dict[str, Any]:
+def identity(key: tuple[int, int]) -> dict[str, Any]:
     """Which episode of which seed, as info."""
     return {"seed": key[0], "episode_index": key[1]}

@@ -106,7 +106,7 @@ class Task:
         self.channels: tuple[Channel, ...] = tuple(Channel(*part) for part in native.channels)
         self.metrics: tuple[Channel, ...] = tuple(Channel(*part) for part in native.metrics)
         self.terms: tuple[Term, ...] = tuple(
-            Term(name, weight, None if low is None else (low, high), formula)
+            Term(name, weight, None if low is None or high is None else (low, high), formula)
             for name, weight, low, high, formula in native.terms
         )
         #: Conditions that end an episode as a failure.
@@ -137,7 +137,7 @@ class Task:
         return _recompiled, self._origin
 
 
-def compile(  # noqa: A001
+def compile(
     source: str | os.PathLike[str],
     *,
     task: str | None = None,

@@ -39,7 +39,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         autoreset_mode: see above.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012
 
     def __init__(
         self,
@@ -78,7 +78,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         self._describe = Describer(self.task)
         self._begun = False
 
-    def reset(  # type: ignore[override]
+    def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[Any], dict[str, Any]]:
         """Begins an episode in every slot, or in those that ``options["reset_mask"]`` (bool, shape ``(num_envs,)``) chooses.
@@ -141,7 +141,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             columns = {key: rows[:, index] for index, key in enumerate(keys)}
             infos |= {table: _masked(columns, reported), f"_{table}": reported}
         parts = {
-            part.name: metrics[:, part.offset] if part.size == 1 else metrics[:, part.slice] for part in self.task.metrics
+            part.name: metrics[:, part.offset] if part.size == 1 else metrics[:, part.slice]
+            for part in self.task.metrics
         }
         return infos | {"metrics": _masked(parts, reported), "_metrics": reported}
 

@@ -74,7 +74,7 @@ pub fn actions(given: &Bound<'_, PyAny>, slots: Option<usize>, names: &[String],
             let name = &names[muscle];
             return Err(PyValueError::new_err(format!("action{place}, of muscle `{name}`, is {action}, not in [-1, 1]: {hint}")));
         }
-        *action = action.clamp(-1.0, 1.0);
+        *action = if *action < 0.0 { -1.0 } else { 1.0 };
     }
     Ok(actions)
 }

@@ -76,7 +76,12 @@ impl Environment {
         let inner = self.inner.get()?;
         let ending = inner.ending();
         let terminated = ending.is_some_and(Ending::is_of_task);
-        Ok((arrays::row(py, inner.observation(), self.single), inner.report().reward, terminated, ending.is_some() && !terminated))
+        Ok((
+            arrays::row(py, inner.observation(), self.single),
+            inner.report().reward,
+            terminated,
+            ending.is_some() && !terminated,
+        ))
     }
 
     /// (unweighted values of the terms, metrics, success) of the last step; the lists are empty before the first, and after a fault.

@@ -67,7 +67,8 @@ fn spoiled() -> PyErr {
     PyRuntimeError::new_err("an internal error has ended this environment: make a new one")
 }
 
-/// Panics, where the tests want to see that no panic reaches Python.
+/// Panics: for the tests, which want to see that no panic reaches Python. Releases do not have it.
+#[cfg(debug_assertions)]
 #[pyfunction]
 #[allow(clippy::panic)]
 pub fn provoke_panic(py: Python<'_>) -> PyResult<()> {

@@ -25,6 +25,7 @@ mod _native {
     use super::compilation::{check, compile};
     #[pymodule_export]
     use super::environment::Environment;
+    #[cfg(debug_assertions)]
     #[pymodule_export]
     use super::guard::provoke_panic;
     #[pymodule_export]

@@ -20,6 +20,9 @@ pub struct Task {
     muscles: Vec<String>,
 }
 
+/// (name, weight, lowest, highest, formula) of a term.
+type TermData = (String, f64, Option<f64>, Option<f64>, String);
+
 impl Task {
     /// The task on its body.
     ///
@@ -120,7 +123,7 @@ impl Task {
 
     /// (name, weight, lowest, highest, formula) of each term; no bounds where the weight is free, equal ones where it is fixed.
     #[getter]
-    fn terms(&self) -> Vec<(String, f64, Option<f64>, Option<f64>, String)> {
+    fn terms(&self) -> Vec<TermData> {
         let bounds = |index: usize, weight: f64| match self.task().weight_bounds(index) {
             Bounds::Fixed => (Some(weight), Some(weight)),
             Bounds::Range(low, high) => (Some(low), Some(high)),
@@ -147,7 +150,8 @@ impl Task {
     /// (name, value in SI units, unit) of each parameter.
     #[getter]
     fn parameters(&self) -> Vec<(String, f64, String)> {
-        let described = |parameter: &msk_program::task::Parameter| (parameter.name.clone(), parameter.value, parameter.unit.clone());
+        let described =
+            |parameter: &msk_program::task::Parameter| (parameter.name.clone(), parameter.value, parameter.unit.clone());
         self.task().parameters.iter().map(described).collect()
     }
 

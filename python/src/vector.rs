@@ -37,6 +37,9 @@ type Step<'py> = (
 /// (slot, how it ended, (seed, episode), success, steps, return, what each term added to it, terms and metrics at the last step).
 type Ended = (usize, End, (u64, u64), bool, u32, f64, Vec<f64>, Vec<f64>, Vec<f64>);
 
+/// (values of the terms, metrics, successes, whether a step has been reported), one row per slot.
+type Report<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyArray1<bool>>, Bound<'py, PyArray1<bool>>);
+
 #[pymethods]
 impl VectorEnvironment {
     #[new]
@@ -106,11 +109,7 @@ impl VectorEnvironment {
 
     /// Of the present episodes: (unweighted values of the terms, metrics, successes, whether a step has been reported), one row per
     /// slot.
-    #[allow(clippy::type_complexity)]
-    fn report<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyArray1<bool>>, Bound<'py, PyArray1<bool>>)> {
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Report<'py>> {
         let task = self.task.get().engine().task();
         let widths = [task.terms.len(), task.metrics.iter().map(|part| part.size).sum()];
         let mut tables = widths.map(|width| vec![0.0; width * self.count]);

@@ -97,7 +97,8 @@ impl VectorEnvironment {
         let scratch = vec![engine.group_scratch(count.get().div_ceil(workers)); workers];
         let slots = (0..count.get()).map(|_| slot.duplicate()).collect();
         let step = VectorStep::new(count.get(), engine.task().observation_size());
-        let mut environment = Self { engine, slots, scratch, pool, autoreset: AutoresetMode::default(), stride: count.get() as u64, step };
+        let mut environment =
+            Self { engine, slots, scratch, pool, autoreset: AutoresetMode::default(), stride: count.get() as u64, step };
         environment.reset(0);
         Ok(environment)
     }
