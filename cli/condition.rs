@@ -1,8 +1,8 @@
 //! `--weakness` and `--fatigue`: conditions of the muscles, for subcommands that run episodes.
 
 use crate::error::Error;
+use msk::evaluate::Trial;
 use msk::runtime::condition::{Fatigue, MuscleCondition, Weakness};
-use msk::runtime::evaluate::Trial;
 
 /// Conditions of a body's muscles.
 #[derive(Debug, clap::Args)]

@@ -6,7 +6,7 @@ use crate::overlays::Overlays;
 use crate::project::{self, Project, Settings};
 use clap::ValueEnum;
 use msk::compiler::explain::{self, Options, TaskReport};
-use msk::runtime::evaluate::Trial;
+use msk::evaluate::Trial;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

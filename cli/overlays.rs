@@ -5,7 +5,7 @@ use crate::project::{self, Project};
 use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::task::Origin;
-use msk::runtime::evaluate::Trial;
+use msk::evaluate::Trial;
 use msk::runtime::library::FileLoader;
 use msk::tuning::live::{Live, LiveError};
 use msk::tuning::overlay::{Overlay, Wish, wished};

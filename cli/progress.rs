@@ -1,8 +1,8 @@
 //! What is shown while an evaluation runs: a row for each task as it ends and, on a terminal, a line that tells how far it is.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use msk::evaluate::{EpisodeRecord, Plan, RunSettings, Watcher};
 use msk::physics::scalar::Real;
-use msk::runtime::evaluate::{EpisodeRecord, Plan, RunSettings, Watcher};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};

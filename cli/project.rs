@@ -5,7 +5,7 @@ use msk::compiler::compile::Setting;
 use msk::compiler::diagnostics::{Levels, Report, Style};
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile_with};
-use msk::runtime::evaluate::Trial;
+use msk::evaluate::Trial;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use std::collections::BTreeSet;
 use std::io::{self, IsTerminal, Write};

@@ -1,8 +1,8 @@
 //! Returns of scripts for people and machines: the demonstration of a task first, its exploits under it.
 
 use msk::compiler::numbers::for_people;
-use msk::runtime::evaluate::report::Table;
-use msk::runtime::testing::{Demonstration, Measure, Returns, TestReport};
+use msk::evaluate::report::Table;
+use msk::evaluate::testing::{Demonstration, Measure, Returns, TestReport};
 use serde_json::json;
 
 /// The table of the cheats among the reports of one task; empty without cheats.

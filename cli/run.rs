@@ -7,10 +7,10 @@ use crate::overlays::Overlays;
 use crate::policies::{Limits, Recorder};
 use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
-use msk::runtime::episode::{Environment, EpisodeKey};
-use msk::runtime::evaluate::{
+use msk::evaluate::{
     EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Summary, Trial, play, play_to_horizon, replay, report,
 };
+use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::inspect::StateFile;
 use msk::runtime::policy::{Policy, PolicyError};
 use std::fs;

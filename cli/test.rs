@@ -7,7 +7,7 @@ use crate::ranking;
 use clap::ValueEnum;
 use msk::compiler::diagnostics::{FileId, Span};
 use msk::compiler::task::CompiledTask;
-use msk::runtime::testing::{self, TestReport};
+use msk::evaluate::testing::{self, TestReport};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::io::{self, Write};

@@ -7,7 +7,7 @@ use crate::overlays::Overlays;
 use crate::project::{Project, Settings as Parameters, policy_name};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use msk::compiler::numbers::{beside, for_people};
-use msk::runtime::evaluate::EpisodeRecord;
+use msk::evaluate::EpisodeRecord;
 use msk::tuning::reasoner::{Reasoner, RuleBook, from_file};
 use msk::tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, Settings, Watcher};
 use std::io::{self, Write};

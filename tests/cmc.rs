@@ -1,9 +1,9 @@
 //! The whole chain on the real task: text, compiler, body, physics, policy, success.
 
 use msk_compiler::compile;
+use msk_evaluate::{self as evaluate, EpisodeRecord, Trial};
 use msk_runtime::{
     episode::{Environment, EpisodeKey},
-    evaluate::{self, EpisodeRecord, Trial},
     library::{BodyLibrary, FileLoader},
     policy,
 };

@@ -1,9 +1,9 @@
 //! Muscle conditions: weak muscles pull less, tired ones too, and results name the condition.
 
 use msk::compiler::compile;
+use msk::evaluate::Trial;
 use msk::physics::{self, State, Workspace};
 use msk::runtime::condition::{Fatigue, MuscleCondition, Weakness};
-use msk::runtime::evaluate::Trial;
 use msk::runtime::library::{BodyLibrary, BoundBody, FileLoader};
 use std::path::Path;
 use std::sync::OnceLock;

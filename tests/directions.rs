@@ -6,20 +6,33 @@ use crate::support::repository;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
-use std::path::Path;
 
 /// Each crate of the workspace with all crates of the workspace that it may name, dependencies of its tests aside.
-const ALLOWED: [(&str, &[&str]); 10] = [
+const ALLOWED: [(&str, &[&str]); 11] = [
     ("msk-storage", &[]),
     ("msk-physics", &["msk-storage"]),
     ("msk-program", &[]),
     ("msk-compiler", &["msk-program"]),
-    ("msk-runtime", &["msk-compiler", "msk-physics", "msk-program", "msk-storage"]),
+    ("msk-runtime", &["msk-physics", "msk-program", "msk-storage"]),
+    ("msk-evaluate", &["msk-compiler", "msk-physics", "msk-program", "msk-runtime", "msk-storage"]),
     ("msk-draw", &["msk-physics", "msk-program", "msk-runtime"]),
-    ("msk-tuning", &["msk-compiler", "msk-physics", "msk-runtime", "msk-storage"]),
+    ("msk-tuning", &["msk-compiler", "msk-evaluate", "msk-physics", "msk-runtime", "msk-storage"]),
     ("msk-lsp", &["msk-compiler"]),
-    ("msk-mcp", &["msk-compiler", "msk-physics", "msk-runtime", "msk-storage", "msk-tuning"]),
-    ("msk", &["msk-compiler", "msk-draw", "msk-lsp", "msk-mcp", "msk-physics", "msk-runtime", "msk-storage", "msk-tuning"]),
+    ("msk-mcp", &["msk-compiler", "msk-evaluate", "msk-physics", "msk-runtime", "msk-storage", "msk-tuning"]),
+    (
+        "msk",
+        &[
+            "msk-compiler",
+            "msk-draw",
+            "msk-evaluate",
+            "msk-lsp",
+            "msk-mcp",
+            "msk-physics",
+            "msk-runtime",
+            "msk-storage",
+            "msk-tuning",
+        ],
+    ),
 ];
 
 /// Folder and manifest of every crate, those first on which others depend.
@@ -29,9 +42,6 @@ fn crates() -> Vec<(String, Manifest)> {
     found.sort_by_key(|(_, manifest)| place(&manifest.package.name));
     found
 }
-
-/// What of the runtime compiles texts or words findings; all else takes a compiled task as the data of `msk-program`.
-const COMPILING: [&str; 3] = ["body/scaffold.rs", "probe/", "testing/mutation.rs"];
 
 /// The crates of the workspace that one depends on.
 fn own(manifest: &Manifest) -> BTreeSet<&str> {
@@ -53,35 +63,6 @@ fn crates_depend_in_one_direction() {
         let above: BTreeSet<&str> = ALLOWED[..place].iter().map(|(name, _)| *name).collect();
         assert!(others.iter().all(|other| above.contains(other)), "`{name}` depends on a crate below it");
     }
-}
-
-/// Files below a folder, by their paths within it.
-fn code(folder: &Path, before: &str, found: &mut Vec<(String, String)>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = format!("{before}{}", path.file_name().unwrap().to_string_lossy());
-        if path.is_dir() {
-            code(&path, &format!("{name}/"), found);
-        } else if name.ends_with(".rs") {
-            found.push((name, fs::read_to_string(&path).unwrap()));
-        }
-    }
-}
-
-#[test]
-fn the_runtime_names_the_compiler_where_it_compiles_and_nowhere_else() {
-    let mut files = Vec::new();
-    code(&repository("runtime/src"), "", &mut files);
-    assert!(files.len() > 90, "{}", files.len());
-    let names = |text: &str| {
-        let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-        text.lines().any(|line| !line.trim_start().starts_with("//") && line.contains("msk_compiler::"))
-    };
-    let found: BTreeSet<&str> =
-        files.iter().filter(|(name, text)| !name.contains("tests/") && names(text)).map(|(name, _)| name.as_str()).collect();
-    let allowed = |name: &&str| COMPILING.iter().any(|known| name.starts_with(known));
-    assert!(found.iter().all(allowed), "these files name the compiler: {found:?}");
-    assert!(COMPILING.iter().all(|known| found.iter().any(|name| name.starts_with(known))), "no longer needed: {COMPILING:?}");
 }
 
 /// Dependencies of a crate that none of its other dependencies has: the arrows of the picture.

@@ -1,8 +1,8 @@
 //! What kills a mutant of a task: the compiler, a lint, a test, or nothing.
 
 use msk::compiler::mutation::{Class, Mutant, Part};
+use msk::evaluate::testing::mutation::{Count, Killer, Outcome, Verdict, mutate};
 use msk::runtime::library::{BodyLibrary, FileLoader};
-use msk::runtime::testing::mutation::{Count, Killer, Outcome, Verdict, mutate};
 use std::path::Path;
 
 const TEXT: &str = r#"task example {

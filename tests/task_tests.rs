@@ -2,8 +2,8 @@
 
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile};
+use msk::evaluate::testing::{self, Measure, Stage, TestReport};
 use msk::runtime::library::{BodyLibrary, FileLoader, WithText};
-use msk::runtime::testing::{self, Measure, Stage, TestReport};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 

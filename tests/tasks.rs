@@ -2,9 +2,9 @@
 
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile};
+use msk::evaluate::testing;
 use msk::runtime::episode::{Ending, Environment, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
-use msk::runtime::testing;
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};

@@ -1,7 +1,7 @@
 //! Folders of results.
 
 use crate::error::Error;
-use msk::runtime::evaluate::{JournalError, Plan};
+use msk::evaluate::{JournalError, Plan};
 use msk_storage::{Folder, StorageError};
 use std::io;
 use std::path::{Path, PathBuf};

@@ -13,7 +13,7 @@ use crate::overlays::Overlays;
 use crate::policies::Limits;
 use crate::progress::Progress;
 use crate::project::{Project, Settings};
-use msk::runtime::evaluate::{self, Journal, Plan, RunSettings, Summary, report};
+use msk::evaluate::{self, Journal, Plan, RunSettings, Summary, report};
 use msk::runtime::policy::PolicySource;
 use msk::tuning::live::Live;
 use protocol::Chosen;

@@ -3,7 +3,7 @@
 use super::Args;
 use crate::error::Error;
 use crate::project::Project;
-use msk::runtime::evaluate::{Plan, Protocol};
+use msk::evaluate::{Plan, Protocol};
 
 /// The protocol of an evaluation, and what there is to choose from.
 pub(super) struct Chosen {

@@ -6,7 +6,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use msk_runtime::evaluate::{Journal, RunSettings};
+use msk_evaluate::{Journal, RunSettings};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::Path;

@@ -2,9 +2,9 @@
 
 use crate::confine::Outside;
 use crate::project::{Failure, Project};
+use msk_evaluate::{Plan, Protocol, Summary, play};
 use msk_physics::scalar::Real;
 use msk_runtime::episode::EpisodeKey;
-use msk_runtime::evaluate::{Plan, Protocol, Summary, play};
 use msk_runtime::policy::{self, PolicySource};
 use msk_storage::Kind;
 use schemars::JsonSchema;

@@ -5,7 +5,7 @@ use msk_compiler::diagnostics::SourceMap;
 use msk_compiler::files::{LARGEST_FILE, LoadError, Loader};
 use msk_compiler::task::{CompiledTask, Origin};
 use msk_compiler::{Compilation, compile};
-use msk_runtime::evaluate::Trial;
+use msk_evaluate::Trial;
 use msk_runtime::library::BodyLibrary;
 use msk_tuning::overlay::Overlay;
 use serde_json::{Value, json};

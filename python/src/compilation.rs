@@ -10,7 +10,7 @@ use msk_compiler::{Compilation, compile_with};
 use msk_program::files::{Loader, plain};
 use msk_program::task::CompiledTask;
 use msk_runtime::library::{BodyLibrary, WithText};
-use msk_runtime::probe;
+use msk_evaluate::probe;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! Bodies, physics, episodes and evaluation.
+//! Bodies in their scenes, episodes of compiled tasks, and policies.
 
 // Results agree between machines to the bit: see `clippy.toml`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -8,12 +8,10 @@ pub mod bodies;
 pub mod body;
 pub mod condition;
 pub mod episode;
-pub mod evaluate;
 pub mod files;
 pub mod inspect;
 pub mod library;
 pub mod policy;
-pub mod probe;
 pub mod process_group;
 pub mod scene;
-pub mod testing;
+pub mod script;

@@ -258,7 +258,7 @@ impl BodyLibrary {
 }
 
 /// An error with its causes, in one line.
-pub(crate) fn in_words(error: &dyn std::error::Error) -> String {
+pub fn in_words(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();
     while let Some(cause) = source {

@@ -4,7 +4,7 @@ use crate::overlay::Overlay;
 use crate::store::{Store, StoreError, Version};
 use msk_compiler::diagnostics::{Report, SourceMap};
 use msk_compiler::task::{CompiledTask, Origin};
-use msk_runtime::evaluate::{Fed, Feed};
+use msk_evaluate::{Fed, Feed};
 use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -2,8 +2,8 @@
 
 use msk_compiler::task::CompiledTask;
 use msk_compiler::weights::Bounds;
+use msk_evaluate::{ByTerm, EpisodeRecord, Spread};
 use msk_physics::scalar::Real;
-use msk_runtime::evaluate::{ByTerm, EpisodeRecord, Spread};
 use serde::{Deserialize, Serialize};
 
 /// Episodes of one task, summed up.

@@ -3,7 +3,7 @@
 
 use crate::support;
 
-use msk_runtime::evaluate::{EpisodeRecord, Trial};
+use msk_evaluate::{EpisodeRecord, Trial};
 use msk_storage::{FailAt, Failure, Folder};
 use msk_tuning::reasoner::RuleBook;
 use msk_tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, SessionError, Settings, Watcher};

@@ -3,7 +3,7 @@
 use crate::support;
 
 use msk_compiler::task::{CompiledTask, Origin};
-use msk_runtime::evaluate::Feed;
+use msk_evaluate::Feed;
 use msk_tuning::live::{Live, LiveError};
 use msk_tuning::overlay::{Wish, edited, wished};
 use msk_tuning::store::{Store, StoreError, Version};

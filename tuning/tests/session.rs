@@ -2,7 +2,7 @@
 
 use crate::support;
 
-use msk_runtime::evaluate::{EpisodeRecord, Trial};
+use msk_evaluate::{EpisodeRecord, Trial};
 use msk_tuning::reasoner::{Proposal, Reasoner, ReasonerError, Request, RuleBook};
 use msk_tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, SessionError, Settings, Watcher};
 use std::num::NonZeroUsize;

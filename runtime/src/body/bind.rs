@@ -407,7 +407,7 @@ impl Binder<'_> {
 }
 
 /// The bodies that hang on `root`, itself first: a contiguous range, since bodies are in depth-first order.
-pub(crate) fn subtree(model: &Model, root: usize) -> core::ops::Range<usize> {
+pub fn subtree(model: &Model, root: usize) -> core::ops::Range<usize> {
     let parent = &model.bodies.parent;
     let below = parent[root + 1..].iter().take_while(|&&parent| parent >= root).count();
     root..root + 1 + below

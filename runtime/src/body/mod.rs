@@ -15,16 +15,13 @@ mod motion;
 mod parts;
 mod placement;
 mod queries;
-mod scaffold;
 pub mod sensors;
 pub mod shape;
 mod support;
 mod vocabulary;
 
-pub(crate) use bind::subtree;
-pub use bind::{BindError, Problem};
+pub use bind::{BindError, Problem, subtree};
 pub use changes::ChangeError;
-pub use scaffold::{NoRoot, scaffold};
 
 use core::ops::Range;
 use msk_physics::kinematics::Kinematics;
@@ -194,7 +191,7 @@ impl Body {
 }
 
 /// The pose that `neutral(...)` in tasks refers to.
-const NEUTRAL: &str = "neutral";
+pub const NEUTRAL: &str = "neutral";
 
 /// The unit vector of a signed axis.
 fn unit(axis: Axis) -> Vector3<f64> {

@@ -104,7 +104,7 @@ impl Body {
     }
 
     /// The root's rotation: upright and facing world x, turned by heading, then pitch, then roll about its own axes.
-    pub(crate) fn facing(&self, placement: &RootPlacement) -> Matrix3<f64> {
+    pub fn facing(&self, placement: &RootPlacement) -> Matrix3<f64> {
         let (sin, cos) = libm::sincos(placement.heading);
         let yaw = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
         let (sin, cos) = libm::sincos(placement.pitch);

@@ -42,7 +42,7 @@ impl Snapshot<'_> {
 impl Snapshot<'_> {
     /// The same over everything that the body touches and that is no part of it, and the middles of its shapes that are at most `near`
     /// above the ground: a script puts the lowest point of a body on the ground, to the last bit and no other. `None` if there is nothing.
-    pub(crate) fn resting_margin(&self, near: f64) -> Option<f64> {
+    pub fn resting_margin(&self, near: f64) -> Option<f64> {
         let centre = self.body.centre_of_mass(self.model, &self.workspace.kinematics);
         let ground = self.ground();
         let shapes = self.body.shapes.iter().filter(|&&shape| ground.clearance(&[shape]) <= near);

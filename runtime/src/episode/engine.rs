@@ -173,7 +173,7 @@ impl Engine {
     }
 
     /// What a policy may look at in an episode whose forward pass is in `scratch`.
-    pub(crate) fn context<'a>(&'a self, episode: &'a Episode, scratch: &'a Scratch) -> PolicyContext<'a> {
+    pub fn context<'a>(&'a self, episode: &'a Episode, scratch: &'a Scratch) -> PolicyContext<'a> {
         PolicyContext {
             task: &self.task,
             body: &self.body,

@@ -32,8 +32,7 @@ pub use environment::{Environment, Reward, TermReward};
 pub use excitation::{REST, excitation};
 pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
-pub use together::GroupScratch;
-pub(crate) use together::Member;
+pub use together::{GroupScratch, Member};
 pub use vector::{AutoresetMode, EpisodeEnd, VectorEnvironment, VectorStep, single_precision};
 
 use crate::body::sensors;

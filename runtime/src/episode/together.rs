@@ -17,7 +17,8 @@ pub struct GroupScratch {
 }
 
 /// An episode that takes part in a step.
-pub(crate) struct Member<'a> {
+pub struct Member<'a> {
+    /// What plays it.
     pub engine: &'a Engine,
     /// It has not ended.
     pub episode: &'a mut Episode,
@@ -46,24 +47,24 @@ impl Engine {
     }
 
     /// Whether the two can play their episodes together: on one model, with steps of one length.
-    pub(crate) fn goes_with(&self, other: &Self) -> bool {
+    pub fn goes_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.model, &other.model) && self.substeps == other.substeps
     }
 }
 
 impl GroupScratch {
     /// Whether it can play episodes of this engine.
-    pub(crate) fn serves(&self, engine: &Engine) -> bool {
+    pub fn serves(&self, engine: &Engine) -> bool {
         self.lanes.first().is_some_and(|scratch| engine.serves(scratch))
     }
 
     /// The memory of a lane, with the forward pass of its episode.
-    pub(crate) fn lane(&self, lane: usize) -> &Scratch {
+    pub fn lane(&self, lane: usize) -> &Scratch {
         &self.lanes[lane]
     }
 
     /// Begins an episode in a lane, and gives the rates of its first state.
-    pub(crate) fn begin(&mut self, lane: usize, engine: &Engine, key: EpisodeKey, episode: &mut Episode) -> Option<Rates> {
+    pub fn begin(&mut self, lane: usize, engine: &Engine, key: EpisodeKey, episode: &mut Episode) -> Option<Rates> {
         let scratch = &mut self.lanes[lane];
         engine.reset(key, episode, scratch);
         let begun = self.group.is_some() && episode.ending.is_none();
@@ -72,7 +73,7 @@ impl GroupScratch {
 
     /// Takes one control step with each of the members, in the lanes of their places. Members are of engines that
     /// [go with](Engine::goes_with) the one that made this; those beyond the lanes are not stepped.
-    pub(crate) fn step<'a>(&mut self, members: impl IntoIterator<Item = Option<Member<'a>>>) {
+    pub fn step<'a>(&mut self, members: impl IntoIterator<Item = Option<Member<'a>>>) {
         let seat = |(lane, member): (usize, Option<Member<'a>>)| {
             let member = member?;
             Some(Seat { lane, steps: member.episode.steps(), pushed: false, member })

@@ -90,7 +90,7 @@ impl PolicySource {
     }
 
     /// Episodes that one worker should play at once: a process answers one after the other, and one for each worker is enough.
-    pub(crate) fn most_at_once(&self) -> usize {
+    pub fn most_at_once(&self) -> usize {
         match self.kind {
             Kind::Process(_) => 1,
             Kind::BuiltIn | Kind::Network(_) | Kind::Replay { .. } => usize::MAX,

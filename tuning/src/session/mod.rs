@@ -28,7 +28,7 @@ use crate::store::{Store, StoreError, Version};
 use log::{Log, LogError};
 use msk_compiler::weights::rules::{RuleError, Weight, normalized};
 use msk_compiler::weights::{Bounds, Problem};
-use msk_runtime::evaluate::{EpisodeRecord, EvaluationError, Journal, JournalError, Plan, Protocol, RunSettings, Trial};
+use msk_evaluate::{EpisodeRecord, EvaluationError, Journal, JournalError, Plan, Protocol, RunSettings, Trial};
 use msk_runtime::policy::PolicySource;
 use msk_storage::{Folder, StorageError};
 use std::num::NonZeroUsize;

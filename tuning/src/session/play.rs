@@ -2,8 +2,8 @@
 
 use super::Watcher;
 use crate::live::Live;
+use msk_evaluate::{EpisodeRecord, EvaluationError, Feed, Journal, Trial, play};
 use msk_runtime::episode::EpisodeKey;
-use msk_runtime::evaluate::{EpisodeRecord, EvaluationError, Feed, Journal, Trial, play};
 use msk_runtime::policy;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;

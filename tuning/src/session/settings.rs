@@ -5,7 +5,7 @@ use crate::statistics::Statistics;
 use msk_compiler::task::CompiledTask;
 use msk_compiler::weights::rules::Rules;
 use msk_compiler::weights::{Bounds, Problem};
-use msk_runtime::evaluate::Trial;
+use msk_evaluate::Trial;
 use msk_storage::Folder;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

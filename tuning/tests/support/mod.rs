@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 use msk_compiler::compile;
-use msk_runtime::evaluate::{EpisodeRecord, Trial};
+use msk_evaluate::{EpisodeRecord, Trial};
 use msk_runtime::library::{BodyLibrary, FileLoader};
 use msk_tuning::reasoner::Request;
 use msk_tuning::statistics::Statistics;

@@ -5,7 +5,7 @@
 
 use super::{Present, support::Support};
 use crate::body::Body;
-use crate::testing::Script;
+use crate::script::Script;
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace, kinematics, rotation::difference};

@@ -35,7 +35,7 @@ mod tests;
 
 use super::{Policy, PolicyContext, PolicyError};
 use crate::body::Body;
-use crate::testing::Script;
+use crate::script::Script;
 use activation::{Hold, Muscles};
 use allocation::{Allocation, Unknown};
 use coordinates::Coordinates;

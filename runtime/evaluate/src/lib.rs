@@ -1,0 +1,242 @@
+//! Evaluation: episodes of tasks under a policy, in parallel, journalled as they end, summarized in a table.
+//!
+//! 1. A [`Plan`] lists what is run; its [`RunSettings`] are its identity.
+//! 2. A [`Journal`] keeps every ended episode and knows which are already there.
+//! 3. [`run`] plays the others on a pool of workers, each of which steps up to eight episodes of one model at once. An episode
+//!    depends on its seed and index alone, so the results have the same bits on any number of threads and in any order.
+//! 4. A [`Feed`] may change the weights between episodes; the record of each names those that rewarded it, so that [`replay`] can
+//!    play it again.
+//! 5. A [`Summary`] summarizes the episodes of each task; [`report`] prints it for people.
+//!
+//! Tasks themselves are evaluated, too: [`testing`] plays the tests in task files, searches for exploits and mutates tasks; [`probe`]
+//! runs the lints that need the body.
+
+// Results agree between machines to the bit: see `clippy.toml`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod feed;
+mod journal;
+mod line;
+pub mod probe;
+mod record;
+pub mod report;
+mod settings;
+mod statistics;
+mod summary;
+pub mod testing;
+mod to_horizon;
+mod worker;
+
+pub use feed::{Fed, Feed, ReplayError, replay};
+pub use journal::{Journal, JournalError};
+pub use record::{ByTerm, EpisodeRecord};
+pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
+pub use statistics::{Spread, wilson_interval};
+pub use summary::{GroupSummary, MetricSummary, Summary, TaskSummary, TermSummary};
+pub use to_horizon::{ToHorizon, play_to_horizon};
+
+use msk_program::task::CompiledTask;
+use msk_runtime::episode::{Engine, Environment, EpisodeError, EpisodeKey, REST};
+use msk_runtime::library::BoundBody;
+use msk_runtime::policy::{Policy, PolicyError, PolicySource};
+use record::Tally;
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+use worker::Crew;
+
+/// A task and the body it runs on.
+#[derive(Clone)]
+pub struct Trial {
+    /// The task.
+    pub task: Arc<CompiledTask>,
+    /// Its body.
+    pub body: BoundBody,
+}
+
+/// What is to be run.
+#[derive(Clone)]
+pub struct Plan {
+    /// The tasks, in the order of the report.
+    pub trials: Vec<Trial>,
+    /// What acts.
+    pub policy: PolicySource,
+    /// Episodes and seed.
+    pub protocol: Protocol,
+}
+
+/// Looks on while episodes run; called from all workers.
+pub trait Watcher: Sync {
+    /// A control step has been taken.
+    fn stepped(&self);
+    /// An episode of the plan's task number `trial` has ended and stands in the journal.
+    fn ended(&self, trial: usize, record: &EpisodeRecord);
+    /// The policy cannot act on the plan's task number `trial`. Called once for each such task.
+    fn skipped(&self, trial: usize, reason: &str);
+}
+
+/// Why an evaluation could not go on. Faults within an episode are not among these: they are results.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluationError {
+    /// The policy does not exist or cannot act.
+    #[error(transparent)]
+    Policy(#[from] PolicyError),
+    /// A task does not fit its body.
+    #[error(transparent)]
+    Episode(#[from] EpisodeError),
+    /// An ended episode could not be kept.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The operating system gives no threads.
+    #[error("cannot start {threads} threads")]
+    Threads {
+        /// As many as were asked for.
+        threads: NonZeroUsize,
+        /// The reason.
+        source: rayon::ThreadPoolBuildError,
+    },
+}
+
+/// What [`run`] brings back.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// All episodes of the journal, sorted by the plan's tasks and by index.
+    pub records: Vec<EpisodeRecord>,
+    /// The tasks that the policy cannot act on, by their place in the plan, with the reasons.
+    pub skipped: Vec<(usize, String)>,
+    /// Whether some of the plan's other episodes are still missing because `stop` was set.
+    pub interrupted: bool,
+}
+
+/// Plays the episodes of `plan` that are not among `done`, on `threads` workers, and appends each to `journal`.
+///
+/// When `stop` becomes true the workers give up their present episodes within one control step. A task that the policy
+/// cannot act on is skipped, with the reason in the outcome.
+///
+/// # Errors
+/// A policy that does not exist, a task that does not fit its body, or a journal that cannot be written; the first error stops
+/// all workers.
+pub fn run(
+    plan: &Plan,
+    done: Vec<EpisodeRecord>,
+    journal: &Journal,
+    threads: NonZeroUsize,
+    stop: &AtomicBool,
+    watcher: &dyn Watcher,
+) -> Result<Outcome, EvaluationError> {
+    run_fed(plan, done, journal, threads, stop, watcher, None)
+}
+
+/// [`run`] with weights that may change at the beginning of every episode.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_fed(
+    plan: &Plan,
+    done: Vec<EpisodeRecord>,
+    journal: &Journal,
+    threads: NonZeroUsize,
+    stop: &AtomicBool,
+    watcher: &dyn Watcher,
+    feed: Option<&dyn Feed>,
+) -> Result<Outcome, EvaluationError> {
+    let settings = RunSettings::of(plan);
+    let jobs = settings.missing(&done);
+    let crew = Crew::new(plan, &jobs, threads, (journal, stop), watcher, feed)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.get())
+        .build()
+        .map_err(|source| EvaluationError::Threads { threads, source })?;
+    let mut records = done;
+    records.extend(pool.broadcast(|_| crew.work()).into_iter().flatten());
+    let skipped = crew.outcome()?;
+    settings.sort(&mut records);
+    let interrupted = settings.missing(&records).iter().any(|(trial, _)| !skipped.contains_key(trial));
+    let skipped = skipped.into_iter().collect();
+    Ok(Outcome { records, skipped, interrupted })
+}
+
+/// Plays the episode `key` of `trial`, in the memory of `episode`, under `policy`.
+///
+/// Gives `None` if `stop` became true before the end. `stepped` is called after every control step.
+///
+/// # Errors
+/// The policy cannot act.
+pub fn play(
+    trial: &Trial,
+    episode: &mut Environment,
+    key: EpisodeKey,
+    policy: &mut dyn Policy,
+    stop: &AtomicBool,
+    stepped: impl Fn(),
+) -> Result<Option<EpisodeRecord>, EvaluationError> {
+    let start = Instant::now();
+    episode.reset(key);
+    // An episode that could not begin has nothing that a policy could look at.
+    if episode.ending().is_none() {
+        policy.reset(&episode.context())?;
+    }
+    let mut action = vec![REST; episode.context().body.muscles.len()];
+    let mut tally = Tally::new(&trial.task);
+    while episode.ending().is_none() {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        policy.act(&episode.context(), &mut action)?;
+        episode.step(&action)?;
+        tally.add(episode.episode(), episode.weights());
+        stepped();
+    }
+    Ok(Some(tally.record(trial, episode.episode(), policy.name(), start.elapsed().as_secs_f64())))
+}
+
+/// An episode to be played: index of the trial and of the episode.
+type Job = (usize, u64);
+
+impl Plan {
+    /// The number of episodes of the whole plan.
+    pub fn episodes(&self) -> u64 {
+        self.trials.len() as u64 * self.protocol.episodes
+    }
+}
+
+impl RunSettings {
+    /// The place among the tasks of the one that `record` is an episode of.
+    pub fn place(&self, record: &EpisodeRecord) -> Option<usize> {
+        self.tasks.iter().position(|task| task.owns(record))
+    }
+
+    /// The episodes that are not among `done`, in order.
+    fn missing(&self, done: &[EpisodeRecord]) -> Vec<Job> {
+        let done: BTreeSet<(Option<usize>, u64)> = done.iter().map(|record| (self.place(record), record.episode)).collect();
+        let all = (0..self.tasks.len()).flat_map(|trial| (0..self.protocol.episodes).map(move |episode| (trial, episode)));
+        all.filter(|&(trial, episode)| !done.contains(&(Some(trial), episode))).collect()
+    }
+
+    fn sort(&self, records: &mut Vec<EpisodeRecord>) {
+        let place = |record: &EpisodeRecord| (self.place(record), record.episode);
+        records.sort_by_cached_key(place);
+        records.dedup_by_key(|record| place(record));
+    }
+}
+
+impl Trial {
+    /// What its episodes are played with.
+    ///
+    /// # Errors
+    /// A task that does not fit the body.
+    pub fn engine(&self) -> Result<Engine, EpisodeError> {
+        let engine = Engine::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())?;
+        Ok(engine.with_fatigue(self.body.condition.fatigue.clone()))
+    }
+
+    /// A new episode of this trial.
+    ///
+    /// # Errors
+    /// A task that does not fit the body.
+    pub fn episode(&self) -> Result<Environment, EpisodeError> {
+        Ok(Environment::of(self.engine()?))
+    }
+}

@@ -1,0 +1,185 @@
+//! One episode of a test.
+
+use super::TestError;
+use super::returns::{Returns, Tally};
+use msk_physics::Workspace;
+use msk_program::task::TaskState;
+use msk_program::testing::Take;
+use msk_runtime::episode::{Ending, Environment, EpisodeKey, REST};
+use msk_runtime::policy;
+use msk_runtime::script::Script;
+use std::collections::BTreeSet;
+
+/// What an episode of a test has shown.
+#[derive(Debug, Clone)]
+pub(super) struct Played {
+    /// What was seen at the steps that were asked for, as far as they were reached.
+    kept: Vec<(u32, Seen)>,
+    /// What was seen at the last step.
+    pub(super) last: Seen,
+    /// What was seen of each episode of a moment that is only reset; empty if it is played.
+    pub(super) resets: Vec<Seen>,
+    /// Its number.
+    pub steps: u32,
+    /// How it ended; `None` where the take was over before the task.
+    pub ending: Option<Ending>,
+    /// What it has earned, played as far as it was.
+    pub returns: Returns,
+}
+
+/// How far a take is played.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// As far as the script goes.
+    Until,
+    /// Until the task ends it, or its horizon: what it earns is compared.
+    Horizon,
+}
+
+/// What was seen at a step.
+#[derive(Debug, Clone)]
+pub(super) struct Seen {
+    /// Which phase of a sequence was present; 0 in a task by itself.
+    pub phase: usize,
+    /// Empty where a fault came before.
+    pub metrics: Vec<f64>,
+}
+
+impl Seen {
+    fn now(episode: &Environment) -> Self {
+        let report = episode.report();
+        Self { phase: report.phase as usize, metrics: report.metrics.clone() }
+    }
+}
+
+impl Played {
+    /// Which episodes the moment has: those that were reset, or the one that was played.
+    pub(super) fn episodes(&self) -> usize {
+        self.resets.len().max(1)
+    }
+
+    /// What was seen of an episode; of one that was played, as of [`Self::seen`].
+    pub(super) fn seen_of(&self, episode: usize, step: Option<u32>) -> Option<&Seen> {
+        if self.resets.is_empty() { self.seen(step) } else { self.resets.get(episode) }
+    }
+
+    /// What was seen at a step, or at the last; `None` if it was not reached or a fault came before.
+    pub(super) fn seen(&self, step: Option<u32>) -> Option<&Seen> {
+        let found = match step {
+            None => Some(&self.last),
+            Some(step) => self.kept.iter().find(|(known, _)| *known == step).map(|(_, seen)| seen),
+        };
+        found.filter(|seen| !seen.metrics.is_empty())
+    }
+}
+
+/// Plays a take; metrics are kept at the `wanted` steps. The end that is reported is that of the time that it gives,
+/// however far it is played.
+pub(super) fn play(episode: &mut Environment, take: &Take, wanted: BTreeSet<u32>, extent: Extent) -> Result<Played, TestError> {
+    if let Some(count) = take.resets {
+        return Ok(reset(episode, take, count));
+    }
+    let key = EpisodeKey::default();
+    let script = begin(episode, take, key);
+    let task = episode.task().clone();
+    let until = take.until.unwrap_or(task.horizon);
+    let end = if extent == Extent::Horizon { task.horizon } else { until };
+    let script_ends = take.run.as_ref().map_or(end, |run| run.from);
+    let mut watch = Watch { wanted, until, kept: Vec::new(), over: None, tally: Tally::new(&task) };
+    if watch.wanted.contains(&0) && episode.ending().is_none() {
+        watch.kept.push((0, Seen::now(episode)));
+    }
+    while episode.ending().is_none() && episode.steps() < script_ends {
+        let next = episode.steps() + 1;
+        match &script {
+            // Two steps after the last keyframe nothing changes any more but time.
+            Some(script) if next <= script.last() + 2 => {
+                episode.step_to(&mut |model, body, state, workspace| script.place(next, model, body, state, workspace))?;
+            }
+            _ => {
+                episode.hold()?;
+            }
+        }
+        watch.step(episode);
+    }
+    if let Some(run) = take.run.as_ref().filter(|_| episode.ending().is_none()) {
+        episode.end_script();
+        let mut policy = policy::create(&run.policy)?;
+        policy.reset(&episode.context())?;
+        let mut action = vec![REST; episode.context().body.muscles.len()];
+        while episode.ending().is_none() && episode.steps() < end {
+            policy.act(&episode.context(), &mut action)?;
+            episode.step(&action)?;
+            watch.step(episode);
+        }
+    }
+    let (last, steps, ending) = watch.over.unwrap_or_else(|| over(episode));
+    Ok(Played { kept: watch.kept, last, resets: Vec::new(), steps, ending, returns: watch.tally.finish(episode) })
+}
+
+/// Resets the first episodes of seed 0, up to one that meets a fault.
+fn reset(episode: &mut Environment, take: &Take, count: u32) -> Played {
+    let mut resets = Vec::new();
+    for number in 0..count {
+        episode.reset_given(EpisodeKey { episode: number.into(), ..EpisodeKey::default() }, &take.given);
+        resets.push(Seen::now(episode));
+        if episode.ending().is_some() {
+            break;
+        }
+    }
+    let task = episode.task().clone();
+    let (last, steps, ending) = over(episode);
+    Played { kept: Vec::new(), last, resets, steps, ending, returns: Tally::new(&task).finish(episode) }
+}
+
+/// What is looked at while a take is played.
+struct Watch {
+    /// At these steps metrics are kept.
+    wanted: BTreeSet<u32>,
+    /// When the take is over by its own account.
+    until: u32,
+    kept: Vec<(u32, Seen)>,
+    /// What was there then.
+    over: Option<(Seen, u32, Option<Ending>)>,
+    tally: Tally,
+}
+
+impl Watch {
+    fn step(&mut self, episode: &Environment) {
+        self.tally.add(episode);
+        if self.wanted.contains(&episode.steps()) && !episode.report().metrics.is_empty() {
+            self.kept.push((episode.steps(), Seen::now(episode)));
+        }
+        if self.over.is_none() && episode.steps() == self.until {
+            self.over = Some(over(episode));
+        }
+    }
+}
+
+fn over(episode: &Environment) -> (Seen, u32, Option<Ending>) {
+    (Seen::now(episode), episode.steps(), episode.ending().cloned())
+}
+
+/// Begins with the script, or as the task does where there is none.
+pub(super) fn begin(episode: &mut Environment, take: &Take, key: EpisodeKey) -> Option<Script> {
+    if take.script.is_empty() {
+        episode.reset_given(key, &take.given);
+        return None;
+    }
+    let context = episode.context();
+    let (model, body, task) = (context.model.clone(), context.body.clone(), episode.task().clone());
+    let script = std::cell::OnceCell::new();
+    let mut scratch = Workspace::new(&model);
+    let mut prepare = |drawn: &TaskState| {
+        // Called once, before anything is placed.
+        let _ = script.set(Script::new(&take.script, &task, drawn, &model, &body, &mut scratch));
+    };
+    episode.reset_playing(key, &take.given, &mut prepare, &mut |model, body, state, workspace| {
+        let activation = script.get().map_or(0.0, |script| script.place(0, model, body, state, workspace));
+        if let (true, Some(first)) = (take.run.is_some() && take.script.len() == 1, take.script.first()) {
+            body.launch(&first.init, state);
+        }
+        activation
+    });
+    script.into_inner()
+}

@@ -1,0 +1,287 @@
+//! The workers of an evaluation. Each plays up to eight episodes of one model at once, every one under a policy of its own.
+
+use super::record::Tally;
+use super::{EpisodeRecord, EvaluationError, Fed, Feed, Job, Journal, Plan, Watcher};
+use msk_physics::Rates;
+use msk_physics::lanes::WIDTH;
+use msk_runtime::episode::{Engine, Episode, EpisodeKey, GroupScratch, Member, REST};
+use msk_runtime::policy::{Policy, PolicyError};
+use std::collections::{BTreeMap, btree_map::Entry};
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// What all workers share.
+pub(super) struct Crew<'a> {
+    plan: &'a Plan,
+    jobs: &'a [Job],
+    /// Of the tasks that have jobs.
+    engines: BTreeMap<usize, Engine>,
+    /// Episodes that a worker plays at once.
+    width: usize,
+    next: AtomicUsize,
+    /// What made the first worker fail; the others may fail only because of it.
+    failure: Mutex<Option<EvaluationError>>,
+    failed: AtomicBool,
+    /// Tasks that the policy cannot act on: the first episode that showed it, and the reason.
+    skipped: Mutex<BTreeMap<usize, (u64, String)>>,
+    journal: &'a Journal,
+    stop: &'a AtomicBool,
+    watcher: &'a dyn Watcher,
+    feed: Option<&'a dyn Feed>,
+}
+
+/// One worker: its memory, and the episodes that it plays.
+struct Worker<'a> {
+    crew: &'a Crew<'a>,
+    /// Of the model that is played.
+    scratch: Option<GroupScratch>,
+    seats: [Option<Seat<'a>>; WIDTH],
+    /// Policies that have no episode.
+    policies: Vec<Box<dyn Policy + 'a>>,
+    /// A job of another model than that of the present episodes.
+    held: Option<Job>,
+}
+
+/// An episode that is played, in a lane.
+struct Seat<'a> {
+    trial: usize,
+    engine: &'a Engine,
+    policy: Box<dyn Policy + 'a>,
+    episode: Episode,
+    rates: Option<Rates>,
+    weights: Vec<f64>,
+    action: Vec<f64>,
+    tally: Tally,
+    /// Where the weights come from, if not from the task.
+    fed: Option<Fed>,
+    /// Its share of the clock time, s.
+    seconds: f64,
+}
+
+impl<'a> Crew<'a> {
+    /// # Errors
+    /// A task that does not fit its body.
+    pub fn new(
+        plan: &'a Plan,
+        jobs: &'a [Job],
+        threads: NonZeroUsize,
+        (journal, stop): (&'a Journal, &'a AtomicBool),
+        watcher: &'a dyn Watcher,
+        feed: Option<&'a dyn Feed>,
+    ) -> Result<Self, EvaluationError> {
+        let mut engines = BTreeMap::new();
+        for &(trial, _) in jobs {
+            if let Entry::Vacant(place) = engines.entry(trial) {
+                place.insert(plan.trials[trial].engine()?);
+            }
+        }
+        Ok(Self {
+            plan,
+            jobs,
+            engines,
+            width: jobs.len().div_ceil(threads.get()).clamp(1, plan.policy.most_at_once().min(WIDTH)),
+            next: AtomicUsize::new(0),
+            failure: Mutex::new(None),
+            failed: AtomicBool::new(false),
+            skipped: Mutex::new(BTreeMap::new()),
+            journal,
+            stop,
+            watcher,
+            feed,
+        })
+    }
+
+    /// Plays jobs, those of the plan in order, until there are none, the run is stopped, or a worker fails.
+    pub fn work(&self) -> Vec<EpisodeRecord> {
+        let mut records = Vec::new();
+        let mut worker = Worker { crew: self, scratch: None, seats: Default::default(), policies: Vec::new(), held: None };
+        if let Err(error) = worker.play(&mut records) {
+            self.failed.store(true, Ordering::Relaxed);
+            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        }
+        records
+    }
+
+    /// The tasks that were skipped with their reasons, by their places in the plan.
+    ///
+    /// # Errors
+    /// What made the first worker fail.
+    pub fn outcome(self) -> Result<BTreeMap<usize, String>, EvaluationError> {
+        if let Some(failure) = self.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            return Err(failure);
+        }
+        let skipped = self.skipped.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(skipped.into_iter().map(|(trial, (_, reason))| (trial, reason)).collect())
+    }
+
+    fn is_over(&self) -> bool {
+        self.failed.load(Ordering::Relaxed) || self.stop.load(Ordering::Relaxed)
+    }
+
+    fn claim(&self) -> Option<Job> {
+        self.jobs.get(self.next.fetch_add(1, Ordering::Relaxed)).copied()
+    }
+
+    fn skipped(&self) -> MutexGuard<'_, BTreeMap<usize, (u64, String)>> {
+        self.skipped.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Skips a task. Of several episodes that workers play at the same time the first gives the reason, whichever is faster.
+    fn skip(&self, trial: usize, episode: u64, reason: String) {
+        let mut skipped = self.skipped();
+        match skipped.get_mut(&trial) {
+            None => {
+                self.watcher.skipped(trial, &reason);
+                skipped.insert(trial, (episode, reason));
+            }
+            Some(known) if episode < known.0 => *known = (episode, reason),
+            Some(_) => {}
+        }
+    }
+}
+
+impl<'a> Worker<'a> {
+    fn play(&mut self, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
+        let result = loop {
+            if self.crew.is_over() {
+                break Ok(());
+            }
+            let played = self.fill().and_then(|()| self.step(records));
+            match played {
+                Ok(true) => {}
+                Ok(false) => break Ok(()),
+                Err(error) => break Err(error),
+            }
+        };
+        match result {
+            // The wait for a policy was given up because the run is to stop.
+            Err(EvaluationError::Policy(PolicyError::Interrupted)) => Ok(()),
+            result => result,
+        }
+    }
+
+    /// Begins episodes in free lanes, as far as there are jobs that go with those that are played.
+    fn fill(&mut self) -> Result<(), EvaluationError> {
+        for lane in 0..self.crew.width {
+            while self.seats[lane].is_none() {
+                let Some(job) = self.held.take().or_else(|| self.crew.claim()) else { return Ok(()) };
+                if self.crew.skipped().contains_key(&job.0) {
+                    continue;
+                }
+                let engine = &self.crew.engines[&job.0];
+                if self.seats.iter().flatten().any(|seat| !seat.engine.goes_with(engine)) {
+                    self.held = Some(job);
+                    return Ok(());
+                }
+                self.begin(lane, job, engine)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins an episode in a lane, unless the policy cannot act on its task.
+    fn begin(&mut self, lane: usize, (trial, index): Job, engine: &'a Engine) -> Result<(), EvaluationError> {
+        let crew = self.crew;
+        let known = self.scratch.take().filter(|scratch| scratch.serves(engine));
+        let scratch = self.scratch.insert(known.unwrap_or_else(|| engine.group_scratch(crew.width)));
+        let task = engine.task();
+        let fed = crew.feed.map(|feed| feed.weights(task));
+        let mut seat = Seat {
+            trial,
+            engine,
+            policy: match self.policies.pop() {
+                Some(policy) => policy,
+                None => crew.plan.policy.open(crew.stop)?,
+            },
+            episode: engine.episode(),
+            rates: None,
+            weights: fed.as_ref().map_or_else(|| task.weights(), |fed| fed.weights.clone()),
+            action: vec![REST; engine.body().muscles.len()],
+            tally: Tally::new(task),
+            fed,
+            seconds: 0.0,
+        };
+        let start = Instant::now();
+        let key = EpisodeKey { seed: crew.plan.protocol.seed, episode: index };
+        seat.rates = scratch.begin(lane, engine, key, &mut seat.episode);
+        // An episode that could not begin has nothing that a policy could look at.
+        let ready = match seat.episode.ending() {
+            None => seat.policy.reset(&engine.context(&seat.episode, scratch.lane(lane))),
+            Some(_) => Ok(()),
+        };
+        seat.seconds = start.elapsed().as_secs_f64();
+        match ready {
+            Ok(()) => self.seats[lane] = Some(seat),
+            Err(error) => self.give_up(seat, error)?,
+        }
+        Ok(())
+    }
+
+    /// Lets go of an episode whose policy cannot act.
+    ///
+    /// # Errors
+    /// What is more than a task that the policy does not support.
+    fn give_up(&mut self, seat: Seat<'a>, error: PolicyError) -> Result<(), EvaluationError> {
+        match error {
+            PolicyError::Unable { reason, .. } => {
+                self.crew.skip(seat.trial, seat.episode.key().episode, reason);
+                self.policies.push(seat.policy);
+                Ok(())
+            }
+            error => Err(error.into()),
+        }
+    }
+
+    /// Takes one control step in every lane, and keeps the episodes that have ended. Gives whether there was one.
+    fn step(&mut self, records: &mut Vec<EpisodeRecord>) -> Result<bool, EvaluationError> {
+        let start = Instant::now();
+        let Some(scratch) = &mut self.scratch else { return Ok(false) };
+        let mut unable = Vec::new();
+        for (lane, place) in self.seats.iter_mut().enumerate() {
+            let Some(seat) = place.as_mut().filter(|seat| seat.episode.ending().is_none()) else { continue };
+            let Seat { engine, episode, policy, action, .. } = seat;
+            if let Err(error) = policy.act(&engine.context(episode, scratch.lane(lane)), action) {
+                unable.extend(place.take().map(|seat| (seat, error)));
+            }
+        }
+        scratch.step(self.seats.iter_mut().map(|place| {
+            let seat = place.as_mut().filter(|seat| seat.episode.ending().is_none())?;
+            let Seat { engine, episode, rates, weights, action, .. } = seat;
+            Some(Member { engine, episode, rates, weights, action })
+        }));
+        for (seat, error) in unable {
+            self.give_up(seat, error)?;
+        }
+        let count = self.seats.iter().flatten().count();
+        let share = start.elapsed().as_secs_f64() / (count as f64);
+        for lane in 0..WIDTH {
+            let Some(seat) = &mut self.seats[lane] else { continue };
+            seat.seconds += share;
+            if seat.episode.steps() > seat.tally.steps() {
+                seat.tally.add(&seat.episode, &seat.weights);
+                self.crew.watcher.stepped();
+            }
+            if seat.episode.ending().is_some() {
+                self.end(lane, records)?;
+            }
+        }
+        Ok(count > 0)
+    }
+
+    /// Keeps the episode in a lane, which has ended.
+    fn end(&mut self, lane: usize, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
+        let Some(seat) = self.seats[lane].take() else { return Ok(()) };
+        let trial = &self.crew.plan.trials[seat.trial];
+        let mut record = seat.tally.record(trial, &seat.episode, seat.policy.name(), seat.seconds);
+        if let Some(fed) = &seat.fed {
+            fed.note(trial, &mut record);
+        }
+        self.policies.push(seat.policy);
+        self.crew.journal.append(&record)?;
+        self.crew.watcher.ended(seat.trial, &record);
+        records.push(record);
+        Ok(())
+    }
+}
