@@ -3,7 +3,7 @@
 use crate::support;
 
 use msk_physics::model::Model;
-use msk_physics::{Fault, State, Workspace, forward, inertia, step};
+use msk_physics::{Fault, Input, State, Workspace, forward, inertia, step};
 use proptest::prelude::*;
 use std::sync::OnceLock;
 use support::{SplitMix, draw, repository};
@@ -109,7 +109,10 @@ fn what_is_not_finite_is_named_and_the_state_kept() {
     state.control[7] = f64::NAN;
     let before = bits(&state);
     let fault = step(model, &mut state, &mut workspace).unwrap_err();
-    assert!(matches!(&fault, Fault::Input { input: "excitation", muscle, .. } if *muscle == model.actuators.name[7]), "{fault}");
+    assert!(
+        matches!(&fault, Fault::Input { input: Input::Excitation, muscle, .. } if *muscle == model.actuators.name[7]),
+        "{fault}"
+    );
     assert_eq!(bits(&state), before);
 
     state.control[7] = 0.0;

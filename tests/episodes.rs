@@ -70,6 +70,40 @@ fn advance(episode: &mut Environment, steps: usize) {
     }
 }
 
+/// The episode, written and read.
+fn read_again(episode: &Episode) -> Episode {
+    serde_json::from_str(&serde_json::to_string(episode).unwrap()).unwrap()
+}
+
+#[test]
+fn an_episode_that_was_written_and_read_continues_bit_for_bit() {
+    let mut first = episode(&[]);
+    first.reset(KEY);
+    advance(&mut first, 5);
+    let read = read_again(first.episode());
+    assert_eq!(&read, first.episode());
+    let mut second = episode(&[]);
+    assert!(second.engine().accepts(&read));
+    second.restore(&read);
+    advance(&mut first, 7);
+    advance(&mut second, 7);
+    assert_eq!(second.episode(), first.episode());
+}
+
+#[test]
+fn only_episodes_of_the_task_are_accepted() {
+    let first = episode(&[]);
+    assert!(first.engine().accepts(first.episode()));
+    assert!(!first.engine().accepts(&first.engine().episode()), "one that was never reset");
+    assert!(!first.engine().accepts(episode(&[("torso.up.z", "pelvis.up.z")]).episode()), "another task");
+    for (list, entry) in [("record", "1.0"), ("frame", "1.0"), ("observation", "1.0"), ("position", "1.0"), ("totals", "1.0")] {
+        let text = serde_json::to_string(first.episode()).unwrap();
+        let longer = text.replacen(&format!("\"{list}\":["), &format!("\"{list}\":[{entry},"), 1);
+        assert_ne!(longer, text);
+        assert!(!first.engine().accepts(&serde_json::from_str(&longer).unwrap()), "{list}");
+    }
+}
+
 #[test]
 fn an_episode_continues_from_a_snapshot_bit_for_bit() {
     let mut first = episode(&[]);

@@ -188,6 +188,36 @@ def test_a_snapshot_goes_on_in_another_environment(task: msk.Task, env: msk.Env)
         msk.make("stand").restore(env.snapshot())
 
 
+def test_a_snapshot_is_kept_in_bytes(env: msk.Env):
+    env.reset(seed=3)
+    episodes = env.snapshot().episodes
+    written = episodes.to_bytes()
+    assert type(episodes).from_bytes(written) == episodes
+    for damaged in (b"", b"\x05abc", written[:-1], written[:100]):
+        with pytest.raises(ValueError, match="these bytes are no snapshot"):
+            type(episodes).from_bytes(damaged)
+    with pytest.raises(ValueError, match="the snapshot is of version 9.1.0, this is"):
+        type(episodes).from_bytes(b"\x059.1.0" + written[6:])
+
+
+def test_bytes_that_were_changed_never_crash(task: msk.Task, env: msk.Env):
+    env.reset(seed=3)
+    env.step(actions(task, 1)[0])
+    episodes = env.snapshot().episodes
+    written = episodes.to_bytes()
+    chance = np.random.default_rng(0)
+    for _ in range(200):
+        changed = bytearray(written)
+        for place in chance.integers(len(written), size=3):
+            changed[place] = chance.integers(256)
+        other = msk.make(task)
+        try:
+            other.restore(msk.Snapshot(type(episodes).from_bytes(bytes(changed)), None))
+            other.step(actions(task, 1)[0])
+        except (ValueError, gymnasium.error.ResetNeeded):
+            pass
+
+
 def test_the_state_has_names_shapes_and_units(env: msk.Env):
     env.reset(seed=0)
     state = env.state

@@ -1,5 +1,7 @@
 """Many episodes side by side: equal to so many single environments, in every autoreset mode."""
 
+import pickle
+
 import gymnasium
 import numpy as np
 import pytest
@@ -137,7 +139,9 @@ def test_a_snapshot_goes_on_bit_for_bit(task: msk.Task, mode: AutoresetMode):
     snapshot = envs.snapshot()
     first = [envs.step(action)[:4] for action in actions(task, 15, SLOTS, seed=1)]
     other = msk.make_vec(task, SLOTS, autoreset_mode=mode, threads=2)
-    other.restore(snapshot)
+    # In another process a snapshot is what was pickled here.
+    other.restore(pickle.loads(pickle.dumps(snapshot)))
+    assert pickle.dumps(other.snapshot()) == pickle.dumps(snapshot)
     second = [other.step(action)[:4] for action in actions(task, 15, SLOTS, seed=1)]
     assert data_equivalence(first, second)
     with pytest.raises(ValueError, match="the snapshot has 5 episodes, the environment 2"):

@@ -80,6 +80,14 @@ impl CompiledTask {
         &self.phases[(state.phase as usize).min(self.phases.len() - 1)]
     }
 
+    /// Whether a state that came from outside has the shape of those of this task.
+    pub fn accepts(&self, state: &TaskState) -> bool {
+        let phase = self.phases.get(state.phase as usize);
+        phase.is_some_and(|phase| state.record.len() == phase.program.record.len())
+            && state.successes.len() == state.phase as usize
+            && state.began <= state.step
+    }
+
     /// How this episode begins: what was drawn stands in `state`.
     pub fn initial_state(&self, state: &TaskState) -> Cow<'_, Init> {
         self.settled(&self.init, state)

@@ -7,6 +7,7 @@
 
 use crate::frame::Origin;
 use crate::motion::RootPart;
+use serde::{Deserialize, Serialize};
 
 mod following;
 
@@ -116,7 +117,7 @@ pub struct Settle {
 }
 
 /// A force that acts for a while.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Disturbance {
     /// On which point: index of a landmark.
     pub landmark: usize,

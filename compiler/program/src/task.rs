@@ -17,6 +17,7 @@ use crate::numbers::for_people;
 use crate::scene::SceneDescription;
 use crate::source::Places;
 use crate::vocabulary::Vocabulary;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 pub use crate::init::{Disturbance, DisturbanceSetting, Init, ObjectStart, RootPlacement, Setting, Settle, Spread};
@@ -187,7 +188,7 @@ impl std::fmt::Display for Origin {
 }
 
 /// What a task reports of one control step. Allocated once per episode, overwritten every step.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {
     /// Which phase of a sequence is reported; in the step in which the next one begins, still the one before.
     pub phase: u32,
@@ -212,7 +213,7 @@ pub struct StepReport {
 }
 
 /// The task's own state over one episode: plain data.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TaskState {
     /// Control steps since reset.
     pub step: u32,
@@ -227,7 +228,7 @@ pub struct TaskState {
 }
 
 /// A term whose value is not a finite number: an error of this episode, never a silent zero.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[error("term `{term}` is {} at step {step}: {formula}", for_people(*.value))]
 pub struct NonFiniteTerm {
     /// Label of the term.
@@ -241,7 +242,7 @@ pub struct NonFiniteTerm {
 }
 
 /// A random none of whose tries fulfilled its condition: an error of this episode.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[error("none of {tries} draws of `{random}` at step {step} satisfies `{wanted}`; the last was {last}")]
 pub struct NotDrawn {
     /// Its name.

@@ -1,9 +1,10 @@
 //! What can go wrong in a step.
 
 use crate::model::Model;
+use serde::{Deserialize, Serialize};
 
 /// A quantity that is checked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Quantity {
     /// Generalised position.
     Position,
@@ -23,8 +24,32 @@ impl core::fmt::Display for Quantity {
     }
 }
 
+/// An input of an actuator that is checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Input {
+    /// What it is asked for.
+    Excitation,
+    /// Its delayed state.
+    Activation,
+    /// The length of its fibre, where tendons are elastic.
+    FibreLength,
+    /// The rate of that.
+    FibreVelocity,
+}
+
+impl core::fmt::Display for Input {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        formatter.write_str(match self {
+            Self::Excitation => "excitation",
+            Self::Activation => "activation",
+            Self::FibreLength => "fibre length",
+            Self::FibreVelocity => "fibre velocity",
+        })
+    }
+}
+
 /// Why a step could not be taken. The state is that before the step.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 pub enum Fault {
     /// A number is not finite or too large to mean anything (MuJoCo's limit, 1e10).
     #[error("at {time} s the {quantity} of joint `{joint}` (body `{body}`) is {value}")]
@@ -46,7 +71,7 @@ pub enum Fault {
         /// Simulated time, s.
         time: f64,
         /// Excitation or activation.
-        input: &'static str,
+        input: Input,
         /// The muscle.
         muscle: String,
         /// Its value.
@@ -108,7 +133,7 @@ impl Fault {
     }
 
     /// The fault of an actuator's control or activation.
-    pub(super) fn of_input(model: &Model, time: f64, input: &'static str, actuator: usize, value: f64) -> Self {
+    pub(super) fn of_input(model: &Model, time: f64, input: Input, actuator: usize, value: f64) -> Self {
         Self::Input { time, input, muscle: model.actuators.name[actuator].clone(), value }
     }
 

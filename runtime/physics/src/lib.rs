@@ -68,7 +68,7 @@ pub mod workspace;
 
 pub use batch::{Batch, BatchError, LaneGroup, Rates};
 pub use dispatch::{Instructions, LaneWork};
-pub use fault::Fault;
+pub use fault::{Fault, Input};
 pub use jacobian::{center_of_mass_jacobian, point_jacobian};
 pub use plan::Plan;
 pub use single::{excite, forward, integrate, motion, smooth, step, step_by_stage, unconstrained};

@@ -7,9 +7,11 @@ use crate::{
     scalar::Real,
 };
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
-/// The dynamic state of one body (or scene), with everything that acts on it from outside. `Clone` is a snapshot.
-#[derive(Debug, Clone, PartialEq)]
+/// The dynamic state of one body (or scene), with everything that acts on it from outside. `Clone` is a snapshot; one that was written
+/// and read by serde goes on with the same bits if the format keeps those of numbers. What was read may not [`fit`](Self::fits).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State<T: Real> {
     /// Simulated time, s.
     pub time: T,

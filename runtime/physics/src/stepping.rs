@@ -3,7 +3,7 @@
 use super::{
     Workspace, constrained,
     dispatch::{Stage, run},
-    fault::{self, Fault, Quantity, is_valid},
+    fault::{self, Fault, Input, Quantity, is_valid},
     integrator::{self, implicit, runge_kutta},
     smooth::{forward_actuation, forward_velocity},
     state::State,
@@ -120,10 +120,13 @@ fn invalid_input<T: Real>(model: &Model, state: &State<T>, lane: usize) -> Optio
     }
     if let Some((slot, value)) = invalid(&state.activation, lane) {
         let owner = model.actuators.activation.iter().position(|activation| *activation == Some(slot));
-        return Some(Fault::of_input(model, time, "activation", owner.unwrap_or(0), value));
+        return Some(Fault::of_input(model, time, Input::Activation, owner.unwrap_or(0), value));
     }
-    let inputs =
-        [("excitation", &state.control), ("fibre length", &state.fibre_length), ("fibre velocity", &state.fibre_velocity)];
+    let inputs = [
+        (Input::Excitation, &state.control),
+        (Input::FibreLength, &state.fibre_length),
+        (Input::FibreVelocity, &state.fibre_velocity),
+    ];
     for (input, values) in inputs {
         if let Some((actuator, value)) = invalid(values, lane) {
             return Some(Fault::of_input(model, time, input, actuator, value));
@@ -191,7 +194,7 @@ pub(super) fn check_end<T: Real>(
                 beyond(after(dof)).map(of_velocity).or_else(|| moved(dof).and_then(of_position))
             })
         };
-        let found = activation().map(|(actuator, value)| Fault::of_input(model, time, "activation", actuator, value));
+        let found = activation().map(|(actuator, value)| Fault::of_input(model, time, Input::Activation, actuator, value));
         let found = found.or_else(|| of_dof(Quantity::Acceleration, &|dof| accelerations[dof])).or_else(of_motion);
         faults[lane] = faults[lane].take().or(found);
     }

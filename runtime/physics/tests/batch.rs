@@ -2,7 +2,7 @@
 
 use msk_physics::lanes::WIDTH;
 use msk_physics::model::{Integrator, JointKind, Model};
-use msk_physics::{Batch, BatchError, Fault, Instructions, LaneGroup, Plan, Rates, State, Workspace, forward, step};
+use msk_physics::{Batch, BatchError, Fault, Input, Instructions, LaneGroup, Plan, Rates, State, Workspace, forward, step};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -248,7 +248,7 @@ fn a_fault_stops_its_episode_alone_until_it_is_set_again() {
     for _ in 0..3 {
         batch.step();
     }
-    assert!(matches!(batch.fault(1), Some(Fault::Input { input: "excitation", .. })), "{:?}", batch.fault(1));
+    assert!(matches!(batch.fault(1), Some(Fault::Input { input: Input::Excitation, .. })), "{:?}", batch.fault(1));
     assert_eq!(
         [0, 1, 2, 3].map(|episode| batch.time(episode).map(|time| (time * 1000.0).round())),
         [Some(6.0), Some(3.0), Some(6.0), None]

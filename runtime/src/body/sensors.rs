@@ -10,6 +10,7 @@ use msk_physics::{self as physics, State, Workspace};
 use msk_program::frame::{FrameLayout, Sensor};
 use msk_program::scene::Part;
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// What the control loop knows and the physics does not.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +24,7 @@ pub struct Control<'a> {
 }
 
 /// Velocities of the previous control step, from which mean accelerations follow: part of an episode's snapshot.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     velocities: Vec<Vector3<f64>>,
 }

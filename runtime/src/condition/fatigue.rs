@@ -51,7 +51,7 @@ impl Fatigue {
 }
 
 /// The compartments of all muscles: part of an episode's snapshot.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Compartments {
     active: Vec<f64>,
     fatigued: Vec<f64>,
@@ -61,6 +61,11 @@ impl Compartments {
     /// Fresh muscles, all at rest.
     pub fn new(muscles: usize) -> Self {
         Self { active: vec![0.0; muscles], fatigued: vec![0.0; muscles] }
+    }
+
+    /// Number of muscles; 0 if the lists of what came from outside differ in length.
+    pub(crate) fn len(&self) -> usize {
+        if self.active.len() == self.fatigued.len() { self.active.len() } else { 0 }
     }
 
     /// Active, resting and fatigued share of a muscle.

@@ -2,9 +2,10 @@
 
 use msk_physics as physics;
 use msk_program::task::{CompiledTask, NonFiniteTerm, NotDrawn, TaskFault};
+use serde::{Deserialize, Serialize};
 
 /// The end of an episode. A failure of the task, the horizon and a fault of the computation are three different things.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Ending {
     /// The task's own reasons for failure that held at the last step, as indices into its `terminations`; several may.
     /// Reasons to finish that held as well stand in the report of that step.
@@ -36,7 +37,7 @@ impl Ending {
 }
 
 /// An event that ends one episode and leaves all others alone. Nothing is repaired and nothing is teleported.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 pub enum Fault {
     /// The physics could not step: where and when, by names.
     #[error(transparent)]

@@ -164,6 +164,22 @@ impl Engine {
         episode.identity.as_ref() == Some(&self.task.hash) && episode.state.fits(&self.model)
     }
 
+    /// Whether an episode that came from outside was begun here, or by an engine of the same task on a body of the same size, and
+    /// has the shape of one: only then it may be restored.
+    pub fn accepts(&self, episode: &Episode) -> bool {
+        let Episode { disturbances, task, streams, compartments, action, frame, observation, report, totals, .. } = episode;
+        let counted = |part: usize, whole: usize| part == 0 || part == whole;
+        let muscles = self.body.muscles.len();
+        self.made(episode)
+            && self.task.accepts(task)
+            && streams.len() == self.task.randoms.len()
+            && compartments.as_ref().is_none_or(|compartments| compartments.len() == muscles)
+            && counted(disturbances.len(), self.task.disturbances.len())
+            && [action.len(), frame.len(), observation.len()] == [muscles, self.task.frame.size(), self.task.observation_size()]
+            && counted(report.terms.len(), self.task.terms.len())
+            && totals.len() == self.task.terms.len()
+    }
+
     pub(super) fn serves(&self, scratch: &Scratch) -> bool {
         Arc::ptr_eq(&scratch.model, &self.model)
     }

@@ -40,10 +40,12 @@ use crate::condition::Compartments;
 use msk_physics::State;
 use msk_program::task::{Disturbance, StepReport, TaskState};
 use player::Player;
+use serde::{Deserialize, Serialize};
 use streams::Streams;
 
-/// Everything that changes over an episode: plain data, from which it continues bit for bit.
-#[derive(Debug, Clone, PartialEq)]
+/// Everything that changes over an episode: plain data, from which it continues bit for bit. One that was read by serde is checked by
+/// [`Engine::accepts`] before it is played.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
     key: EpisodeKey,
     /// The hash of its task; none before it is reset.

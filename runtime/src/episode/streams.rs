@@ -7,10 +7,11 @@ use msk_program::evaluation::Draws;
 use msk_program::task::RandomValue;
 use rand::Rng;
 use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Which episode of which seed: together with a name this is all that chance depends on.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct EpisodeKey {
     /// Seed of the evaluation.
     pub seed: u64,
@@ -19,7 +20,7 @@ pub struct EpisodeKey {
 }
 
 /// A stream of random numbers. `Clone` is a snapshot.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stream {
     generator: Pcg64,
 }
@@ -56,10 +57,15 @@ impl Stream {
 }
 
 /// The streams of a task's randoms, in its order: part of an episode's snapshot.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Streams(Vec<Stream>);
 
 impl Streams {
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Every stream from its beginning.
     pub(super) fn start(&mut self, key: EpisodeKey, randoms: &[RandomValue]) {
         self.0.clear();
