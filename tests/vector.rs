@@ -70,6 +70,7 @@ fn in_the_same_step_the_next_episode_follows_and_the_last_observation_is_kept() 
         let by_terms: f64 = end.totals.iter().sum();
         assert!((by_terms - end.total).abs() < 1e-9 && end.totals.len() == 2);
         assert!(!end.success);
+        assert_eq!(end.terms.len(), 2);
     }
     // The next episodes begin with nothing earned.
     assert!(environment.episodes().all(|episode| episode.total() == 0.0 && episode.steps() == 0));
@@ -115,6 +116,25 @@ fn chosen_episodes_can_be_played_again() {
     assert_eq!(step.observations[width..2 * width], initial_observations(40)[..width]);
     environment.reset_where(&[true, true, true]);
     assert_eq!(keys(&environment), [key(3), key(43), key(5)]);
+}
+
+#[test]
+fn slots_with_seeds_of_their_own_play_their_episodes_one_after_the_other() {
+    let mut environment = short(AutoresetMode::Disabled).with_stride(1);
+    let of = |seed: u64, episode: u64| EpisodeKey { seed, episode };
+    environment.reset_to(&[Some(of(5, 0)), Some(of(6, 0)), Some(of(7, 0))]);
+    environment.reset_where(&[true, true, false]);
+    assert_eq!(keys(&environment), [of(5, 1), of(6, 1), of(7, 0)]);
+    environment.set_next_key(0, of(8, 4));
+    assert_eq!(environment.next_keys().collect::<Vec<_>>(), [of(8, 4), of(6, 2), of(7, 1)]);
+}
+
+#[test]
+fn workers_that_are_started_anew_go_on_with_the_same_bits() {
+    let [mut one, mut other] = [1, 2].map(|threads| environment(&[], AutoresetMode::SameStep, threads));
+    let actions = still(&one);
+    other.restart_workers().unwrap();
+    assert_eq!(one.step(&actions).unwrap(), other.step(&actions).unwrap());
 }
 
 #[test]
