@@ -62,7 +62,7 @@ class VecEnv(_VecEnv):
         by_slot: list[dict[str, Any]] = [{"TimeLimit.truncated": False} for _ in range(self.num_envs)]
         ended = np.flatnonzero(dones)
         for slot in ended:
-            info = _of_slot(infos["final_info"], slot)
+            info = _of_slot(infos["final_info"], int(slot))
             info["TimeLimit.truncated"] = bool(truncated[slot])
             info["terminal_observation"] = infos["final_obs"][slot]
             info["episode"] = {"r": info["return"], "l": info["steps"], "t": 0.0}
