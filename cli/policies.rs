@@ -1,7 +1,7 @@
 //! `--policy` and `--policy-timeout`, and actions written to a file.
 
 use crate::error::{Context, Error};
-use msk::runtime::policy::{Policy, PolicyContext, PolicyError, PolicySource};
+use msk::runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError, PolicySource};
 use npyz::WriterBuilder;
 use std::fs::File;
 use std::io::BufWriter;
@@ -45,7 +45,7 @@ impl<'p> Recorder<'p> {
         Self { policy, actions: Vec::new(), width: 0 }
     }
 
-    /// Writes the actions as `replay` reads them: a NumPy array of doubles, a row per control step, a column per muscle.
+    /// Writes the actions as `replay` reads them: a NumPy array of doubles, a row per control step, a column per entry of an action.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -66,8 +66,13 @@ impl Policy for Recorder<'_> {
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
         self.actions.clear();
-        self.width = context.body.muscles.len();
-        self.policy.reset(context)
+        self.policy.reset(context)?;
+        self.width = self.policy.acts_on().size(context.task, context.body);
+        Ok(())
+    }
+
+    fn acts_on(&self) -> ActsOn {
+        self.policy.acts_on()
     }
 
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {

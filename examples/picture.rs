@@ -27,9 +27,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut policy = policy::create("posture")?;
     episode.reset(EpisodeKey { seed: 1, episode: 0 });
     policy.reset(&episode.context())?;
-    let mut action = vec![0.0; bound.body.muscles.len()];
+    let mut action = episode.engine().action(policy.acts_on());
     while episode.ending().is_none() && f64::from(episode.steps()) * episode.control_period() < seconds {
-        policy.act(&episode.context(), &mut action)?;
+        policy.act(&episode.context(), &mut action.entries)?;
         episode.step(&action)?;
     }
 

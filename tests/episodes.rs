@@ -264,7 +264,7 @@ fn an_action_that_is_no_number_is_a_fault_of_that_episode() {
     episode.step(&action).unwrap();
     let muscle = episode.context().body.muscles[7].name.clone();
     let Some(Ending::Fault(fault)) = episode.ending() else { panic!("{:?}", episode.ending()) };
-    assert!(matches!(fault, Fault::Action { muscle: named, step: 3, .. } if *named == muscle), "{fault}");
+    assert!(matches!(fault, Fault::Action { entry, step: 3, .. } if *entry == muscle), "{fault}");
     assert_eq!((episode.steps(), episode.success(), episode.report().reward), (2, false, 0.0));
     assert_eq!(*episode.state(), before, "the state before the fault is kept");
 }

@@ -4,6 +4,7 @@
 use msk::compiler::diagnostics::SourceMap;
 use msk::compiler::format::format;
 use msk::compiler::{self, Compilation};
+use msk::runtime::action::ActsOn;
 use msk::runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::library::{BodyLibrary, FileLoader};
 use std::path::{Path, PathBuf};
@@ -49,7 +50,7 @@ fn every_example_begins_soundly_and_runs() {
             let start = episode.inspect_start(EpisodeKey { seed: 0, episode: 0 }).unwrap();
             assert!(start.penetrations.is_empty() && start.residuals.is_empty(), "{name}: {start:?}");
             episode.reset(EpisodeKey { seed: 0, episode: 0 });
-            let rest = vec![-1.0; episode.context().body.muscles.len()];
+            let rest = episode.engine().action(ActsOn::Task);
             for _ in 0..10 {
                 if episode.ending().is_some() {
                     break;

@@ -73,7 +73,7 @@ impl Case {
         let action = vec![0.25; self.body.muscles.len()];
         let (body, model, state, workspace) = (&self.body, &self.model, &self.state, &self.workspace);
         let snapshot = Snapshot { body, model, state, workspace };
-        fill(&layout, &snapshot, &Control { action: &action, time: 1.5, elapsed }, memory, &mut frame);
+        fill(&layout, &snapshot, &Control { action: &action, entries: &[], time: 1.5, elapsed }, memory, &mut frame);
         frame
     }
 }

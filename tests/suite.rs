@@ -1,6 +1,7 @@
 //! All tests of the program but the physics' (`parity.rs`) as one program, which is linked once; each file is a module.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
+mod actions;
 mod advisories;
 mod cli;
 mod cmc;

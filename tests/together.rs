@@ -26,7 +26,7 @@ fn side_by_side(engine: &Engine, slots: usize, threads: usize, steps: usize) -> 
     let [count, threads] = [slots, threads].map(|number| NonZeroUsize::new(number).unwrap());
     let mut environment = VectorEnvironment::new(engine.clone(), count, threads).unwrap().with_autoreset(AutoresetMode::SameStep);
     environment.reset(SEED);
-    let width = engine.body().muscles.len();
+    let width = engine.action_size();
     let (mut actions, mut ends) = (vec![0.0; slots * width], 0);
     for _ in 0..steps {
         for (episode, action_of) in environment.episodes().zip(actions.chunks_mut(width)) {
@@ -40,7 +40,7 @@ fn side_by_side(engine: &Engine, slots: usize, threads: usize, steps: usize) -> 
 /// The same episode alone, up to as many steps.
 fn alone(environment: &mut Environment, key: EpisodeKey, steps: u32) -> Episode {
     environment.reset(key);
-    let mut taken = vec![0.0; environment.engine().body().muscles.len()];
+    let mut taken = vec![0.0; environment.engine().action_size()];
     while environment.steps() < steps {
         action(key, environment.steps(), &mut taken);
         environment.step(&taken).unwrap();
@@ -75,6 +75,22 @@ fn an_episode_of_any_task_has_the_same_bits_in_a_lane_and_alone() {
     }
 }
 
+/// Controllers look at the forward pass of their own episode, also where a worker has more episodes than lanes.
+#[test]
+fn an_episode_of_any_action_space_has_the_same_bits_in_a_lane_and_alone() {
+    for act in [
+        "act muscles { of [calves], filter 40 ms, latency 2 steps }",
+        "act synergies { of [calves, quadriceps], sides, residual cmc }",
+        "act torque { joints [knees], range 50 N*m }",
+        "act cmc { joints [legs], range 0.3 rad, com 5 cm, root 10 deg }",
+    ] {
+        let control = format!("control 100 Hz\n    {act}");
+        let engine = episode(&[("control 100 Hz", control.as_str())]).engine().clone();
+        check(act, &engine, 10, 1, 4);
+        check(act, &engine, 5, 2, 14);
+    }
+}
+
 #[test]
 fn episodes_that_end_at_different_times_have_the_same_bits_on_any_number_of_threads() {
     let parts = [("early when step > 100", "early when com.velocity.z < -0.05 m/s"), ("horizon 12 steps", "horizon 9 steps")];
@@ -94,7 +110,7 @@ fn an_episode_that_is_restored_goes_on_in_its_lane() {
     for (slot, episode) in episodes.iter().enumerate() {
         environment.restore(slot, episode);
     }
-    let width = engine.body().muscles.len();
+    let width = engine.action_size();
     let mut actions = vec![0.0; 8 * width];
     for (episode, action_of) in episodes.iter().zip(actions.chunks_mut(width)) {
         action(episode.key(), episode.steps(), action_of);
@@ -120,15 +136,15 @@ fn a_fault_in_one_lane_ends_its_episode_alone() {
     thrown.clone_from(single.episode());
     assert_eq!(thrown.ending(), None);
     environment.restore(3, &thrown);
-    let actions = vec![0.0; 8 * engine.body().muscles.len()];
+    let actions = vec![0.0; 8 * engine.action_size()];
     let step = environment.step(&actions).unwrap().clone();
     assert_eq!(step.ends.len(), 1, "{:?}", step.ends);
     assert!(step.ends[0].slot == 3 && matches!(step.ends[0].ending, Ending::Fault(_)));
-    single.step(&vec![0.0; engine.body().muscles.len()]).unwrap();
+    single.step(&vec![0.0; engine.action_size()]).unwrap();
     assert_eq!(single.episode(), environment.episodes().nth(3).unwrap());
     for slot in [0, 1, 2, 4, 5, 6, 7] {
         single.reset(key(slot));
-        single.step(&vec![0.0; engine.body().muscles.len()]).unwrap();
+        single.step(&vec![0.0; engine.action_size()]).unwrap();
         assert_eq!(single.episode(), environment.episodes().nth(slot).unwrap());
     }
 }

@@ -26,7 +26,7 @@ pub mod syntax;
 pub mod weights;
 
 pub use msk_program::{
-    body, digest, extremes, files, frame, graph, init, numbers, scene, script, snapshot, task, testing, vocabulary,
+    action, body, digest, extremes, files, frame, graph, init, numbers, scene, script, snapshot, task, testing, vocabulary,
 };
 
 use msk_program::work;

@@ -1,5 +1,6 @@
 //! The reference tells the truth: its examples are read, its list of codes is the compiler's.
 
+use msk_compiler::check::action::spaces;
 use msk_compiler::check::functions::{self, Function};
 use msk_compiler::check::scene::elements;
 use msk_compiler::diagnostics::{Code, FileId, Lint, codes, lints};
@@ -85,6 +86,7 @@ fn generated_parts_are_those_of_the_compiler() {
     ]
     .concat();
     let parts = [
+        ("actions", spaces::markdown()),
         ("elements", elements::markdown()),
         ("codes", list(codes::syntax::ALL)),
         ("lints", lint_table()),

@@ -4,6 +4,7 @@ use crate::hints::share;
 use crate::positions::{Encoding, Lines};
 use crate::workspace::Workspace;
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
+use msk_compiler::check::action::spaces;
 use msk_compiler::check::scene::elements;
 use msk_compiler::compile::Inspection;
 use msk_compiler::diagnostics::{FileId, Span};
@@ -122,13 +123,19 @@ fn word(text: &str, byte: usize) -> Option<(Span, String)> {
     let (span, word, _) = word_at(text, byte)?;
     let kind = elements::KINDS.iter().chain(elements::JOINTS).find(|kind| kind.name == word);
     let field = elements::FIELDS.iter().find(|field| field.name == word);
+    let space = spaces::SPACES.iter().find(|space| space.name == word);
+    let setting = spaces::SETTINGS.iter().find(|setting| setting.name == word);
     let markdown = match (kind, field) {
         (Some(kind), _) => {
             let (required, optional) = (kind.required.join(" "), kind.optional.join(" "));
             format!("`{}`: {}\n\nRequired: {required}. Optional: {optional}.", kind.name, kind.description)
         }
         (_, Some(field)) => format!("`{}`\n\n{}", field.form, field.description),
-        _ => return None,
+        _ => match (space, setting) {
+            (Some(space), _) => format!("`act {}`: {}", space.name, space.description),
+            (_, Some(setting)) => format!("`{}`\n\n{}", setting.form, setting.description),
+            _ => return None,
+        },
     };
     Some((span, markdown))
 }

@@ -3,9 +3,11 @@
 // Results agree between machines to the bit: see `clippy.toml`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod action;
 pub mod bench;
 pub mod bodies;
 pub mod body;
+mod cmc;
 pub mod condition;
 pub mod episode;
 pub mod files;

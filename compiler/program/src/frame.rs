@@ -51,8 +51,11 @@ pub enum Sensor {
     MuscleActivation(usize),
     /// Excitation: 1, in 0..1.
     MuscleExcitation(usize),
-    /// The policy's raw action: 1.
+    /// The action that reaches a muscle: 1.
     Action(usize),
+    /// An entry of the policy's action in the task's own action space: 1. Where each entry is the action of a muscle,
+    /// [`Sensor::Action`] measures it.
+    ActionEntry(usize),
     /// Position of the whole body's centre of mass: 3, m.
     ComPosition,
     /// Its velocity: 3, m/s.
@@ -171,6 +174,7 @@ impl Sensor {
             Self::MuscleActivation(..) => "MuscleActivation",
             Self::MuscleExcitation(..) => "MuscleExcitation",
             Self::Action(..) => "Action",
+            Self::ActionEntry(..) => "ActionEntry",
             Self::ComPosition => "ComPosition",
             Self::ComVelocity => "ComVelocity",
             Self::ComAcceleration => "ComAcceleration",
@@ -229,6 +233,7 @@ impl Sensor {
             | MuscleActivation(_)
             | MuscleExcitation(_)
             | Action(_)
+            | ActionEntry(_)
             | GroundContact(_)
             | Touching(..)
             | ContactCount(..)
@@ -312,7 +317,8 @@ impl Sensor {
                 Subject::Parts(a, b)
             }
             S::Query(index, _) => Subject::Query(index),
-            S::ComPosition
+            S::ActionEntry(_)
+            | S::ComPosition
             | S::ComVelocity
             | S::ComAcceleration
             | S::AngularMomentum

@@ -2,7 +2,8 @@
 //!
 //! The compiler makes a [`task::CompiledTask`], the runtime steps it, the evaluator reports it; none of them needs another for that.
 //!
-//! * What a task may name: [`vocabulary`], [`body`], [`scene`]; what it reads of the physics: [`frame`].
+//! * What a task may name: [`vocabulary`], [`body`], [`scene`]; what it reads of the physics: [`frame`]; what a
+//!   policy's action asks for: [`action`].
 //! * What is computed: [`graph`], one dataflow graph per phase; `lower` makes closures over flat records of it, which
 //!   [`evaluation`] runs once per control step.
 //! * How an episode begins: [`init`], with [`motion`] where a motion is followed; [`testing`] and [`script`]: what its tests show.
@@ -13,6 +14,7 @@
 // Results agree between machines to the bit: see `clippy.toml`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod action;
 pub mod body;
 pub mod debug;
 pub mod digest;

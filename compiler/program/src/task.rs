@@ -9,6 +9,7 @@ mod tested;
 pub use phase::{Phase, PhaseParts};
 pub use tested::TaskTests;
 
+use crate::action::ActionSpace;
 use crate::body::BodyDescription;
 use crate::frame::FrameLayout;
 use crate::init::Start;
@@ -40,6 +41,8 @@ pub struct CompiledTask {
     pub control_frequency: f64,
     /// Episode length, control steps.
     pub horizon: u32,
+    /// What the entries of a policy's action ask for.
+    pub action: ActionSpace,
     /// Whether mirroring left and right must not change the reward.
     pub symmetric: bool,
     /// What surrounds the body.

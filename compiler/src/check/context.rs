@@ -7,6 +7,7 @@ use super::reference::{KnownReference, Motions};
 use super::scene::CheckedScene;
 use super::scene::geometry::Known;
 use super::value::Value;
+use crate::action::ActionSpace;
 use crate::diagnostics::{Allowance, Code, Diagnostic, FileId, Span, codes};
 use crate::frame::Query;
 use crate::graph::interval::{self, Bounds};
@@ -113,6 +114,8 @@ pub(crate) struct Checker<'a> {
     pub graph: Graph,
     pub diagnostics: Vec<Diagnostic>,
     pub timing: Timing,
+    /// What `action` is, once `act` has been checked.
+    pub action: ActionSpace,
     /// Where the task itself stands.
     pub task_place: Place,
     /// The statements of the task.
@@ -182,6 +185,7 @@ impl<'a> Checker<'a> {
             graph: Graph::default(),
             diagnostics: Vec::new(),
             timing: Timing { interval: 0.01, horizon: 1, before: 0 },
+            action: ActionSpace::default(),
             task_place: place,
             statements,
             place,

@@ -409,6 +409,12 @@ impl<'a> Checker<'a> {
         let muscles: Vec<EntityRef> = (0..self.vocabulary.muscles.len()).map(EntityRef::Muscle).collect();
         let interval = self.timing.interval;
         Ok(match signal.read {
+            Read::Action if !self.action.is_default() => {
+                let size = self.action.size(self.vocabulary.muscles.len());
+                self.spend(size, span)?;
+                let node = self.graph.sensors((0..size).map(Sensor::ActionEntry).collect());
+                TypedValue::new(node, Type::one_or_list(ElementType::PLAIN, true, size))
+            }
             Read::Time => TypedValue::new(self.time(), ElementType::Number(Dimension::TIME)),
             Read::Interval => TypedValue::new(self.graph.constant(interval), ElementType::Number(Dimension::TIME)),
             Read::Step => TypedValue::new(self.graph.add(Operation::Step, &[]), ElementType::Int),

@@ -9,6 +9,7 @@
 //!
 //! Every error is reported where it is, none stops the rest.
 
+pub mod action;
 mod advice;
 pub(crate) mod allows;
 mod arithmetic;

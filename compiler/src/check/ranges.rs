@@ -17,7 +17,7 @@ pub(crate) struct OperatingRange<'a> {
 impl Ranges for OperatingRange<'_> {
     fn sensor(&self, sensor: Sensor, _: usize) -> Bounds {
         match sensor {
-            Sensor::LandmarkAxes(_) | Sensor::RootAxes | Sensor::Action(_) => Bounds::new(-1.0, 1.0),
+            Sensor::LandmarkAxes(_) | Sensor::RootAxes | Sensor::Action(_) | Sensor::ActionEntry(_) => Bounds::new(-1.0, 1.0),
             Sensor::JointPosition(joint) => {
                 let range = self.vocabulary.joints.get(joint).and_then(|joint| joint.range);
                 range.map_or(Bounds::ANY, |[low, high]| Bounds::new(low, high))
@@ -192,7 +192,7 @@ impl Ranges for NeutralRange<'_> {
             }
             Sensor::MuscleLength(_) => Bounds::POSITIVE,
             Sensor::MuscleForce(_) => Bounds::new(f64::NEG_INFINITY, 0.0),
-            Sensor::RootAxes | Sensor::Action(_) => Bounds::new(-1.0, 1.0),
+            Sensor::RootAxes | Sensor::Action(_) | Sensor::ActionEntry(_) => Bounds::new(-1.0, 1.0),
             _ => Bounds::ANY,
         }
     }

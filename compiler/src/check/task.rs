@@ -16,6 +16,7 @@ use super::reference::{KnownReference, Motions};
 use super::reward::RewardTerm;
 use super::scene::CheckedScene;
 use super::tests::CheckedTests;
+use crate::action::ActionSpace;
 use crate::diagnostics::{Allowance, Diagnostic, FileId, Span};
 use crate::frame::Query;
 use crate::graph::interval::Bounds;
@@ -40,6 +41,7 @@ pub(crate) struct CheckedTask<'a> {
     pub family: String,
     pub control_frequency: f64,
     pub timing: Timing,
+    pub action: ActionSpace,
     pub symmetric: bool,
     pub scene: SceneDescription,
     pub init: Init,
@@ -142,6 +144,7 @@ impl<'a> Checker<'a> {
             (Ok(_), Some((horizon, file))) => self.in_file(file, |checker| checker.horizon(horizon)).map(Some),
             _ => Ok(None),
         };
+        let action = parts.act.map(|(act, file)| self.in_file(file, |checker| checker.action_space(act))).transpose();
         self.states();
         self.references();
         self.randoms();
@@ -179,6 +182,7 @@ impl<'a> Checker<'a> {
         let complete = self.must_be_complete(task, &parts);
         let (control_frequency, _) = (frequency?, (horizon?, redraws?));
         let (staged, init, success) = (staged?, init?, success?);
+        action?;
         complete?;
         let (Some(control_frequency), Some(mut init), Some(success)) = (control_frequency, init, success) else {
             return Err(self.incomplete(task, "`control`, `init` or `success`"));
@@ -198,6 +202,7 @@ impl<'a> Checker<'a> {
             family: parts.family.map(|(family, _)| family).unwrap_or_default().to_owned(),
             control_frequency,
             timing: self.timing,
+            action: std::mem::take(&mut self.action),
             symmetric: parts.symmetric,
             scene: staged.scene,
             init: init.init,

@@ -56,6 +56,7 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
         horizon: task.horizon,
         duration: f64::from(task.horizon) / task.control_frequency,
         symmetric: task.symmetric,
+        action: super::action::action(task),
         parameters: parameters(task),
         motions: motions(task),
         randoms: randoms(task),

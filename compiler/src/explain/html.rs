@@ -1,5 +1,6 @@
 //! A page for browsers: one file with everything in it, formulas as MathML, readable offline, by day and by night.
 
+use super::action::ActionReport;
 use super::report::*;
 use crate::extremes::maximum;
 use crate::notation::escaped;
@@ -59,6 +60,7 @@ fn section(task: &TaskReport, text: &mut String) {
     initial_state(task, text);
     settings(task, text);
     observation(&task.observation, text);
+    action(&task.action, text);
     let _ = writeln!(text, "<p class=\"soft\">hash <code>{}</code></p>\n</section>", task.hash);
 }
 
@@ -256,6 +258,11 @@ fn settings(task: &TaskReport, text: &mut String) {
         lines.push(format!("{} is drawn from {}{clauses}", random.name, random.source));
     }
     list(&lines, text);
+}
+
+fn action(action: &ActionReport, text: &mut String) {
+    let _ = writeln!(text, "<h3>Action</h3>\n<p>{}</p>", escaped(&action.in_words()));
+    list(&[action.entries.join(", ")], text);
 }
 
 fn observation(observation: &ObservationReport, text: &mut String) {

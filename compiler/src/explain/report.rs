@@ -1,5 +1,6 @@
 //! The report of a task as plain data in SI units. Its JSON form is stable: fields are added, never changed.
 
+use super::action::ActionReport;
 use crate::numbers::for_people;
 use serde::Serialize;
 
@@ -29,6 +30,8 @@ pub struct TaskReport {
     pub duration: f64,
     /// Whether mirroring left and right must not change the reward.
     pub symmetric: bool,
+    /// What a policy's action asks for.
+    pub action: ActionReport,
     /// Numbers that may be set from outside.
     pub parameters: Vec<ParameterReport>,
     /// Motions that formulas follow.

@@ -37,6 +37,7 @@ pub fn text(task: &CompiledTask, options: &Options<'_>) -> String {
         }
     }
     channels(&report, &mut text);
+    action(&report, &mut text);
     let _ = writeln!(text, "\nhash {}", report.hash);
     text
 }
@@ -56,6 +57,13 @@ fn head(report: &TaskReport, text: &mut String) {
         for_people(report.duration),
         if report.symmetric { ", symmetric" } else { "" }
     );
+}
+
+fn action(report: &TaskReport, text: &mut String) {
+    let _ = writeln!(text, "\nAction, {}", report.action.in_words());
+    for row in report.action.entries.chunks(8) {
+        let _ = writeln!(text, "  {}", row.join(", "));
+    }
 }
 
 fn scene(report: &TaskReport, text: &mut String) {

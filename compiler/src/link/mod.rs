@@ -159,6 +159,7 @@ fn begun(heading: &Heading<'_>, first: &CheckedTask<'_>, frame: &FrameLayout) ->
         vocabulary: heading.vocabulary.clone(),
         control_frequency: first.control_frequency,
         horizon: 0,
+        action: first.action.clone(),
         symmetric: first.symmetric,
         scene: first.scene.clone(),
         init: first.init.clone(),

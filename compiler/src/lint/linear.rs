@@ -197,7 +197,9 @@ impl Measured {
                     let [low, high] = vocabulary.joints.get(joint)?.range?;
                     reach(low, high, false)
                 }
-                Sensor::LandmarkAxes(_) | Sensor::RootAxes | Sensor::Action(_) => reach(-1.0, 1.0, false),
+                Sensor::LandmarkAxes(_) | Sensor::RootAxes | Sensor::Action(_) | Sensor::ActionEntry(_) => {
+                    reach(-1.0, 1.0, false)
+                }
                 Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) => reach(0.0, 1.0, false),
                 Sensor::LandmarkPosition(index) => {
                     let landmark = vocabulary.landmarks.get(index)?;
@@ -269,7 +271,7 @@ impl Measured {
             Sensor::LandmarkAngularVelocity(index) => (component(format!("{}.angular_velocity", landmark(index))), "rad/s", 1.0),
             Sensor::MuscleActivation(_) => (plain("an activation".to_owned()), "", 1.0),
             Sensor::MuscleExcitation(_) => (plain("an excitation".to_owned()), "", 1.0),
-            Sensor::Action(_) => (plain("an action".to_owned()), "", 1.0),
+            Sensor::Action(_) | Sensor::ActionEntry(_) => (plain("an action".to_owned()), "", 1.0),
             _ => (plain("a signal that it reads".to_owned()), "", 1.0),
         }
     }

@@ -202,9 +202,9 @@ pub(crate) fn whole<'a>(
 }
 
 /// A phase of a sequence: the task with what the sequence declares for all its phases. What is there once for the whole episode
-/// (scene, initial state, body, control) is the sequence's, or else the first phase's.
+/// (scene, initial state, body, control, action space) is the sequence's, or else the first phase's.
 pub(crate) fn in_sequence(phase: WholeTask, first: &WholeTask, sequence: &[Placed], texts: &dyn Texts) -> WholeTask {
-    const SHARED: [&str; 6] = ["family", "body", "control", "symmetric", "scene", "init"];
+    const SHARED: [&str; 7] = ["family", "body", "control", "act", "symmetric", "scene", "init"];
     let section_of = |placed: &Placed| match changes(placed.clone(), texts).into_iter().next() {
         Some(Change::Row(row)) => row.section,
         _ => Section::Loose,
@@ -273,6 +273,7 @@ fn changes(placed: Placed, texts: &dyn Texts) -> Vec<Change> {
         statement @ S::Body(_) => single("body", statement),
         statement @ S::Control(_) => single("control", statement),
         statement @ S::Horizon(_) => single("horizon", statement),
+        statement @ S::Act(_) => single("act", statement),
         statement @ S::Symmetric(_) => single("symmetric", statement),
         statement @ S::Scene(_) => vec![row(Section::Layered("scene"), "", statement)],
         statement @ S::Init(_) => vec![row(Section::Layered("init"), "", statement)],

@@ -414,6 +414,7 @@ fn statements(context: Rule) -> &'static [&'static str] {
             "clock",
             "random",
             "reference",
+            "act",
             "disturb",
             "test",
             "cheat",

@@ -281,6 +281,11 @@ pub(super) fn element_in_placement(file: FileId, span: Span, object: &str) -> Di
         .help("parts are declared in `scene`")
 }
 
+pub(super) fn element_in_action_space(file: FileId, span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(codes::MISPLACED, file, span, format!("`{word}` cannot have a block in `act`"))
+        .help("settings of an action space are words with values: `act cmc { joints legs, range 0.5 rad }`")
+}
+
 pub(super) fn nameless_protocol(file: FileId, span: Span) -> Diagnostic {
     Diagnostic::new(codes::MISPLACED, file, span, "each of several protocols in a suite needs a name")
         .help("`protocol quick { episodes 5 }` and `protocol paper { episodes 50 }`; the first is the default")

@@ -11,6 +11,7 @@ use crate::index::Space;
 use crate::positions::{Encoding, Lines};
 use crate::workspace::{Workspace, file_of};
 use lsp_types::{CompletionItem, CompletionItemKind, CompletionTextEdit, Documentation, TextEdit};
+use msk_compiler::check::action::spaces;
 use msk_compiler::check::functions;
 use msk_compiler::check::scene::elements;
 use msk_compiler::compile::Inspection;
@@ -60,6 +61,8 @@ pub fn complete(workspace: &Workspace<'_>, path: &Path, byte: usize, encoding: E
             lints.map(|(code, lint)| proposal(lint.name, CompletionItemKind::CONSTANT, code.title, "")).collect()
         }
         Wanted::Declared(space) => declared(workspace, path, byte, |known| known == *space),
+        Wanted::ActionSpaces => action_spaces(),
+        Wanted::Settings(space) => settings(space),
         Wanted::Frames => frames(&vocabulary(workspace, path, byte)),
         Wanted::Formula => formula(workspace, path, byte),
     };
@@ -156,6 +159,20 @@ fn fields(kind: &str) -> Vec<Proposal> {
     let parts =
         elements::KINDS.iter().chain(elements::JOINTS).filter(|row| row.name != "ground" && kind != "hinge" && kind != "slide");
     fields.chain(parts.map(|row| proposal(row.name, CompletionItemKind::CLASS, "a part", row.description))).collect()
+}
+
+fn action_spaces() -> Vec<Proposal> {
+    spaces::SPACES
+        .iter()
+        .map(|space| proposal(space.name, CompletionItemKind::CLASS, "action space", space.description))
+        .collect()
+}
+
+/// The settings of an action space.
+fn settings(space: &str) -> Vec<Proposal> {
+    let known: Vec<&str> = spaces::SPACES.iter().filter(|row| row.name == space).flat_map(spaces::Space::settings).collect();
+    let rows = spaces::SETTINGS.iter().filter(|setting| known.contains(&setting.name));
+    rows.map(|setting| proposal(setting.name, CompletionItemKind::FIELD, setting.form, setting.description)).collect()
 }
 
 /// Whether a name can be written without quotes.

@@ -26,6 +26,10 @@ pub enum Wanted {
     Elements,
     /// A field of this kind of element.
     Fields(String),
+    /// An action space, behind `act`.
+    ActionSpaces,
+    /// A setting of this action space.
+    Settings(String),
     /// A joint, in a pose.
     Joints,
     /// A pose.
@@ -107,6 +111,7 @@ fn wanted(head: &str, begun: &str, blocks: &[String], statement: &str) -> Option
             "pose" => return Some(Wanted::Poses),
             "extends" | "phase" => return Some(Wanted::Declared(Space::Task)),
             "allow" => return Some(Wanted::Lints),
+            "act" => return Some(Wanted::ActionSpaces),
             "by" => return Some(Wanted::Declared(Space::Reason)),
             "in" if !statement.contains(" for ") && !statement.trim_start().starts_with("repeat") => return Some(Wanted::Frames),
             _ => {}
@@ -138,6 +143,9 @@ fn first_word(blocks: &[String]) -> Wanted {
         [_, .., "pose"] | [_, "test" | "cheat", "at"] => Wanted::Joints,
         [_, "init", _] => Wanted::Words(words::START),
         [_, "disturb"] => Wanted::Words(words::DISTURB),
+        [_, "act"] => {
+            Wanted::Settings(blocks.last().and_then(|head| head.split_whitespace().nth(1)).unwrap_or_default().to_owned())
+        }
         [_, "test" | "cheat"] => Wanted::Words(words::TEST),
         _ => Wanted::Formula,
     }
@@ -190,6 +198,8 @@ mod tests {
         assert_eq!(at("task t { success ended by |"), Some(Wanted::Declared(Space::Reason)));
         assert_eq!(at("task a extends |"), Some(Wanted::Declared(Space::Task)));
         assert_eq!(at("task t { allow |"), Some(Wanted::Lints));
+        assert_eq!(at("task t { act |"), Some(Wanted::ActionSpaces));
+        assert_eq!(at("task t { act cmc { joints legs, |"), Some(Wanted::Settings("cmc".into())));
     }
 
     #[test]

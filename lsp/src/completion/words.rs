@@ -36,6 +36,7 @@ pub const TASK: Table = &[
     ("terminate", "terminate { REASON when CONDITION }: failures"),
     ("finish", "finish { REASON when CONDITION }: terminations that are not failures"),
     ("success", "success CONDITION: evaluated at the last step"),
+    ("act", "act SPACE { ... }: what the entries of an action stand for"),
     ("disturb", "disturb PART { force, torque, at, for, every }"),
     ("phase", "phase TASK until CONDITION: of a sequence"),
     ("test", "test \"TITLE\" { ... }"),

@@ -36,7 +36,7 @@ pub use summary::{GroupSummary, MetricSummary, Summary, TaskSummary, TermSummary
 pub use to_horizon::{ToHorizon, play_to_horizon};
 
 use msk_program::task::CompiledTask;
-use msk_runtime::episode::{Engine, Environment, EpisodeError, EpisodeKey, REST};
+use msk_runtime::episode::{Engine, Environment, EpisodeError, EpisodeKey};
 use msk_runtime::library::BoundBody;
 use msk_runtime::policy::{Policy, PolicyError, PolicySource};
 use record::Tally;
@@ -178,13 +178,13 @@ pub fn play(
     if episode.ending().is_none() {
         policy.reset(&episode.context())?;
     }
-    let mut action = vec![REST; episode.context().body.muscles.len()];
+    let mut action = episode.engine().action(policy.acts_on());
     let mut tally = Tally::new(&trial.task);
     while episode.ending().is_none() {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        policy.act(&episode.context(), &mut action)?;
+        policy.act(&episode.context(), &mut action.entries)?;
         episode.step(&action)?;
         tally.add(episode.episode(), episode.weights());
         stepped();

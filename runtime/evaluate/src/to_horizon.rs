@@ -2,7 +2,7 @@
 
 use super::EvaluationError;
 use msk_physics::scalar::Real;
-use msk_runtime::episode::{Ending, Environment, EpisodeKey, REST};
+use msk_runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::policy::Policy;
 
 /// What came of an episode that was played on to its horizon.
@@ -34,9 +34,9 @@ pub fn play_to_horizon(
     if episode.ending().is_none() {
         policy.reset(&episode.context())?;
     }
-    let mut action = vec![REST; episode.context().body.muscles.len()];
+    let mut action = episode.engine().action(policy.acts_on());
     while episode.ignore_termination() {
-        policy.act(&episode.context(), &mut action)?;
+        policy.act(&episode.context(), &mut action.entries)?;
         episode.step(&action)?;
         found.look(episode);
     }

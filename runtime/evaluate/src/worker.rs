@@ -4,7 +4,8 @@ use super::record::Tally;
 use super::{EpisodeRecord, EvaluationError, Fed, Feed, Job, Journal, Plan, Watcher};
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
-use msk_runtime::episode::{Engine, Episode, EpisodeKey, GroupScratch, Member, REST};
+use msk_runtime::action::{ActionBuffer, ActsOn};
+use msk_runtime::episode::{Engine, Episode, EpisodeKey, GroupScratch, Member};
 use msk_runtime::policy::{Policy, PolicyError};
 use std::collections::{BTreeMap, btree_map::Entry};
 use std::num::NonZeroUsize;
@@ -52,7 +53,7 @@ struct Seat<'a> {
     episode: Episode,
     rates: Option<Rates>,
     weights: Vec<f64>,
-    action: Vec<f64>,
+    action: ActionBuffer,
     tally: Tally,
     /// Where the weights come from, if not from the task.
     fed: Option<Fed>,
@@ -198,7 +199,7 @@ impl<'a> Worker<'a> {
             episode: engine.episode(),
             rates: None,
             weights: fed.as_ref().map_or_else(|| task.weights(), |fed| fed.weights.clone()),
-            action: vec![REST; engine.body().muscles.len()],
+            action: engine.action(ActsOn::Task),
             tally: Tally::new(task),
             fed,
             seconds: 0.0,
@@ -211,6 +212,7 @@ impl<'a> Worker<'a> {
             None => seat.policy.reset(&engine.context(&seat.episode, scratch.lane(lane))),
             Some(_) => Ok(()),
         };
+        seat.action = engine.action(seat.policy.acts_on());
         seat.seconds = start.elapsed().as_secs_f64();
         match ready {
             Ok(()) => self.seats[lane] = Some(seat),
@@ -242,14 +244,14 @@ impl<'a> Worker<'a> {
         for (lane, place) in self.seats.iter_mut().enumerate() {
             let Some(seat) = place.as_mut().filter(|seat| seat.episode.ending().is_none()) else { continue };
             let Seat { engine, episode, policy, action, .. } = seat;
-            if let Err(error) = policy.act(&engine.context(episode, scratch.lane(lane)), action) {
+            if let Err(error) = policy.act(&engine.context(episode, scratch.lane(lane)), &mut action.entries) {
                 unable.extend(place.take().map(|seat| (seat, error)));
             }
         }
         scratch.step(self.seats.iter_mut().map(|place| {
             let seat = place.as_mut().filter(|seat| seat.episode.ending().is_none())?;
             let Seat { engine, episode, rates, weights, action, .. } = seat;
-            Some(Member { engine, episode, rates, weights, action })
+            Some(Member { engine, episode, rates, weights, action: (&*action).into() })
         }));
         for (seat, error) in unable {
             self.give_up(seat, error)?;

@@ -15,8 +15,10 @@ use serde::{Deserialize, Serialize};
 /// What the control loop knows and the physics does not.
 #[derive(Debug, Clone, Copy)]
 pub struct Control<'a> {
-    /// The policy's raw action, one entry per muscle.
+    /// The action that reached each muscle.
     pub action: &'a [f64],
+    /// The policy's action in the task's own action space; empty where that is one entry per muscle.
+    pub entries: &'a [f64],
     /// Time since reset, s.
     pub time: f64,
     /// Length of the control step that has just passed, s; zero at the reset snapshot, where mean accelerations are zero.
@@ -114,6 +116,7 @@ impl Snapshot<'_> {
             Sensor::MuscleActivation(muscle) => Scalar(state.activation[muscle]),
             Sensor::MuscleExcitation(muscle) => Scalar(state.control[muscle]),
             Sensor::Action(muscle) => Scalar(control.action[muscle]),
+            Sensor::ActionEntry(entry) => Scalar(control.entries[entry]),
             Sensor::ComPosition => Vector(body.centre_of_mass(self.model, kinematics)),
             Sensor::ComVelocity => Vector(self.com_velocity()),
             Sensor::AngularMomentum => Vector(self.angular_momentum()),

@@ -1,5 +1,6 @@
 //! How an episode ends, and what can go wrong within one.
 
+use crate::cmc::ControlError;
 use msk_physics as physics;
 use msk_program::task::{CompiledTask, NonFiniteTerm, NotDrawn, TaskFault};
 use serde::{Deserialize, Serialize};
@@ -49,15 +50,18 @@ pub enum Fault {
     #[error(transparent)]
     Draw(#[from] NotDrawn),
     /// The policy gave an action that is not a number.
-    #[error("the action for muscle `{muscle}` is {value} at step {step}")]
+    #[error("the action for `{entry}` is {value} at step {step}")]
     Action {
-        /// Name of the muscle.
-        muscle: String,
+        /// Name of the entry: a muscle, or what the action space of the task has.
+        entry: String,
         /// What was given.
         value: f64,
         /// Control step.
         step: u32,
     },
+    /// The controller of the task's action space does not support the body or the task.
+    #[error("the action space of the task cannot be used: {0}")]
+    Control(#[from] ControlError),
 }
 
 impl From<TaskFault> for Fault {
@@ -97,9 +101,9 @@ pub enum EpisodeError {
         substeps: f64,
     },
     /// The action has the wrong length.
-    #[error("the action has {found} entries; the body has {expected} muscles")]
+    #[error("the action has {found} entries, expected {expected}")]
     ActionSize {
-        /// Number of muscles.
+        /// Entries of an action in the task's action space.
         expected: usize,
         /// Entries given.
         found: usize,

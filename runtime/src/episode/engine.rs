@@ -1,6 +1,7 @@
 //! What episodes of a task are played with: everything that does not change while they are, and the scratch of a worker.
 
-use super::{Episode, EpisodeError, EpisodeKey, Player, REST};
+use super::{Episode, EpisodeError, EpisodeKey, Player};
+use crate::action::{Action, ActionBuffer, ActionState, ActsOn};
 use crate::body::{Body, sensors};
 use crate::condition::Fatigue;
 use crate::policy::PolicyContext;
@@ -113,7 +114,7 @@ impl Engine {
             streams: super::Streams::default(),
             memory: sensors::Memory::default(),
             compartments: None,
-            action: vec![REST; self.body.muscles.len()],
+            action: ActionState::new(&self.task, &self.body),
             frame: vec![0.0; self.task.frame.size()],
             observation: vec![0.0; self.task.observation_size()],
             report: StepReport::default(),
@@ -135,14 +136,14 @@ impl Engine {
         self.player(episode, &[], scratch).reset(key, &[]);
     }
 
-    /// Takes one control step with `action`, one entry in [-1, 1] per muscle, rewarded by `weights`, one per term.
+    /// Takes one control step with `action`, rewarded by `weights`, one per term. A slice is an action of the task's own space.
     ///
     /// # Errors
     /// An action or weights of the wrong length, an episode that has ended, or an episode or scratch of another engine.
-    pub fn step(
+    pub fn step<'a>(
         &self,
         episode: &mut Episode,
-        action: &[f64],
+        action: impl Into<Action<'a>>,
         weights: &[f64],
         scratch: &mut Scratch,
     ) -> Result<(), EpisodeError> {
@@ -156,7 +157,7 @@ impl Engine {
         if !self.serves(scratch) {
             return Err(EpisodeError::Foreign { what: "scratch", remedy: "use one that `Engine::scratch` made" });
         }
-        self.player(episode, weights, scratch).step(action)
+        self.player(episode, weights, scratch).step(action.into())
     }
 
     /// Whether the episode was begun here, or by an engine of the same task on a body of the same size.
@@ -202,6 +203,16 @@ impl Engine {
             state: &episode.state,
             workspace: &scratch.workspace,
         }
+    }
+
+    /// Number of entries of an action in the task's own space.
+    pub fn action_size(&self) -> usize {
+        ActsOn::Task.size(&self.task, &self.body)
+    }
+
+    /// The action that asks for nothing.
+    pub fn action(&self, acts_on: ActsOn) -> ActionBuffer {
+        ActionBuffer::new(acts_on, &self.task, &self.body)
     }
 
     /// The task.

@@ -1,6 +1,7 @@
 //! One episode after the other, with everything that playing it takes.
 
 use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Player, Scratch, StartReport};
+use crate::action::Action;
 use crate::body::Body;
 use crate::condition::{Compartments, Fatigue};
 use crate::policy::PolicyContext;
@@ -135,14 +136,15 @@ impl Environment {
         self.episode.pushes.push(Disturbance { landmark, force, torque, start, steps, every: 0 });
     }
 
-    /// Takes one control step with `action`, one entry in [-1, 1] per muscle; what lies outside is clipped.
+    /// Takes one control step with `action`, entries in [-1, 1]; what lies outside is clipped. A slice is an action of the task's own
+    /// space: one entry per muscle, unless the task has an `act` block.
     ///
     /// A step that meets a fault is rewarded with 0, is not counted, and ends the episode.
     ///
     /// # Errors
     /// An action of the wrong length, or an episode that has ended.
-    pub fn step(&mut self, action: &[f64]) -> Result<&StepReport, EpisodeError> {
-        self.player().step(action)?;
+    pub fn step<'a>(&mut self, action: impl Into<Action<'a>>) -> Result<&StepReport, EpisodeError> {
+        self.player().step(action.into())?;
         Ok(&self.episode.report)
     }
 

@@ -16,7 +16,6 @@
 mod ending;
 mod engine;
 mod environment;
-mod excitation;
 mod initial_state;
 mod player;
 mod playing;
@@ -26,15 +25,16 @@ mod streams;
 mod together;
 mod vector;
 
+pub use crate::action::{REST, excitation};
 pub use ending::{Ending, EpisodeError, Fault};
 pub use engine::{Engine, Scratch};
 pub use environment::{Environment, Reward, TermReward};
-pub use excitation::{REST, excitation};
 pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
 pub use together::{GroupScratch, Member};
 pub use vector::{AutoresetMode, EpisodeEnd, VectorEnvironment, VectorStep, single_precision};
 
+use crate::action::ActionState;
 use crate::body::sensors;
 use crate::condition::Compartments;
 use msk_physics::State;
@@ -64,7 +64,7 @@ pub struct Episode {
     memory: sensors::Memory,
     /// Of muscles that tire.
     compartments: Option<Compartments>,
-    action: Vec<f64>,
+    action: ActionState,
     frame: Vec<f64>,
     observation: Vec<f64>,
     report: StepReport,

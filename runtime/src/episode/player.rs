@@ -1,10 +1,12 @@
 //! The rules by which an episode goes on: reset, and one control step.
 
-use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, REST, Scratch, excitation, initial_state, pushes};
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Scratch, initial_state, pushes};
+use crate::action::{Action, ActionState, ActsOn, excitation};
 use crate::body::sensors;
+use crate::cmc::{Moment, Present};
 use crate::condition::Compartments;
-use msk_physics::scalar::Real;
 use msk_physics::{self as physics, State};
+use msk_program::action::ActionTarget;
 use msk_program::task::{StepReport, TaskState};
 use nalgebra::Vector3;
 
@@ -44,7 +46,7 @@ impl Player<'_> {
         episode.task = TaskState::default();
         episode.memory = sensors::Memory::default();
         episode.compartments = engine.fatigue.as_ref().map(|_| Compartments::new(engine.body.muscles.len()));
-        episode.action.fill(REST);
+        episode.action.clear(&engine.task.action);
         episode.report = StepReport::default();
         episode.total = 0.0;
         episode.totals.fill(0.0);
@@ -62,6 +64,7 @@ impl Player<'_> {
         self.measure(0.0);
         let episode = &mut *self.episode;
         self.engine.task.reset_given(&episode.frame, &mut episode.streams, &mut episode.task, given)?;
+        self.begin_control()?;
         self.observe();
         Ok(())
     }
@@ -85,13 +88,13 @@ impl Player<'_> {
     }
 
     /// Takes one control step; a fault in it gives no reward, is not counted, and ends the episode.
-    pub fn step(&mut self, action: &[f64]) -> Result<(), EpisodeError> {
+    pub fn step(&mut self, action: Action<'_>) -> Result<(), EpisodeError> {
         if self.episode.ending.is_some() {
             return Err(EpisodeError::Ended);
         }
-        let expected = self.engine.body.muscles.len();
-        if action.len() != expected {
-            return Err(EpisodeError::ActionSize { expected, found: action.len() });
+        let expected = action.acts_on.size(&self.engine.task, &self.engine.body);
+        if action.entries.len() != expected {
+            return Err(EpisodeError::ActionSize { expected, found: action.entries.len() });
         }
         let steps = self.episode.steps();
         if let Err(fault) = self.advance(action) {
@@ -108,7 +111,7 @@ impl Player<'_> {
         self.episode.ending = Some(Ending::Fault(fault));
     }
 
-    fn advance(&mut self, action: &[f64]) -> Result<(), Fault> {
+    fn advance(&mut self, action: Action<'_>) -> Result<(), Fault> {
         self.pass()?;
         self.renew_pushes();
         self.excite(action)?;
@@ -193,9 +196,11 @@ impl Player<'_> {
         disturbances.iter().chain(pushes).any(|push| push.acts(task.step))
     }
 
-    /// Whether forces from outside are not what they were in the step before.
+    /// Whether forces from outside are not what they were in the step before, or may not be.
     pub fn forces_change(&self) -> bool {
-        self.is_pushed() || self.episode.state.body_force.iter().flatten().any(|force| *force != Vector3::zeros())
+        matches!(self.engine.task.action.target, ActionTarget::Torque { .. })
+            || self.is_pushed()
+            || self.episode.state.body_force.iter().flatten().any(|force| *force != Vector3::zeros())
     }
 
     /// Sets the forces of everything that pushes, where the frames of the scratch have the body.
@@ -206,17 +211,47 @@ impl Player<'_> {
         pushes::apply(acting, model, body, &self.scratch.workspace.kinematics, state);
     }
 
-    /// Sets the excitations that an action asks for.
-    pub fn excite(&mut self, action: &[f64]) -> Result<(), Fault> {
-        let engine = self.engine;
-        if let Some(index) = action.iter().position(|value| !value.is_finite()) {
-            let muscle = engine.body.muscles[index].name.clone();
-            return Err(Fault::Action { muscle, value: action[index], step: self.episode.steps() + 1 });
+    /// Prepares the controller of the action space for the episode, whose first snapshot has been taken.
+    pub fn begin_control(&mut self) -> Result<(), Fault> {
+        if self.episode.action.looks_at_state() {
+            self.pass()?;
+            let mut action = std::mem::take(&mut self.episode.action);
+            let done = action.reset(&self.moment());
+            self.episode.action = action;
+            done?;
         }
+        Ok(())
+    }
+
+    /// The present moment, as controllers see it.
+    fn moment(&self) -> Moment<'_> {
+        let Engine { model, body, task, substeps, .. } = self.engine;
+        let Episode { state, task: progress, .. } = &*self.episode;
+        let present = Present { body, model, state, workspace: &self.scratch.workspace };
+        Moment { task, progress, substeps: *substeps, present }
+    }
+
+    /// Sets the excitations and torques that an action asks for. Where the action space looks at the state, the scratch holds its
+    /// forward pass.
+    pub fn excite(&mut self, action: Action<'_>) -> Result<(), Fault> {
+        let engine = self.engine;
+        if let Some(index) = action.entries.iter().position(|value| !value.is_finite()) {
+            let names = match action.acts_on {
+                ActsOn::Task => engine.task.action.names(&engine.task.vocabulary),
+                ActsOn::Muscles => engine.body.muscles.iter().map(|muscle| muscle.name.clone()).collect(),
+            };
+            let entry = names.get(index).cloned().unwrap_or_default();
+            return Err(Fault::Action { entry, value: action.entries[index], step: self.episode.steps() + 1 });
+        }
+        let mut taken = std::mem::take(&mut self.episode.action);
+        let mut torques = std::mem::take(&mut self.episode.state.applied_force);
+        torques.fill(0.0);
+        let done = taken.take(action, &self.moment(), &mut torques);
         let episode = &mut *self.episode;
-        for ((kept, control), value) in episode.action.iter_mut().zip(&mut episode.state.control).zip(action) {
-            *kept = value.clip(-1.0, 1.0);
-            *control = excitation(engine.body.excitation, *kept);
+        (episode.action, episode.state.applied_force) = (taken, torques);
+        done?;
+        for (control, action) in episode.state.control.iter_mut().zip(&episode.action.muscles) {
+            *control = excitation(engine.body.excitation, *action);
         }
         let elapsed = engine.control_period();
         if let (Some(rates), Some(compartments)) = (&engine.fatigue, &mut episode.compartments) {
@@ -231,7 +266,8 @@ impl Player<'_> {
         let episode = &mut *self.episode;
         // The step that is being taken is counted by the task only when it is evaluated.
         let taken = if elapsed > 0.0 { episode.task.step + 1 } else { 0 };
-        let control = sensors::Control { action: &episode.action, time: f64::from(taken) / task.control_frequency, elapsed };
+        let ActionState { muscles: action, entries, .. } = &episode.action;
+        let control = sensors::Control { action, entries, time: f64::from(taken) / task.control_frequency, elapsed };
         let snapshot = sensors::Snapshot { body, model, state: &episode.state, workspace: &self.scratch.workspace };
         sensors::fill(&task.frame, &snapshot, &control, &mut episode.memory, &mut episode.frame);
     }

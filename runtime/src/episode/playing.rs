@@ -3,8 +3,8 @@
 //! A step sets all coordinates; velocities are the differences over the step; a forward pass gives contacts and forces.
 
 use super::{Ending, Environment, Episode, EpisodeError, EpisodeKey, Fault, Player, initial_state};
+use crate::action::action_for;
 use crate::body::Body;
-use crate::episode::excitation;
 use msk_physics::model::{Model, Quaternion, rotation};
 use msk_physics::{self as physics, State, Workspace};
 use msk_program::frame::Sensor;
@@ -65,8 +65,14 @@ impl Environment {
     }
 
     /// Writes the observation of what the script has shown last, for a policy that takes over.
+    ///
+    /// The controller of the task's action space begins with what it shows, too; where it cannot, the episode ends with a fault.
     pub fn end_script(&mut self) {
-        self.player().observe();
+        let mut player = self.player();
+        if let Err(fault) = player.begin_control() {
+            player.episode.ending = Some(Ending::Fault(fault));
+        }
+        player.observe();
     }
 }
 
@@ -100,7 +106,8 @@ impl Player<'_> {
         put(&mut episode.state);
         self.scratch.pass(&self.engine.model, &episode.state)?;
         self.measure(0.0);
-        self.take_first_snapshot(&[])
+        self.take_first_snapshot(&[])?;
+        self.begin_control()
     }
 
     /// The snapshot of the reset, reported, with values that randoms have independent of chance.
@@ -158,7 +165,7 @@ impl Player<'_> {
         let episode = &mut *self.episode;
         episode.state.activation.fill(activation);
         episode.state.control.fill(activation);
-        episode.action.fill(excitation::action(self.engine.body.excitation, activation));
+        episode.action.muscles.fill(action_for(self.engine.body.excitation, activation));
     }
 }
 

@@ -1,6 +1,7 @@
 //! One control step of up to eight episodes at once, in the lanes of the simulator.
 
 use super::{Engine, Episode, EpisodeKey, Fault, Player, Scratch};
+use crate::action::Action;
 use msk_physics::lanes::WIDTH;
 use msk_physics::{LaneGroup, Rates};
 use std::sync::Arc;
@@ -26,8 +27,8 @@ pub struct Member<'a> {
     pub rates: &'a mut Option<Rates>,
     /// One per term.
     pub weights: &'a [f64],
-    /// One entry per muscle.
-    pub action: &'a [f64],
+    /// Its length fits.
+    pub action: Action<'a>,
 }
 
 /// A member in its lane.
@@ -121,8 +122,9 @@ impl Seat<'_> {
         let known = self.member.rates.is_some();
         let mut player = self.player(scratch);
         player.renew_pushes();
+        let looks = player.episode.action.looks_at_state();
         let alone = !known || player.forces_change() || !player.engine.model.actuators.act_by_activation();
-        if alone {
+        if alone || looks {
             player.pass()?;
         }
         player.excite(action)?;

@@ -1,9 +1,9 @@
 //! Policies: what turns an observation into an action.
 //!
-//! A policy gives one number in [-1, 1] per muscle and control step; the body file's excitation map makes excitations of
-//! them. Learned policies look at the observation only; model-based ones may read body, state and the forward pass.
+//! A policy gives numbers in [-1, 1] at every control step: an action of the task's own action space, or one per muscle. Learned
+//! policies look at the observation only; model-based ones may read body, state and the forward pass.
 
-pub mod cmc;
+mod cmc;
 mod outside;
 mod random;
 mod source;
@@ -14,8 +14,11 @@ pub use random::Random;
 pub use source::{PolicySource, TIMEOUT};
 pub use zero::Zero;
 
+pub use crate::action::ActsOn;
+
 use crate::body::Body;
 use crate::body::sensors::Snapshot;
+use crate::cmc::{Moment, Present};
 use crate::episode::EpisodeKey;
 use msk_physics::model::Model;
 use msk_physics::{State, Workspace};
@@ -47,6 +50,17 @@ pub struct PolicyContext<'a> {
 }
 
 impl<'a> PolicyContext<'a> {
+    /// Number of entries of an action in the task's own action space.
+    pub fn action_size(&self) -> usize {
+        ActsOn::Task.size(self.task, self.body)
+    }
+
+    /// The same, as controllers see it.
+    pub(crate) fn moment(&self) -> Moment<'a> {
+        let &Self { task, progress, substeps, body, model, state, workspace, .. } = self;
+        Moment { task, progress, substeps, present: Present { body, model, state, workspace } }
+    }
+
     /// The body in its scene at this moment, as sensors and pictures take it.
     pub fn snapshot(&self) -> Snapshot<'a> {
         Snapshot { body: self.body, model: self.model, state: self.state, workspace: self.workspace }
@@ -64,7 +78,13 @@ pub trait Policy: Send {
     /// A body or task that the policy cannot act on.
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError>;
 
-    /// Writes the next action, one entry in [-1, 1] per muscle. What lies outside is clipped by the episode.
+    /// Which entries its actions have; asked for after a reset.
+    fn acts_on(&self) -> ActsOn {
+        ActsOn::Task
+    }
+
+    /// Writes the next action, entries in [-1, 1] as [`acts_on`](Self::acts_on) has them. What lies outside is clipped by the
+    /// episode.
     ///
     /// # Errors
     /// What keeps the policy from acting; the evaluation stops.

@@ -5,7 +5,7 @@ use crate::episode::Stream;
 
 /// Every action uniform on [-1, 1), drawn anew at every step.
 ///
-/// The draw is a function of (seed, episode, step, muscle) alone, so a restored episode meets the same actions again.
+/// The draw is a function of (seed, episode, step, entry) alone, so a restored episode meets the same actions again.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Random;
 

@@ -79,6 +79,7 @@ impl CompiledTask {
             head = head.field("phases", phases.join(", "));
         }
         let mut sections = vec![head];
+        sections.extend(self.action_section());
         for parameter in &self.parameters {
             let section = Section::new("parameter", &parameter.name)
                 .field("value", format!("{} {}", exact(parameter.value), parameter.unit).trim());

@@ -2,7 +2,9 @@
 
 use super::names;
 use super::{Section, digest, encoding};
+use crate::action::{ActionSpace, ActionTarget};
 use crate::graph::text::values;
+use crate::numbers::exact;
 use crate::scene::{Object, Parent};
 use crate::task::{CompiledTask, Spread};
 
@@ -40,6 +42,43 @@ impl CompiledTask {
                 every => section.field("every", format!("{every} steps")),
             });
         }
+    }
+
+    /// None where an action is one entry per muscle, as it is without `act`.
+    pub(super) fn action_section(&self) -> Option<Section> {
+        let ActionSpace { target, scale, filter, latency, residual } = &self.action;
+        if self.action.is_default() {
+            return None;
+        }
+        let section = Section::new("act", self.action.word());
+        let muscles = |chosen: &[usize]| {
+            let names = chosen.iter().filter_map(|&muscle| self.vocabulary.muscles.get(muscle));
+            names.map(|muscle| muscle.name.as_str()).collect::<Vec<_>>().join(", ")
+        };
+        let joints = |chosen: &[usize]| {
+            let names = chosen.iter().filter_map(|&joint| self.vocabulary.joints.get(joint));
+            names.map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
+        };
+        let section = match target {
+            ActionTarget::AllMuscles => section,
+            ActionTarget::Muscles(chosen) => section.field("of", muscles(chosen)),
+            ActionTarget::Synergies(synergies) => {
+                synergies.iter().fold(section, |section, synergy| section.field(&synergy.name, muscles(&synergy.muscles)))
+            }
+            ActionTarget::Torque { joints: chosen, range } => {
+                section.field("joints", joints(chosen)).field("range", format!("{} N m", exact(*range)))
+            }
+            ActionTarget::MuscleControl(offsets) => {
+                let ranges =
+                    [("range", offsets.range, "rad"), ("com", offsets.center_of_mass, "m"), ("root", offsets.root, "rad")];
+                let moved = ranges.into_iter().filter(|(_, range, _)| *range > 0.0);
+                let section = section.field("joints", joints(&offsets.joints));
+                moved.fold(section, |section, (name, range, unit)| section.field(name, format!("{} {unit}", exact(range))))
+            }
+        };
+        let section = section.field("scale", exact(*scale)).field("filter", format!("{} s", exact(*filter)));
+        let section = section.field("latency", format!("{latency} steps"));
+        Some(residual.iter().fold(section, |section, base| section.field("residual", base.name())))
     }
 
     fn object_section(&self, object: &Object) -> Section {

@@ -4,7 +4,7 @@ use crate::check::context::{Checked, Checker, Reported};
 use crate::check::init::Layer;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::resolve::inherit::{Placed, WholeTask};
-use crate::syntax::tree::{BodyUse, Expr, TaskStatement};
+use crate::syntax::tree::{Act, BodyUse, Expr, TaskStatement};
 
 /// Something of a task with the file in which it stands.
 pub(super) type Located<T> = Option<(T, FileId)>;
@@ -15,6 +15,7 @@ pub(super) struct Parts<'a> {
     pub family: Located<&'a str>,
     pub control: Located<&'a Expr>,
     pub horizon: Located<&'a Expr>,
+    pub act: Located<&'a Act>,
     pub symmetric: bool,
     body: Located<&'a BodyUse>,
     /// Of each task of a line of extended ones, the oldest first.
@@ -55,6 +56,7 @@ impl<'a> Checker<'a> {
                 S::Family(name) => self.only_one(&mut parts.family, (&name.text, *file), name.span, "family"),
                 S::Control(expr) => self.only_one(&mut parts.control, (expr, *file), expr.span, "control"),
                 S::Horizon(expr) => self.only_one(&mut parts.horizon, (expr, *file), expr.span, "horizon"),
+                S::Act(act) => self.only_one(&mut parts.act, (act, *file), act.keyword, "act"),
                 S::Symmetric(_) => parts.symmetric = true,
                 S::Body(body) => self.only_one(&mut parts.body, (body, *file), body.span, "body"),
                 S::Init(block) => {

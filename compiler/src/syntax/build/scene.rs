@@ -3,8 +3,8 @@
 use super::{Builder, is_mark, part, parts};
 use crate::syntax::grammar::{Pair, Rule};
 use crate::syntax::tree::{
-    Assignment, Connection, Element, ElementName, Expr, Field, FieldValue, Group, Ident, InitStatement, Marker, Noise, Placement,
-    PoseUse, Repeat, SceneStatement, Settle,
+    Act, Assignment, Connection, Element, ElementName, Expr, Field, FieldValue, Group, Ident, InitStatement, Marker, Noise,
+    Placement, PoseUse, Repeat, SceneStatement, Settle,
 };
 use crate::syntax::wording;
 
@@ -178,6 +178,15 @@ impl Builder<'_> {
     pub(super) fn disturb(&mut self, pair: &Pair<'_>) -> Element {
         let kind = self.field_word(pair, Rule::kw_disturb);
         self.element_of(pair, kind)
+    }
+
+    pub(super) fn act(&mut self, pair: &Pair<'_>) -> Act {
+        let keyword = self.field_word(pair, Rule::kw_act).span;
+        let (fields, elements) = self.fields(pair);
+        for element in elements {
+            self.report(crate::syntax::wording::element_in_action_space(self.file, element.kind.span, &element.kind.text));
+        }
+        Act { keyword, target: self.identifier_in(pair), fields, span: self.span(pair) }
     }
 
     pub(super) fn pose_use(&mut self, pair: &Pair<'_>) -> PoseUse {

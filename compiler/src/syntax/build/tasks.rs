@@ -74,6 +74,7 @@ impl Builder<'_> {
                 TaskStatement::Init(self.block(pair, entries))
             }
             Rule::disturb => TaskStatement::Disturb(self.disturb(pair)),
+            Rule::act | Rule::act_block => TaskStatement::Act(self.act(pair)),
             Rule::test | Rule::cheat => TaskStatement::Test(self.test(pair)),
             Rule::junk => {
                 self.junk(pair, context);

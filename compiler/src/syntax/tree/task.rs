@@ -1,6 +1,6 @@
 //! Declarations of tasks and what they share: bindings, functions, observations.
 
-use super::{Docs, Element, Expr, Ident, InitStatement, Name, SceneStatement, Test, Text};
+use super::{Docs, Element, Expr, Field, Ident, InitStatement, Name, SceneStatement, Test, Text};
 use crate::diagnostics::{FileId, Span};
 
 /// `use "lib/posture.msk"`
@@ -136,6 +136,8 @@ pub enum TaskStatement {
     Control(Expr),
     /// `horizon 1000 steps`
     Horizon(Expr),
+    /// `act cmc { joints legs, range 0.5 rad }`
+    Act(Act),
     /// `symmetric`
     Symmetric(Span),
     /// `params { ... }`
@@ -174,6 +176,19 @@ pub enum TaskStatement {
     Test(Test),
     /// `allow unobserved "..."`
     Allow(Allow),
+}
+
+/// `act synergies { of [quads_l, quads_r], filter 50 ms }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Act {
+    /// The word `act`.
+    pub keyword: Span,
+    /// What the entries of an action stand for.
+    pub target: Ident,
+    /// In the order of the text.
+    pub fields: Vec<Field>,
+    /// The statement.
+    pub span: Span,
 }
 
 /// A block in braces.

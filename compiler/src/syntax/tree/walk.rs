@@ -123,6 +123,7 @@ pub fn walk_task_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, stateme
             random.accept.iter().chain(&random.redraw).for_each(|condition| visitor.expression(condition));
         }
         S::Reference(reference) => reference.start.iter().for_each(|start| visitor.expression(start)),
+        S::Act(act) => act.fields.iter().for_each(|field| visitor.field(field)),
         S::Disturb(element) => visitor.element(element),
         S::Phase(phase) => phase.until.iter().for_each(|until| visitor.expression(until)),
         S::Test(test) => test.statements.iter().for_each(|statement| visitor.test_statement(statement)),

@@ -11,7 +11,7 @@ use msk_physics::collision::{Placed, Scratch, distance};
 use msk_physics::scalar::Real;
 use msk_program::numbers::for_people;
 use msk_program::task::CompiledTask;
-use msk_runtime::episode::{Ending, Environment, EpisodeKey, Penetration, REST, Residual};
+use msk_runtime::episode::{Ending, Environment, EpisodeKey, Penetration, Residual};
 use msk_runtime::library::{BodyLibrary, BoundBody, in_words};
 use std::sync::Arc;
 
@@ -136,7 +136,7 @@ fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally
     let staged = bodies.stage(&task.body, &task.scene).map_err(|error| in_words(&error))?;
     let mut episode =
         Environment::new(staged.model.clone(), staged.body.clone(), task.clone()).map_err(|error| in_words(&error))?;
-    let rest = vec![REST; episode.context().body.muscles.len()];
+    let rest = episode.engine().action(msk_runtime::action::ActsOn::Task);
     let mut found =
         Tally { terminations: vec![0; task.terminations.len()], finishes: vec![0; task.finishes.len()], ..Tally::default() };
     let (mut states, mut frames) = (Vec::new(), Vec::new());

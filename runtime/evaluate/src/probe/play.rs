@@ -8,7 +8,7 @@ use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Diagnostic, Stage, allowance};
 use msk_program::numbers::for_people;
 use msk_program::task::CompiledTask;
-use msk_runtime::episode::{Ending, Environment, EpisodeKey, REST};
+use msk_runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::library::BodyLibrary;
 use msk_runtime::policy::{ComputedMuscleControl, Policy, Zero};
 use rayon::prelude::*;
@@ -92,13 +92,13 @@ fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diag
 /// Plays at most so many steps of the first episode; `None` if the policy cannot act, or a fault ends it.
 fn play(episode: &mut Environment, policy: &mut dyn Policy, most: u32) -> Option<Played> {
     episode.reset(EpisodeKey::default());
-    let mut action = vec![REST; episode.context().body.muscles.len()];
     let mut terms = vec![0.0; episode.task().terms.len()];
     if episode.ending().is_none() {
         policy.reset(&episode.context()).ok()?;
     }
+    let mut action = episode.engine().action(policy.acts_on());
     while episode.ending().is_none() && episode.steps() < most {
-        policy.act(&episode.context(), &mut action).ok()?;
+        policy.act(&episode.context(), &mut action.entries).ok()?;
         episode.step(&action).ok()?;
         let values = episode.report().terms.iter().zip(episode.weights());
         terms.iter_mut().zip(values).for_each(|(sum, (value, weight))| *sum += weight * value);

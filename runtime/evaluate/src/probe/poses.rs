@@ -7,7 +7,7 @@
 use msk_physics::model::{Model, Quaternion, rotation};
 use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace, constrained, kinematics};
-use msk_program::frame::FrameLayout;
+use msk_program::frame::{FrameLayout, Sensor};
 use msk_program::task::RootPlacement;
 use msk_runtime::body::Body;
 use msk_runtime::body::sensors::{self, Control, Memory, Snapshot};
@@ -103,6 +103,8 @@ pub(super) struct Room<'a> {
     holds: bool,
     layout: &'a FrameLayout,
     action: Vec<f64>,
+    /// Of the task's own action space, as far as it reads them.
+    entries: Vec<f64>,
     memory: Memory,
     pub frame: Vec<f64>,
 }
@@ -120,6 +122,8 @@ impl<'a> Room<'a> {
         let all = body.objects.iter().enumerate().filter(|(_, object)| object.free.is_some()).map(|(index, _)| index);
         let loose: Vec<usize> = all.filter(|index| carried.iter().all(|carried| carried.object != *index)).collect();
         let independent = |joint: &usize| body.joints[*joint].independent;
+        let entry = |(sensor, _): &(Sensor, usize)| if let Sensor::ActionEntry(entry) = sensor { Some(entry + 1) } else { None };
+        let entries = layout.entries().iter().filter_map(entry).max().unwrap_or(0);
         Self {
             model,
             body,
@@ -134,6 +138,7 @@ impl<'a> Room<'a> {
             holds: !body.connections.is_empty(),
             layout,
             action: vec![0.0; body.muscles.len()],
+            entries: vec![0.0; entries],
             memory: Memory::default(),
             frame: vec![0.0; layout.size()],
         }
@@ -283,7 +288,7 @@ impl<'a> Room<'a> {
         self.carry();
         constrained::contacts(self.model, &mut self.workspace);
         let snapshot = Snapshot { body: self.body, model: self.model, state: &self.state, workspace: &self.workspace };
-        let control = Control { action: &self.action, time: 0.0, elapsed: 0.0 };
+        let control = Control { action: &self.action, entries: &self.entries, time: 0.0, elapsed: 0.0 };
         sensors::fill(self.layout, &snapshot, &control, &mut self.memory, &mut self.frame);
         !self.is_inside()
     }

@@ -5,7 +5,7 @@ use super::returns::{Returns, Tally};
 use msk_physics::Workspace;
 use msk_program::task::TaskState;
 use msk_program::testing::Take;
-use msk_runtime::episode::{Ending, Environment, EpisodeKey, REST};
+use msk_runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::policy;
 use msk_runtime::script::Script;
 use std::collections::BTreeSet;
@@ -106,9 +106,9 @@ pub(super) fn play(episode: &mut Environment, take: &Take, wanted: BTreeSet<u32>
         episode.end_script();
         let mut policy = policy::create(&run.policy)?;
         policy.reset(&episode.context())?;
-        let mut action = vec![REST; episode.context().body.muscles.len()];
+        let mut action = episode.engine().action(policy.acts_on());
         while episode.ending().is_none() && episode.steps() < end {
-            policy.act(&episode.context(), &mut action)?;
+            policy.act(&episode.context(), &mut action.entries)?;
             episode.step(&action)?;
             watch.step(episode);
         }

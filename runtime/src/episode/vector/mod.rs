@@ -5,6 +5,7 @@ mod step;
 pub use step::{EpisodeEnd, VectorStep, single_precision};
 
 use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Member};
+use crate::action::Action;
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
 use rayon::prelude::*;
@@ -41,7 +42,7 @@ pub enum AutoresetMode {
 /// let (episodes, threads) = (NonZeroUsize::new(4).unwrap(), NonZeroUsize::MIN);
 /// let mut environment = VectorEnvironment::new(engine, episodes, threads)?;
 /// environment.reset(7);
-/// let actions = vec![-1.0; 4 * environment.engine().body().muscles.len()];
+/// let actions = vec![-1.0; 4 * environment.engine().action_size()];
 /// let step = environment.step(&actions)?;
 /// assert_eq!(step.rewards.len(), 4);
 /// assert!(!step.ended.contains(&true));
@@ -162,13 +163,14 @@ impl VectorEnvironment {
         self.gather()
     }
 
-    /// Takes one control step in every slot. `actions` holds one action after the other, one entry in [-1, 1] per muscle. What
+    /// Takes one control step in every slot. `actions` holds one action after the other, entries in [-1, 1] as in
+    /// [`Environment::step`](super::Environment::step). What
     /// happens to episodes that have ended is a matter of the [`AutoresetMode`].
     ///
     /// # Errors
     /// Actions of the wrong length: nothing has been stepped then.
     pub fn step(&mut self, actions: &[f64]) -> Result<&VectorStep, EpisodeError> {
-        let width = self.engine.body().muscles.len();
+        let width = self.engine.action_size();
         let expected = width * self.slots.len();
         if actions.len() != expected {
             return Err(EpisodeError::ActionSize { expected, found: actions.len() });
@@ -187,7 +189,7 @@ impl VectorEnvironment {
             scratch.step(slots.iter_mut().enumerate().map(|(lane, slot)| {
                 let place = first + lane;
                 let Slot { episode, rates, weights, .. } = slot;
-                let action = &actions[width * place..width * (place + 1)];
+                let action = Action::from(&actions[width * place..width * (place + 1)]);
                 // An episode of another task that was restored here stays as it is.
                 let takes_part = goes_on[lane] && engine.made(episode);
                 takes_part.then_some(Member { engine, episode, rates, weights, action })

@@ -34,8 +34,8 @@ pub(super) struct TaskDescription<'a> {
     /// Control steps.
     horizon: u32,
     observation: Vec<Channel<'a>>,
-    /// Names of muscles, one per entry of an action.
-    action: Vec<&'a str>,
+    /// Names of the entries of an action.
+    action: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -70,7 +70,7 @@ impl<'a> TaskDescription<'a> {
             control_period: 1.0 / task.control_frequency,
             horizon: task.horizon,
             observation: task.channels.iter().map(channel).collect(),
-            action: context.body.muscles.iter().map(|muscle| muscle.name.as_str()).collect(),
+            action: task.action.names(&task.vocabulary),
         }
     }
 }

@@ -151,7 +151,7 @@ impl Policy for Process<'_> {
             }
             Reply { action: Some(values), .. } => {
                 let (found, expected) = (values.len(), action.len());
-                Err(self.failed(format!("its action has {found} numbers, expected {expected}: one per muscle")))
+                Err(self.failed(format!("its action has {found} numbers, expected {expected}")))
             }
             _ => Err(self.failed("its reply contains no `action`".into())),
         }

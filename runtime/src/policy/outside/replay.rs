@@ -2,7 +2,7 @@
 
 use super::source_file;
 use crate::inspect::Excitations;
-use crate::policy::{Policy, PolicyContext, PolicyError};
+use crate::policy::{ActsOn, Policy, PolicyContext, PolicyError};
 use std::sync::Arc;
 
 /// Row i of an array is the action of step i, in every episode.
@@ -11,6 +11,7 @@ pub(crate) struct Replay {
     path: String,
     bytes: Arc<[u8]>,
     rows: Option<Excitations>,
+    acts_on: ActsOn,
 }
 
 impl Replay {
@@ -23,7 +24,7 @@ impl Replay {
     }
 
     pub fn new(name: &str, path: &str, bytes: Arc<[u8]>) -> Self {
-        Self { name: name.to_owned(), path: path.to_owned(), bytes, rows: None }
+        Self { name: name.to_owned(), path: path.to_owned(), bytes, rows: None, acts_on: ActsOn::Task }
     }
 
     fn unable(&self, reason: impl Into<String>) -> PolicyError {
@@ -36,10 +37,19 @@ impl Policy for Replay {
         &self.name
     }
 
+    fn acts_on(&self) -> ActsOn {
+        self.acts_on
+    }
+
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
-        let width = context.body.muscles.len();
-        let rows = Excitations::from_npy(&self.bytes, width).map_err(|error| self.unable(error.to_string()))?;
-        self.rows = Some(rows);
+        // Actions of a controller are kept muscle by muscle, whatever the action space of the task.
+        let read = |acts_on: ActsOn| Excitations::from_npy(&self.bytes, acts_on.size(context.task, context.body));
+        let rows = match read(ActsOn::Task) {
+            Ok(rows) => Ok((ActsOn::Task, rows)),
+            Err(error) => read(ActsOn::Muscles).map(|rows| (ActsOn::Muscles, rows)).map_err(|_| error),
+        };
+        let (acts_on, rows) = rows.map_err(|error| self.unable(error.to_string()))?;
+        (self.acts_on, self.rows) = (acts_on, Some(rows));
         Ok(())
     }
 

@@ -59,12 +59,12 @@ impl Policy for Network {
         {
             return Err(self.unable(format!("was trained to see something else: {difference}")));
         }
-        let (network, seen, muscles) = (&self.file.network, context.observation.len(), context.body.muscles.len());
+        let (network, seen, entries) = (&self.file.network, context.observation.len(), context.action_size());
         if network.inputs() != seen {
             return Err(self.unable(format!("takes {} numbers, the observation has {seen}", network.inputs())));
         }
-        if network.outputs() != muscles {
-            return Err(self.unable(format!("gives {} numbers, the body has {muscles} muscles", network.outputs())));
+        if network.outputs() != entries {
+            return Err(self.unable(format!("gives {} numbers, the action has {entries}", network.outputs())));
         }
         Ok(())
     }

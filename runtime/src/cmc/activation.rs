@@ -4,7 +4,7 @@
 //! the hold, A(u), rises with u, so that what a muscle can reach is [A(u_low), A(u_high)], and the excitation that brings it
 //! to a wanted activation is the root of A(u) = wanted. Eight muscles are searched for at once, in lanes.
 
-use crate::episode::excitation;
+use crate::action::excitation;
 use core::ops::Range;
 use msk_physics::actuation::activation_rate;
 use msk_physics::lanes::{Lanes, WIDTH};

@@ -1,4 +1,4 @@
-//! Computed muscle control of a posture, or of a motion: a model-based policy that needs no training.
+//! Computed muscle control of a posture, or of a motion: a model-based controller that needs no training.
 //!
 //! It follows Thelen & Anderson's computed muscle control (J. Biomech. 39, 2006): feedback gives desired accelerations,
 //! inverse dynamics the forces that they take, static optimisation the activations. It differs where standing at 100 Hz with
@@ -27,15 +27,18 @@ mod coordinates;
 mod dynamics;
 mod feedback;
 mod goal;
+mod offsets;
 mod sparse;
 mod support;
 mod symmetric;
 #[cfg(test)]
 mod tests;
+mod tracking;
 
-use super::{Policy, PolicyContext, PolicyError};
+pub(crate) use offsets::Offsets;
+pub(crate) use tracking::{Along, Moment, Tracker};
+
 use crate::body::Body;
-use crate::script::Script;
 use activation::{Hold, Muscles};
 use allocation::{Allocation, Unknown};
 use coordinates::Coordinates;
@@ -47,91 +50,31 @@ use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace};
 use nalgebra::Vector3;
 use sparse::Columns;
-use std::sync::Arc;
 use support::{Point, Support};
 
-/// Follows the reference motion of the task, or the script of its demonstration; without one it holds the posture that an episode begins
-/// with.
-#[derive(Debug, Clone, Default)]
-pub struct ComputedMuscleControl {
-    controller: Option<Controller>,
-    along: Along,
-    /// The phase of the task whose reference is followed, and the step at which it began.
-    followed: Option<(u32, u32)>,
-}
-
-/// What is followed.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum Along {
-    /// The first reference of the task's present phase.
-    #[default]
-    Reference,
-    /// The first script among the task's tests that ends in success.
-    Demonstration,
-}
-
-impl ComputedMuscleControl {
-    /// Follows the schedule of poses with which the task's own tests show that it can succeed.
-    pub fn demonstration() -> Self {
-        Self { along: Along::Demonstration, ..Self::default() }
-    }
-
-    /// The script to follow.
-    fn schedule(context: &PolicyContext<'_>) -> Result<Course, PolicyError> {
-        let tests = context.task.tests.as_ref();
-        let keyframes = tests.and_then(|tests| tests.demonstration()).ok_or_else(|| PolicyError::Unable {
-            policy: "demonstration".into(),
-            reason: format!("no test of `{}` plays a script up to `expect success`", context.task.name),
-        })?;
-        let mut scratch = Workspace::new(context.model);
-        let script = Script::new(keyframes, context.task, context.progress, context.model, context.body, &mut scratch);
-        Ok(Course::Script { script: Arc::new(script), period: 1.0 / context.task.control_frequency })
-    }
-}
-
-impl Policy for ComputedMuscleControl {
-    fn name(&self) -> &str {
-        match self.along {
-            Along::Reference => "cmc",
-            Along::Demonstration => "demonstration",
-        }
-    }
-
-    fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
-        let hold = Hold { steps: context.substeps, timestep: context.model.options.timestep };
-        let init = context.task.initial_state(context.progress);
-        let present = Present::new(context);
-        let mut controller = Controller::new(&present, &init.coordinates, hold)?;
-        if self.along == Along::Demonstration {
-            controller.follow(Some(Self::schedule(context)?), context.progress.step, &present);
-        }
-        self.controller = Some(controller);
-        self.followed = None;
-        Ok(())
-    }
-
-    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
-        match &mut self.controller {
-            Some(controller) => {
-                let present = Present::new(context);
-                let begun = context.task.followed(context.progress).map(|(followed, time)| (&followed.motion, time));
-                let phase = begun.map(|_| (context.progress.phase, context.progress.began));
-                if self.along == Along::Reference && phase != self.followed {
-                    let init = context.task.initial_state(context.progress);
-                    let course = begun.map(|(motion, time)| Course::of_motion(motion, time, &init, present.body, present.state));
-                    controller.follow(course, context.progress.step, &present);
-                    self.followed = phase;
-                }
-                controller.act(&present, context.progress.step, action);
-                Ok(())
-            }
-            None => Err(unable("it has not been reset")),
-        }
-    }
-}
-
-fn unable(reason: impl Into<String>) -> PolicyError {
-    PolicyError::Unable { policy: "cmc".into(), reason: reason.into() }
+/// What the controller cannot control.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ControlError {
+    /// Nothing could move the body.
+    #[error("the body has no muscles")]
+    NoMuscles,
+    /// A pose of another body.
+    #[error("the task aligns {found} joints of {expected}")]
+    Pose {
+        /// Joints of the body.
+        expected: usize,
+        /// Joints of the pose.
+        found: usize,
+    },
+    /// Nothing to follow.
+    #[error("no test of `{task}` plays a script up to `expect success`")]
+    NoDemonstration {
+        /// The task.
+        task: String,
+    },
+    /// An action before the reset.
+    #[error("it has not been reset")]
+    NotReset,
 }
 
 /// Cost of full activation of one muscle, in units of the error's (J/s²).
@@ -152,18 +95,12 @@ const LEAN_TIME: f64 = 0.5;
 
 /// A body and its present state.
 #[derive(Clone, Copy)]
-struct Present<'a> {
-    body: &'a Body,
-    model: &'a Model,
-    state: &'a State<f64>,
+pub(crate) struct Present<'a> {
+    pub body: &'a Body,
+    pub model: &'a Model,
+    pub state: &'a State<f64>,
     /// Forward pass of the state.
-    workspace: &'a Workspace<f64>,
-}
-
-impl<'a> Present<'a> {
-    fn new(context: &PolicyContext<'a>) -> Self {
-        Self { body: context.body, model: context.model, state: context.state, workspace: context.workspace }
-    }
+    pub workspace: &'a Workspace<f64>,
 }
 
 /// One moment of an episode, as the parts of the controller see it.
@@ -209,13 +146,13 @@ struct Controller {
 
 impl Controller {
     /// For holding `pose` (rad and m, in the order of the body's joints), with the root as it is now.
-    fn new(present: &Present<'_>, pose: &[f64], hold: Hold) -> Result<Self, PolicyError> {
+    fn new(present: &Present<'_>, pose: &[f64], hold: Hold) -> Result<Self, ControlError> {
         let &Present { body, model, state, workspace } = present;
         if body.muscles.is_empty() {
-            return Err(unable("the body has no muscles"));
+            return Err(ControlError::NoMuscles);
         }
         if pose.len() != body.joints.len() {
-            return Err(unable(format!("the task aligns {} joints of {}", pose.len(), body.joints.len())));
+            return Err(ControlError::Pose { expected: body.joints.len(), found: pose.len() });
         }
         let coordinates = Coordinates::new(model);
         let mut support = Support::new(body);
@@ -255,8 +192,13 @@ impl Controller {
         self.course = follower.map(|follower| (follower, since));
     }
 
-    /// Writes the action of control step `step`.
-    fn act(&mut self, present: &Present<'_>, step: u32, action: &mut [f64]) {
+    /// What of it a later action depends on: the offset of the centre of mass, and where the search of the last allocation ended.
+    fn memory(&self) -> (Vector3<f64>, &[f64]) {
+        (self.offset, &self.allocation.x)
+    }
+
+    /// Writes the action of control step `step`, for targets that are moved by `offsets`.
+    fn act(&mut self, present: &Present<'_>, step: u32, offsets: &Offsets, action: &mut [f64]) {
         let &Present { body, model, state, workspace } = present;
         self.coordinates.update(model, state);
         for (velocity, &dof) in self.velocities.iter_mut().zip(&self.coordinates.dofs) {
@@ -278,9 +220,9 @@ impl Controller {
                 let rests = self.support.points.iter().zip(&follower.goal.rests).filter(|(point, _)| near(point));
                 let standing: Vec<Motion> =
                     rests.zip(&feet).filter(|((_, rests), _)| **rests).map(|(_, motion)| motion.clone()).collect();
-                self.feedback.towards(&view, &standing, &follower.goal);
+                self.feedback.towards(&view, body, &standing, &follower.goal, offsets);
             }
-            None => self.feedback.accelerations(&view, &feet, target),
+            None => self.feedback.accelerations(&view, body, &feet, target, offsets),
         }
         self.dynamics.update(&view);
         self.dynamics.required_force(&self.feedback.wanted, &mut self.wanted);

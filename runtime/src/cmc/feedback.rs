@@ -11,8 +11,8 @@
 //! every joint turns as it likes), so they meet in weighted least squares over the accelerations of the independent
 //! coordinates: a whole-body controller in one 77 by 77 system.
 
-use super::{View, coordinates::Coordinates, dynamics::Motion, goal::Goal, symmetric::Symmetric};
-use crate::body::Body;
+use super::{Offsets, View, coordinates::Coordinates, dynamics::Motion, goal::Goal, symmetric::Symmetric};
+use crate::body::{Body, Joint};
 use msk_physics::scalar::Real;
 use msk_physics::{State, kinematics::Kinematics, rotation::difference};
 use nalgebra::Vector3;
@@ -60,12 +60,23 @@ const REST: f64 = 1e-6;
 /// The reference at the beginning of an episode, and the least-squares compromise.
 #[derive(Debug, Clone)]
 pub(super) struct Feedback {
-    /// Coordinates of the body's joints: (index in the position vector, dof, reference).
-    joints: Vec<(usize, usize, f64)>,
+    joints: Vec<JointReference>,
     root: Option<RootReference>,
     normal: Symmetric,
     /// Accelerations of the independent coordinates, after [`accelerations`](Self::accelerations).
     pub wanted: Vec<f64>,
+}
+
+/// Where a joint shall be.
+#[derive(Debug, Clone, Copy)]
+struct JointReference {
+    /// Its place in the body's list.
+    index: usize,
+    /// Its place in the position vector.
+    position: usize,
+    dof: usize,
+    /// Its coordinate where no goal moves, rad or m.
+    value: f64,
 }
 
 /// Where a free root shall be.
@@ -81,7 +92,13 @@ struct RootReference {
 impl Feedback {
     /// Takes the joints' reference from `pose` (in the order of the body's joints) and the root's from a forward pass of `state`.
     pub fn new(body: &Body, coordinates: &Coordinates, pose: &[f64], state: &State<f64>, kinematics: &Kinematics<f64>) -> Self {
-        let independent = body.joints.iter().zip(pose).filter(|(joint, _)| joint.independent);
+        let independent = body.joints.iter().zip(pose).enumerate().filter(|(_, (joint, _))| joint.independent);
+        let joint = |(index, (joint, &value)): (usize, (&Joint, &f64))| JointReference {
+            index,
+            position: joint.position,
+            dof: joint.dof,
+            value,
+        };
         let root = body.root.free.map(|(position, dof)| RootReference {
             address: (position, dof),
             body: body.root.body,
@@ -89,7 +106,7 @@ impl Feedback {
             com_height: kinematics.subtree_com[body.root.body].z,
         });
         Self {
-            joints: independent.map(|(joint, &reference)| (joint.position, joint.dof, reference)).collect(),
+            joints: independent.map(joint).collect(),
             root,
             normal: Symmetric::new(coordinates.len()),
             wanted: vec![0.0; coordinates.len()],
@@ -97,29 +114,39 @@ impl Feedback {
     }
 
     /// Fills `wanted`: the compromise between the reference pose, an upright root, the centre of mass above `target` (level
-    /// position, m) and resting `feet`.
-    pub fn accelerations(&mut self, view: &View<'_>, feet: &[Motion], target: Option<Vector3<f64>>) {
+    /// position, m) and resting `feet`; `offsets` move these targets.
+    pub fn accelerations(
+        &mut self,
+        view: &View<'_>,
+        body: &Body,
+        feet: &[Motion],
+        target: Option<Vector3<f64>>,
+        offsets: &Offsets,
+    ) {
         self.clear(view);
-        self.joint_wishes(view, None);
-        if let Some(root) = self.root.clone() {
+        self.joint_wishes(view, body, None, offsets);
+        if let Some(mut root) = self.root.clone() {
+            let shift = offsets.shift(body, view);
+            root.orientation = offsets.orientation(body, &root.orientation);
+            root.com_height += shift.z;
             self.root_wish(&root, view, [Vector3::zeros(); 2]);
             if let Some(target) = target {
-                self.balance_wish(&root, view, target);
+                self.balance_wish(&root, view, target + shift);
             }
         }
         self.compromise(view, feet);
     }
 
     /// Fills `wanted`: the compromise between joints, root and centre of mass where and as fast as the goal has them, and resting
-    /// `feet`.
-    pub fn towards(&mut self, view: &View<'_>, feet: &[Motion], goal: &Goal) {
+    /// `feet`; `offsets` move these targets.
+    pub fn towards(&mut self, view: &View<'_>, body: &Body, feet: &[Motion], goal: &Goal, offsets: &Offsets) {
         self.clear(view);
-        self.joint_wishes(view, Some(goal));
+        self.joint_wishes(view, body, Some(goal), offsets);
         if let Some(mut root) = self.root.clone() {
             let first = root.address.0 + 3;
-            root.orientation = core::array::from_fn(|part| goal.position[first + part]);
+            root.orientation = offsets.orientation(body, &core::array::from_fn(|part| goal.position[first + part]));
             self.root_wish(&root, view, [goal.spin, goal.spin_rate]);
-            self.centre_wish(&root, view, goal);
+            self.centre_wish(&root, view, goal, offsets.shift(body, view));
         }
         self.compromise(view, feet);
     }
@@ -143,14 +170,15 @@ impl Feedback {
         self.normal.solve(&mut self.wanted);
     }
 
-    fn joint_wishes(&mut self, view: &View<'_>, goal: Option<&Goal>) {
+    fn joint_wishes(&mut self, view: &View<'_>, body: &Body, goal: Option<&Goal>, offsets: &Offsets) {
         let View { coordinates, state, hold, .. } = *view;
-        for &(position, dof, reference) in &self.joints {
+        for &JointReference { index, position, dof, value } in &self.joints {
             let Some((column, _)) = coordinates.entry(dof) else { continue };
             let (reference, moving) = match goal {
                 Some(goal) => (goal.position[position], [goal.velocity[position], goal.acceleration[position]]),
-                None => (reference, [0.0; 2]),
+                None => (value, [0.0; 2]),
             };
+            let reference = offsets.joint(body, index, reference);
             let wish = JOINTS.towards(reference - state.position[position], state.velocity[dof], moving, hold);
             self.normal.add(column, column, JOINTS.weight * JOINTS.weight);
             self.wanted[column] += JOINTS.weight * JOINTS.weight * wish;
@@ -184,10 +212,10 @@ impl Feedback {
     }
 
     /// The centre of mass where the goal has it.
-    fn centre_wish(&mut self, root: &RootReference, view: &View<'_>, goal: &Goal) {
+    fn centre_wish(&mut self, root: &RootReference, view: &View<'_>, goal: &Goal, shift: Vector3<f64>) {
         let com = Motion::of_com(view, root.body);
         let velocity = com.velocity(view.velocities);
-        let error = goal.com - view.workspace.kinematics.subtree_com[root.body];
+        let error = goal.com + shift - view.workspace.kinematics.subtree_com[root.body];
         let law = |axis: usize| if axis == 2 { HEIGHT } else { BALANCE };
         let wish = core::array::from_fn::<f64, 3, _>(|axis| {
             law(axis).towards(error[axis], velocity[axis], [goal.com_velocity[axis], goal.com_acceleration[axis]], view.hold)

@@ -1,6 +1,6 @@
 //! The controller on the human body: it stands, also when pushed, and its answers are the same every time.
 
-use super::{Controller, Coordinates, Dynamics, Hold, Present, View, activation};
+use super::{Controller, Coordinates, Dynamics, Hold, Offsets, Present, View, activation};
 use crate::bodies;
 use crate::body::Body;
 use msk_physics::model::Model;
@@ -68,9 +68,9 @@ impl Stand {
 
     fn step(&mut self, controller: &mut Controller) {
         let Self { model, body, state, workspace, action, .. } = self;
-        controller.act(&Present { body, model, state, workspace }, 0, action);
+        controller.act(&Present { body, model, state, workspace }, 0, &Offsets::default(), action);
         for (control, &action) in state.control.iter_mut().zip(&*action) {
-            *control = crate::episode::excitation(body.excitation, action);
+            *control = crate::action::excitation(body.excitation, action);
         }
         for _ in 0..HOLD.steps {
             physics::step(model, state, workspace).unwrap();
@@ -174,7 +174,7 @@ fn the_same_state_gives_the_same_action() {
     let stand = Stand::new();
     let act = || {
         let mut action = vec![0.0; stand.body.muscles.len()];
-        stand.controller().act(&stand.present(), 0, &mut action);
+        stand.controller().act(&stand.present(), 0, &Offsets::default(), &mut action);
         action
     };
     assert_eq!(act(), act());

@@ -1,0 +1,154 @@
+//! Action spaces: what the entries of a policy's action ask for.
+//!
+//! Every entry is in [-1, 1]. On its way to the body an action is scaled, delayed and filtered; then it becomes one action per
+//! muscle (and torques, in [`ActionTarget::Torque`]), which the body's excitation map makes excitations of.
+
+use crate::vocabulary::Vocabulary;
+
+/// The action space of a task.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ActionSpace {
+    /// What the entries stand for.
+    pub target: ActionTarget,
+    /// Factor of every entry.
+    pub scale: f64,
+    /// Time constant of the low-pass filter of first order that every entry passes, s; 0 for none.
+    pub filter: f64,
+    /// Control steps after which an action takes effect; 0 for the step that it is given to.
+    pub latency: u32,
+    /// The controller to whose actions those of the policy are added, muscle by muscle.
+    pub residual: Option<BaseController>,
+}
+
+/// What the entries of an action stand for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum ActionTarget {
+    /// The actions of all muscles, in the order of the vocabulary.
+    #[default]
+    AllMuscles,
+    /// The actions of these muscles; the others rest.
+    Muscles(Vec<usize>),
+    /// The actions of groups of muscles, each shared by all muscles of its group; muscles of no group rest.
+    Synergies(Vec<Synergy>),
+    /// Torques on hinges, in units of `range`; all muscles rest.
+    Torque {
+        /// Independent hinges of the body.
+        joints: Vec<usize>,
+        /// The torque of an entry of 1, N m.
+        range: f64,
+    },
+    /// Offsets of what computed muscle control tracks: the reference motion of the task, or the pose of its initial state.
+    MuscleControl(TrackingOffsets),
+}
+
+/// Muscles that share an action.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Synergy {
+    /// Its name.
+    pub name: String,
+    /// Its muscles.
+    pub muscles: Vec<usize>,
+}
+
+/// Which targets of computed muscle control an action moves, and how far an entry of 1 moves them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TrackingOffsets {
+    /// Independent hinges of the body whose targets are moved.
+    pub joints: Vec<usize>,
+    /// By how much, rad.
+    pub range: f64,
+    /// By how much the target of the centre of mass is moved, along each of forward, left and up of the root's heading, m; 0 if it is
+    /// not.
+    pub center_of_mass: f64,
+    /// By how much the target of the root's orientation is turned, about each of its axes forward, left and up, rad; 0 if it is not.
+    pub root: f64,
+}
+
+/// A controller that acts beside a policy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BaseController {
+    /// Computed muscle control of the task's reference motion, or of the pose of its initial state.
+    MuscleControl,
+    /// Computed muscle control of the script with which the task's tests show that it can succeed.
+    Demonstration,
+}
+
+impl BaseController {
+    /// Its name in texts and results: that of the policy which acts in the same way.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MuscleControl => "cmc",
+            Self::Demonstration => "demonstration",
+        }
+    }
+}
+
+impl Default for ActionSpace {
+    fn default() -> Self {
+        Self { target: ActionTarget::AllMuscles, scale: 1.0, filter: 0.0, latency: 0, residual: None }
+    }
+}
+
+impl ActionSpace {
+    /// Whether an action is one entry per muscle that reaches it unchanged, as in tasks without `act`.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Number of entries of an action on a body of so many muscles.
+    pub fn size(&self, muscles: usize) -> usize {
+        match &self.target {
+            ActionTarget::AllMuscles => muscles,
+            ActionTarget::Muscles(chosen) => chosen.len(),
+            ActionTarget::Synergies(synergies) => synergies.len(),
+            ActionTarget::Torque { joints, .. } => joints.len(),
+            ActionTarget::MuscleControl(offsets) => offsets.size(),
+        }
+    }
+
+    /// The entry that asks for nothing, which is in force before the first step: 0 where entries add to something or are torques,
+    /// else -1, a muscle at rest.
+    pub fn rest(&self) -> f64 {
+        match self.target {
+            ActionTarget::Torque { .. } | ActionTarget::MuscleControl(_) => 0.0,
+            _ if self.residual.is_some() => 0.0,
+            _ => -1.0,
+        }
+    }
+
+    /// The word of the language for what its entries stand for.
+    pub fn word(&self) -> &'static str {
+        match self.target {
+            ActionTarget::AllMuscles | ActionTarget::Muscles(_) => "muscles",
+            ActionTarget::Synergies(_) => "synergies",
+            ActionTarget::Torque { .. } => "torque",
+            ActionTarget::MuscleControl(_) => "cmc",
+        }
+    }
+
+    /// Names of the entries of an action, in order: muscles, synergies or joints, then `com.forward`, `root.left` and the like.
+    pub fn names(&self, vocabulary: &Vocabulary) -> Vec<String> {
+        let muscle = |&index: &usize| vocabulary.muscles.get(index).map_or_else(String::new, |muscle| muscle.name.clone());
+        let joint = |&index: &usize| vocabulary.joints.get(index).map_or_else(String::new, |joint| joint.name.clone());
+        match &self.target {
+            ActionTarget::AllMuscles => vocabulary.muscles.iter().map(|muscle| muscle.name.clone()).collect(),
+            ActionTarget::Muscles(muscles) => muscles.iter().map(muscle).collect(),
+            ActionTarget::Synergies(synergies) => synergies.iter().map(|synergy| synergy.name.clone()).collect(),
+            ActionTarget::Torque { joints, .. } => joints.iter().map(joint).collect(),
+            ActionTarget::MuscleControl(offsets) => {
+                let axes = |of: &'static str| ["forward", "left", "up"].map(|axis| format!("{of}.{axis}"));
+                let moved = |range: f64, of: &'static str| axes(of).into_iter().filter(move |_| range > 0.0);
+                let joints = offsets.joints.iter().map(joint);
+                joints.chain(moved(offsets.center_of_mass, "com")).chain(moved(offsets.root, "root")).collect()
+            }
+        }
+    }
+}
+
+impl TrackingOffsets {
+    /// Number of entries that they take.
+    pub fn size(&self) -> usize {
+        let axes = |range: f64| if range > 0.0 { 3 } else { 0 };
+        self.joints.len() + axes(self.center_of_mass) + axes(self.root)
+    }
+}

@@ -1,0 +1,86 @@
+//! The action space of a task, for its report.
+
+use crate::action::{ActionSpace, ActionTarget};
+use crate::numbers::for_people;
+use crate::task::CompiledTask;
+use serde::Serialize;
+
+/// What a policy's action asks for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ActionReport {
+    /// The word of the language: `muscles`, `synergies`, `torque` or `cmc`.
+    pub space: &'static str,
+    /// Number of entries, each in -1..1.
+    pub size: usize,
+    /// Their names, in order; empty where there is one for each muscle of the body.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub entries: Vec<String>,
+    /// The entry that asks for nothing.
+    pub rest: f64,
+    /// What an entry of 1 asks for, as far as it is more than the action of a muscle: `0.5 rad`, `60 N m`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ranges: Vec<String>,
+    /// Factor of every entry.
+    pub scale: f64,
+    /// Time constant of the low-pass filter, s; 0 for none.
+    pub filter: f64,
+    /// Control steps until an action takes effect.
+    pub latency: u32,
+    /// The controller to whose actions those of the policy are added.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual: Option<&'static str>,
+}
+
+/// The action space of a task.
+pub(super) fn action(task: &CompiledTask) -> ActionReport {
+    let space = &task.action;
+    let names = space.names(&task.vocabulary);
+    let size = names.len();
+    ActionReport {
+        space: space.word(),
+        size,
+        entries: if space.target == ActionTarget::AllMuscles { Vec::new() } else { names },
+        rest: space.rest(),
+        ranges: ranges(space),
+        scale: space.scale,
+        filter: space.filter,
+        latency: space.latency,
+        residual: space.residual.map(|controller| controller.name()),
+    }
+}
+
+fn ranges(space: &ActionSpace) -> Vec<String> {
+    match &space.target {
+        ActionTarget::AllMuscles | ActionTarget::Muscles(_) | ActionTarget::Synergies(_) => Vec::new(),
+        ActionTarget::Torque { range, .. } => vec![format!("{} N m", for_people(*range))],
+        ActionTarget::MuscleControl(offsets) => {
+            let of = [("joints", offsets.range, "rad"), ("com", offsets.center_of_mass, "m"), ("root", offsets.root, "rad")];
+            let moved = of.into_iter().filter(|(_, range, _)| *range > 0.0);
+            moved.map(|(what, range, unit)| format!("{what} {} {unit}", for_people(range))).collect()
+        }
+    }
+}
+
+impl ActionReport {
+    /// Everything but the names of the entries, on one line.
+    pub(super) fn in_words(&self) -> String {
+        let of_each = match (self.space, self.entries.is_empty()) {
+            ("muscles", true) => "one per muscle",
+            ("muscles", false) => "one per muscle that is controlled",
+            ("synergies", _) => "one per synergy",
+            ("torque", _) => "torques on joints",
+            _ => "offsets of targets that computed muscle control tracks",
+        };
+        let mut parts = vec![format!("{}, {of_each}", counted(self.size, ["entry", "entries"]))];
+        parts.extend(self.ranges.iter().map(|range| format!("up to {range}")));
+        parts.extend((self.scale < 1.0).then(|| format!("scaled by {}", for_people(self.scale))));
+        parts.extend((self.filter > 0.0).then(|| format!("filtered with {} s", for_people(self.filter))));
+        parts.extend((self.latency > 0).then(|| format!("{} late", counted(self.latency as usize, ["step", "steps"]))));
+        parts.extend(self.residual.map(|base| format!("added to the action of `{base}`")));
+        parts.join("; ")
+    }
+}
+
+fn counted(count: usize, [one, several]: [&str; 2]) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}

@@ -1,0 +1,232 @@
+//! Action spaces: from a policy's action to what the muscles and joints of an episode are asked for.
+//!
+//! 1. Entries of an action of the task's own space are clipped to [-1, 1], scaled, delayed and filtered.
+//! 2. The target of the space makes one action per muscle of them, or torques; computed muscle control and the controller beneath a
+//!    residual look at the present state for that.
+//! 3. The excitation map of the body makes excitations of the actions of muscles.
+
+mod delay;
+mod excitation;
+
+pub(crate) use excitation::action as action_for;
+pub use excitation::{REST, excitation};
+
+use crate::body::Body;
+use crate::cmc::{Along, ControlError, Moment, Offsets, Tracker};
+use delay::Delay;
+use msk_physics::scalar::Real;
+use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
+use msk_program::task::CompiledTask;
+use nalgebra::Vector3;
+
+/// Which entries an action has.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ActsOn {
+    /// Those of the task's action space.
+    #[default]
+    Task,
+    /// One per muscle, whatever the action space of the task: what is scaled, delayed or filtered there is not here.
+    Muscles,
+}
+
+impl ActsOn {
+    /// Number of entries of such an action.
+    pub fn size(self, task: &CompiledTask, body: &Body) -> usize {
+        match self {
+            Self::Task => task.action.size(body.muscles.len()),
+            Self::Muscles => body.muscles.len(),
+        }
+    }
+}
+
+/// What a policy gives for one control step: entries in [-1, 1]; what lies outside is clipped.
+#[derive(Debug, Clone, Copy)]
+pub struct Action<'a> {
+    /// Which entries these are.
+    pub acts_on: ActsOn,
+    /// In the order of the action space, or of the body's muscles.
+    pub entries: &'a [f64],
+}
+
+impl<'a> From<&'a [f64]> for Action<'a> {
+    fn from(entries: &'a [f64]) -> Self {
+        Self { acts_on: ActsOn::Task, entries }
+    }
+}
+
+impl<'a> From<&'a Vec<f64>> for Action<'a> {
+    fn from(entries: &'a Vec<f64>) -> Self {
+        entries.as_slice().into()
+    }
+}
+
+impl<'a, const SIZE: usize> From<&'a [f64; SIZE]> for Action<'a> {
+    fn from(entries: &'a [f64; SIZE]) -> Self {
+        entries.as_slice().into()
+    }
+}
+
+impl<'a> From<&'a ActionBuffer> for Action<'a> {
+    fn from(buffer: &'a ActionBuffer) -> Self {
+        Self { acts_on: buffer.acts_on, entries: &buffer.entries }
+    }
+}
+
+/// The action of a policy over an episode, written by [`Policy::act`](crate::policy::Policy::act).
+#[derive(Debug, Clone)]
+pub struct ActionBuffer {
+    acts_on: ActsOn,
+    /// In the order of the action space, or of the body's muscles.
+    pub entries: Vec<f64>,
+}
+
+impl ActionBuffer {
+    /// The action that asks for nothing.
+    pub fn new(acts_on: ActsOn, task: &CompiledTask, body: &Body) -> Self {
+        let rest = if acts_on == ActsOn::Task { task.action.rest() } else { REST };
+        Self { acts_on, entries: vec![rest; acts_on.size(task, body)] }
+    }
+}
+
+/// What of the actions of an episode has consequences later.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct ActionState {
+    /// The last action, in the task's space; empty where that is one entry per muscle.
+    pub entries: Vec<f64>,
+    /// The action that reached each muscle.
+    pub muscles: Vec<f64>,
+    delay: Delay,
+    /// The output of the filter.
+    filtered: Vec<f64>,
+    /// Computed muscle control, where the space needs it.
+    tracker: Option<Box<Tracker>>,
+}
+
+impl ActionState {
+    /// That of an episode which has not begun.
+    pub fn new(task: &CompiledTask, body: &Body) -> Self {
+        let space = &task.action;
+        let muscles = body.muscles.len();
+        let size = if space.is_default() { 0 } else { space.size(muscles) };
+        let tracker = follows(space).map(|along| Box::new(Tracker::new(along)));
+        let mut state = Self {
+            entries: vec![0.0; size],
+            muscles: vec![REST; muscles],
+            delay: Delay::new(size, if space.is_default() { 0 } else { space.latency }),
+            filtered: vec![0.0; size],
+            tracker,
+        };
+        state.clear(space);
+        state
+    }
+
+    /// Forgets the episode before.
+    pub fn clear(&mut self, space: &ActionSpace) {
+        let rest = space.rest();
+        self.entries.fill(rest);
+        self.filtered.fill(rest);
+        self.delay.fill(rest);
+        self.muscles.fill(REST);
+    }
+
+    /// Prepares for an episode, which has just been reset.
+    ///
+    /// # Errors
+    /// A body or task that the controller of the space cannot control.
+    pub fn reset(&mut self, moment: &Moment<'_>) -> Result<(), ControlError> {
+        self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.reset(moment))
+    }
+
+    /// Whether the next action depends on the present state.
+    pub fn looks_at_state(&self) -> bool {
+        self.tracker.is_some()
+    }
+
+    /// Takes an action whose entries are finite: writes the action that reaches each muscle, and torques over all dofs.
+    ///
+    /// # Errors
+    /// The controller of the space has not been reset.
+    pub fn take(&mut self, action: Action<'_>, moment: &Moment<'_>, torques: &mut [f64]) -> Result<(), ControlError> {
+        let space = &moment.task.action;
+        match action.acts_on {
+            ActsOn::Muscles => self.entries.fill(space.rest()),
+            ActsOn::Task if space.is_default() => {}
+            ActsOn::Task => {
+                self.pass(action.entries, space, 1.0 / moment.task.control_frequency);
+                return self.ask(moment, torques);
+            }
+        }
+        self.muscles.iter_mut().zip(action.entries).for_each(|(kept, entry)| *kept = entry.clip(-1.0, 1.0));
+        Ok(())
+    }
+
+    /// Clips, scales, delays and filters the entries of an action.
+    fn pass(&mut self, entries: &[f64], space: &ActionSpace, period: f64) {
+        self.entries.iter_mut().zip(entries).for_each(|(kept, entry)| *kept = entry.clip(-1.0, 1.0));
+        // The exact answer of dy/dt = (a - y) / τ to an entry that is held for a period.
+        let share = if space.filter > 0.0 { 1.0 - libm::exp(-period / space.filter) } else { 1.0 };
+        let scaled = self.entries.iter().map(|entry| space.scale * entry);
+        let delayed = self.delay.advance(scaled);
+        for (filtered, &entry) in self.filtered.iter_mut().zip(delayed) {
+            *filtered = if share < 1.0 { *filtered + share * (entry - *filtered) } else { entry };
+        }
+    }
+
+    /// Makes actions of muscles and torques of what has passed the filter.
+    fn ask(&mut self, moment: &Moment<'_>, torques: &mut [f64]) -> Result<(), ControlError> {
+        let Self { muscles, filtered, tracker, .. } = self;
+        let (task, body) = (moment.task, moment.present.body);
+        let offsets = match &task.action.target {
+            ActionTarget::MuscleControl(targets) => moved(targets, filtered),
+            _ => Offsets::default(),
+        };
+        match tracker {
+            Some(tracker) => tracker.act(moment, &offsets, muscles)?,
+            None => muscles.fill(REST),
+        }
+        let residual = task.action.residual.is_some();
+        let mut give = |muscle: usize, entry: f64| {
+            if let Some(kept) = muscles.get_mut(muscle) {
+                *kept = if residual { *kept + entry } else { entry }.clip(-1.0, 1.0);
+            }
+        };
+        match &task.action.target {
+            ActionTarget::AllMuscles => filtered.iter().enumerate().for_each(|(muscle, &entry)| give(muscle, entry)),
+            ActionTarget::Muscles(chosen) => chosen.iter().zip(&*filtered).for_each(|(&muscle, &entry)| give(muscle, entry)),
+            ActionTarget::Synergies(synergies) => {
+                for (synergy, &entry) in synergies.iter().zip(&*filtered) {
+                    synergy.muscles.iter().for_each(|&muscle| give(muscle, entry));
+                }
+            }
+            ActionTarget::Torque { joints, range } => {
+                for (&joint, entry) in joints.iter().zip(&*filtered) {
+                    torques[body.joints[joint].dof] = range * entry;
+                }
+            }
+            ActionTarget::MuscleControl(_) => {}
+        }
+        Ok(())
+    }
+}
+
+/// What the controller of an action space follows; `None` for a space without one.
+fn follows(space: &ActionSpace) -> Option<Along> {
+    match (&space.target, space.residual) {
+        (_, Some(BaseController::Demonstration)) => Some(Along::Demonstration),
+        (ActionTarget::MuscleControl(_), None) | (_, Some(BaseController::MuscleControl)) => Some(Along::Reference),
+        _ => None,
+    }
+}
+
+/// Offsets of targets by the entries that move them.
+fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
+    let (joints, axes) = entries.split_at(targets.joints.len().min(entries.len()));
+    let mut axes = axes.chunks_exact(3);
+    let mut next = |range: f64| match range > 0.0 {
+        true => axes.next().map_or(Vector3::zeros(), |part| range * Vector3::from_column_slice(part)),
+        false => Vector3::zeros(),
+    };
+    let (center_of_mass, root) = (next(targets.center_of_mass), next(targets.root));
+    let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
+    Offsets { joints, center_of_mass, root }
+}

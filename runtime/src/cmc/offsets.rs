@@ -1,0 +1,52 @@
+//! Offsets of the targets that the controller tracks.
+
+use super::View;
+use crate::body::Body;
+use msk_physics::rotation;
+use msk_physics::scalar::Real;
+use nalgebra::Vector3;
+
+/// By how much targets are moved; nothing by default.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Offsets {
+    /// Of joints, by their place in the body's list, rad; others are not moved.
+    pub joints: Vec<(usize, f64)>,
+    /// Of the centre of mass: forward, left, up in the root's heading, m.
+    pub center_of_mass: Vector3<f64>,
+    /// Of the root's orientation: a rotation vector along its axes forward, left, up, rad.
+    pub root: Vector3<f64>,
+}
+
+impl Offsets {
+    /// The target of a joint with its offset, kept within the joint's range.
+    pub(super) fn joint(&self, body: &Body, index: usize, target: f64) -> f64 {
+        let Some((_, offset)) = self.joints.iter().find(|(joint, _)| *joint == index) else { return target };
+        match body.joints[index].range {
+            Some([low, high]) => (target + offset).clip(low, high),
+            None => target + offset,
+        }
+    }
+
+    /// The target orientation of the root with its offset.
+    pub(super) fn orientation(&self, body: &Body, target: &[f64; 4]) -> [f64; 4] {
+        if self.root == Vector3::zeros() {
+            return *target;
+        }
+        rotation::integrate(target, &(body.root.axes * self.root), 1.0)
+    }
+
+    /// The shift of the centre of mass in world axes, m.
+    pub(super) fn shift(&self, body: &Body, view: &View<'_>) -> Vector3<f64> {
+        if self.center_of_mass == Vector3::zeros() {
+            return Vector3::zeros();
+        }
+        let forward = view.workspace.kinematics.body_rotation[body.root.body] * body.root.axes.column(0);
+        let level = Vector3::new(forward.x, forward.y, 0.0);
+        let length = level.norm();
+        // A root that looks straight up or down has no heading: its shift has the axes of the world.
+        let ahead = if length > 1e-9 { level / length } else { Vector3::x() };
+        let left = Vector3::new(-ahead.y, ahead.x, 0.0);
+        let shift = &self.center_of_mass;
+        ahead * shift.x + left * shift.y + Vector3::z() * shift.z
+    }
+}

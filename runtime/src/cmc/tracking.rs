@@ -1,0 +1,104 @@
+//! What computed muscle control tracks over an episode: the reference motion of the present phase, the script of the demonstration,
+//! or the pose of the initial state.
+
+use super::activation::Hold;
+use super::goal::Course;
+use super::{ControlError, Controller, Offsets, Present};
+use crate::script::Script;
+use msk_physics::Workspace;
+use msk_program::task::{CompiledTask, TaskState};
+use std::sync::Arc;
+
+/// One moment of an episode of a task.
+#[derive(Clone, Copy)]
+pub(crate) struct Moment<'a> {
+    pub task: &'a CompiledTask,
+    pub progress: &'a TaskState,
+    /// Physics steps that an action is held for.
+    pub substeps: u32,
+    pub present: Present<'a>,
+}
+
+/// What is tracked.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) enum Along {
+    /// The first reference of the task's present phase; without one, the pose with which the episode begins.
+    #[default]
+    Reference,
+    /// The first script among the task's tests that ends in success.
+    Demonstration,
+}
+
+/// Computed muscle control over one episode after the other.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Tracker {
+    controller: Option<Controller>,
+    along: Along,
+    /// The phase of the task whose reference is followed, and the step at which it began.
+    followed: Option<(u32, u32)>,
+}
+
+impl Tracker {
+    pub fn new(along: Along) -> Self {
+        Self { along, ..Self::default() }
+    }
+
+    pub fn along(&self) -> Along {
+        self.along
+    }
+
+    /// Prepares for an episode, which has just been reset.
+    ///
+    /// # Errors
+    /// A body or task that it cannot control.
+    pub fn reset(&mut self, moment: &Moment<'_>) -> Result<(), ControlError> {
+        let &Moment { task, progress, substeps, present } = moment;
+        let hold = Hold { steps: substeps, timestep: present.model.options.timestep };
+        let init = task.initial_state(progress);
+        let mut controller = Controller::new(&present, &init.coordinates, hold)?;
+        if self.along == Along::Demonstration {
+            controller.follow(Some(schedule(moment)?), progress.step, &present);
+        }
+        self.controller = Some(controller);
+        self.followed = None;
+        Ok(())
+    }
+
+    /// Writes the action of the present control step, one entry per muscle, with the targets moved by `offsets`.
+    ///
+    /// # Errors
+    /// It has not been reset.
+    pub fn act(&mut self, moment: &Moment<'_>, offsets: &Offsets, action: &mut [f64]) -> Result<(), ControlError> {
+        let &Moment { task, progress, present, .. } = moment;
+        let controller = self.controller.as_mut().ok_or(ControlError::NotReset)?;
+        let begun = task.followed(progress).map(|(followed, time)| (&followed.motion, time));
+        let phase = begun.map(|_| (progress.phase, progress.began));
+        if self.along == Along::Reference && phase != self.followed {
+            let init = task.initial_state(progress);
+            let course = begun.map(|(motion, time)| Course::of_motion(motion, time, &init, present.body, present.state));
+            controller.follow(course, progress.step, &present);
+            self.followed = phase;
+        }
+        controller.act(&present, progress.step, offsets, action);
+        Ok(())
+    }
+}
+
+/// Two are the same where they go on in the same way.
+impl PartialEq for Tracker {
+    fn eq(&self, other: &Self) -> bool {
+        let (own, others) = (self.controller.as_ref(), other.controller.as_ref());
+        (self.along, self.followed) == (other.along, other.followed)
+            && own.map(Controller::memory) == others.map(Controller::memory)
+    }
+}
+
+/// The schedule of poses with which the task's own tests show that it can succeed.
+fn schedule(moment: &Moment<'_>) -> Result<Course, ControlError> {
+    let &Moment { task, progress, present: Present { body, model, .. }, .. } = moment;
+    let keyframes = task.tests.as_ref().and_then(|tests| tests.demonstration());
+    let keyframes = keyframes.ok_or_else(|| ControlError::NoDemonstration { task: task.name.clone() })?;
+    let mut scratch = Workspace::new(model);
+    let script = Script::new(keyframes, task, progress, model, body, &mut scratch);
+    Ok(Course::Script { script: Arc::new(script), period: 1.0 / task.control_frequency })
+}
