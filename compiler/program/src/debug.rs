@@ -72,6 +72,8 @@ pub struct ChannelDebug {
     pub docs: String,
     /// The block of a library that it comes from; empty if it is the task's own.
     pub block: String,
+    /// What lies between the formula and the policy, as it is written; empty if nothing does.
+    pub settings: String,
 }
 
 /// A declaration that formulas name.

@@ -1,5 +1,7 @@
 //! Observations: named channels, blocks of a library unfolded.
 
+mod settings;
+
 use super::allows;
 use super::context::{Checked, Checker, Failures, ReadMode};
 use super::types::{ElementType, Type};
@@ -11,6 +13,7 @@ use crate::resolve::scope::{Definition, Place};
 use crate::resolve::{Texts, label_of, summary, written};
 use crate::spoken::{self, SpokenUnit};
 use crate::syntax::tree::{Channel, Entry, Expr, ExprKind, TaskStatement};
+use settings::{Placed, Seen};
 
 /// A channel that the graph computes.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +31,8 @@ pub(crate) struct ObservedChannel {
     pub docs: String,
     /// The block of a library that it comes from; empty if it is the task's own.
     pub block: String,
+    /// What lies between the formula and the policy, as it is written.
+    pub settings: String,
     /// Where the channel, or the block that it comes from, is named in the task.
     pub file: FileId,
     pub span: Span,
@@ -51,7 +56,7 @@ impl<'a> Checker<'a> {
             for placed in statements {
                 if let TaskStatement::Observe(block) = &placed.statement {
                     let found =
-                        checker.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut channels));
+                        checker.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &[], &mut channels));
                     failures.catch(found);
                 }
             }
@@ -66,8 +71,18 @@ impl<'a> Checker<'a> {
         let mut failures = Failures::default();
         for placed in statements {
             if let TaskStatement::Metrics(block) = &placed.statement {
-                let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &mut metrics));
+                let found = self.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &[], &mut metrics));
                 failures.catch(found);
+                let own = block
+                    .entries
+                    .iter()
+                    .filter_map(|entry| if let Entry::Item(channel) = entry { channel.settings.first() } else { None });
+                for setting in own {
+                    let word = &setting.word.text;
+                    let message = format!("`{word}` belongs to channels of the observation; a metric is what it is");
+                    let diagnostic = Diagnostic::new(codes::tasks::UNKNOWN_SETTING, placed.file, setting.span, message);
+                    failures.add(self.report(diagnostic));
+                }
             }
         }
         failures.or(metrics)
@@ -81,12 +96,13 @@ impl<'a> Checker<'a> {
         );
     }
 
-    /// Checks the channels of `observe`, or of a block of it.
+    /// Checks the channels of `observe`, or of a block of it, `around` which there are settings.
     pub(crate) fn channels(
         &mut self,
         entries: &'a [Entry<Channel>],
         texts: &dyn Texts,
         block: Option<Block<'a>>,
+        around: &[Placed<'a>],
         found: &mut Vec<ObservedChannel>,
     ) -> Checked<()> {
         let mut failures = Failures::default();
@@ -95,7 +111,7 @@ impl<'a> Checker<'a> {
                 self.allowances.extend(allows::of_library(allow, self.place.file, &mut self.diagnostics));
             }
             let Some(channel) = self.plain_entry(entry, "channel") else { continue };
-            failures.catch(self.channel(channel, texts, block, found));
+            failures.catch(self.channel(channel, texts, block, around, found));
         }
         failures.or(())
     }
@@ -105,8 +121,12 @@ impl<'a> Checker<'a> {
         channel: &'a Channel,
         texts: &dyn Texts,
         block: Option<Block<'a>>,
+        around: &[Placed<'a>],
         found: &mut Vec<ObservedChannel>,
     ) -> Checked<()> {
+        // Settings of the channel apply before those of the blocks in which it stands.
+        let own = Placed { place: self.place, settings: &channel.settings };
+        let chain: Vec<Placed<'a>> = [own].into_iter().chain(around.iter().copied()).collect();
         if let ExprKind::Name(name) = &channel.value.kind
             && let Some((declared, place)) = self.names.find(self.place, &name.text)
             && let Definition::Observation(observation) = declared.definition
@@ -114,7 +134,7 @@ impl<'a> Checker<'a> {
             self.names.called.borrow_mut().insert((declared.file, name.text.clone()));
             let block = block.unwrap_or(Block { name: &name.text, file: self.place.file, span: channel.span });
             return self.deeper(channel.span, |checker| {
-                checker.elsewhere(place, |checker| checker.channels(&observation.channels, texts, Some(block), found))
+                checker.elsewhere(place, |checker| checker.channels(&observation.channels, texts, Some(block), &chain, found))
             });
         }
         let name = label_of(channel, self.place.file, texts);
@@ -122,7 +142,9 @@ impl<'a> Checker<'a> {
             Value::Typed(data) => data,
             other => return Err(self.not_numbers(&other, channel.value.span)),
         };
-        let node = self.observed(&data);
+        let mut seen = Seen::new(self.observed(&data), &data);
+        self.apply_settings(&name, &chain, texts, &mut seen)?;
+        let node = seen.node;
         if let Some(known) = found.iter().find(|known| known.name == name) {
             let message = format!("the channel `{name}` is declared twice");
             let diagnostic = self.diagnostic(codes::tasks::LABEL_TWICE, channel.span, message);
@@ -137,9 +159,10 @@ impl<'a> Checker<'a> {
         let (file, span) = block.map_or((self.place.file, channel.span), |block| (block.file, block.span));
         let block = block.map_or_else(String::new, |block| block.name.to_owned());
         let source = written(&channel.value, self.place.file, texts);
-        let (unit, formula) = (unit_of(&data.kind), channel.value.clone());
+        let unit = if seen.scaled { String::new() } else { unit_of(&data.kind) };
+        let (formula, settings) = (channel.value.clone(), seen.written);
         let docs = summary(channel.docs.as_ref());
-        found.push(ObservedChannel { name, node, data, unit, source, formula, docs, block, file, span });
+        found.push(ObservedChannel { name, node, data, unit, source, formula, docs, block, settings, file, span });
         Ok(())
     }
 

@@ -23,6 +23,8 @@ pub(crate) struct KnownRandom {
     pub data: TypedValue,
     /// When it is drawn anew.
     pub redraw: Option<NodeId>,
+    /// What is drawn and when it is drawn anew, in words, where no statement declares it.
+    pub written: Option<[String; 2]>,
 }
 
 impl<'a> Checker<'a> {
@@ -68,7 +70,7 @@ impl<'a> Checker<'a> {
             self.path.pop();
             match drawn {
                 Ok(data) => {
-                    let known = KnownRandom { name: name.clone(), data, redraw: None };
+                    let known = KnownRandom { name: name.clone(), data, redraw: None, written: None };
                     self.randoms.push(known);
                 }
                 Err(reported) => {

@@ -109,7 +109,12 @@ impl<'a> Checker<'a> {
             let drawn = self.graph.add(Operation::Noise(index, Chance::Uniform, 1), &[]);
             let node = self.graph.add(Operation::Drawn(index), &[drawn]);
             let name = format!("{}.start", reference.name.text);
-            self.randoms.push(KnownRandom { name, data: TypedValue::new(node, ElementType::PLAIN), redraw: None });
+            self.randoms.push(KnownRandom {
+                name,
+                data: TypedValue::new(node, ElementType::PLAIN),
+                redraw: None,
+                written: Some(["uniform(0 .. 1)".to_owned(), String::new()]),
+            });
             return Ok(node);
         }
         let data = self.number_of(start, Dimension::NONE, "`start`")?;

@@ -200,6 +200,7 @@ fn observation(task: &CompiledTask) -> ObservationReport {
             unit: channel.unit.clone(),
             block: debug.map(|debug| debug.block.clone()).unwrap_or_default(),
             formula: debug.map(|debug| formula_report(&debug.formula, "")).unwrap_or_default(),
+            settings: debug.map(|debug| debug.settings.clone()).unwrap_or_default(),
             docs: debug.map(|debug| debug.docs.clone()).unwrap_or_default(),
         }
     });

@@ -273,12 +273,13 @@ fn observation(observation: &ObservationReport, text: &mut String) {
         let formula = if channel.formula.mathml.is_empty() { String::new() } else { math(&channel.formula) };
         let _ = writeln!(
             text,
-            "<tr><td>{}</td><td class=\"number\">{}..{end}</td><td class=\"number\">{}</td><td>{}</td><td>{formula} \
+            "<tr><td>{}</td><td class=\"number\">{}..{end}</td><td class=\"number\">{}</td><td>{}</td><td>{formula} {} \
              <span class=\"soft\">{}</span></td></tr>",
             escaped(&channel.name),
             channel.offset,
             channel.size,
             escaped(&channel.unit),
+            escaped(&channel.settings),
             escaped(&channel.block)
         );
     }

@@ -396,6 +396,9 @@ pub struct ChannelReport {
     pub block: String,
     /// What it is; of a sequence, in the first phase that has it.
     pub formula: FormulaReport,
+    /// What lies between the formula and the policy: noise, delays and the like, as they are written.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub settings: String,
     /// Its documentation.
     pub docs: String,
 }

@@ -228,7 +228,13 @@ fn channels(report: &TaskReport, text: &mut String) {
     let width = observation.channels.iter().map(|channel| channel.name.chars().count()).max().unwrap_or(0);
     for channel in &observation.channels {
         let end = channel.offset + channel.size;
-        let line = format!("  {:>5}..{:<5} {:<width$}  {}", channel.offset, end, channel.name, channel.unit);
+        let (name, unit, settings) = (&channel.name, &channel.unit, &channel.settings);
+        let line = format!(
+            "  {:>5}..{:<5} {name:<width$}  {unit}{}{settings}",
+            channel.offset,
+            end,
+            if settings.is_empty() { "" } else { "  " }
+        );
         let _ = writeln!(text, "{}", line.trim_end());
     }
 }

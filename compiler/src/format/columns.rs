@@ -169,6 +169,7 @@ impl<'a> Visitor<'a> for Marks {
             self.begin_after(label.span, Group::Run(Sort::Channel), 1);
         }
         self.expression(&channel.value);
+        channel.settings.iter().for_each(|setting| self.expression(&setting.value));
     }
 
     fn term(&mut self, term: &'a Term) {

@@ -282,10 +282,12 @@ impl Whole {
                     TaskStatement::Random(declared) if declared.name.text == random.name => Some((declared, placed.file)),
                     _ => None,
                 });
-                // The start of a reference is drawn without a statement of its own.
-                let start = declared.is_none() && random.name.ends_with(".start");
                 let drawn = random_value(name, declared, texts);
-                self.randoms.push(if start { RandomValue { source: "uniform(0 .. 1)".to_owned(), ..drawn } } else { drawn });
+                // The start of a reference and the noise of a channel are drawn without a statement of their own.
+                self.randoms.push(match &random.written {
+                    Some([source, redraw]) => RandomValue { source: source.clone(), redraw: redraw.clone(), ..drawn },
+                    None => drawn,
+                });
                 self.randoms.len() - 1
             });
             streams.push(place);
@@ -362,6 +364,7 @@ fn debug_info(
             formula: notation(&channel.formula),
             docs: channel.docs.clone(),
             block: channel.block.clone(),
+            settings: channel.settings.clone(),
         });
         debug.collect()
     };

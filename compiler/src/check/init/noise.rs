@@ -121,7 +121,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `normal(0, deviation)` or `uniform(low .. high)`, and its unit.
-    fn distribution(&mut self, distribution: &'a Expr) -> Checked<(Spread, Dimension)> {
+    pub(crate) fn distribution(&mut self, distribution: &'a Expr) -> Checked<(Spread, Dimension)> {
         if let ExprKind::Call { function, arguments } = &distribution.kind
             && let ExprKind::Name(name) = &function.kind
         {
@@ -148,7 +148,11 @@ impl<'a> Checker<'a> {
         let value = self.fixed_number(deviation, dimension, "the deviation");
         let (mean_value, value) = (mean_value?, value?);
         if mean_value != 0.0 {
-            return Err(self.error(codes::tasks::OUT_OF_RANGE, mean.span, "noise has mean 0; put the offset into the pose"));
+            return Err(self.error(
+                codes::tasks::OUT_OF_RANGE,
+                mean.span,
+                "noise has mean 0: an offset belongs to the value itself",
+            ));
         }
         if value < 0.0 {
             return Err(self.error(codes::tasks::OUT_OF_RANGE, deviation.span, "a standard deviation cannot be negative"));

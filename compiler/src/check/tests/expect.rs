@@ -167,6 +167,7 @@ impl<'a> Checker<'a> {
             formula,
             docs,
             block,
+            settings: String::new(),
             file: self.place.file,
             span,
         });

@@ -3,8 +3,8 @@
 use super::{Builder, part, parts};
 use crate::syntax::grammar::{Pair, Rule};
 use crate::syntax::tree::{
-    Block, BodyEdit, BodyUse, Bounds, Channel, Clock, Ends, Entry, Phase, Random, Reason, Reference, Reward, Sequence,
-    StateDeclaration, Task, TaskParameter, TaskStatement, Term, Update, Weight,
+    Block, BodyEdit, BodyUse, Bounds, Channel, ChannelSetting, Clock, Ends, Entry, Phase, Random, Reason, Reference, Reward,
+    Sequence, StateDeclaration, Task, TaskParameter, TaskStatement, Term, Update, Weight,
 };
 
 impl Builder<'_> {
@@ -122,6 +122,14 @@ impl Builder<'_> {
         }
     }
 
+    fn channel_setting(&mut self, pair: &Pair<'_>) -> ChannelSetting {
+        let value = match part(pair, Rule::range) {
+            Some(range) => self.ranged(&range),
+            None => self.expression_in(pair),
+        };
+        ChannelSetting { word: self.field_word(pair, Rule::setting_word), value, span: self.span(pair) }
+    }
+
     pub(super) fn channels(&mut self, pair: &Pair<'_>) -> Vec<Entry<Channel>> {
         self.entries(part(pair, Rule::channels), Rule::one_channel, |builder, channel| {
             let span = builder.span(channel);
@@ -129,6 +137,7 @@ impl Builder<'_> {
                 docs: builder.docs(span),
                 label: part(channel, Rule::identifier).map(|label| builder.identifier(&label)),
                 value: builder.expression_in(channel),
+                settings: parts(channel, Rule::channel_setting).map(|setting| builder.channel_setting(&setting)).collect(),
                 span,
             }
         })

@@ -252,7 +252,20 @@ pub struct Channel {
     pub label: Option<Ident>,
     /// What is observed.
     pub value: Expr,
+    /// What lies between the value and the policy, in order.
+    pub settings: Vec<ChannelSetting>,
     /// The statement.
+    pub span: Span,
+}
+
+/// `noise normal(0, 1 cm)`, `delay 2 steps`, `history 3`, `scale 0.3 rad`, `clip -5 .. 5`
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelSetting {
+    /// Its word.
+    pub word: Ident,
+    /// What follows.
+    pub value: Expr,
+    /// The whole setting.
     pub span: Span,
 }
 

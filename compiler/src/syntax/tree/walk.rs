@@ -17,6 +17,7 @@ pub trait Visitor<'a> {
     /// A line of an observation or of metrics.
     fn channel(&mut self, channel: &'a Channel) {
         self.expression(&channel.value);
+        channel.settings.iter().for_each(|setting| self.expression(&setting.value));
     }
     /// A reward term.
     fn term(&mut self, term: &'a Term) {
