@@ -5,7 +5,7 @@ use crate::check::dimension::Dimension;
 use crate::check::random::KnownRandom;
 use crate::check::types::ElementType;
 use crate::check::value::TypedValue;
-use crate::diagnostics::codes;
+use crate::diagnostics::{codes, nearest};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Chance, Memory, Operation};
 use crate::resolve::scope::Place;
@@ -13,12 +13,21 @@ use crate::resolve::{Texts, written};
 use crate::syntax::tree::{ChannelSetting, Expr, ExprKind};
 use crate::task::Spread;
 
+/// The settings, with the forms in which they are written.
+const FORMS: [(&str, &str); 5] = [
+    ("noise", "noise normal(0, 1 cm)"),
+    ("delay", "delay 2 steps"),
+    ("history", "history 3"),
+    ("scale", "scale 0.3 rad"),
+    ("clip", "clip -5 .. 5"),
+];
+
 /// Most values of the past in one channel.
 const MOST_STEPS: f64 = 1000.0;
 
 /// Settings, and where their names are looked up.
 #[derive(Clone, Copy)]
-pub(super) struct Placed<'a> {
+pub(crate) struct Placed<'a> {
     pub place: Place,
     pub settings: &'a [ChannelSetting],
 }
@@ -61,6 +70,9 @@ impl<'a> Checker<'a> {
             let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, setting.span, message);
             return Err(self.report(diagnostic.help("observe its axes: `torso.up`, `torso.forward`")));
         }
+        if !FORMS.iter().any(|(known, _)| *known == word) {
+            return Err(self.no_such_setting(setting));
+        }
         let source = format!("{word} {}", written(&setting.value, self.place.file, texts));
         match word {
             "noise" => self.add_noise(name, setting, &source, seen)?,
@@ -79,8 +91,20 @@ impl<'a> Checker<'a> {
         self.spend(self.graph.width(seen.node), setting.span)
     }
 
+    fn no_such_setting(&mut self, setting: &ChannelSetting) -> Reported {
+        let word = setting.word.text.as_str();
+        let forms = FORMS.map(|(_, form)| format!("`{form}`")).join(", ");
+        let mut diagnostic = self
+            .diagnostic(codes::tasks::UNKNOWN_SETTING, setting.word.span, format!("channels have no setting `{word}`"))
+            .help(format!("settings of channels are {forms}; another channel stands on a line of its own"));
+        for near in nearest(word, FORMS.iter().map(|(known, _)| *known)) {
+            diagnostic = diagnostic.suggest(format!("did you mean `{near}`?"), setting.word.span, near);
+        }
+        self.report(diagnostic)
+    }
+
     /// Noise that is drawn anew at every step, for each number by itself.
-    fn add_noise(&mut self, name: &str, setting: &ChannelSetting, source: &str, seen: &mut Seen) -> Checked<()> {
+    fn add_noise(&mut self, name: &str, setting: &'a ChannelSetting, source: &str, seen: &mut Seen) -> Checked<()> {
         let (spread, dimension) = self.distribution(&setting.value)?;
         if seen.dimension != Some(dimension) {
             return Err(self.other_dimension(name, setting, dimension, seen));

@@ -127,7 +127,7 @@ impl Builder<'_> {
             Some(range) => self.ranged(&range),
             None => self.expression_in(pair),
         };
-        ChannelSetting { word: self.field_word(pair, Rule::setting_word), value, span: self.span(pair) }
+        ChannelSetting { word: self.identifier_in(pair), value, span: self.span(pair) }
     }
 
     pub(super) fn channels(&mut self, pair: &Pair<'_>) -> Vec<Entry<Channel>> {
