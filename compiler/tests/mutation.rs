@@ -198,3 +198,14 @@ fn draws_settings_and_disturbances_are_mutated_each_in_its_part() {
     // What a tuner may choose is no meaning.
     assert!(!of(Part::Meaning).iter().any(|known| known == "9 -> 18"));
 }
+
+#[test]
+fn settings_of_actions_and_channels_are_mutated() {
+    let text = "task small {\n    act muscles { latency 2 steps }\n    observe { pelvis.height clip 0 m .. 3 m }\n}\n";
+    let found = |part: Part| {
+        let all = mutants(text, "small").into_iter().filter(move |mutant| mutant.part == part);
+        all.map(|mutant| format!("{} -> {}", mutant.span.of(text), mutant.replacement)).collect::<Vec<_>>()
+    };
+    assert!(found(Part::Action).contains(&"2 -> 1".to_owned()), "{:?}", found(Part::Action));
+    assert!(found(Part::Observation).contains(&"3 -> 4".to_owned()), "{:?}", found(Part::Observation));
+}

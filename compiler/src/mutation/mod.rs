@@ -86,11 +86,13 @@ pub enum Part {
     InitialState,
     /// What the policy observes.
     Observation,
+    /// What the policy's action stands for.
+    Action,
 }
 
 impl Part {
     /// All, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::Meaning, Self::Scene, Self::InitialState, Self::Observation];
+    pub const ALL: [Self; 5] = [Self::Meaning, Self::Scene, Self::InitialState, Self::Observation, Self::Action];
 
     /// As printed.
     pub fn name(self) -> &'static str {
@@ -99,6 +101,7 @@ impl Part {
             Self::Scene => "scene",
             Self::InitialState => "initial state",
             Self::Observation => "observation",
+            Self::Action => "action space",
         }
     }
 }

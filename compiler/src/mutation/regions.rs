@@ -74,6 +74,7 @@ impl Found {
             TaskStatement::Reference(reference) => {
                 reference.start.iter().for_each(|start| self.formula(Part::InitialState, start.span));
             }
+            TaskStatement::Act(act) => self.fields(Part::Action, &act.fields),
             TaskStatement::Disturb(element) => self.element(element),
             TaskStatement::State(state) => {
                 self.formula(Part::Meaning, state.initial.span);
@@ -90,6 +91,7 @@ impl Found {
         for entry in &block.entries {
             if let Entry::Item(channel) = entry {
                 self.formula(Part::Observation, channel.value.span);
+                channel.settings.iter().for_each(|setting| self.formula(Part::Observation, setting.value.span));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! An episode of doing nothing: a task whose reward or success `zero` gets is not learnt.
 //!
-//! The policy `zero` leaves every muscle at rest and plays one episode, to its end or for [`MOST_STEPS`]. It must not succeed. The policy
+//! Every muscle rests, whatever the action space, for one episode, to its end or for [`MOST_STEPS`]. That must not succeed. The policy
 //! `cmc` holds the pose for as many steps: a task in which resting earns more per step rewards giving up.
 
 use super::at;
@@ -8,9 +8,10 @@ use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Diagnostic, Stage, allowance};
 use msk_program::numbers::for_people;
 use msk_program::task::CompiledTask;
+use msk_runtime::action::REST;
 use msk_runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::library::BodyLibrary;
-use msk_runtime::policy::{ComputedMuscleControl, Policy, Zero};
+use msk_runtime::policy::{ActsOn, ComputedMuscleControl, Policy, PolicyContext, PolicyError};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -39,6 +40,28 @@ pub fn episodes(tasks: &[Arc<CompiledTask>], bodies: &BodyLibrary, played: &(dyn
     found
 }
 
+/// Muscles at rest. The policy `zero` gives the entry of the action space that asks for nothing, which may be a controller at work.
+struct Resting;
+
+impl Policy for Resting {
+    fn name(&self) -> &str {
+        "rest"
+    }
+
+    fn acts_on(&self) -> ActsOn {
+        ActsOn::Muscles
+    }
+
+    fn reset(&mut self, _context: &PolicyContext<'_>) -> Result<(), PolicyError> {
+        Ok(())
+    }
+
+    fn act(&mut self, _context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
+        action.fill(REST);
+        Ok(())
+    }
+}
+
 /// What came of an episode.
 struct Played {
     steps: u32,
@@ -61,9 +84,9 @@ impl Played {
 fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diagnostic>) -> Option<()> {
     let staged = bodies.stage(&task.body, &task.scene).ok()?;
     let mut episode = Environment::new(staged.model, staged.body, task.clone()).ok()?;
-    let rest = play(&mut episode, &mut Zero, MOST_STEPS)?;
+    let rest = play(&mut episode, &mut Resting, MOST_STEPS)?;
     if rest.success {
-        let message = format!("doing nothing succeeds: the policy `zero` succeeds in `{}`", task.name);
+        let message = format!("doing nothing succeeds in `{}`", task.name);
         let diagnostic = at(probing::REST_SUCCEEDS, task.places.success, message)
             .found(format!("success after {} steps with every muscle at rest", rest.steps))
             .help("require something that only the movement achieves, or write `allow rest_succeeds \"...\"`");
