@@ -270,16 +270,17 @@ fn observation(observation: &ObservationReport, text: &mut String) {
     open(&[("Channel", false), ("Place", true), ("Size", true), ("Unit", false), ("From", false)], text);
     for channel in &observation.channels {
         let end = channel.offset + channel.size;
+        let settings = if channel.settings.is_empty() { String::new() } else { format!(" {}", escaped(&channel.settings)) };
         let formula = if channel.formula.mathml.is_empty() { String::new() } else { math(&channel.formula) };
         let _ = writeln!(
             text,
-            "<tr><td>{}</td><td class=\"number\">{}..{end}</td><td class=\"number\">{}</td><td>{}</td><td>{formula} {} \
+            "<tr><td>{}</td><td class=\"number\">{}..{end}</td><td class=\"number\">{}</td><td>{}</td><td>{formula}{} \
              <span class=\"soft\">{}</span></td></tr>",
             escaped(&channel.name),
             channel.offset,
             channel.size,
             escaped(&channel.unit),
-            escaped(&channel.settings),
+            settings,
             escaped(&channel.block)
         );
     }

@@ -127,7 +127,7 @@ fn findings_can_be_allowed_with_a_reason() {
 ///
 /// `MSK_UPDATE=1 cargo test` rewrites these blocks; read the difference before keeping it.
 fn probed_blocks_of(folder: &str, pages: &[&str]) -> usize {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compiler/tests/language").join(folder);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compiler/tests/language").join(folder);
     let mut caught = 0;
     for page in pages {
         let path = folder.join(page).with_extension("md");
@@ -190,7 +190,7 @@ fn answered(section: &str) -> String {
 
 #[test]
 fn the_suite_and_the_examples_begin_as_they_should() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut files: Vec<PathBuf> = ["tasks.msk", "tasks/composed.msk", "tasks/loads.msk"].map(|file| root.join(file)).into();
     let examples = std::fs::read_dir(root.join("examples")).unwrap().map(|entry| entry.unwrap().path());
     files.extend(examples.filter(|path| path.extension().is_some_and(|extension| extension == "msk")));
