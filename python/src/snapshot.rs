@@ -67,6 +67,11 @@ impl Snapshot {
 
     /// All of it: the same bytes for the same snapshot.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        if self.slots.iter().any(|(episode, _)| episode.has_controller()) {
+            return Err(PyValueError::new_err(
+                "the action space of the task contains computed muscle control, which cannot be written as bytes: keep the snapshot in memory",
+            ));
+        }
         let bytes = postcard::to_stdvec(self).map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(PyBytes::new(py, &bytes))
     }

@@ -1,7 +1,9 @@
 //! A delay by whole control steps.
 
+use serde::{Deserialize, Serialize};
+
 /// The last actions, as many as the delay is long.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Delay {
     /// One action after the other, in a ring.
     kept: Vec<f64>,
@@ -16,6 +18,12 @@ impl Delay {
     pub fn new(size: usize, steps: u32) -> Self {
         // The checker keeps the latency below the horizon of the task.
         Self { kept: vec![0.0; size * steps as usize], oldest: 0, present: vec![0.0; size] }
+    }
+
+    /// Whether it has the shape of another one, and its ring is whole.
+    pub fn fits(&self, other: &Self) -> bool {
+        let sizes = |delay: &Self| [delay.kept.len(), delay.present.len()];
+        sizes(self) == sizes(other) && self.oldest * self.present.len() <= self.kept.len().saturating_sub(self.present.len())
     }
 
     /// As after endless steps with this value in every entry.

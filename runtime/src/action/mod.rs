@@ -18,6 +18,7 @@ use msk_physics::scalar::Real;
 use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
 use msk_program::task::CompiledTask;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// Which entries an action has.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -89,7 +90,7 @@ impl ActionBuffer {
 }
 
 /// What of the actions of an episode has consequences later.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ActionState {
     /// The last action, in the task's space; empty where that is one entry per muscle.
     pub entries: Vec<f64>,
@@ -98,7 +99,8 @@ pub(crate) struct ActionState {
     delay: Delay,
     /// The output of the filter.
     filtered: Vec<f64>,
-    /// Computed muscle control, where the space needs it.
+    /// Computed muscle control, where the space needs it. It belongs to a model, so it is not written.
+    #[serde(skip)]
     tracker: Option<Box<Tracker>>,
 }
 
@@ -135,6 +137,12 @@ impl ActionState {
     /// A body or task that the controller of the space cannot control.
     pub fn reset(&mut self, moment: &Moment<'_>) -> Result<(), ControlError> {
         self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.reset(moment))
+    }
+
+    /// Whether it has the shape of another one of the same task.
+    pub fn fits(&self, other: &Self) -> bool {
+        let sizes = |state: &Self| [state.entries.len(), state.muscles.len(), state.filtered.len()];
+        sizes(self) == sizes(other) && self.delay.fits(&other.delay) && self.tracker.is_some() == other.tracker.is_some()
     }
 
     /// Whether the next action depends on the present state.
@@ -182,6 +190,7 @@ impl ActionState {
         };
         match tracker {
             Some(tracker) => tracker.act(moment, &offsets, muscles)?,
+            None if follows(&task.action).is_some() => return Err(ControlError::NotReset),
             None => muscles.fill(REST),
         }
         let residual = task.action.residual.is_some();

@@ -53,7 +53,7 @@ use sparse::Columns;
 use support::{Point, Support};
 
 /// What the controller cannot control.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 pub enum ControlError {
     /// Nothing could move the body.
     #[error("the body has no muscles")]

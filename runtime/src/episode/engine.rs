@@ -176,7 +176,8 @@ impl Engine {
             && streams.len() == self.task.randoms.len()
             && compartments.as_ref().is_none_or(|compartments| compartments.len() == muscles)
             && counted(disturbances.len(), self.task.disturbances.len())
-            && [action.len(), frame.len(), observation.len()] == [muscles, self.task.frame.size(), self.task.observation_size()]
+            && action.fits(&ActionState::new(&self.task, &self.body))
+            && [frame.len(), observation.len()] == [self.task.frame.size(), self.task.observation_size()]
             && counted(report.terms.len(), self.task.terms.len())
             && totals.len() == self.task.terms.len()
     }

@@ -81,6 +81,12 @@ impl Episode {
         self.key
     }
 
+    /// Whether the controller of the task's action space goes along with it. Such an episode can be cloned; what serde writes of it
+    /// has no controller, so [`Engine::accepts`] refuses it.
+    pub fn has_controller(&self) -> bool {
+        self.action.looks_at_state()
+    }
+
     /// Control steps since reset.
     pub fn steps(&self) -> u32 {
         self.task.step
