@@ -1,4 +1,4 @@
-"""Steps per second of the vector environment through Python and in Rust alone, in turn.
+"""Steps per second of CPU time of the vector environment, through Python and in Rust alone, in turn.
 
 cargo build --release --bench batch --manifest-path python/Cargo.toml   # prints where the program is
 python python/benches/vector.py PROGRAM --task walk --num-envs 64 --threads 1 --steps 100 --rounds 5
@@ -8,6 +8,7 @@ same profile (`pip install ./python` builds for release).
 """
 
 import argparse
+import resource
 import statistics
 import subprocess
 import time
@@ -18,23 +19,30 @@ import msk
 
 
 def through_python(task: str, num_envs: int, threads: int, steps: int) -> tuple[float, float]:
-    """Seconds, and the sum of all rewards."""
+    """Seconds of CPU time, and the sum of all rewards."""
     envs = msk.make_vec(task, num_envs, threads=threads)
     envs.reset(seed=0)
     actions = np.full(envs.action_space.shape, -0.5, np.float32)
     rewards = 0.0
-    begun = time.perf_counter()
+    begun = time.process_time()
     for _ in range(steps):
         for reward in envs.step(actions)[1].tolist():
             rewards += reward
-    return time.perf_counter() - begun, rewards
+    return time.process_time() - begun, rewards
 
 
-def in_rust(program: str, *arguments: object) -> tuple[float, float]:
-    """The same."""
-    command = [program, *map(str, arguments)]
-    seconds, rewards = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
-    return float(seconds), float(rewards)
+def in_rust(program: str, task: str, num_envs: int, threads: int, steps: int) -> tuple[float, float]:
+    """The same: what the steps add to the CPU time of the program without steps."""
+
+    def run(steps: int) -> tuple[float, float]:
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        command = [program, task, str(num_envs), str(threads), str(steps)]
+        rewards = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, float(rewards)
+
+    seconds, rewards = run(steps)
+    return seconds - run(0)[0], rewards
 
 
 def main() -> None:
