@@ -1,9 +1,10 @@
 //! The bodies that come with the program: body files and models embedded in it, compressed.
 //!
 //! Their paths start with [`ROOT`], which no file on disk has, so that the model named in a built-in body file is looked
-//! for here too: [`model`] reads a path of either kind.
+//! for here too: [`model_from`] reads a path of either kind.
 
 use flate2::read::GzDecoder;
+#[cfg(feature = "system")]
 use msk_physics::model::DiskFiles;
 use msk_physics::model::{Model, ModelError, ModelFiles};
 use std::io::Read;
@@ -50,6 +51,7 @@ pub fn text(path: &Path) -> Option<String> {
 /// # Errors
 ///
 /// Those of [`Model::from_file`].
+#[cfg(feature = "system")]
 pub fn model(path: &Path) -> Result<Model, ModelError> {
     model_from(path, &DiskFiles)
 }
@@ -66,7 +68,7 @@ pub fn model_from(path: &Path, files: &dyn ModelFiles) -> Result<Model, ModelErr
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "system"))]
 mod tests {
     use super::*;
 

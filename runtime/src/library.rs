@@ -1,12 +1,15 @@
 //! The bodies of this machine, as the compiler asks for them.
 
-pub use crate::files::{FileLoader, WithText};
+#[cfg(feature = "system")]
+pub use crate::files::FileLoader;
+pub use crate::files::WithText;
 
 use crate::bodies;
 use crate::body::{BindError, Body, ChangeError};
 use crate::condition::MuscleCondition;
 use crate::files::{Fingerprints, Recorder};
 use crate::scene::{self, SceneError};
+#[cfg(feature = "system")]
 use msk_physics::model::DiskFiles;
 use msk_physics::model::{ElasticTendons, Model, ModelError, ModelFiles};
 use msk_program::body::{BodyDescription, TendonKind};
@@ -197,6 +200,7 @@ fn read(description: &BodyDescription, files: &dyn ModelFiles) -> Result<BoundBo
 }
 
 /// The library of all files.
+#[cfg(feature = "system")]
 impl Default for BodyLibrary {
     fn default() -> Self {
         Self::of(DiskFiles)
@@ -299,7 +303,7 @@ fn hash_of(description: &BodyDescription, model: &Model) -> String {
     hexadecimal(&hasher.finalize()[..16])
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "system"))]
 mod tests {
     use super::*;
     use msk_program::body::Axis;

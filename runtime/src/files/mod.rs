@@ -1,27 +1,15 @@
-//! The files of this machine, wherever the user points, and what they were when they were read.
+//! Texts and models: from the machine or from the caller, and what they were when they were read.
 
+#[cfg(feature = "system")]
+mod disk;
 mod fingerprints;
 
+#[cfg(feature = "system")]
+pub use disk::{FileLoader, load_error};
 pub(crate) use fingerprints::{Fingerprints, Recorder};
 
-use crate::bodies;
-use msk_program::files::{LARGEST_FILE, LoadError, Loader};
-use msk_storage::{StorageError, read_text_file};
-use std::io::ErrorKind;
+use msk_program::files::{LoadError, Loader};
 use std::path::{Path, PathBuf};
-
-/// Reads texts from the file system, and those embedded in the program.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct FileLoader;
-
-impl Loader for FileLoader {
-    fn load(&self, path: &Path) -> Result<String, LoadError> {
-        match bodies::text(path) {
-            Some(text) => Ok(text),
-            None => read_text_file(path, LARGEST_FILE).map_err(|error| load_error(path, &error)),
-        }
-    }
-}
 
 /// Another text in place of that of one file, which need not exist; all others are read as they are.
 pub struct WithText<'a> {
@@ -36,37 +24,5 @@ pub struct WithText<'a> {
 impl Loader for WithText<'_> {
     fn load(&self, path: &Path) -> Result<String, LoadError> {
         if path == self.path { Ok(self.text.clone()) } else { self.others.load(path) }
-    }
-}
-
-/// Why a text cannot be had, in the words of the compiler.
-pub fn load_error(path: &Path, error: &StorageError) -> LoadError {
-    match error {
-        StorageError::TooLarge { .. } => LoadError::TooLarge(path.into()),
-        StorageError::NotText { .. } => LoadError::NotText(path.into()),
-        other if other.kind() == Some(ErrorKind::NotFound) => LoadError::Missing(path.into()),
-        other => LoadError::Unreadable { path: path.into(), reason: other.reason() },
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn files_that_cannot_be_read_are_distinguished() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = |name: &str, content: &[u8]| {
-            let path = folder.path().join(name);
-            std::fs::write(&path, content).unwrap();
-            FileLoader.load(&path)
-        };
-        assert_eq!(file("good.msk", b"task"), Ok("task".into()));
-        assert!(matches!(file("binary.msk", &[0xff, 0xfe]), Err(LoadError::NotText(_))));
-        let limit = usize::try_from(LARGEST_FILE).unwrap();
-        assert!(matches!(file("large.msk", &vec![b' '; limit + 1]), Err(LoadError::TooLarge(_))));
-        assert!(file("largest.msk", &vec![b' '; limit]).is_ok());
-        assert!(matches!(FileLoader.load(&folder.path().join("none.msk")), Err(LoadError::Missing(_))));
-        assert!(matches!(FileLoader.load(folder.path()), Err(LoadError::Unreadable { .. })));
     }
 }

@@ -4,13 +4,16 @@
 //! policies look at the observation only; model-based ones may read body, state and the forward pass.
 
 mod cmc;
+#[cfg(feature = "system")]
 mod outside;
 mod random;
+#[cfg(feature = "system")]
 mod source;
 mod zero;
 
 pub use cmc::ComputedMuscleControl;
 pub use random::Random;
+#[cfg(feature = "system")]
 pub use source::{PolicySource, TIMEOUT};
 pub use zero::Zero;
 

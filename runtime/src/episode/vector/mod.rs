@@ -53,7 +53,8 @@ pub struct VectorEnvironment {
     slots: Vec<Slot>,
     /// One per worker.
     scratch: Vec<GroupScratch>,
-    pool: ThreadPool,
+    /// None for a single worker, which is the caller's thread: where there are no threads, as in a browser, it is the only one.
+    pool: Option<ThreadPool>,
     autoreset: AutoresetMode,
     /// How far apart the indices of successive episodes of a slot are.
     stride: u64,
@@ -81,12 +82,12 @@ struct Outcome {
 }
 
 impl VectorEnvironment {
-    /// `count` episodes on `threads` workers, reset with seed 0.
+    /// `count` episodes on `threads` workers, reset with seed 0. A single worker runs on the thread of the caller.
     ///
     /// # Errors
     /// The operating system gives no threads.
     pub fn new(engine: Engine, count: NonZeroUsize, threads: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
-        let pool = ThreadPoolBuilder::new().num_threads(threads.get()).build()?;
+        let pool = (threads.get() > 1).then(|| pool_of(threads.get())).transpose()?;
         let slot = Slot {
             episode: engine.episode(),
             rates: None,
@@ -123,9 +124,11 @@ impl VectorEnvironment {
     /// # Errors
     /// The operating system gives no threads.
     pub fn restart_workers(&mut self) -> Result<(), ThreadPoolBuildError> {
-        let pool = ThreadPoolBuilder::new().num_threads(self.pool.current_num_threads()).build()?;
-        // The old pool is not dropped: it would lock what one of its threads may have held when the process was forked.
-        std::mem::forget(std::mem::replace(&mut self.pool, pool));
+        if let Some(pool) = &mut self.pool {
+            let new = pool_of(pool.current_num_threads())?;
+            // The old pool is not dropped: it would lock what one of its threads may have held when the process was forked.
+            std::mem::forget(std::mem::replace(pool, new));
+        }
         Ok(())
     }
 
@@ -235,13 +238,15 @@ impl VectorEnvironment {
         let share = slots.len().div_ceil(scratch.len().max(1)).max(1);
         // Groups of one size: nine slots are five and four.
         let size = share.div_ceil(share.div_ceil(WIDTH));
-        pool.install(|| {
-            slots.par_chunks_mut(share).zip(scratch).enumerate().for_each(|(worker, (slots, scratch))| {
-                for (group, slots) in slots.chunks_mut(size).enumerate() {
-                    act(worker * share + group * size, engine, slots, scratch);
-                }
-            });
-        });
+        let work = |(worker, (slots, scratch)): (usize, (&mut [Slot], &mut GroupScratch))| {
+            for (group, slots) in slots.chunks_mut(size).enumerate() {
+                act(worker * share + group * size, engine, slots, scratch);
+            }
+        };
+        match pool {
+            Some(pool) => pool.install(|| slots.par_chunks_mut(share).zip(scratch).enumerate().for_each(work)),
+            None => slots.chunks_mut(share).zip(scratch).enumerate().for_each(work),
+        }
     }
 
     /// What all episodes are played with.
@@ -302,6 +307,10 @@ impl Slot {
         self.rates = scratch.begin(lane, engine, self.next, &mut self.episode);
         self.next.episode = self.next.episode.wrapping_add(stride);
     }
+}
+
+fn pool_of(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    ThreadPoolBuilder::new().num_threads(threads).build()
 }
 
 /// Whether an episode was terminated, and whether it was truncated.

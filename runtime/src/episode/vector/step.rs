@@ -47,7 +47,7 @@ pub struct EpisodeEnd {
     pub terms: Vec<f64>,
     /// The task's metrics at its last step, laid out by [`CompiledTask::metrics`].
     ///
-    /// [`CompiledTask::metrics`]: msk_compiler::task::CompiledTask::metrics
+    /// [`CompiledTask::metrics`]: msk_program::task::CompiledTask::metrics
     pub metrics: Vec<f64>,
 }
 
