@@ -20,6 +20,7 @@ mod line;
 pub mod probe;
 mod record;
 pub mod report;
+mod rollout;
 mod settings;
 mod statistics;
 mod summary;
@@ -40,6 +41,7 @@ use msk_runtime::episode::{Engine, Environment, EpisodeError, EpisodeKey};
 use msk_runtime::library::BoundBody;
 use msk_runtime::policy::{Policy, PolicyError, PolicySource};
 use record::Tally;
+use rollout::Rollout;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -173,20 +175,14 @@ pub fn play(
     stepped: impl Fn(),
 ) -> Result<Option<EpisodeRecord>, EvaluationError> {
     let start = Instant::now();
-    episode.reset(key);
-    // An episode that could not begin has nothing that a policy could look at.
-    if episode.ending().is_none() {
-        policy.reset(&episode.context())?;
-    }
-    let mut action = episode.engine().action(policy.acts_on());
+    let mut rollout = Rollout::reset(episode, key, policy)?;
     let mut tally = Tally::new(&trial.task);
-    while episode.ending().is_none() {
+    while rollout.episode.ending().is_none() {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        policy.act(&episode.context(), &mut action.entries)?;
-        episode.step(&action)?;
-        tally.add(episode.episode(), episode.weights());
+        rollout.step::<EvaluationError>()?;
+        tally.add(rollout.episode.episode());
         stepped();
     }
     Ok(Some(tally.record(trial, episode.episode(), policy.name(), start.elapsed().as_secs_f64())))

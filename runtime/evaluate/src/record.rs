@@ -96,8 +96,6 @@ const SATURATED: f64 = 0.99;
 #[derive(Debug, Clone)]
 pub struct Tally {
     steps: u32,
-    total: f64,
-    contributions: Vec<f64>,
     values: Vec<f64>,
     squares: Vec<f64>,
     dead: Vec<f64>,
@@ -116,8 +114,6 @@ impl Tally {
         let metrics = task.metrics.iter().map(|metric| metric.size).sum();
         Self {
             steps: 0,
-            total: 0.0,
-            contributions: vec![0.0; terms],
             values: vec![0.0; terms],
             squares: vec![0.0; terms],
             dead: vec![0.0; terms],
@@ -133,18 +129,13 @@ impl Tally {
         self.steps
     }
 
-    /// Adds the present step of `episode`, which these weights reward. A step that met a fault has no values and adds nothing.
-    pub fn add(&mut self, episode: &Episode, weights: &[f64]) {
+    /// Adds the present step of `episode`. A step that met a fault has no values and adds nothing.
+    pub fn add(&mut self, episode: &Episode) {
         let report = episode.report();
         self.steps = episode.steps();
-        self.total += report.reward;
-        let sums = self.contributions.iter_mut().zip(&mut self.values);
-        for ((contribution, sum), (value, weight)) in sums.zip(report.terms.iter().zip(weights)) {
-            *contribution += weight * value;
-            *sum += value;
-        }
         for (index, value) in report.terms.iter().enumerate() {
             let (size, largest) = (value.abs(), self.largest[index]);
+            self.values[index] += value;
             self.squares[index] += value * value;
             let known = largest.is_finite();
             self.dead[index] += f64::from(u8::from(if known { size < DEAD * largest } else { size == 0.0 }));
@@ -191,8 +182,8 @@ impl Tally {
             awaited: task.awaited(episode.report().phase).filter(|_| truncated).unwrap_or_default(),
             fault,
             steps: episode.steps(),
-            total: self.total,
-            terms: by_term(self.contributions),
+            total: episode.total(),
+            terms: by_term(episode.totals().to_vec()),
             values: by_term(self.values),
             squares: by_term(self.squares),
             dead: by_term(self.dead),

@@ -1,6 +1,7 @@
 //! An episode beyond its ends: whether the physics goes on for the whole horizon, whatever the body does by then.
 
 use super::EvaluationError;
+use super::rollout::Rollout;
 use msk_physics::scalar::Real;
 use msk_runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::policy::Policy;
@@ -29,16 +30,11 @@ pub fn play_to_horizon(
     key: EpisodeKey,
     policy: &mut dyn Policy,
 ) -> Result<ToHorizon, EvaluationError> {
-    episode.reset(key);
+    let mut rollout = Rollout::reset(episode, key, policy)?;
     let mut found = ToHorizon { first: None, steps: 0, fault: None, deepest: 0.0, fastest: 0.0 };
-    if episode.ending().is_none() {
-        policy.reset(&episode.context())?;
-    }
-    let mut action = episode.engine().action(policy.acts_on());
-    while episode.ignore_termination() {
-        policy.act(&episode.context(), &mut action.entries)?;
-        episode.step(&action)?;
-        found.look(episode);
+    while rollout.episode.ignore_termination() {
+        rollout.step::<EvaluationError>()?;
+        found.look(rollout.episode);
     }
     found.steps = episode.steps();
     if let Some(Ending::Fault(fault)) = episode.ending() {

@@ -262,7 +262,7 @@ impl<'a> Worker<'a> {
             let Some(seat) = &mut self.seats[lane] else { continue };
             seat.seconds += share;
             if seat.episode.steps() > seat.tally.steps() {
-                seat.tally.add(&seat.episode, &seat.weights);
+                seat.tally.add(&seat.episode);
                 self.crew.watcher.stepped();
             }
             if seat.episode.ending().is_some() {

@@ -4,6 +4,8 @@
 //! `cmc` holds the pose for as many steps: a task in which resting earns more per step rewards giving up.
 
 use super::at;
+use crate::EvaluationError;
+use crate::rollout::Rollout;
 use msk_compiler::diagnostics::codes::probing;
 use msk_compiler::diagnostics::{Diagnostic, Stage, allowance};
 use msk_program::numbers::for_people;
@@ -114,18 +116,11 @@ fn judge(task: &Arc<CompiledTask>, bodies: &BodyLibrary, warnings: &mut Vec<Diag
 
 /// Plays at most so many steps of the first episode; `None` if the policy cannot act, or a fault ends it.
 fn play(episode: &mut Environment, policy: &mut dyn Policy, most: u32) -> Option<Played> {
-    episode.reset(EpisodeKey::default());
-    let mut terms = vec![0.0; episode.task().terms.len()];
-    if episode.ending().is_none() {
-        policy.reset(&episode.context()).ok()?;
+    let mut rollout = Rollout::reset(episode, EpisodeKey::default(), policy).ok()?;
+    while rollout.episode.ending().is_none() && rollout.episode.steps() < most {
+        rollout.step::<EvaluationError>().ok()?;
     }
-    let mut action = episode.engine().action(policy.acts_on());
-    while episode.ending().is_none() && episode.steps() < most {
-        policy.act(&episode.context(), &mut action.entries).ok()?;
-        episode.step(&action).ok()?;
-        let values = episode.report().terms.iter().zip(episode.weights());
-        terms.iter_mut().zip(values).for_each(|(sum, (value, weight))| *sum += weight * value);
-    }
+    let terms = episode.episode().totals().to_vec();
     let whole = episode.steps() > 0 && !matches!(episode.ending(), Some(Ending::Fault(_)));
     whole.then(|| Played { steps: episode.steps(), success: episode.ending().is_some() && episode.success(), terms })
 }

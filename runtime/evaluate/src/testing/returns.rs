@@ -87,24 +87,22 @@ pub struct Ranking {
     pub demonstration: Option<Demonstration>,
 }
 
-/// Returns while an episode goes on.
+/// Discounted returns while an episode goes on.
 #[derive(Debug, Clone)]
 pub(super) struct Tally {
-    plain: Vec<f64>,
     discounted: Vec<f64>,
     discount: f64,
 }
 
 impl Tally {
     pub(super) fn new(task: &CompiledTask) -> Self {
-        Self { plain: vec![0.0; task.terms.len()], discounted: vec![0.0; task.terms.len()], discount: 1.0 }
+        Self { discounted: vec![0.0; task.terms.len()], discount: 1.0 }
     }
 
     /// Adds the step that was just taken.
     pub(super) fn add(&mut self, episode: &Environment) {
         let values = episode.report().terms.iter().zip(episode.weights());
         for (term, (value, weight)) in values.enumerate() {
-            self.plain[term] += weight * value;
             self.discounted[term] += self.discount * weight * value;
         }
         self.discount *= DISCOUNT;
@@ -113,7 +111,7 @@ impl Tally {
     /// The returns of an episode that has come so far.
     pub(super) fn finish(self, episode: &Environment) -> Returns {
         let task = episode.task();
-        let terms = task.terms.iter().zip(self.plain.into_iter().zip(self.discounted));
+        let terms = task.terms.iter().zip(episode.episode().totals().iter().copied().zip(self.discounted));
         let terms = terms.map(|(term, (plain, discounted))| TermReturn { name: term.name.clone(), plain, discounted });
         let ended_by = match episode.ending() {
             Some(Ending::Fault(fault)) => format!("fault: {fault}"),

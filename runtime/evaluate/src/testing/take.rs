@@ -2,6 +2,7 @@
 
 use super::TestError;
 use super::returns::{Returns, Tally};
+use crate::rollout::Rollout;
 use msk_physics::Workspace;
 use msk_program::task::TaskState;
 use msk_program::testing::Take;
@@ -105,12 +106,10 @@ pub(super) fn play(episode: &mut Environment, take: &Take, wanted: BTreeSet<u32>
     if let Some(run) = take.run.as_ref().filter(|_| episode.ending().is_none()) {
         episode.end_script();
         let mut policy = policy::create(&run.policy)?;
-        policy.reset(&episode.context())?;
-        let mut action = episode.engine().action(policy.acts_on());
-        while episode.ending().is_none() && episode.steps() < end {
-            policy.act(&episode.context(), &mut action.entries)?;
-            episode.step(&action)?;
-            watch.step(episode);
+        let mut rollout = Rollout::resume(episode, policy.as_mut())?;
+        while rollout.episode.ending().is_none() && rollout.episode.steps() < end {
+            rollout.step::<TestError>()?;
+            watch.step(rollout.episode);
         }
     }
     let (last, steps, ending) = watch.over.unwrap_or_else(|| over(episode));
