@@ -68,7 +68,8 @@ pub fn model_from(path: &Path, files: &dyn ModelFiles) -> Result<Model, ModelErr
     }
 }
 
-#[cfg(all(test, feature = "system"))]
+#[cfg(test)]
+#[cfg(feature = "system")]
 mod tests {
     use super::*;
 

@@ -303,7 +303,8 @@ fn hash_of(description: &BodyDescription, model: &Model) -> String {
     hexadecimal(&hasher.finalize()[..16])
 }
 
-#[cfg(all(test, feature = "system"))]
+#[cfg(test)]
+#[cfg(feature = "system")]
 mod tests {
     use super::*;
     use msk_program::body::Axis;

@@ -76,7 +76,8 @@ fn digest(bytes: &Result<Option<Vec<u8>>, String>) -> Option<[u8; 32]> {
     Some(Sha256::digest(bytes).into())
 }
 
-#[cfg(all(test, feature = "system"))]
+#[cfg(test)]
+#[cfg(feature = "system")]
 mod tests {
     use super::*;
     use msk_physics::model::DiskFiles;
