@@ -1,6 +1,6 @@
 //! An environment under a policy, from the reset of the policy on.
 
-use msk_runtime::action::Action;
+use msk_runtime::action::ActionBuffer;
 use msk_runtime::episode::{Environment, EpisodeError, EpisodeKey};
 use msk_runtime::policy::{Policy, PolicyError};
 
@@ -9,7 +9,7 @@ pub(crate) struct Rollout<'a> {
     /// The episode.
     pub episode: &'a mut Environment,
     policy: &'a mut dyn Policy,
-    action: Action,
+    action: ActionBuffer,
 }
 
 impl<'a> Rollout<'a> {
