@@ -116,7 +116,7 @@ class Trainer:
         self.observations, _ = self.envs.reset(seed=settings.seed)
         width = self.observations.shape[1]
         self.normaliser = Normaliser(width)
-        self.agent = Agent(width, len(self.envs.task.muscles), settings.first_deviation)
+        self.agent = Agent(width, len(self.envs.task.actions), settings.first_deviation)
         self.optimizer = torch.optim.Adam(
             self.agent.parameters(), settings.learning_rate, eps=1e-5
         )

@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut environment = VectorEnvironment::new(engine, count, threads)?.with_autoreset(AutoresetMode::SameStep).with_stride(1);
     let keys: Vec<_> = (0..count.get() as u64).map(|seed| Some(msk_runtime::episode::EpisodeKey { seed, episode: 0 })).collect();
     environment.reset_to(&keys);
-    let actions = vec![-0.5; count.get() * environment.engine().body().muscles.len()];
+    let actions = vec![-0.5; count.get() * environment.engine().action_size()];
     let mut rewards = 0.0;
     for _ in 0..steps.parse::<usize>()? {
         environment.step(&actions)?.rewards.iter().for_each(|reward| rewards += reward);

@@ -32,7 +32,8 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     """A task as a Gymnasium environment.
 
     * Observation: array of shape ``(task.observation_size,)`` in SI units, in the order of ``task.channels``.
-    * Action: array of shape ``(len(task.muscles),)``, float32 or float64, from -1 to 1: how each muscle is excited.
+    * Action: array of shape ``(len(task.actions),)``, float32 or float64, from -1 to 1: how each muscle is excited, from rest to fully,
+      unless the task has an ``act`` block.
     * Reward: sum over ``task.terms`` of weight times value.
     * ``terminated``: the task ended the episode (``info["ending"]`` is ``terminated`` for failures, ``finished`` for other ends);
       ``truncated``: the horizon or a fault of the computation did.
@@ -231,7 +232,7 @@ def spaces(task: Task, dtype: DTypeLike) -> tuple[gymnasium.spaces.Box, gymnasiu
         raise ValueError(f"observations are float32 or float64, not {np.dtype(dtype)}")
     kind: Any = np.dtype(dtype).type
     observation = gymnasium.spaces.Box(-np.inf, np.inf, (task.observation_size,), kind)
-    return observation, gymnasium.spaces.Box(-1.0, 1.0, (len(task.muscles),), np.float32)
+    return observation, gymnasium.spaces.Box(-1.0, 1.0, (len(task.actions),), np.float32)
 
 
 def checked_seed(seed: Any) -> int:

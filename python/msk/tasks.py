@@ -101,8 +101,10 @@ class Task:
         #: Length of an episode, control steps.
         self.horizon: int = native.horizon
         self.observation_size: int = native.observation_size
-        #: Names, in the order of an action.
+        #: Names of the muscles of the body.
         self.muscles: tuple[str, ...] = tuple(native.muscles)
+        #: Names of the entries of an action: the muscles, unless the task has an `act` block.
+        self.actions: tuple[str, ...] = tuple(native.actions)
         self.channels: tuple[Channel, ...] = tuple(Channel(*part) for part in native.channels)
         self.metrics: tuple[Channel, ...] = tuple(Channel(*part) for part in native.metrics)
         self.terms: tuple[Term, ...] = tuple(

@@ -21,7 +21,7 @@ from .weights import LiveWeights
 class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[Any]]):
     """``num_envs`` episodes of a task: the same numbers as so many :class:`Env`, in one array each.
 
-    * Observations: shape ``(num_envs, task.observation_size)``; actions: ``(num_envs, len(task.muscles))``; rewards and flags:
+    * Observations: shape ``(num_envs, task.observation_size)``; actions: ``(num_envs, len(task.actions))``; rewards and flags:
       ``(num_envs,)``.
     * ``reset(seed=s)`` begins episode 0 of the seeds s, s + 1, ...; a list gives each slot its own.
     * ``infos`` holds the entries of :class:`Env`'s ``info`` as arrays, each with a mask ``_key``.

@@ -52,7 +52,7 @@ pub enum OutOfRange {
     Clip,
 }
 
-/// Actions, one entry in [-1, 1] per muscle: of shape (muscles,), or (slots, muscles) if there are several.
+/// Actions, entries in [-1, 1] with the given names: of shape (entries,), or (slots, entries) if there are several.
 ///
 /// # Errors
 /// Those of [`numbers`], and `ValueError` for what is not a number or lies outside.
@@ -65,14 +65,14 @@ pub fn actions(given: &Bound<'_, PyAny>, slots: Option<usize>, names: &[String],
             continue;
         }
         if action.is_nan() || rule == OutOfRange::Reject {
-            let (slot, muscle) = (index / names.len(), index % names.len());
-            let place = if slots.is_some() { format!("[{slot}, {muscle}]") } else { format!("[{muscle}]") };
+            let (slot, entry) = (index / names.len(), index % names.len());
+            let place = if slots.is_some() { format!("[{slot}, {entry}]") } else { format!("[{entry}]") };
             let hint = match action.is_nan() {
                 true => "the policy that computed it has diverged",
                 false => "clip it (numpy.clip, gymnasium.wrappers.ClipAction), or make the environment with clip_actions=True",
             };
-            let name = &names[muscle];
-            return Err(PyValueError::new_err(format!("action{place}, of muscle `{name}`, is {action}, not in [-1, 1]: {hint}")));
+            let name = &names[entry];
+            return Err(PyValueError::new_err(format!("action{place}, of `{name}`, is {action}, not in [-1, 1]: {hint}")));
         }
         *action = if *action < 0.0 { -1.0 } else { 1.0 };
     }

@@ -69,7 +69,7 @@ impl Environment {
 
     /// Takes one control step: (observation, reward, terminated, truncated).
     fn step<'py>(&mut self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<(Bound<'py, PyAny>, f64, bool, bool)> {
-        let action = arrays::actions(action, None, self.task.get().muscle_names(), self.rule)?;
+        let action = arrays::actions(action, None, self.task.get().action_names(), self.rule)?;
         self.inner
             .change(py, move |inner| inner.step(&action).map(|_| ()))?
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;

@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub struct Task {
     engine: Engine,
     body: BoundBody,
-    muscles: Vec<String>,
+    actions: Vec<String>,
 }
 
 /// (name, weight, lowest, highest, formula) of a term.
@@ -30,8 +30,8 @@ impl Task {
     /// A body that does not fit, or a control step that is not a whole number of physics steps.
     pub fn new(task: Arc<CompiledTask>, body: BoundBody) -> Result<Self, EpisodeError> {
         let engine = Engine::new(Arc::clone(&body.model), Arc::clone(&body.body), task)?;
-        let muscles = engine.body().muscles.iter().map(|muscle| muscle.name.clone()).collect();
-        Ok(Self { engine, body, muscles })
+        let actions = engine.task().action.names(&engine.task().vocabulary);
+        Ok(Self { engine, body, actions })
     }
 
     /// What its episodes are played with.
@@ -39,9 +39,9 @@ impl Task {
         &self.engine
     }
 
-    /// The names of its muscles, in the order of an action.
-    pub fn muscle_names(&self) -> &[String] {
-        &self.muscles
+    /// The names of the entries of an action.
+    pub fn action_names(&self) -> &[String] {
+        &self.actions
     }
 
     fn task(&self) -> &CompiledTask {
@@ -106,7 +106,13 @@ impl Task {
 
     #[getter]
     fn muscles(&self) -> Vec<String> {
-        self.muscles.clone()
+        self.engine.body().muscles.iter().map(|muscle| muscle.name.clone()).collect()
+    }
+
+    /// The names of the entries of an action.
+    #[getter]
+    fn actions(&self) -> Vec<String> {
+        self.actions.clone()
     }
 
     /// (name, offset, size, unit) of each part of the observation.

@@ -78,7 +78,7 @@ impl VectorEnvironment {
 
     /// Takes one control step in every slot.
     fn step<'py>(&mut self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Step<'py>> {
-        let actions = arrays::actions(actions, Some(self.count), self.task.get().muscle_names(), self.rule)?;
+        let actions = arrays::actions(actions, Some(self.count), self.task.get().action_names(), self.rule)?;
         self.change(py, move |inner| inner.step(&actions).map(|_| ()))?
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
         self.last(py)

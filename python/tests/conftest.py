@@ -56,5 +56,5 @@ def env(task: msk.Task) -> msk.Env:
 
 
 def actions(task: msk.Task, *shape: int, seed: int = 0) -> np.ndarray:
-    """Random actions of the given shape, times the muscles."""
-    return np.random.default_rng(seed).uniform(-1, 1, (*shape, len(task.muscles))).astype(np.float32)
+    """Random actions of the given shape, times their entries."""
+    return np.random.default_rng(seed).uniform(-1, 1, (*shape, len(task.actions))).astype(np.float32)

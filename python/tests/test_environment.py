@@ -1,6 +1,7 @@
 """One episode after the other: seeds, ends, actions, snapshots, states."""
 
 import pickle
+import re
 
 import gymnasium
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from gymnasium.error import ResetNeeded
 
 import msk
-from conftest import CALM, actions, short
+from conftest import CALM, REPOSITORY, actions, short
 
 
 def play(env: msk.Env, steps: int, seed: int = 0) -> list[tuple[np.ndarray, float]]:
@@ -111,7 +112,7 @@ BAD_ACTIONS = [
     (np.zeros(416, np.float16), TypeError, "dtype float32 or float64, found float16"),
     ([0.0] * 416, TypeError, "must be a NumPy array of shape .416,., found list"),
     (None, TypeError, "found NoneType"),
-    (np.full(416, np.nan), ValueError, r"action\[0\], of muscle `.*`, is NaN"),
+    (np.full(416, np.nan), ValueError, r"action\[0\], of `.*`, is NaN"),
     (np.full(416, np.inf), ValueError, r"is inf, not in \[-1, 1\]"),
     (np.full(416, 1.5), ValueError, r"is 1.5, not in \[-1, 1\]: clip it .*clip_actions=True"),
 ]
@@ -294,3 +295,17 @@ def test_a_picture_is_svg(env: msk.Env):
 def test_a_task_travels_between_processes(task: msk.Task):
     other = pickle.loads(pickle.dumps(task.reweighted({"upright": 3})))
     assert other.hash == task.hash and [term.weight for term in other.terms] == [3.0, 3.0]
+
+
+def test_a_task_declares_its_actions():
+    """`examples/11_actions.msk` has action spaces of other sizes than the number of muscles."""
+    with pytest.raises(ValueError, match="select one with `task=`") as several:
+        msk.compile(REPOSITORY / "examples" / "11_actions.msk")
+    for name in re.findall(r"tasks: (.*);", str(several.value))[0].split(", "):
+        env = msk.make(msk.compile(REPOSITORY / "examples" / "11_actions.msk", task=name))
+        assert env.action_space.shape == (len(env.task.actions),)
+        env.reset(seed=0)
+        observation = env.step(np.zeros(env.action_space.shape, np.float32))[0]
+        envs = msk.make_vec(env.task, 2, threads=1)
+        envs.reset(seed=0)
+        assert np.array_equal(envs.step(np.zeros(envs.action_space.shape, np.float32))[0][0], observation)

@@ -105,8 +105,8 @@ def test_results_do_not_depend_on_threads(task: msk.Task):
 BAD_ACTIONS = [
     (np.zeros(416, np.float32), ValueError, r"must have the shape \(5, 416\), found \(416,\)"),
     (np.zeros((5, 416), np.int32), TypeError, "found int32"),
-    (np.full((5, 416), np.nan), ValueError, r"action\[0, 0\], of muscle"),
-    (np.eye(5, 416) * -2, ValueError, r"action\[0, 0\], of muscle `.*`, is -2, not in"),
+    (np.full((5, 416), np.nan), ValueError, r"action\[0, 0\], of `"),
+    (np.eye(5, 416) * -2, ValueError, r"action\[0, 0\], of `.*`, is -2, not in"),
 ]
 
 
