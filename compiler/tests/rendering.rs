@@ -35,6 +35,7 @@ fn an_error_shows_its_line_its_place_and_what_to_do() {
       |                ---------- a plain number
     3 |     success lean + 1 m < 2
       |                    ^^^ this
+      |
       = expected: a plain number
       =    found: a length
       = help: divide by a length
@@ -59,7 +60,7 @@ fn a_long_line_is_cut_around_the_place() {
     let shown = rendered(error_at(&text, "there"));
     let line = shown.lines().find(|line| line.contains("there")).unwrap();
     let carets = shown.lines().find(|line| line.contains("^^^^^")).unwrap();
-    assert!(line.chars().count() < 140 && line.contains('…'), "{line}");
+    assert!(line.chars().count() < 140 && line.contains("..."), "{line}");
     let column = |line: &str, piece: &str| line[..line.find(piece).unwrap()].chars().count();
     assert_eq!(column(line, "there"), column(carets, "^"));
 }
@@ -99,7 +100,7 @@ fn a_report_is_sorted_counted_and_coloured_on_demand() {
     let plain = report.to_string();
     assert!(plain.ends_with("\n2 errors, 1 warning\n"), "{plain}");
     assert!(plain.find("rewrad").unwrap() < plain.find("0.25").unwrap());
-    assert!(!plain.contains('\u{1b}') && report.render(Style::Coloured).contains("\u{1b}[1;31merror[E0115]"));
+    assert!(!plain.contains('\u{1b}') && report.render(Style::Coloured).contains("\u{1b}[1m\u{1b}[91merror[E0115]"));
 }
 
 #[test]

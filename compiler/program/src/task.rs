@@ -85,8 +85,8 @@ pub struct CompiledTask {
     pub phases: Arc<[Phase]>,
 }
 
-/// A value that chance decides.
-#[derive(Debug, Clone, PartialEq)]
+/// A value that chance decides, as the report of a task has it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RandomValue {
     /// Its name, which its stream has too.
     pub name: String,
@@ -111,8 +111,8 @@ pub struct FollowedMotion {
     pub phase: usize,
 }
 
-/// A number that may be set from outside, where the task is compiled.
-#[derive(Debug, Clone, PartialEq)]
+/// A number that may be set from outside, where the task is compiled, as the report of a task has it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
     /// Its name.
     pub name: String,

@@ -1,15 +1,11 @@
 //! Diagnostics as text: the code, the source line, carets under the exact place, what was expected and found, what to do.
 
 use super::{Diagnostic, FileId, Label, Report, Severity, SourceMap, Span};
+use annotate_snippets::{Annotation, AnnotationKind, Level, Renderer, Snippet};
 use std::fmt::Write;
 
 /// Columns of source shown of a long line.
 const WIDTH: usize = 120;
-/// Columns a tab takes.
-const TAB: usize = 4;
-
-/// Lines, from 1, with the labels that begin on them.
-type LabelledLines<'a> = Vec<(usize, Vec<&'a Label>)>;
 
 /// Whether to colour the text for a terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,155 +47,55 @@ impl std::error::Error for Report {}
 impl Diagnostic {
     /// This diagnostic as text.
     pub fn render(&self, sources: &SourceMap, style: Style) -> String {
-        let paint = Paint { style, severity: self.severity };
-        let mut text = String::new();
-        let word = if self.severity == Severity::Error { "error" } else { "warning" };
-        let head = format!("{word}[{}]", self.code.named());
-        let _ = writeln!(text, "{}: {}", paint.main(&head), paint.bold(&printable(&self.message)));
-        let margin = self.margin(sources);
-        let mut shown: Option<FileId> = None;
-        for (file, lines) in self.lines(sources) {
-            if shown != Some(file) {
-                let arrow = if shown.is_none() { "-->" } else { ":::" };
-                let first = self.labels.iter().find(|label| label.file == file);
-                let place = first.map_or((1, 1), |label| sources.line_column(file, label.span.start as usize));
-                let path = printable(sources.path(file));
-                let place = format!("{path}:{}:{}", place.0, place.1);
-                let _ = writeln!(text, "{:margin$}{} {place}", "", paint.quiet(arrow));
-                let _ = writeln!(text, "{:margin$} {}", "", paint.quiet("|"));
-                shown = Some(file);
-            }
-            let mut previous: Option<usize> = None;
-            for (line, labels) in lines {
-                if previous.is_some_and(|previous| line > previous + 1) {
-                    let _ = writeln!(text, "{}", paint.quiet("..."));
-                }
-                previous = Some(line);
-                if let Some(span) = sources.line(file, line) {
-                    let source = Layout::new(span.of(sources.text(file)), span.start as usize, &labels);
-                    self.render_line(&mut text, line, &source, &labels, margin, paint);
-                }
-            }
-        }
-        self.render_notes(&mut text, margin, paint);
-        text
-    }
-
-    fn margin(&self, sources: &SourceMap) -> usize {
-        let line = |label: &Label| sources.line_column(label.file, label.span.start as usize).0;
-        self.labels.iter().map(line).max().unwrap_or(1).to_string().len()
-    }
-
-    /// The labels by file and line: the main file first, lines in order.
-    fn lines(&self, sources: &SourceMap) -> Vec<(FileId, LabelledLines<'_>)> {
-        let mut files: Vec<(FileId, LabelledLines<'_>)> = Vec::new();
-        for label in &self.labels {
-            let line = sources.line_column(label.file, label.span.start as usize).0;
-            let file = match files.iter().position(|(file, _)| *file == label.file) {
-                Some(index) => index,
-                None => {
-                    files.push((label.file, Vec::new()));
-                    files.len() - 1
-                }
-            };
-            let lines = &mut files[file].1;
-            match lines.iter().position(|(known, _)| *known == line) {
-                Some(index) => lines[index].1.push(label),
-                None => lines.push((line, vec![label])),
-            }
-        }
-        for (_, lines) in &mut files {
-            lines.sort_by_key(|(line, _)| *line);
-        }
-        files
-    }
-
-    fn render_line(&self, text: &mut String, line: usize, source: &Layout, labels: &[&Label], margin: usize, paint: Paint) {
-        let _ = writeln!(text, "{} {} {}", paint.quiet(&format!("{line:>margin$}")), paint.quiet("|"), source.shown);
-        for label in labels {
-            let is_main = self.labels.first().is_some_and(|main| std::ptr::eq(main, *label));
-            let (from, to) = source.columns(label.span);
-            let carets = (if is_main { "^" } else { "-" }).repeat((to - from).max(1));
-            let carets = if is_main { paint.main(&carets) } else { paint.quiet(&carets) };
-            let words = printable(&label.text);
-            let blank = if words.is_empty() { "" } else { " " };
-            let _ = writeln!(text, "{:margin$} {} {:from$}{carets}{blank}{words}", "", paint.quiet("|"), "");
-        }
-    }
-
-    fn render_notes(&self, text: &mut String, margin: usize, paint: Paint) {
-        let bar = paint.quiet("=");
-        if let (Some(expected), Some(found)) = (&self.expected, &self.found) {
-            let _ = writeln!(text, "{:margin$} {bar} expected: {}", "", printable(expected));
-            let _ = writeln!(text, "{:margin$} {bar}    found: {}", "", printable(found));
-        } else if let Some(expected) = &self.expected {
-            let _ = writeln!(text, "{:margin$} {bar} expected: {}", "", printable(expected));
-        } else if let Some(found) = &self.found {
-            let _ = writeln!(text, "{:margin$} {bar} found: {}", "", printable(found));
-        }
-        let fixes = self.fixes.iter().map(|fix| &fix.title);
-        for help in self.help.iter().chain(fixes) {
-            let _ = writeln!(text, "{:margin$} {bar} help: {}", "", printable(help));
-        }
-        if let Some(option) = &self.denied_by {
-            let _ = writeln!(text, "{:margin$} {bar} note: a warning, denied by `{}`", "", printable(option));
-        }
-    }
-}
-
-/// A source line as shown: tabs expanded, control characters replaced, cut around the labels if it is long.
-struct Layout {
-    shown: String,
-    /// Byte of the file at which each shown character begins, and the column it has; one entry more for the end.
-    places: Vec<(usize, usize)>,
-}
-
-impl Layout {
-    fn new(line: &str, start: usize, labels: &[&Label]) -> Self {
-        let first = labels.iter().map(|label| label.span.start as usize).min().unwrap_or(start);
-        let characters: Vec<(usize, char)> = line.char_indices().collect();
-        let wanted = characters.partition_point(|(byte, _)| start + byte < first);
-        let skip = if characters.len() > WIDTH { wanted.saturating_sub(WIDTH / 2) } else { 0 };
-        let (mut shown, mut column, mut places) = (String::new(), 0, Vec::new());
-        if skip > 0 {
-            shown.push('…');
-            column = 1;
-        }
-        for (byte, character) in characters.iter().skip(skip).take(WIDTH) {
-            places.push((start + byte, column));
-            let piece = match character {
-                '\t' => " ".repeat(TAB - column % TAB),
-                character => printable(character.encode_utf8(&mut [0; 4])),
-            };
-            column += piece.chars().map(columns_of).sum::<usize>();
-            shown += &piece;
-        }
-        let end = characters.get(skip + WIDTH).map_or(start + line.len(), |(byte, _)| start + byte);
-        if end < start + line.len() {
-            shown.push('…');
-        }
-        places.push((end, column));
-        Self { shown, places }
-    }
-
-    /// First column, and the column after the last, of a span; cut at the end of the line.
-    fn columns(&self, span: Span) -> (usize, usize) {
-        let column = |byte: usize| {
-            let index = self.places.partition_point(|(place, _)| *place < byte);
-            self.places.get(index).or(self.places.last()).map_or(0, |(_, column)| *column)
+        let renderer = match style {
+            Style::Plain => Renderer::plain(),
+            Style::Coloured => Renderer::styled(),
         };
-        let from = column(span.start as usize);
-        (from, column(span.end as usize).max(from))
+        let level = match self.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let mut files: Vec<FileId> = Vec::new();
+        for label in &self.labels {
+            if !files.contains(&label.file) {
+                files.push(label.file);
+            }
+        }
+        let group = level
+            .primary_title(&self.message)
+            .id(self.code.named())
+            .elements(files.into_iter().map(|file| self.snippet(sources, file)))
+            .elements(self.notes().map(|(name, text)| Level::NOTE.with_name(name).message(printable(&text))));
+        renderer.term_width(WIDTH).render(&[group]) + "\n"
     }
-}
 
-/// Columns a character takes in a terminal: two for the wide scripts of East Asia and for pictures, none for marks that combine.
-fn columns_of(character: char) -> usize {
-    match u32::from(character) {
-        0x0300..=0x036f | 0x200b..=0x200f | 0xfe00..=0xfe0f => 0,
-        0x1100..=0x115f | 0x2e80..=0xa4cf | 0xac00..=0xd7a3 | 0xf900..=0xfaff | 0xfe30..=0xfe6f | 0xff00..=0xff60 => 2,
-        0x1f300..=0x1faff | 0x20000..=0x3fffd => 2,
-        _ => 1,
+    /// The lines of a file from the first that has a label to the last. Lines between are left out where they are many.
+    fn snippet<'a>(&'a self, sources: &'a SourceMap, file: FileId) -> Snippet<'a, Annotation<'a>> {
+        let line_of = |label: &Label| sources.line_column(file, label.span.start as usize).0;
+        let labels = || self.labels.iter().filter(|label| label.file == file);
+        let (first, last) = (labels().map(line_of).min().unwrap_or(1), labels().map(line_of).max().unwrap_or(1));
+        let line = |number: usize| sources.line(file, number).unwrap_or_default();
+        let window = Span::new(line(first).start as usize, line(last).end as usize);
+        let annotations = labels().map(|label| {
+            let is_main = self.labels.first().is_some_and(|main| std::ptr::eq(main, label));
+            let kind = if is_main { AnnotationKind::Primary } else { AnnotationKind::Context };
+            // A place over several lines is marked on its first.
+            let start = label.span.start.clamp(window.start, window.end);
+            let end = label.span.end.min(line(line_of(label)).end).max(start);
+            let place = (start - window.start) as usize..(end - window.start) as usize;
+            kind.span(place).label((!label.text.is_empty()).then(|| printable(&label.text)))
+        });
+        Snippet::source(window.of(sources.text(file))).path(sources.path(file)).line_start(first).annotations(annotations)
+    }
+
+    /// What stands below the source, each with its name.
+    fn notes(&self) -> impl Iterator<Item = (&'static str, String)> {
+        // What was found stands below what was expected, aligned with it.
+        let found = if self.expected.is_some() { "   found" } else { "found" };
+        let facts = self.expected.iter().map(|text| ("expected", text)).chain(self.found.iter().map(move |text| (found, text)));
+        let help = self.help.iter().chain(self.fixes.iter().map(|fix| &fix.title)).map(|text| ("help", text));
+        let notes = facts.chain(help).map(|(name, text)| (name, text.clone()));
+        notes.chain(self.denied_by.iter().map(|option| ("note", format!("a warning, denied by `{option}`"))))
     }
 }
 
@@ -209,31 +105,4 @@ fn printable(text: &str) -> String {
         (character.is_control() && character != '\n') || matches!(character, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
     };
     text.chars().map(|character| if hostile(character) { '\u{fffd}' } else { character }).collect()
-}
-
-#[derive(Clone, Copy)]
-struct Paint {
-    style: Style,
-    severity: Severity,
-}
-
-impl Paint {
-    fn escape(self, code: &str, text: &str) -> String {
-        match self.style {
-            Style::Plain => text.to_owned(),
-            Style::Coloured => format!("\u{1b}[{code}m{text}\u{1b}[0m"),
-        }
-    }
-
-    fn main(self, text: &str) -> String {
-        self.escape(if self.severity == Severity::Error { "1;31" } else { "1;33" }, text)
-    }
-
-    fn bold(self, text: &str) -> String {
-        self.escape("1", text)
-    }
-
-    fn quiet(self, text: &str) -> String {
-        self.escape("34", text)
-    }
 }

@@ -57,9 +57,9 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
         duration: f64::from(task.horizon) / task.control_frequency,
         symmetric: task.symmetric,
         action: super::action::action(task),
-        parameters: parameters(task),
+        parameters: task.parameters.clone(),
         motions: motions(task),
-        randoms: randoms(task),
+        randoms: task.randoms.clone(),
         scene: scene::scene(task, &init),
         initial_state: scene::initial_state(task, &init),
         disturbances: scene::disturbances(task, &disturbances),
@@ -67,17 +67,6 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
         observation: observation(task),
         reward_at_reset: at_reset.map(|report| report.reward),
     }
-}
-
-fn parameters(task: &CompiledTask) -> Vec<ParameterReport> {
-    let reports = task.parameters.iter().map(|parameter| ParameterReport {
-        name: parameter.name.clone(),
-        value: parameter.value,
-        default: parameter.default,
-        range: parameter.range,
-        unit: parameter.unit.clone(),
-    });
-    reports.collect()
 }
 
 fn motions(task: &CompiledTask) -> Vec<MotionReport> {
@@ -89,16 +78,6 @@ fn motions(task: &CompiledTask) -> Vec<MotionReport> {
         duration: followed.motion.duration,
         joints: followed.motion.joints().count(),
         start: followed.start.fixed(),
-    });
-    reports.collect()
-}
-
-fn randoms(task: &CompiledTask) -> Vec<RandomReport> {
-    let reports = task.randoms.iter().map(|random| RandomReport {
-        name: random.name.clone(),
-        source: random.source.clone(),
-        accept: random.accept.clone(),
-        redraw: random.redraw.clone(),
     });
     reports.collect()
 }

@@ -2,6 +2,7 @@
 
 use super::action::ActionReport;
 use crate::numbers::for_people;
+use crate::task::{Parameter, RandomValue};
 use serde::Serialize;
 
 /// Number of the form of an [`TaskReport`] as JSON.
@@ -33,11 +34,11 @@ pub struct TaskReport {
     /// What a policy's action asks for.
     pub action: ActionReport,
     /// Numbers that may be set from outside.
-    pub parameters: Vec<ParameterReport>,
+    pub parameters: Vec<Parameter>,
     /// Motions that formulas follow.
     pub motions: Vec<MotionReport>,
     /// What chance decides.
-    pub randoms: Vec<RandomReport>,
+    pub randoms: Vec<RandomValue>,
     /// What surrounds the body.
     pub scene: SceneReport,
     /// How an episode begins.
@@ -63,21 +64,6 @@ pub struct FormulaReport {
     pub latex: String,
     /// As MathML, without the `math` element around it.
     pub mathml: String,
-}
-
-/// A number that may be set from outside.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ParameterReport {
-    /// Its name.
-    pub name: String,
-    /// The value in force.
-    pub value: f64,
-    /// The value in the source.
-    pub default: f64,
-    /// What it may be set to.
-    pub range: Option<[f64; 2]>,
-    /// Unit, empty for plain numbers.
-    pub unit: String,
 }
 
 /// A motion that formulas follow.
@@ -107,19 +93,6 @@ impl MotionReport {
             self.start.map_or("a phase drawn for each episode".to_owned(), |phase| format!("phase {}", for_people(phase)));
         format!("{}, {kind} of {} s, {} joints, from {start}", self.title, for_people(self.duration), self.joints)
     }
-}
-
-/// A value that chance decides, as written.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RandomReport {
-    /// Its name.
-    pub name: String,
-    /// What is drawn.
-    pub source: String,
-    /// The condition that a draw must fulfil; empty if there is none.
-    pub accept: String,
-    /// When it is drawn anew; empty if never.
-    pub redraw: String,
 }
 
 /// What surrounds the body.

@@ -11,7 +11,7 @@ mod plain;
 mod reads;
 
 pub(crate) use latex::{latex, words as latex_words};
-pub(crate) use mathml::{escaped, mathml};
+pub(crate) use mathml::mathml;
 pub(crate) use plain::mathematics;
 pub(crate) use reads::names_in;
 
