@@ -16,7 +16,7 @@ pub(super) struct Delay {
 impl Delay {
     /// A delay of actions with so many entries by so many steps.
     pub fn new(size: usize, steps: u32) -> Self {
-        // The checker keeps the latency below the horizon of the task.
+        // The checker bounds the latency.
         Self { kept: vec![0.0; size * steps as usize], oldest: 0, present: vec![0.0; size] }
     }
 

@@ -8,9 +8,18 @@ use super::dimension::Dimension;
 use super::value::{EntityRef, Value};
 use crate::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
 use crate::diagnostics::{codes, nearest};
+use crate::spoken;
 use crate::syntax::tree::{Act, Expr, ExprKind, Field, FieldValue};
 use crate::vocabulary::JointKind;
 use spaces::{SPACES, Space, form};
+
+/// The largest values of settings, in SI units: beyond what any body does, and small enough to compute with.
+const MOST_ANGLE: f64 = std::f64::consts::PI;
+const MOST_LENGTH: f64 = 10.0;
+const MOST_TORQUE: f64 = 1e5;
+const MOST_TIME: f64 = 1e3;
+/// Most control steps of latency: as many actions are kept.
+const MOST_STEPS: u32 = 1000;
 
 /// The settings of one action space, each known to it and written once.
 struct Settings<'a> {
@@ -32,14 +41,14 @@ impl<'a> Checker<'a> {
             "synergies" => ActionTarget::Synergies(self.synergies(settings.get("of"), settings.get("sides"))?),
             "torque" => ActionTarget::Torque {
                 joints: self.controlled_joints(&settings)?,
-                range: self.amount(&settings, "range", Dimension::TORQUE)?,
+                range: self.amount(&settings, "range", Dimension::TORQUE, MOST_TORQUE)?,
             },
             _ => self.tracking_offsets(&settings)?,
         };
         self.action = ActionSpace {
             target,
             scale: self.scale_of(&settings)?,
-            filter: self.amount(&settings, "filter", Dimension::TIME)?,
+            filter: self.amount(&settings, "filter", Dimension::TIME, MOST_TIME)?,
             latency: self.latency(&settings)?,
             residual: self.base_controller(&settings)?,
         };
@@ -105,35 +114,26 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic))
     }
 
-    /// A number above 0; 0 where the setting is missing.
-    fn amount(&mut self, settings: &Settings<'a>, name: &str, dimension: Dimension) -> Checked<f64> {
+    /// A number above 0 and up to `most`; 0 where the setting is missing.
+    fn amount(&mut self, settings: &Settings<'a>, name: &str, dimension: Dimension, most: f64) -> Checked<f64> {
         let Some(field) = settings.get(name) else { return Ok(0.0) };
         let expr = self.setting_value(field)?;
         let value = self.fixed_number(expr, dimension, &format!("`{name}`"))?;
-        if value > 0.0 {
+        if value > 0.0 && value <= most {
             return Ok(value);
         }
+        let unit = spoken::written(dimension, [expr]);
         let diagnostic = self
-            .diagnostic(codes::tasks::OUT_OF_RANGE, expr.span, format!("`{name}` must be positive"))
-            .help(format!("leave `{name}` out for none"));
+            .diagnostic(codes::tasks::OUT_OF_RANGE, expr.span, format!("`{name}` is out of range"))
+            .expected(format!("above 0 and at most {}", unit.tell(most)))
+            .found(unit.tell(value));
         Err(self.report(diagnostic))
     }
 
     fn scale_of(&mut self, settings: &Settings<'a>) -> Checked<f64> {
-        let scale = match self.amount(settings, "scale", Dimension::NONE)? {
-            0.0 => 1.0,
-            scale => scale,
-        };
-        match settings.get("scale") {
-            Some(field) if scale > 1.0 => {
-                let diagnostic = self
-                    .diagnostic(codes::tasks::OUT_OF_RANGE, field.span, "`scale` enlarges actions beyond what is possible")
-                    .expected("above 0 and at most 1")
-                    .help("entries of an action are in -1..1");
-                Err(self.report(diagnostic))
-            }
-            _ => Ok(scale),
-        }
+        // Entries of an action are in -1..1 and cannot be larger.
+        let scale = self.amount(settings, "scale", Dimension::NONE, 1.0)?;
+        Ok(if scale == 0.0 { 1.0 } else { scale })
     }
 
     fn latency(&mut self, settings: &Settings<'a>) -> Checked<u32> {
@@ -141,13 +141,17 @@ impl<'a> Checker<'a> {
         let expr = self.setting_value(field)?;
         let steps = self.steps(expr)?;
         let horizon = self.timing.horizon;
+        if steps > f64::from(MOST_STEPS) {
+            let message = format!("`latency` takes at most {MOST_STEPS} control steps");
+            return Err(self.error(codes::tasks::OUT_OF_RANGE, expr.span, message));
+        }
         if steps >= f64::from(horizon) {
             let diagnostic = self
                 .diagnostic(codes::tasks::OUT_OF_RANGE, expr.span, "no action takes effect within the episode")
                 .expected(format!("less than {horizon} steps, the task's horizon"));
             return Err(self.report(diagnostic));
         }
-        // It is below the horizon, which is a u32.
+        // It is at most a thousand.
         Ok(steps as u32)
     }
 
@@ -246,9 +250,9 @@ impl<'a> Checker<'a> {
     fn tracking_offsets(&mut self, settings: &Settings<'a>) -> Checked<ActionTarget> {
         let offsets = TrackingOffsets {
             joints: self.controlled_joints(settings)?,
-            range: self.amount(settings, "range", Dimension::ANGLE)?,
-            center_of_mass: self.amount(settings, "com", Dimension::LENGTH)?,
-            root: self.amount(settings, "root", Dimension::ANGLE)?,
+            range: self.amount(settings, "range", Dimension::ANGLE, MOST_ANGLE)?,
+            center_of_mass: self.amount(settings, "com", Dimension::LENGTH, MOST_LENGTH)?,
+            root: self.amount(settings, "root", Dimension::ANGLE, MOST_ANGLE)?,
         };
         let act = settings.act;
         let missing = match (offsets.joints.is_empty(), offsets.range > 0.0) {
