@@ -106,7 +106,9 @@ def test_gymnasiums_asynchronous_vector(task: msk.Task):
 @pytest.mark.skipif(sys.platform == "win32", reason="signals differ")
 def test_control_c_stops_a_long_computation():
     text = (
-        "import msk\n"
+        "import msk, signal\n"
+        # A shell that starts the tests in the background has interrupts ignored, in the programs that they start, too.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "simulation = msk.physics.Simulation(msk.physics.human())\n"
         "print('ready', flush=True)\n"
         "simulation.step(10**9)\n"
