@@ -10,7 +10,7 @@ use msk_compiler::{Compilation, compile_with};
 use msk_evaluate::probe;
 use msk_program::files::{Loader, plain};
 use msk_program::task::CompiledTask;
-use msk_runtime::library::{BodyLibrary, WithText};
+use msk_runtime::library::{BodyLibrary, WithText, in_words};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -101,15 +101,4 @@ pub fn check(
             Err(report) => report,
         })
     })
-}
-
-/// An error with its causes, in one line.
-pub fn in_words(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(cause) = source {
-        text = format!("{text}: {cause}");
-        source = cause.source();
-    }
-    text
 }

@@ -43,8 +43,8 @@ ALWAYS_THE_SAME = {"powerlift", "chin_up"}
 def test_resets_spread(name: str):
     """Different seeds, and successive episodes of a seed, begin in different states."""
     env = msk.make(name)
-    beginnings = [env.reset(seed=seed)[0] for seed in range(4)] + [env.reset()[0] for _ in range(3)]
-    assert len(np.unique(beginnings, axis=0)) == (1 if name in ALWAYS_THE_SAME else 7)
+    observations = [env.reset(seed=seed)[0] for seed in range(4)] + [env.reset()[0] for _ in range(3)]
+    assert len(np.unique(observations, axis=0)) == (1 if name in ALWAYS_THE_SAME else 7)
 
 
 def test_without_a_seed_chance_chooses_one(task: msk.Task):

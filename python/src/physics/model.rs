@@ -1,10 +1,10 @@
 //! Models.
 
-use crate::compilation::in_words;
 use crate::guard::detached;
 use msk_physics::Plan;
 use msk_physics::model::Model as PhysicsModel;
 use msk_runtime::bodies;
+use msk_runtime::library::in_words;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;

@@ -222,19 +222,22 @@ impl<'a> Checker<'a> {
         for entity in &found {
             let EntityRef::Joint(index) = *entity else { break };
             let joint = &self.vocabulary.joints[index];
-            let (reason, help) = if joint.of_scene {
-                (format!("`{}` belongs to the scene", joint.name), "an action moves the body")
+            let (code, reason, help) = if joint.of_scene {
+                (codes::tasks::COUPLED, format!("`{}` belongs to the scene", joint.name), "an action moves the body")
             } else if !joint.independent {
-                (format!("the joint `{}` is coupled", joint.name), "a coupled joint follows another: name that one")
+                (
+                    codes::tasks::COUPLED,
+                    format!("the joint `{}` is coupled", joint.name),
+                    "a coupled joint follows another: name that one",
+                )
             } else if joint.kind != JointKind::Hinge {
-                (format!("the joint `{}` slides", joint.name), "action spaces move hinges")
+                (codes::tasks::COUPLED, format!("the joint `{}` slides", joint.name), "action spaces move hinges")
             } else if joints.contains(&index) {
-                (format!("the joint `{}` is controlled twice", joint.name), "name each joint once")
+                (codes::tasks::REPEATED, format!("the joint `{}` is controlled twice", joint.name), "name each joint once")
             } else {
                 joints.push(index);
                 continue;
             };
-            let code = if joints.contains(&index) { codes::tasks::REPEATED } else { codes::tasks::COUPLED };
             let diagnostic = self.diagnostic(code, expr.span, reason).help(help);
             return Err(self.report(diagnostic));
         }

@@ -169,7 +169,7 @@ impl<'a> Checker<'a> {
         Ok((Spread::Uniform(low_value, high_value), dimension))
     }
 
-    fn dimension_of(&mut self, expr: &'a Expr) -> Checked<Dimension> {
+    pub(crate) fn dimension_of(&mut self, expr: &'a Expr) -> Checked<Dimension> {
         let data = self.data(expr)?;
         match data.kind.dimension() {
             Some(dimension) => Ok(dimension),

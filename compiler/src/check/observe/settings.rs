@@ -10,7 +10,7 @@ use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Chance, Memory, Operation};
 use crate::resolve::scope::Place;
 use crate::resolve::{Texts, written};
-use crate::syntax::tree::{ChannelSetting, Expr, ExprKind};
+use crate::syntax::tree::{ChannelSetting, ExprKind};
 use crate::task::Spread;
 
 /// The settings, with the forms in which they are written.
@@ -193,7 +193,7 @@ impl<'a> Checker<'a> {
             let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, setting.span, "`clip` takes a range");
             return Err(self.report(diagnostic.expected("`clip -5 .. 5`")));
         };
-        let dimension = self.dimension_of_bound(high)?;
+        let dimension = self.dimension_of(high)?;
         if seen.dimension != Some(dimension) {
             return Err(self.other_dimension(name, setting, dimension, seen));
         }
@@ -205,14 +205,6 @@ impl<'a> Checker<'a> {
         let raised = self.graph.binary(Binary::Maximum, seen.node, bottom);
         seen.node = self.graph.binary(Binary::Minimum, raised, top);
         Ok(())
-    }
-
-    fn dimension_of_bound(&mut self, expr: &'a Expr) -> Checked<Dimension> {
-        let data = self.data(expr)?;
-        match data.kind.dimension() {
-            Some(dimension) => Ok(dimension),
-            None => Err(self.error(codes::types::WRONG_TYPE, expr.span, "expected a number")),
-        }
     }
 
     fn other_dimension(&mut self, name: &str, setting: &ChannelSetting, found: Dimension, seen: &Seen) -> Reported {
