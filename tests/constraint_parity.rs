@@ -221,6 +221,34 @@ fn rollout(model: &Model, golden: &Value, flight: bool, steps: usize) -> f64 {
     state.position.iter().zip(expected).map(|(q, expected)| (q - expected).abs()).fold(0.0, f64::max)
 }
 
+/// Masses, strengths and frictions of `vary` in `tests/oracle/constraint.py`.
+fn vary(state: &mut State<f64>, random: &mut SplitMix) {
+    state.mass_scale.fill_with(|| random.between(0.5, 1.5));
+    state.strength.fill_with(|| random.between(0.5, 1.5));
+    state.friction.fill_with(|| random.between(0.2, 2.0));
+}
+
+/// What a state changes of its body is what MuJoCo gives with a model that was changed so.
+#[test]
+fn fifty_milliseconds_of_bodies_of_their_own_end_where_mujocos_do() {
+    let model = human();
+    let mut workspace = Workspace::new(&model);
+    for golden in golden("constraint_varied")["rollouts"].as_array().expect("rollouts") {
+        let mut random = SplitMix(golden["seed"].as_str().and_then(|seed| seed.parse().ok()).expect("a seed"));
+        let mut state = draw(&model, &mut random, false);
+        vary(&mut state, &mut random);
+        state.position[2] = golden["height"].as_f64().expect("a height");
+        for _ in 0..50 {
+            step(&model, &mut state, &mut workspace).unwrap();
+        }
+        let distance = |found: &[f64], golden: &Value| {
+            found.iter().zip(numbers(golden)).map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max)
+        };
+        let error = distance(&state.position, &golden["qpos"]);
+        assert!(error <= 1e-6, "{error:e} apart after 50 ms");
+    }
+}
+
 #[test]
 fn a_second_of_flight_ends_where_mujocos_does() {
     let model = human();

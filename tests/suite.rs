@@ -29,3 +29,4 @@ mod tasks;
 mod together;
 mod vector;
 mod vocabulary_fixture;
+mod worlds;

@@ -66,10 +66,12 @@ fn a_table_may_be_cut_at_any_line() {
 }
 
 #[test]
-fn a_place_that_only_free_things_may_have() {
+fn a_place_that_only_what_is_free_or_fixed_to_the_world_may_have() {
     let free = "random r = uniform(1 m .. 2 m)\nscene { ground\nsphere a { radius 1 cm, mass 1 kg, free, at [r, 0, 1 m] }";
     assert_eq!(objects(&format!("{free} }}")), Ok(1));
-    let both = format!("{free}\nsphere b {{ radius 1 cm, at [r, 0, 1 m] }} }}");
+    let fixed = format!("{free}\nsphere b {{ radius 1 cm, at [r, 0, 1 m] }} }}");
+    assert_eq!(objects(&fixed), Ok(2));
+    let both = format!("{free}\nsphere b {{ radius 1 cm, mass 1 kg, at [r, 0, 1 m], hinge turn {{ axis [0, 0, 1] }} }} }}");
     assert!(error_of(objects(&both)).contains("error["));
 }
 

@@ -198,8 +198,49 @@ def rollouts(seed):
     write("constraint_rollouts", found)
 
 
+def vary(model, random):
+    """Gives a body other masses, strengths and frictions, as a program does that changes the model between episodes."""
+    for body in range(model.nbody):
+        factor = random.between(0.5, 1.5)
+        model.body_mass[body] *= factor
+        model.body_inertia[body] *= factor
+    model.body_subtreemass[:] = model.body_mass
+    for body in range(model.nbody - 1, 0, -1):
+        model.body_subtreemass[model.body_parentid[body]] += model.body_subtreemass[body]
+    for actuator in range(model.nu):
+        # Peak force, or where that follows from the muscle's reach, the scale.
+        entry = 2 if model.actuator_gainprm[actuator, 2] >= 0.0 else 3
+        model.actuator_gainprm[actuator, entry] *= random.between(0.5, 1.5)
+    for geom in range(model.ngeom):
+        model.geom_friction[geom, 0] = random.between(0.2, 2.0)
+
+
+def varied(seed):
+    """50 ms of bodies of their own on the ground."""
+    random = SplitMix(seed)
+    found = []
+    while len(found) < 6:
+        start = random.state
+        model = mujoco.MjModel.from_xml_path(str(BODY))
+        tighten(model)
+        model.opt.tolerance = 1e-14
+        data = mujoco.MjData(model)
+        draw(model, data, random, False)
+        vary(model, random)
+        height = place(model, data, random.between(0.0, 0.01))
+        contacts = convex = 0
+        for _ in range(50):
+            mujoco.mj_step(model, data)
+            contacts += data.ncon
+            convex += sum(is_convex(model, c) for c in data.contact[: data.ncon])
+        if contacts and not convex:
+            found.append({"seed": str(start), "height": height, "qpos": data.qpos.tolist()})
+    write("constraint_varied", {"rollouts": found})
+
+
 if __name__ == "__main__":
     for number, path in enumerate(sorted((HERE / "contact_models").glob("*.xml"))):
         small(path, 500 + number)
     body(417)
     rollouts(418)
+    varied(419)

@@ -10,8 +10,10 @@ use crate::motion::RootPart;
 use serde::{Deserialize, Serialize};
 
 mod following;
+mod variation;
 
 pub use following::{Following, Parts, Path, Start};
+pub use variation::{Friction, ObjectMass, Scaling, Variation};
 
 /// How an episode begins.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,8 +28,10 @@ pub struct Init {
     pub coordinate_noise: Vec<Spread>,
     /// Noise on the joint velocities, joint by joint.
     pub velocity_noise: Vec<Spread>,
-    /// Where each free object starts, in the order of the scene.
+    /// Where each free object starts, and where each object stands that is placed for every episode, in the order of the scene.
     pub objects: Vec<ObjectStart>,
+    /// What of body and scene differs from the model.
+    pub variation: Variation,
     /// Physics before the first snapshot.
     pub settle: Option<Settle>,
     /// Numbers of the above that are drawn: each is the value at that place of [`CompiledTask::drawn`].
@@ -90,7 +94,7 @@ impl Default for RootPlacement {
     }
 }
 
-/// Where a free object starts, in world axes.
+/// Where a free object starts, or where one stands that is placed, in world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectStart {
     /// Its place in the scene's list of objects.
@@ -199,6 +203,14 @@ pub enum Setting {
     ObjectVelocity(usize, usize),
     /// Angular velocity of an object about an axis.
     ObjectSpin(usize, usize),
+    /// A factor of the strength of muscles, by its place in [`Variation::strengths`].
+    Strength(usize),
+    /// A factor of the mass of segments, by its place in [`Variation::segments`].
+    SegmentMass(usize),
+    /// Mass of an object, by its place in [`Variation::masses`].
+    ObjectMass(usize),
+    /// Sliding friction, by its place in [`Variation::frictions`].
+    Friction(usize),
 }
 
 impl Init {
@@ -206,6 +218,7 @@ impl Init {
     pub fn set(&mut self, setting: Setting, value: f64) {
         let root = &mut self.root;
         let objects = &mut self.objects;
+        let variation = &mut self.variation;
         let slot = match setting {
             Setting::Coordinate(joint) => self.coordinates.get_mut(joint),
             Setting::RootHeight => Some(root.height.get_or_insert(value)),
@@ -218,6 +231,10 @@ impl Init {
             Setting::ObjectOrientation(object, part) => objects.get_mut(object).and_then(|start| start.orientation.get_mut(part)),
             Setting::ObjectVelocity(object, axis) => objects.get_mut(object).and_then(|start| start.velocity.get_mut(axis)),
             Setting::ObjectSpin(object, axis) => objects.get_mut(object).and_then(|start| start.spin.get_mut(axis)),
+            Setting::Strength(row) => variation.strengths.get_mut(row).map(|scaling| &mut scaling.factor),
+            Setting::SegmentMass(row) => variation.segments.get_mut(row).map(|scaling| &mut scaling.factor),
+            Setting::ObjectMass(row) => variation.masses.get_mut(row).map(|known| &mut known.mass),
+            Setting::Friction(row) => variation.frictions.get_mut(row).map(|known| &mut known.sliding),
         };
         if let Some(slot) = slot {
             *slot = value;
@@ -250,6 +267,10 @@ impl Init {
     /// Whether nothing scatters.
     pub fn is_exact(&self) -> bool {
         let spreads = self.coordinate_noise.iter().chain(&self.velocity_noise);
-        self.drawn.is_empty() && self.follows.is_none() && spreads.copied().all(|spread| spread == Spread::None)
+        let scalings = self.variation.strengths.iter().chain(&self.variation.segments);
+        self.drawn.is_empty()
+            && self.follows.is_none()
+            && scalings.clone().all(|scaling| scaling.each.is_none())
+            && spreads.copied().all(|spread| spread == Spread::None)
     }
 }

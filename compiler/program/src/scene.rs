@@ -42,6 +42,8 @@ impl SceneDescription {
 pub struct Surface {
     /// Sliding, torsional (m) and rolling (m) friction.
     pub friction: [f64; 3],
+    /// Whether its friction decides that of a contact alone: that of two surfaces is otherwise the larger one.
+    pub decides: bool,
     /// Whether it can be touched at all.
     pub solid: bool,
     /// Whether it counts as ground: for clearance, `ground_height` and `touching(_, ground)`.
@@ -50,7 +52,7 @@ pub struct Surface {
 
 impl Default for Surface {
     fn default() -> Self {
-        Self { friction: [1.0, 0.005, 0.0001], solid: true, walkable: false }
+        Self { friction: [1.0, 0.005, 0.0001], decides: false, solid: true, walkable: false }
     }
 }
 
@@ -94,6 +96,8 @@ pub struct Object {
 pub enum Motion {
     /// Not at all.
     Fixed,
+    /// Not at all, at a place in the world that is drawn for every episode.
+    Placed,
     /// Six ways; its place in the scene is where it starts. Only for objects carried by the world.
     Free,
     /// By joints, one after the other.

@@ -184,12 +184,11 @@ impl<'a> Checker<'a> {
                 shaped(self.measured(sensors), ElementType::world_vector(D::ANGULAR_VELOCITY))
             }
             Read::Mass => {
-                let mass = |thing: &EntityRef| match thing {
-                    EntityRef::Landmark(index) => self.vocabulary.landmarks[*index].mass,
-                    _ => self.vocabulary.mass,
-                };
-                let masses: Vec<f64> = things.iter().map(mass).collect();
-                shaped(self.graph.constants(&masses), ElementType::Number(D::MASS))
+                let mut masses = Vec::with_capacity(things.len());
+                for thing in things {
+                    masses.push(self.mass_of(*thing)?);
+                }
+                shaped(self.graph.join(&masses), ElementType::Number(D::MASS))
             }
             attitude => self.attitude(things, list, attitude),
         })

@@ -102,7 +102,11 @@ impl Shaken {
                 Setting::ObjectPosition(..)
                 | Setting::ObjectOrientation(..)
                 | Setting::ObjectVelocity(..)
-                | Setting::ObjectSpin(..) => {}
+                | Setting::ObjectSpin(..)
+                | Setting::Strength(_)
+                | Setting::SegmentMass(_)
+                | Setting::ObjectMass(_)
+                | Setting::Friction(_) => {}
             }
         }
         // Joints are shaken independently of each other, so deviations add up as their squares do.

@@ -79,7 +79,7 @@ fn initial_state(task: &TaskReport) -> Vec<String> {
     let joints: Vec<String> = joints.iter().map(|(name, joint)| format!("{name} {}", joint.angle())).collect();
     lines.extend((!joints.is_empty()).then(|| format!("changes of the neutral pose: {}", joints.join(", "))));
     lines.extend(initial_state.noise.iter().map(|noise| format!("noise on {noise}")));
-    lines.extend(initial_state.objects.iter().cloned());
+    lines.extend(initial_state.objects.iter().chain(&initial_state.scaled).cloned());
     lines
         .extend((!initial_state.drawn.is_empty()).then(|| format!("drawn for each episode: {}", initial_state.drawn.join(", "))));
     lines.extend((!initial_state.settle.is_empty()).then(|| format!("settles for {}", initial_state.settle)));

@@ -184,7 +184,7 @@ fn initial_state(initial_state: &InitialStateReport) -> String {
         joints.iter().map(|(name, joint)| format!("{} {}", latex_words(name), latex_words(&joint.angle()))).collect();
     parts.extend((!joints.is_empty()).then(|| joints.join(", ")));
     parts.extend(initial_state.noise.iter().map(|noise| format!("noise on {}", latex_words(noise))));
-    parts.extend(initial_state.objects.iter().map(|object| latex_words(object)));
+    parts.extend(initial_state.objects.iter().chain(&initial_state.scaled).map(|words| latex_words(words)));
     parts.extend((!initial_state.drawn.is_empty()).then(|| format!("drawn: {}", latex_words(&initial_state.drawn.join(", ")))));
     parts.extend((!initial_state.settle.is_empty()).then(|| format!("settles for {}", latex_words(&initial_state.settle))));
     parts.join("; \\newline ")

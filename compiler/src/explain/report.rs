@@ -163,6 +163,9 @@ pub struct InitialStateReport {
     pub noise: Vec<String>,
     /// Free elements that start with a velocity or elsewhere than in the scene, in words.
     pub objects: Vec<String>,
+    /// Strengths and masses that differ from those of the body, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub scaled: Vec<String>,
     /// What is drawn: `ball.position.y`.
     pub drawn: Vec<String>,
     /// Physics before the first snapshot, in words; empty if there is none.

@@ -117,6 +117,9 @@ fn initial_state(report: &TaskReport, text: &mut String) {
     for line in initial_state.noise.iter().map(|noise| format!("noise on {noise}")).chain(initial_state.objects.iter().cloned()) {
         let _ = writeln!(text, "  {line}");
     }
+    for scaled in &initial_state.scaled {
+        let _ = writeln!(text, "  {scaled}");
+    }
     if !initial_state.drawn.is_empty() {
         let _ = writeln!(text, "  drawn: {}", initial_state.drawn.join(", "));
     }

@@ -229,6 +229,12 @@ impl<'a> Visitor<'a> for Marks {
             self.begin(noise.target.span, group, 1);
             self.begin(noise.distribution.span, group, 2);
         }
+        if let InitStatement::Scaling(scaling) = statement {
+            let group = Group::Run(Sort::Noise);
+            self.begin(scaling.span, group, 0);
+            self.begin(scaling.target.span, group, 1);
+            self.begin(scaling.factor.span, group, 2);
+        }
         walk::walk_init_statement(self, statement);
     }
 

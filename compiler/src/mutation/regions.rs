@@ -136,6 +136,7 @@ impl Found {
             }
             InitStatement::Object(placement) => self.fields(part, &placement.fields),
             InitStatement::Noise(noise) => self.formula(part, noise.distribution.span),
+            InitStatement::Scaling(scaling) => self.formula(part, scaling.factor.span),
             InitStatement::Settle(settle) => {
                 self.formula(part, settle.duration.span);
                 settle.activation.iter().for_each(|activation| self.formula(part, activation.span));

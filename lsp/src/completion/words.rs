@@ -59,6 +59,8 @@ pub const INIT: Table = &[
     ("pose", "pose NAME { JOINT = VALUE }"),
     ("root", "root { height on ground, at [x, y], heading 0 deg, velocity [x, y, z] }"),
     ("noise", "noise joints normal(0, DEVIATION)"),
+    ("strength", "strength muscles FACTOR"),
+    ("mass", "mass robot FACTOR"),
     ("settle", "settle DURATION with activation VALUE at rest"),
 ];
 

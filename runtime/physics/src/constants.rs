@@ -31,7 +31,7 @@ pub fn derive(model: &mut Model) -> Result<(), String> {
     let mut inertia = Inertia::new(model);
     let mut tendons = TendonPaths::new(model);
     kinematics::update_lanes(model, &state, &mut kinematics);
-    inertia::update(model, &kinematics, &mut inertia);
+    inertia::update(model, &state, &kinematics, &mut inertia);
     inertia::factorize(model, &mut inertia);
     invertible(model, &inertia.factor)?;
     tendons::update(&state, &kinematics, &mut tendons);
@@ -124,7 +124,7 @@ pub fn resolve_spring_damper(model: &mut Model, wanted: &[(usize, [f64; 2])]) {
     let mut kinematics = Kinematics::new(model);
     let mut inertia = Inertia::new(model);
     kinematics::update_lanes(model, &state, &mut kinematics);
-    inertia::update(model, &kinematics, &mut inertia);
+    inertia::update(model, &state, &kinematics, &mut inertia);
     inertia::factorize(model, &mut inertia);
     let weights = dof_weights(model, &inertia.factor);
     for &(joint, [time, ratio]) in wanted {

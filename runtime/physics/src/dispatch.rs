@@ -102,7 +102,7 @@ impl<T: Real> WithSimd for Run<'_, T> {
         let Self { stage, model, state, workspace } = self;
         match stage {
             Stage::Kinematics => kinematics::update_lanes(model, state, &mut workspace.kinematics),
-            Stage::Inertia => inertia::update(model, &workspace.kinematics, &mut workspace.inertia),
+            Stage::Inertia => inertia::update(model, state, &workspace.kinematics, &mut workspace.inertia),
             Stage::Tendons => tendons::update(state, &workspace.kinematics, &mut workspace.tendons),
             Stage::Velocities => smooth::velocity_stage(model, state, workspace),
             Stage::Actuation => smooth::actuation_stage(model, state, workspace),

@@ -6,7 +6,7 @@ use super::{
     inertia::{self, Inertia},
     kinematics::Kinematics,
     rotation::{constant_quaternion, difference, normalize},
-    spatial::{Spatial, add, add_scaled, constant, cross, cross_force, dot, pair, spatial_zero, zero},
+    spatial::{Spatial, add, add_scaled, constant, cross, cross_force, dot, pair, scale, spatial_zero, zero},
     state::State,
     tendons::TendonPaths,
     velocities::Velocities,
@@ -170,7 +170,7 @@ fn compensate<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Forc
         return;
     }
     for (body, share) in shares.iter().enumerate() {
-        let force = constant(&(-model.options.gravity * (share * model.bodies.mass[body])));
+        let force = scale(&constant(&-model.options.gravity), T::splat(*share) * kinematics.mass[body]);
         let arm = kinematics.inertial_position[body] - kinematics.reference(model, body);
         out.body_force[body] = [cross(&arm, &force), force];
     }
@@ -266,7 +266,7 @@ pub fn energy<T: Real>(
     let mut potential = T::splat(0.0);
     for body in 1..model.bodies.parent.len() {
         let height = dot(&constant(&model.options.gravity), &kinematics.inertial_position[body]);
-        potential -= T::splat(model.bodies.mass[body]) * height;
+        potential -= kinematics.mass[body] * height;
     }
     for joint in 0..model.joints.kind.len() {
         if matches!(model.joints.kind[joint], JointKind::Hinge | JointKind::Slide) {

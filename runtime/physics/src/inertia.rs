@@ -5,7 +5,8 @@
 
 use super::{
     kinematics::Kinematics,
-    spatial::{Spatial, SpatialInertia, constant, pair},
+    spatial::{Spatial, SpatialInertia, constant, pair, scale},
+    state::State,
     tree_matrix::Layout,
 };
 use crate::{
@@ -76,8 +77,8 @@ pub(crate) fn tendon_armature(model: &Model) -> Arc<[(usize, f64)]> {
 
 /// Fills body inertias, composite inertias and the mass matrix.
 #[inline(always)]
-pub fn update<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Inertia<T>) {
-    body_inertias(model, kinematics, out);
+pub fn update<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<T>, out: &mut Inertia<T>) {
+    body_inertias(model, state, kinematics, out);
     mass_matrix(model, kinematics, out);
 }
 
@@ -89,12 +90,12 @@ pub fn factorize<T: Real>(model: &Model, out: &mut Inertia<T>) {
 }
 
 #[inline(always)]
-fn body_inertias<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Inertia<T>) {
+fn body_inertias<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<T>, out: &mut Inertia<T>) {
     for body in 1..model.bodies.parent.len() {
         let offset = kinematics.inertial_position[body] - kinematics.reference(model, body);
         out.body[body] = SpatialInertia::of_body(
-            T::splat(model.bodies.mass[body]),
-            &constant(&model.bodies.inertia[body]),
+            kinematics.mass[body],
+            &scale(&constant(&model.bodies.inertia[body]), state.mass_scale[body]),
             &kinematics.inertial_rotation[body],
             &offset,
         );

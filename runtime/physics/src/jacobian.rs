@@ -41,7 +41,7 @@ pub fn center_of_mass_jacobian<T: Real>(
     let (mut above, mut rotation) = (vec![zero(); model.nv], vec![zero(); model.nv]);
     // Dofs above the body carry its centre of mass like a point of the body; those below move only a part of its mass.
     point_jacobian(model, kinematics, body, &kinematics.subtree_com[body], &mut above, &mut rotation);
-    let total = T::splat(model.bodies.subtree_mass[body].at_least(super::rotation::MINIMUM));
+    let total = kinematics.subtree_mass[body].at_least(T::splat(super::rotation::MINIMUM));
     for dof in 0..model.nv {
         let moved = model.dofs.body[dof];
         translation[dof] = if moved != body && is_below(model, moved, body) {

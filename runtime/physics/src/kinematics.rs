@@ -34,6 +34,10 @@ pub struct Kinematics<T: Real> {
     pub geom_position: Vec<Vector3<T>>,
     /// Geom rotation matrices (`geom_xmat`).
     pub geom_rotation: Vec<Matrix3<T>>,
+    /// Masses of the bodies, kg: those of the model, scaled by the state.
+    pub mass: Vec<T>,
+    /// Mass of each body's subtree, kg (`body_subtreemass`).
+    pub subtree_mass: Vec<T>,
     /// Centre of mass of each body's subtree (`subtree_com`).
     pub subtree_com: Vec<Vector3<T>>,
     /// Motion axis of every dof, angular then linear, about the centre of mass of its kinematic tree (`cdof`).
@@ -43,7 +47,7 @@ pub struct Kinematics<T: Real> {
 
 one_lane!(Kinematics {
     body_position, body_orientation, body_rotation, inertial_position, inertial_rotation, joint_anchor, joint_axis, geom_position,
-    geom_rotation, subtree_com, dof_axis; but plan
+    geom_rotation, mass, subtree_mass, subtree_com, dof_axis; but plan
 });
 
 /// What follows from the model alone: rotation matrices of the frames that are fixed in their bodies; `None` where they coincide
@@ -97,6 +101,8 @@ impl<T: Real> Kinematics<T> {
             joint_axis: vec![zero(); joints],
             geom_position: vec![zero(); geoms],
             geom_rotation: vec![identity; geoms],
+            mass: vec![T::splat(0.0); bodies],
+            subtree_mass: vec![T::splat(0.0); bodies],
             subtree_com: vec![zero(); bodies],
             dof_axis: vec![spatial_zero(); model.nv],
             plan: Arc::clone(plan),
@@ -142,6 +148,7 @@ pub fn update_lanes<T: Real>(model: &Model, state: &State<T>, out: &mut Kinemati
         place_body(model, state, out, body);
     }
     place_geoms(model, out);
+    weigh(model, state, out);
     centres_of_mass(model, out);
     motion_axes(model, out);
 }
@@ -226,24 +233,42 @@ fn place_geoms<T: Real>(model: &Model, out: &mut Kinematics<T>) {
     }
 }
 
+/// Masses of all bodies and subtrees.
+#[inline(always)]
+fn weigh<T: Real>(model: &Model, state: &State<T>, out: &mut Kinematics<T>) {
+    let bodies = &model.bodies;
+    for ((mass, &own), &factor) in out.mass.iter_mut().zip(&bodies.mass).zip(&state.mass_scale) {
+        *mass = T::splat(own) * factor;
+    }
+    out.subtree_mass.copy_from_slice(&out.mass);
+    for body in (1..bodies.parent.len()).rev() {
+        let mass = out.subtree_mass[body];
+        out.subtree_mass[bodies.parent[body]] += mass;
+    }
+}
+
 /// Centre of mass of every subtree, swept from the leaves to the root.
 #[inline(always)]
 fn centres_of_mass<T: Real>(model: &Model, out: &mut Kinematics<T>) {
-    let bodies = &model.bodies;
-    for body in 0..bodies.parent.len() {
-        out.subtree_com[body] = scale(&out.inertial_position[body], T::splat(bodies.mass[body]));
+    let parents = &model.bodies.parent;
+    for body in 0..parents.len() {
+        out.subtree_com[body] = scale(&out.inertial_position[body], out.mass[body]);
     }
-    for body in (1..bodies.parent.len()).rev() {
+    for body in (1..parents.len()).rev() {
         let moment = out.subtree_com[body];
-        out.subtree_com[bodies.parent[body]] += moment;
-        out.subtree_com[body] = divided(&moment, &out.inertial_position[body], bodies.subtree_mass[body]);
+        out.subtree_com[parents[body]] += moment;
+        out.subtree_com[body] = divided(model, body, &moment, out);
     }
-    out.subtree_com[0] = divided(&out.subtree_com[0], &out.inertial_position[0], bodies.subtree_mass[0]);
+    out.subtree_com[0] = divided(model, 0, &out.subtree_com[0], out);
 }
 
+/// The centre of a subtree with this first moment; of one without mass, the body's own centre.
 #[inline(always)]
-fn divided<T: Real>(moment: &Vector3<T>, massless: &Vector3<T>, mass: f64) -> Vector3<T> {
-    if mass < super::rotation::MINIMUM { *massless } else { scale(moment, T::splat(1.0 / mass)) }
+fn divided<T: Real>(model: &Model, body: usize, moment: &Vector3<T>, of: &Kinematics<T>) -> Vector3<T> {
+    match model.bodies.subtree_mass[body] < super::rotation::MINIMUM {
+        true => of.inertial_position[body],
+        false => scale(moment, T::splat(1.0) / of.subtree_mass[body]),
+    }
 }
 
 /// Motion axes of all dofs about the centre of mass of their tree.

@@ -331,10 +331,10 @@ impl View<'_> {
     }
 
     fn subtree_velocity(&self, root: usize) -> Vector3<f64> {
-        let bodies = &self.model.bodies;
-        let part = |body: usize| self.velocity(Framed::InertialBody(body))[1] * bodies.mass[body];
+        let kinematics = &self.workspace.kinematics;
+        let part = |body: usize| self.velocity(Framed::InertialBody(body))[1] * kinematics.mass[body];
         let momentum: Vector3<f64> = self.subtree(root).into_iter().map(part).sum();
-        momentum / bodies.subtree_mass[root].at_least(super::rotation::MINIMUM)
+        momentum / kinematics.subtree_mass[root].at_least(super::rotation::MINIMUM)
     }
 
     fn subtree_momentum(&self, root: usize) -> Vector3<f64> {
@@ -343,8 +343,8 @@ impl View<'_> {
         let part = |body: usize| {
             let [spin, velocity] = self.velocity(Framed::InertialBody(body));
             let axes = kinematics.inertial_rotation[body];
-            let own = axes * bodies.inertia[body].component_mul(&axes.tr_mul(&spin));
-            own + (kinematics.inertial_position[body] - centre).cross(&(velocity - drift)) * bodies.mass[body]
+            let own = axes * bodies.inertia[body].component_mul(&axes.tr_mul(&spin)) * self.state.mass_scale[body];
+            own + (kinematics.inertial_position[body] - centre).cross(&(velocity - drift)) * kinematics.mass[body]
         };
         self.subtree(root).into_iter().map(part).sum()
     }

@@ -42,6 +42,13 @@ pub struct State<T: Real> {
     /// For each equality of the model where the second frame of a connection or weld stands in its body, position (m) and
     /// orientation; of others without meaning. The model's at first: what is taken as it stands has another one.
     pub held: Vec<(Vector3<T>, [T; 4])>,
+    /// Factor of the active force of each muscle, one per actuator; 1 at first. Actuators that are no muscles ignore theirs.
+    pub strength: Vec<T>,
+    /// Factor of mass and inertia of each body; 1 at first. Must be positive. As in MuJoCo, where a program changes `body_mass`, the
+    /// inverse weights that scale the softness of constraints stay those of the model.
+    pub mass_scale: Vec<T>,
+    /// Sliding friction of each geom; that of the model at first. Contacts of explicit pairs have the pair's own.
+    pub friction: Vec<T>,
     /// Acceleration of the last step, from which the constraint solver starts, `nv` entries.
     pub warm_start: Vec<T>,
 }
@@ -61,6 +68,9 @@ one_lane!(State {
     mocap_orientation,
     active,
     held,
+    strength,
+    mass_scale,
+    friction,
     warm_start
 });
 
@@ -81,6 +91,9 @@ impl<T: Real> State<T> {
         self.body_force.copy_from_slice(&other.body_force);
         self.mocap_position.copy_from_slice(&other.mocap_position);
         self.mocap_orientation.copy_from_slice(&other.mocap_orientation);
+        self.strength.copy_from_slice(&other.strength);
+        self.mass_scale.copy_from_slice(&other.mass_scale);
+        self.friction.copy_from_slice(&other.friction);
         self.warm_start.copy_from_slice(&other.warm_start);
     }
 
@@ -98,6 +111,8 @@ impl<T: Real> State<T> {
             && self.body_force.len() == bodies
             && [self.mocap_position.len(), self.mocap_orientation.len()] == [placed; 2]
             && [self.active.len(), self.held.len()] == [equalities; 2]
+            && [self.strength.len(), self.mass_scale.len()] == [actuators, bodies]
+            && self.friction.len() == model.geoms.kind.len()
     }
 
     /// The reference configuration at rest, with silent muscles and nothing applied.
@@ -120,6 +135,9 @@ impl<T: Real> State<T> {
             mocap_orientation: placed.map(|body| constant_quaternion(&model.bodies.orientation[body])).collect(),
             active: model.equalities.active.iter().map(|&active| T::splat(f64::from(u8::from(active)))).collect(),
             held: model.equalities.kind.iter().map(second_frame).collect(),
+            strength: vec![T::splat(1.0); model.actuators.name.len()],
+            mass_scale: vec![T::splat(1.0); model.bodies.parent.len()],
+            friction: model.geoms.friction.iter().map(|friction| T::splat(friction[0])).collect(),
             warm_start: vec![zero; model.nv],
         }
     }

@@ -28,6 +28,13 @@ fn human() -> &'static Arc<Model> {
     MODEL.get_or_init(|| Arc::new(Model::from_file(repository("bodies/models/human416.xml")).unwrap()))
 }
 
+/// Gives an episode a body of its own: other strengths, masses and frictions.
+fn vary(state: &mut State<f64>, random: &mut Random) {
+    state.strength.fill_with(|| 0.5 + random.unit());
+    state.mass_scale.fill_with(|| 0.5 + random.unit());
+    state.friction.fill_with(|| 2.0 * random.unit());
+}
+
 /// Controls of a step of an episode, new ones every ten steps.
 fn controls(episode: usize, number: usize, into: &mut [f64]) {
     let mut random = Random((episode as u64) << 32 | (number as u64 / 10));
@@ -191,6 +198,8 @@ fn a_body_with_contacts_has_the_same_bits_among_any_neighbours() {
         }
     }
     assert!(ground > 1000 && limbs > 100, "{ground} contacts with the ground, {limbs} between limbs");
+    let mut random = Random(7);
+    starts.iter_mut().skip(1).step_by(2).for_each(|start| vary(start, &mut random));
     check("human", model, &starts, 60);
 }
 
@@ -206,6 +215,9 @@ fn initial_states(model: &Model) -> Vec<State<f64>> {
             }
         }
         state.velocity.fill_with(|| episode as f64 * (random.unit() - 0.5));
+        if episode % 3 == 1 {
+            vary(&mut state, &mut random);
+        }
         if episode == 4 {
             state.body_force.iter_mut().for_each(|[force, _]| force.x = 0.5);
         }

@@ -180,7 +180,7 @@ impl Binder<'_> {
         let geoms = &self.model.geoms;
         let touches = |&geom: &usize| geoms.contact_type[geom] != 0 || geoms.contact_affinity[geom] != 0;
         let shapes = (0..geoms.body.len()).filter(|&geom| self.members.contains(&geoms.body[geom])).filter(touches).collect();
-        let ground = (0..geoms.body.len())
+        let ground: Vec<usize> = (0..geoms.body.len())
             .filter(|&geom| geoms.kind[geom] == GeomKind::Plane && self.model.bodies.weld[geoms.body[geom]] == 0)
             .filter(touches)
             .collect();
@@ -200,6 +200,7 @@ impl Binder<'_> {
             poses,
             couplings,
             shapes,
+            level: ground.clone(),
             ground,
             objects: Vec::new(),
             connections: Vec::new(),

@@ -60,6 +60,8 @@ pub struct Body {
     pub shapes: Vec<usize>,
     /// Shapes to stand and walk on; none means the level z = 0.
     pub ground: Vec<usize>,
+    /// Those of them that are the level ground.
+    pub level: Vec<usize>,
     /// Objects of the scene, in its order; their landmarks are the last of `landmarks`.
     pub objects: Vec<Object>,
     /// What the scene holds together, in its order.
@@ -82,6 +84,10 @@ pub struct Object {
     pub body: usize,
     /// First coordinate and first dof of its free joint.
     pub free: Option<(usize, usize)>,
+    /// Its place among the bodies that are placed from outside, if it is one: every episode may have it elsewhere.
+    pub placed: Option<usize>,
+    /// Its own shapes.
+    pub shapes: Vec<usize>,
 }
 
 /// The body of the model that carries the whole body.
@@ -163,9 +169,14 @@ impl Body {
         if self.carried.is_empty() {
             return all;
         }
-        let (total, mass) = (model.bodies.subtree_mass[self.root.body], &model.bodies.mass);
+        let (total, mass) = (kinematics.subtree_mass[self.root.body], &kinematics.mass);
         let load: Vector3<f64> = self.carried.iter().map(|&body| kinematics.inertial_position[body] * mass[body]).sum();
-        (all * total - load) / self.mass
+        (all * total - load) / self.own_mass(model, kinematics)
+    }
+
+    /// Mass of the body without what it carries, kg.
+    pub fn own_mass(&self, model: &Model, kinematics: &Kinematics<f64>) -> f64 {
+        self.mass + self.own().map(|body| kinematics.mass[body] - model.bodies.mass[body]).sum::<f64>()
     }
 
     /// The pose of that name: coordinates in the order of `joints`, rad or m.

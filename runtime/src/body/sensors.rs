@@ -177,10 +177,9 @@ impl Snapshot<'_> {
 
     /// Velocity of the body's own centre of mass: momentum over mass.
     fn com_velocity(&self) -> Vector3<f64> {
-        let mass = &self.model.bodies.mass;
-        let positions = &self.workspace.kinematics.inertial_position;
-        let momentum: Vector3<f64> = self.body.own().map(|body| self.velocity_of(body, positions[body]) * mass[body]).sum();
-        momentum / self.body.mass
+        let kinematics = &self.workspace.kinematics;
+        let moves = |body: usize| self.velocity_of(body, kinematics.inertial_position[body]) * kinematics.mass[body];
+        self.body.own().map(moves).sum::<Vector3<f64>>() / self.body.own_mass(self.model, kinematics)
     }
 
     /// Angular momentum about the body's own centre of mass: Σ R I R'ω + m (x - c) × (v - v_c).
@@ -191,9 +190,10 @@ impl Snapshot<'_> {
         let part = |body: usize| {
             let axes = kinematics.inertial_rotation[body];
             let spin = axes * bodies.inertia[body].component_mul(&(axes.transpose() * self.angular_velocity(body)));
+            let spin = spin * self.state.mass_scale[body];
             let position = kinematics.inertial_position[body];
             let orbit = (position - centre).cross(&(self.velocity_of(body, position) - drift));
-            spin + orbit * bodies.mass[body]
+            spin + orbit * kinematics.mass[body]
         };
         self.body.own().map(part).sum()
     }

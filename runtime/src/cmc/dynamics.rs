@@ -134,7 +134,7 @@ impl Dynamics {
             self.load[coordinate] -= arm * passive;
         }
         let activation = state.activation[muscle.activation];
-        let damping = muscle.gear * muscle.gear * activation * workspace.actuation.active_damping(*actuator);
+        let damping = muscle.gear * muscle.gear * activation * workspace.actuation.active_damping(state, *actuator);
         if damping > 0.0 {
             for (count, (coordinate, arm)) in arms.clone().enumerate() {
                 for (earlier, other) in arms.clone().take(count + 1) {

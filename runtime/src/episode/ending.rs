@@ -49,6 +49,14 @@ pub enum Fault {
     /// A random none of whose draws fulfilled its condition.
     #[error(transparent)]
     Draw(#[from] NotDrawn),
+    /// What was drawn makes a body or scene that cannot be.
+    #[error("a {what} of this episode is {value}")]
+    Variation {
+        /// Which number.
+        what: String,
+        /// What was drawn.
+        value: f64,
+    },
     /// The policy gave an action that is not a number.
     #[error("the action for `{entry}` is {value} at step {step}")]
     Action {

@@ -119,11 +119,13 @@ impl Environment {
     /// An initial state from which the physics cannot start.
     pub fn inspect_start(&self, key: EpisodeKey) -> Result<StartReport, Fault> {
         let mut other = self.clone();
-        let Episode { state, task, streams, .. } = &mut other.episode;
+        let Episode { key: own, state, task, streams, .. } = &mut other.episode;
+        *own = key;
         *state = State::new(&self.engine.model);
         *task = TaskState::default();
         streams.start(key, &self.engine.task.randoms);
         self.engine.task.begin(streams, task)?;
+        other.player().vary()?;
         other.player().place(key);
         physics::forward(&self.engine.model, &other.episode.state, &mut other.scratch.workspace)?;
         Ok(StartReport::of(&self.engine.model, &other.scratch.workspace))

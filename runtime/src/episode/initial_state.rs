@@ -38,6 +38,13 @@ pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &m
     body.solve_coupled_velocities(model, &state.position, &mut state.velocity);
 }
 
+/// Puts an object that is placed for every episode where it stands in this one.
+pub fn stand(body: &Body, start: &ObjectStart, state: &mut State<f64>) {
+    let Some(placed) = body.objects.get(start.object).and_then(|object| object.placed) else { return };
+    state.mocap_position[placed] = start.position.into();
+    state.mocap_orientation[placed] = rotation::normalized(start.orientation).unwrap_or(rotation::IDENTITY);
+}
+
 /// Puts a free object in its place. Velocities are given in world axes; the state has the spin in the object's own.
 fn place_object(body: &Body, start: &ObjectStart, state: &mut State<f64>) {
     let Some((position, dof)) = body.objects.get(start.object).and_then(|object| object.free) else { return };

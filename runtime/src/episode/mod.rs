@@ -23,6 +23,7 @@ mod pushes;
 mod start;
 mod streams;
 mod together;
+mod variation;
 mod vector;
 
 pub use crate::action::{REST, excitation};

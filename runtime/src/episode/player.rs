@@ -1,6 +1,6 @@
 //! The rules by which an episode goes on: reset, and one control step.
 
-use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Scratch, initial_state, pushes};
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Scratch, initial_state, pushes, variation};
 use crate::action::{Action, ActionState, ActsOn, excitation};
 use crate::body::sensors;
 use crate::cmc::{Moment, Present};
@@ -60,6 +60,7 @@ impl Player<'_> {
         let episode = &mut *self.episode;
         self.engine.task.begin_given(&mut episode.streams, &mut episode.task, given)?;
         self.engine.task.begin_disturbances(&episode.task, &mut episode.disturbances);
+        self.vary()?;
         self.begin(key)?;
         self.measure(0.0);
         let episode = &mut *self.episode;
@@ -67,6 +68,13 @@ impl Player<'_> {
         self.begin_control()?;
         self.observe();
         Ok(())
+    }
+
+    /// Gives the episode what it has of its own of body and scene.
+    pub fn vary(&mut self) -> Result<(), Fault> {
+        let Engine { model, body, task, .. } = self.engine;
+        let Episode { key, state, task: drawn, .. } = &mut *self.episode;
+        variation::vary(model, body, &task.initial_state(drawn), *key, state)
     }
 
     /// Puts everything in its place, lets it settle if the task asks for it, and passes forward.

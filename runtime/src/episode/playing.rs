@@ -88,6 +88,8 @@ impl Player<'_> {
         task.begin_given(&mut episode.streams, &mut episode.task, given)?;
         task.begin_disturbances(&episode.task, &mut episode.disturbances);
         prepare(&episode.task);
+        self.vary()?;
+        let episode = &mut *self.episode;
         let activation = place(model, body, &mut episode.state, &mut self.scratch.workspace);
         self.activate(activation);
         let state = &mut self.episode.state;
@@ -103,6 +105,8 @@ impl Player<'_> {
         let episode = &mut *self.episode;
         self.engine.task.begin(&mut episode.streams, &mut episode.task)?;
         self.engine.task.begin_disturbances(&episode.task, &mut episode.disturbances);
+        self.vary()?;
+        let episode = &mut *self.episode;
         put(&mut episode.state);
         self.scratch.pass(&self.engine.model, &episode.state)?;
         self.measure(0.0);

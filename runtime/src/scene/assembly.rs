@@ -147,8 +147,8 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
     for &geom in &builder.intangible {
         (model.geoms.contact_type[geoms[geom]], model.geoms.contact_affinity[geoms[geom]]) = (0, 0);
     }
-    for &(geom, friction) in &builder.frictions {
-        model.geoms.friction[geoms[geom]] = friction;
+    for &(geom, friction, priority) in &builder.frictions {
+        (model.geoms.friction[geoms[geom]], model.geoms.priority[geoms[geom]]) = (friction, priority);
     }
     topology::complete(&mut model).map_err(BuildError::Model)?;
     constants::derive(&mut model).map_err(BuildError::Model)?;
@@ -287,7 +287,7 @@ fn push_body(body: &NewBody, mass: &MassProperties, into: &mut Bodies) {
     into.inertial_orientation.push(mass.axes);
     into.mass.push(mass.mass);
     into.inertia.push(mass.moments);
-    into.mocap.push(false);
+    into.mocap.push(body.placed);
     into.gravity_compensation.push(0.0);
 }
 
@@ -408,7 +408,7 @@ fn push_geom(body: usize, geom: &NewGeom, fields: &mut Vec<HeightField>, into: &
     into.contact_type.push(geom.contact_type);
     into.contact_affinity.push(geom.contact_affinity);
     into.contact_dimension.push(geom.contact_dimension);
-    into.priority.push(0);
+    into.priority.push(geom.priority);
     into.softness_mix.push(1.0);
     into.softness.push(geom.softness);
     into.friction.push(geom.friction);

@@ -49,7 +49,19 @@ pub(super) fn bind(body: &Body, scene: &SceneDescription, placed: &Placed<'_>, b
         groups: body.groups.iter().cloned().chain(groups).collect(),
         shapes: geoms(&body.shapes),
         ground: walkable(body, scene, placed, built),
-        objects: placed.bodies.iter().map(|&object| built.bodies[object]).map(|body| object(model, body)).collect(),
+        objects: placed
+            .bodies
+            .iter()
+            .zip(&placed.geoms)
+            .map(|(&body, own)| object(model, built.bodies[body], geoms(own)))
+            .collect(),
+        level: body
+            .ground
+            .iter()
+            .filter(|_| scene.ground.is_some())
+            .chain(&placed.ground)
+            .map(|&geom| built.geoms[geom])
+            .collect(),
         connections: scene
             .connections
             .iter()
@@ -72,8 +84,9 @@ fn free(model: &Model, body: usize) -> Option<(usize, usize)> {
     Some((model.joints.position_address[joint], model.joints.dof_address[joint]))
 }
 
-fn object(model: &Model, body: usize) -> Object {
-    Object { body, free: free(model, body) }
+fn object(model: &Model, body: usize, shapes: Vec<usize>) -> Object {
+    let placed = model.bodies.mocap[body].then(|| model.bodies.mocap[..body].iter().filter(|placed| **placed).count());
+    Object { body, free: free(model, body), placed, shapes }
 }
 
 /// A joint at its new place.

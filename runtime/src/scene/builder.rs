@@ -57,8 +57,8 @@ pub struct SceneBuilder<'a> {
     pub(super) attachments: Vec<NewAttachment>,
     /// Shapes of the model that nothing can touch any more.
     pub(super) intangible: Vec<usize>,
-    /// New friction of shapes of the model.
-    pub(super) frictions: Vec<(usize, [f64; 3])>,
+    /// New friction of shapes of the model, and their priority.
+    pub(super) frictions: Vec<(usize, [f64; 3], i32)>,
 }
 
 impl<'a> SceneBuilder<'a> {
@@ -117,9 +117,9 @@ impl<'a> SceneBuilder<'a> {
         self.intangible.push(geom);
     }
 
-    /// Sets sliding, torsional (m) and rolling (m) friction of a shape of the model.
-    pub fn set_friction(&mut self, geom: usize, friction: [f64; 3]) {
-        self.frictions.push((geom, friction));
+    /// Sets sliding, torsional (m) and rolling (m) friction of a shape of the model, and its priority in contacts.
+    pub fn set_friction(&mut self, geom: usize, friction: [f64; 3], priority: i32) {
+        self.frictions.push((geom, friction, priority));
     }
 
     /// The model with everything that was added, all derived constants included.

@@ -15,11 +15,13 @@ pub struct NewBody {
     pub position: Vector3<f64>,
     /// Orientation in the parent's frame.
     pub orientation: Quaternion,
+    /// Whether every episode may have it elsewhere: only what stands in the world without joints (MuJoCo's `mocap`).
+    pub placed: bool,
 }
 
 impl Default for NewBody {
     fn default() -> Self {
-        Self { name: String::new(), parent: 0, position: Vector3::zeros(), orientation: IDENTITY }
+        Self { name: String::new(), parent: 0, position: Vector3::zeros(), orientation: IDENTITY, placed: false }
     }
 }
 
@@ -84,6 +86,8 @@ pub struct NewGeom {
     pub contact_dimension: u8,
     /// Sliding, torsional (m) and rolling (m) friction.
     pub friction: [f64; 3],
+    /// Of two shapes that of higher priority decides friction and softness of their contacts.
+    pub priority: i32,
     /// SolverParameters of contacts.
     pub softness: SolverParameters,
 }
@@ -102,6 +106,7 @@ impl Default for NewGeom {
             contact_affinity: 1,
             contact_dimension: 3,
             friction: [1.0, 0.005, 0.0001],
+            priority: 0,
             softness: SolverParameters::default(),
         }
     }

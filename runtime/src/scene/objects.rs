@@ -113,10 +113,16 @@ fn set_ground(model: &Model, body: &Body, scene: &SceneDescription, builder: &mu
         let plane = NewGeom { name: free_name("ground", &model.geoms.name), kind: GeomKind::Plane, ..NewGeom::default() };
         return Some(builder.geom(0, Bits::of(model, body).apply(plane, surface)));
     }
-    if surface.friction != Surface::default().friction {
-        body.ground.iter().for_each(|&plane| builder.set_friction(plane, surface.friction));
+    if surface.friction != Surface::default().friction || surface.decides {
+        let priority = priority(surface);
+        body.ground.iter().for_each(|&plane| builder.set_friction(plane, surface.friction, priority));
     }
     None
+}
+
+/// A surface whose friction decides alone comes before those of the body and of other objects.
+fn priority(surface: &Surface) -> i32 {
+    i32::from(surface.decides)
 }
 
 /// The first of `name`, `name'`, `name''`, ... that the model has not taken: tasks know other names than models.
@@ -151,7 +157,14 @@ impl Bits {
             (false, false) => 3,
         };
         let (kind, affinity) = if surface.solid { (self.kind, self.affinity) } else { (0, 0) };
-        NewGeom { contact_type: kind, contact_affinity: affinity, contact_dimension, friction: surface.friction, ..geom }
+        NewGeom {
+            contact_type: kind,
+            contact_affinity: affinity,
+            contact_dimension,
+            friction: surface.friction,
+            priority: priority(surface),
+            ..geom
+        }
     }
 }
 
@@ -163,10 +176,10 @@ fn carrier(object: &Object, model: &Model, body: &Body, bodies: &[usize]) -> Res
     let position = Vector3::from(object.position);
     let unknown = |name: String| SceneError::Unknown { user: format!("object `{}`", object.name), name };
     Ok(match &object.parent {
-        Parent::World => NewBody { name, parent: 0, position, orientation },
+        Parent::World => NewBody { name, parent: 0, position, orientation, placed: object.motion == Motion::Placed },
         Parent::Object(parent) => {
             let parent = *bodies.get(*parent).ok_or_else(|| unknown(format!("object {parent}")))?;
-            NewBody { name, parent, position, orientation }
+            NewBody { name, parent, position, orientation, placed: false }
         }
         Parent::Landmark(landmark) => {
             let known = body.landmarks.iter().find(|known| known.name == *landmark).ok_or_else(|| unknown(landmark.clone()))?;
@@ -177,6 +190,7 @@ fn carrier(object: &Object, model: &Model, body: &Body, bodies: &[usize]) -> Res
                 parent: known.body,
                 position: known.point + known.axes * position,
                 orientation: orientation.unwrap_or(rotation::IDENTITY),
+                placed: false,
             }
         }
     })
@@ -184,7 +198,7 @@ fn carrier(object: &Object, model: &Model, body: &Body, bodies: &[usize]) -> Res
 
 fn joints(object: &Object) -> Vec<NewJoint> {
     match &object.motion {
-        Motion::Fixed => Vec::new(),
+        Motion::Fixed | Motion::Placed => Vec::new(),
         Motion::Free => vec![NewJoint { name: object.name.clone(), kind: JointKind::Free, ..NewJoint::default() }],
         Motion::Joints(joints) => joints.iter().map(joint).collect(),
     }

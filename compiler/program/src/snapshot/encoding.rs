@@ -13,8 +13,12 @@ pub(super) const VERSION: &str = "msk content 3";
 
 /// How a surface meets others.
 pub(super) fn surface(surface: &Surface) -> String {
-    let Surface { friction, solid, walkable } = surface;
-    record(&[("friction", numbers(friction)), ("solid", solid.to_string()), ("walkable", walkable.to_string())])
+    let Surface { friction, decides, solid, walkable } = surface;
+    let friction = ("friction", numbers(friction));
+    let rest = [("solid", solid.to_string()), ("walkable", walkable.to_string())];
+    // What most surfaces do not do is not written, so that tasks from before it was known keep their hashes.
+    let decides = decides.then(|| ("decides", decides.to_string()));
+    record(&[friction].into_iter().chain(decides).chain(rest).collect::<Vec<_>>())
 }
 
 /// A shape.
@@ -52,6 +56,7 @@ fn terrain(terrain: &Terrain) -> String {
 pub(super) fn motion(motion: &Motion) -> String {
     match motion {
         Motion::Fixed => text("Fixed"),
+        Motion::Placed => text("Placed"),
         Motion::Free => text("Free"),
         Motion::Joints(joints) => record(&[("Joints", list(joints.iter().map(joint)))]),
     }

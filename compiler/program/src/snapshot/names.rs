@@ -3,6 +3,7 @@
 
 use crate::frame::{Origin, Query, Sensor, Subject};
 use crate::graph::text::Labels;
+use crate::init::{Friction, Scaling};
 use crate::scene::Part;
 use crate::task::{CompiledTask, DisturbanceSetting, Phase, Setting};
 use crate::vocabulary::Vocabulary;
@@ -166,5 +167,50 @@ pub fn setting(task: &CompiledTask, setting: Setting) -> String {
         }
         Setting::ObjectVelocity(of, index) => format!("{}.velocity.{}", object(of), axis(index)),
         Setting::ObjectSpin(of, index) => format!("{}.spin.{}", object(of), axis(index)),
+        Setting::Strength(row) => strength_of(task, row),
+        Setting::SegmentMass(row) => mass_of(task, row),
+        Setting::ObjectMass(row) => {
+            let known = task.init.variation.masses.get(row).and_then(|known| task.scene.objects.get(known.object));
+            known.map_or_else(|| row.to_string(), |object| format!("{}.mass", object.name))
+        }
+        Setting::Friction(row) => {
+            task.init.variation.frictions.get(row).map_or_else(|| row.to_string(), |known| friction_of(task, known))
+        }
     }
+}
+
+/// Of which muscles a row of [`Variation::strengths`] is the factor: `strength of soleus_l, soleus_r`.
+///
+/// [`Variation::strengths`]: crate::init::Variation::strengths
+pub fn strength_of(task: &CompiledTask, row: usize) -> String {
+    let muscles = &task.vocabulary.muscles;
+    let name = |muscle: usize| muscles.get(muscle).map(|muscle| muscle.name.as_str());
+    scaled("strength", task.init.variation.strengths.get(row), muscles.len(), &name)
+}
+
+/// The same for masses of segments.
+pub fn mass_of(task: &CompiledTask, row: usize) -> String {
+    let landmarks = &task.vocabulary.landmarks;
+    let own = landmarks.iter().filter(|landmark| !landmark.of_scene).count();
+    let name = |landmark: usize| landmarks.get(landmark).map(|landmark| landmark.name.as_str());
+    scaled("mass", task.init.variation.segments.get(row), own, &name)
+}
+
+/// `ground.friction`, `ball.friction`.
+pub fn friction_of(task: &CompiledTask, friction: &Friction) -> String {
+    let object = friction.object.and_then(|object| task.scene.objects.get(object));
+    object.map_or_else(|| "ground.friction".to_owned(), |object| format!("{}.friction", object.name))
+}
+
+fn scaled<'a>(what: &str, scaling: Option<&Scaling>, all: usize, name: &dyn Fn(usize) -> Option<&'a str>) -> String {
+    let members = scaling.map_or(&[][..], |scaling| &scaling.members);
+    if members.len() == all {
+        return format!("{what} of all");
+    }
+    let name = |member: &usize| name(*member).unwrap_or("?");
+    let runs = members.chunk_by(|a, b| *b == a + 1).map(|run| match run {
+        [first, .., last] if run.len() > 3 => format!("{} to {} ({})", name(first), name(last), run.len()),
+        run => run.iter().map(name).collect::<Vec<_>>().join(", "),
+    });
+    format!("{what} of {}", runs.collect::<Vec<_>>().join(", "))
 }

@@ -4,6 +4,7 @@ use super::names;
 use super::{Section, digest, encoding};
 use crate::action::{ActionSpace, ActionTarget};
 use crate::graph::text::values;
+use crate::init::{Scaling, Variation};
 use crate::numbers::exact;
 use crate::scene::{Object, Parent};
 use crate::task::{CompiledTask, Spread};
@@ -159,6 +160,7 @@ impl CompiledTask {
                 sections.push(section);
             }
         }
+        sections.extend(self.variation_section());
         for start in &self.init.objects {
             let name =
                 self.scene.objects.get(start.object).map_or_else(|| start.object.to_string(), |object| object.name.clone());
@@ -178,6 +180,30 @@ impl CompiledTask {
                     .field("at rest", settle.at_rest),
             );
         }
+    }
+
+    /// What episodes have of their own; none where they have the body and the scene of the model.
+    fn variation_section(&self) -> Option<Section> {
+        let Variation { strengths, segments, masses, frictions } = &self.init.variation;
+        let mut section = Section::new("variation", "");
+        let scale = |scaling: &Scaling| match scaling.each {
+            None => exact(scaling.factor),
+            Some([low, high]) => format!("each uniform {low:?}..{high:?}"),
+        };
+        for (row, scaling) in strengths.iter().enumerate() {
+            section = section.field(&names::strength_of(self, row), scale(scaling));
+        }
+        for (row, scaling) in segments.iter().enumerate() {
+            section = section.field(&names::mass_of(self, row), scale(scaling));
+        }
+        for known in masses {
+            let name = self.scene.objects.get(known.object).map_or_else(String::new, |object| object.name.clone());
+            section = section.field(&format!("{name}.mass"), format!("{:?} kg", known.mass));
+        }
+        for known in frictions {
+            section = section.field(&names::friction_of(self, known), exact(known.sliding));
+        }
+        (!section.fields.is_empty()).then_some(section)
     }
 
     /// Names of joints, neighbours in the list joined.

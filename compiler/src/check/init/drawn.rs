@@ -48,7 +48,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Writes what is known; keeps what is drawn.
-    fn begin(
+    pub(super) fn begin(
         &mut self,
         node: NodeId,
         settings: &[Setting],

@@ -68,6 +68,7 @@ fn name_of(statement: &InitStatement) -> Option<String> {
         InitStatement::Pose(_) => Some("pose".to_owned()),
         InitStatement::Object(placement) => Some(placement.object.text.clone()),
         InitStatement::Noise(noise) => dotted(&noise.target),
+        InitStatement::Scaling(scaling) => Some(format!("{}.{}", scaling.quantity.word(), dotted(&scaling.target)?)),
         InitStatement::Settle(_) => Some("settle".to_owned()),
         InitStatement::Remove(_) | InitStatement::Allow(_) => None,
     }

@@ -6,6 +6,7 @@ mod noise;
 mod objects;
 mod pose;
 mod root;
+mod scaling;
 
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
@@ -61,7 +62,7 @@ impl<'a> Checker<'a> {
         let mut initial = InitialState { init: self.starting_objects(), ..InitialState::default() };
         let mut posed: Option<Span> = None;
         let mut failures = Failures::default();
-        failures.catch(self.drawn_places(&mut initial));
+        failures.catch(self.drawn_fields(&mut initial));
         // What is placed may differ from the pose: the pose comes first, wherever it stands.
         let is_pose = |row: &&Row<'a>| matches!(row.statement, InitStatement::Pose(_));
         let poses = rows.iter().filter(is_pose);
@@ -75,6 +76,7 @@ impl<'a> Checker<'a> {
                 InitStatement::Object(element) if element.object.text == "root" => checker.root(element, &mut initial),
                 InitStatement::Object(element) => checker.placement(element, &mut initial),
                 InitStatement::Noise(noise) => checker.noise(noise, &mut initial.init),
+                InitStatement::Scaling(scaling) => checker.scaling(scaling, &mut initial),
                 InitStatement::Settle(settle) => checker.settle(settle, &mut initial.init),
                 // Carried out already.
                 InitStatement::Allow(_) | InitStatement::Remove(_) => Ok(()),
@@ -102,18 +104,21 @@ impl<'a> Checker<'a> {
         failures.or(initial)
     }
 
-    /// Joints at zero and every free object where the scene has it.
+    /// Joints at zero and every object that is free, or placed for every episode, where the scene has it.
     fn starting_objects(&self) -> Init {
         let scene = self.scene.map(|scene| &scene.description);
         let objects = scene.into_iter().flat_map(|scene| scene.objects.iter().enumerate());
-        let free = objects.filter(|(_, object)| object.motion == Motion::Free).map(|(index, object)| ObjectStart {
-            object: index,
-            position: object.position,
-            orientation: object.orientation,
-            velocity: [0.0; 3],
-            spin: [0.0; 3],
-        });
-        Init { coordinates: vec![0.0; self.vocabulary.joints.len()], objects: free.collect(), ..Init::default() }
+        let placed =
+            objects.filter(|(_, object)| matches!(object.motion, Motion::Free | Motion::Placed)).map(|(index, object)| {
+                ObjectStart {
+                    object: index,
+                    position: object.position,
+                    orientation: object.orientation,
+                    velocity: [0.0; 3],
+                    spin: [0.0; 3],
+                }
+            });
+        Init { coordinates: vec![0.0; self.vocabulary.joints.len()], objects: placed.collect(), ..Init::default() }
     }
 
     /// `settle 50 ms with activation 0.2 at rest`: a whole number of physics steps.

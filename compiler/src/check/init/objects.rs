@@ -3,31 +3,85 @@
 use super::InitialState;
 use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
+use crate::check::scene::drawn::{DrawnField, SceneField};
+use crate::check::scene::rotation;
 use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{codes, nearest};
-use crate::scene::Motion;
-use crate::syntax::tree::{Field, Placement};
+use crate::graph::operation::{Binary, Unary};
+use crate::init::{Friction, ObjectMass};
+use crate::scene::{Motion, SceneDescription};
+use crate::syntax::tree::{Expr, Field, Placement};
 use crate::task::Setting;
 
 /// The settings of a free object.
 const FREE: [&str; 4] = ["at", "orientation", "velocity", "spin"];
 
 impl<'a> Checker<'a> {
-    /// Free objects whose place in the scene is drawn.
-    pub(super) fn drawn_places(&mut self, initial: &mut InitialState) -> Checked<()> {
+    /// Fields of the scene that are drawn.
+    pub(super) fn drawn_fields(&mut self, initial: &mut InitialState) -> Checked<()> {
         let Some(scene) = self.scene else { return Ok(()) };
         let mut failures = Failures::default();
-        for start in &scene.starts {
-            let Some(place) = initial.init.objects.iter().position(|known| known.object == start.object) else { continue };
-            let settings = [0, 1, 2].map(|axis| Setting::ObjectPosition(place, axis));
-            let result = self.in_file(start.file, |checker| {
-                checker.with_locals(&start.locals, |checker| {
-                    checker.begin_bracket(start.place, Dimension::LENGTH, "`at`", settings, initial)
-                })
+        for drawn in &scene.drawn {
+            let result = self.in_file(drawn.file, |checker| {
+                checker.with_locals(&drawn.locals, |checker| checker.draw_field(drawn, &scene.description, initial))
             });
             failures.catch(result);
         }
         failures.or(())
+    }
+
+    fn draw_field(&mut self, drawn: &DrawnField<'a>, scene: &SceneDescription, initial: &mut InitialState) -> Checked<()> {
+        let DrawnField { object, field, expr, .. } = *drawn;
+        let variation = &mut initial.init.variation;
+        let place = initial.init.objects.iter().position(|known| Some(known.object) == object);
+        match (field, object, place) {
+            (SceneField::Mass, Some(object), _) => {
+                let row = variation.masses.len();
+                variation.masses.push(ObjectMass { object, mass: scene.objects[object].mass });
+                self.begin_number(expr, Dimension::MASS, "`mass`", Setting::ObjectMass(row), initial)
+            }
+            (SceneField::Friction, ..) => {
+                let row = variation.frictions.len();
+                let surface = object.map_or(scene.ground, |object| Some(scene.objects[object].surface));
+                variation.frictions.push(Friction { object, sliding: surface.unwrap_or_default().friction[0] });
+                self.begin_number(expr, Dimension::NONE, "`friction`", Setting::Friction(row), initial)
+            }
+            (SceneField::Place, _, Some(place)) => {
+                let settings = [0, 1, 2].map(|axis| Setting::ObjectPosition(place, axis));
+                self.begin_bracket(expr, Dimension::LENGTH, "`at`", settings, initial)
+            }
+            (SceneField::Turn, _, Some(place)) => self.begin_turn(expr, rotation::NONE, [0.0, 0.0, 1.0], place, initial),
+            // Positive inclination rises along x, which is a turn about -y.
+            (SceneField::Angle(base), _, Some(place)) => self.begin_turn(expr, base, [0.0, -1.0, 0.0], place, initial),
+            _ => Ok(()),
+        }
+    }
+
+    /// The orientation `base`, turned about its own `axis` by an angle that is drawn.
+    fn begin_turn(
+        &mut self,
+        expr: &'a Expr,
+        base: [f64; 4],
+        axis: [f64; 3],
+        place: usize,
+        initial: &mut InitialState,
+    ) -> Checked<()> {
+        let angle = self.number_of(expr, Dimension::ANGLE, "the angle")?.node;
+        let half = self.graph.constant(0.5);
+        let half = self.graph.binary(Binary::Multiply, half, angle);
+        let [sine, cosine] = [Unary::Sine, Unary::Cosine].map(|function| self.graph.unary(function, half));
+        let [x, y, z] = axis;
+        let across = rotation::product(base, [0.0, x, y, z]);
+        for part in 0..4 {
+            // The product of quaternions is linear in the second: base (cos + axis sin).
+            let terms = [(cosine, base[part]), (sine, across[part])].map(|(node, factor)| {
+                let factor = self.graph.constant(factor);
+                self.graph.binary(Binary::Multiply, factor, node)
+            });
+            let component = self.graph.binary(Binary::Add, terms[0], terms[1]);
+            self.begin(component, &[Setting::ObjectOrientation(place, part)], expr.span, "`orientation`", initial)?;
+        }
+        Ok(())
     }
 
     /// `cube { at [1 m, 0, 1 m], velocity [-4 m/s, 0, 1 m/s] }`, `door { swing 10 deg }`
@@ -79,8 +133,7 @@ impl<'a> Checker<'a> {
         let joint = format!("{name}.{word}");
         if let Some(index) = self.vocabulary.joints.iter().position(|known| known.name == joint) {
             let expr = self.field_value(field)?;
-            initial.init.coordinates[index] = self.coordinate(index, expr, field.name.span)?;
-            return Ok(());
+            return self.begin_coordinate(index, expr, field.name.span, initial);
         }
         let scene = self.scene.map(|scene| &scene.description);
         let free = |index: usize| {

@@ -3,6 +3,7 @@
 use super::InitialState;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
+use crate::check::scene::drawn::FieldNumber;
 use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{Span, codes};
 use crate::init::{Following, Parts, Start};
@@ -10,7 +11,7 @@ use crate::motion::RootPart;
 use crate::numbers::distinguished;
 use crate::resolve::scope::{Declared, Definition};
 use crate::syntax::tree::{Assignment, Expr, Ident, PoseUse};
-use crate::task::Init;
+use crate::task::{Init, Setting};
 use crate::vocabulary::JointKind;
 
 impl<'a> Checker<'a> {
@@ -19,12 +20,11 @@ impl<'a> Checker<'a> {
         if matches!(declared, Some((Declared { definition: Definition::Reference(_), .. }, _))) {
             return self.pose_of_motion(pose, initial);
         }
-        let init = &mut initial.init;
-        self.named_pose(&pose.name, init)?;
-        let mut set = vec![false; init.coordinates.len()];
+        self.named_pose(&pose.name, &mut initial.init)?;
+        let mut set = vec![false; initial.init.coordinates.len()];
         let mut failures = Failures::default();
         for adjustment in &pose.adjustments {
-            failures.catch(self.adjust(adjustment, &mut init.coordinates, &mut set));
+            failures.catch(self.adjust(adjustment, initial, &mut set));
         }
         failures.or(())
     }
@@ -43,9 +43,10 @@ impl<'a> Checker<'a> {
         let mut set = vec![false; joints.len()];
         let mut failures = Failures::default();
         for adjustment in &pose.adjustments {
-            failures.catch(self.adjust(adjustment, &mut init.coordinates, &mut set));
+            failures.catch(self.adjust(adjustment, initial, &mut set));
         }
         failures.or(())?;
+        let init = &mut initial.init;
         let moved = joints.iter().enumerate().filter(|(index, joint)| joint.independent && !set[*index]);
         let motion = known.motion;
         let parts = Parts {
@@ -81,13 +82,15 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    /// Sets the joints that an assignment names.
-    pub(in crate::check) fn adjust(
-        &mut self,
-        adjustment: &'a Assignment,
-        coordinates: &mut [f64],
-        set: &mut [bool],
-    ) -> Checked<()> {
+    fn adjust(&mut self, adjustment: &'a Assignment, initial: &mut InitialState, set: &mut [bool]) -> Checked<()> {
+        for index in self.adjusted(adjustment, set)? {
+            self.begin_coordinate(index, &adjustment.value, adjustment.target.span, initial)?;
+        }
+        Ok(())
+    }
+
+    /// The joints that an assignment sets, each once.
+    pub(in crate::check) fn adjusted(&mut self, adjustment: &'a Assignment, set: &mut [bool]) -> Checked<Vec<usize>> {
         let things = match self.value(&adjustment.target)? {
             Value::Entity(thing) => vec![thing],
             Value::Entities { members, .. } => members,
@@ -96,6 +99,7 @@ impl<'a> Checker<'a> {
         if things.is_empty() {
             return Err(self.error(codes::types::WRONG_TYPE, adjustment.target.span, "a pose sets joints"));
         }
+        let mut joints = Vec::with_capacity(things.len());
         for thing in things {
             let EntityRef::Joint(index) = thing else {
                 let message = format!("a pose sets joints, found {}", self.thing_name(thing));
@@ -105,19 +109,42 @@ impl<'a> Checker<'a> {
                 let message = format!("the joint `{}` is set twice", self.vocabulary.joints[index].name);
                 return Err(self.error(codes::tasks::REPEATED, adjustment.target.span, message));
             }
-            coordinates[index] = self.coordinate(index, &adjustment.value, adjustment.target.span)?;
+            joints.push(index);
         }
-        Ok(())
+        Ok(joints)
+    }
+
+    /// The initial coordinate of a joint, known or drawn.
+    pub(super) fn begin_coordinate(
+        &mut self,
+        index: usize,
+        value: &'a Expr,
+        named: Span,
+        initial: &mut InitialState,
+    ) -> Checked<()> {
+        let number = self.coordinate_number(index, value, named)?;
+        initial.init.coordinates[index] = number.value;
+        let Some(expr) = number.drawn else { return Ok(()) };
+        let node = self.data(expr)?.node;
+        self.begin(node, &[Setting::Coordinate(index)], expr.span, "a coordinate", initial)
     }
 
     /// A coordinate of a joint, which must be independent and within its range.
-    pub(super) fn coordinate(&mut self, index: usize, value: &'a Expr, named: Span) -> Checked<f64> {
+    pub(in crate::check) fn coordinate(&mut self, index: usize, value: &'a Expr, named: Span) -> Checked<f64> {
+        let number = self.coordinate_number(index, value, named)?;
+        match number.drawn {
+            None => Ok(number.value),
+            Some(expr) => Err(self.must_be_known(expr.span, "a coordinate in a test")),
+        }
+    }
+
+    fn coordinate_number(&mut self, index: usize, value: &'a Expr, named: Span) -> Checked<FieldNumber<'a>> {
         let joint = &self.vocabulary.joints[index];
         let (dimension, unit, factor) = match joint.kind {
             JointKind::Hinge => (Dimension::ANGLE, "deg", 180.0 / std::f64::consts::PI),
             JointKind::Slide => (Dimension::LENGTH, "m", 1.0),
         };
-        let chosen = self.fixed_number(value, dimension, &format!("the joint `{}`", joint.name))?;
+        let chosen = self.field_number(value, dimension, &format!("the joint `{}`", joint.name))?;
         if !joint.independent {
             let message = format!("the joint `{}` is coupled to another joint; its coordinate cannot be set", joint.name);
             let diagnostic = self
@@ -125,10 +152,12 @@ impl<'a> Checker<'a> {
                 .help("set the independent joint of its coupling; `msk vocabulary` lists the independent joints");
             return Err(self.report(diagnostic));
         }
+        let outside =
+            |[low, high]: [f64; 2]| [chosen.bounds.low, chosen.bounds.high].into_iter().find(|end| !(low..=high).contains(end));
         if let Some([low, high]) = joint.range
-            && !(low..=high).contains(&chosen)
+            && let Some(end) = outside([low, high])
         {
-            let shown = distinguished(&[low * factor, high * factor, chosen * factor]);
+            let shown = distinguished(&[low * factor, high * factor, end * factor]);
             let diagnostic = self
                 .diagnostic(codes::tasks::OUT_OF_RANGE, value.span, format!("`{}` cannot have this value", joint.name))
                 .expected(format!("{} .. {} {unit}", shown[0], shown[1]))

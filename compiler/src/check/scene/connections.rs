@@ -181,7 +181,7 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::tasks::MISSING, element.span, "`disturb` needs a landmark or an object"));
         };
         let landmark = match self.name(name)? {
-            Value::Entity(EntityRef::Landmark(index)) if !self.stands_still(index) => index,
+            Value::Entity(EntityRef::Landmark(index)) if !self.stands_over_episode(index) => index,
             Value::Entity(EntityRef::Landmark(_)) => {
                 return Err(self.error(
                     codes::scene::MOTION,

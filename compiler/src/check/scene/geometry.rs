@@ -1,6 +1,7 @@
 //! Sizes and places of objects that formulas read: constants, so that a task never repeats values of its scene.
 
-use super::{Stage, shapes};
+use super::drawn::SceneField;
+use super::{CheckedScene, Stage, shapes};
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::check::signals::{self, Owner, Read};
@@ -9,7 +10,7 @@ use crate::check::value::{EntityRef, TypedValue};
 use crate::diagnostics::{Span, codes};
 use crate::frame::Sensor;
 use crate::graph::NodeId;
-use crate::scene::{Motion, Parent, Shape, Terrain};
+use crate::scene::{Motion, Object, Parent, Shape, Terrain};
 use crate::syntax::tree::Name;
 
 /// A constant of an object.
@@ -108,7 +109,16 @@ impl<'a> Checker<'a> {
         let mut kind = None;
         for index in objects {
             let object = self.vocabulary.landmarks[index].name.clone();
-            let Some(data) = self.known_constant(&format!("{object}.{}", name.text)) else {
+            let drawn = match name.text.as_str() {
+                "friction" => self.drawn_field(index, |field| field == SceneField::Friction),
+                "angle" => self.drawn_field(index, |field| matches!(field, SceneField::Angle(_))),
+                _ => None,
+            };
+            let known = match drawn {
+                Some(drawn) => Some(drawn?),
+                None => self.known_constant(&format!("{object}.{}", name.text)),
+            };
+            let Some(data) = known else {
                 return Err(self.no_such_size(&object, signal.read, name));
             };
             let own = data.kind.element_at(0);
@@ -173,6 +183,15 @@ impl<'a> Checker<'a> {
             LandmarkAxes(_) => landmark.neutral_axes.to_vec(),
             _ => vec![0.0; 3],
         })
+    }
+
+    /// Whether a landmark is an object that stays where it is over an episode.
+    pub(crate) fn stands_over_episode(&self, landmark: usize) -> bool {
+        let placed = |scene: &CheckedScene<'_>, object: usize| {
+            matches!(scene.description.objects.get(object), Some(Object { motion: Motion::Placed, .. }))
+        };
+        self.stands_still(landmark)
+            || self.object_of(landmark).zip(self.scene).is_some_and(|(object, scene)| placed(scene, object))
     }
 
     /// Whether a landmark is an object that nothing can move.

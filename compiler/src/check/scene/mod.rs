@@ -5,13 +5,14 @@
 //!
 //! 1. `elements`: which elements and fields there are, one table;
 //! 2. `expand`: loops unrolled, removals carried out;
-//! 3. `fields`, `shapes`, `heights`, `joints`, `object`: one element with its parts;
+//! 3. `fields`, `shapes`, `heights`, `joints`, `object`: one element with its parts; `drawn`: fields that chance decides;
 //! 4. `geometry`, `parts`: sizes and places that formulas read, so that a task never repeats them;
 //! 5. `groups`: named sets;
 //! 6. `repeats`: lints;
 //! 7. `connections`: welds, releases and markers, whose formulas see the whole vocabulary.
 
 pub(crate) mod connections;
+pub(crate) mod drawn;
 pub mod elements;
 pub(crate) mod expand;
 mod fields;
@@ -22,10 +23,10 @@ mod joints;
 pub(crate) mod object;
 mod parts;
 mod repeats;
-mod rotation;
+pub(crate) mod rotation;
 mod shapes;
 
-use super::context::{Checker, Reported};
+use super::context::{Checked, Checker, Reported};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::numbers::for_people;
 use crate::resolve::inherit::WholeTask;
@@ -33,6 +34,7 @@ use crate::resolve::scope::{Names, Place};
 use crate::scene::{Motion, Object, Parent, SceneDescription, Shape, Surface};
 use crate::syntax::tree::{Element, ElementName, Expr, TaskStatement};
 use crate::vocabulary::{Landmark, Vocabulary};
+use drawn::{DrawnField, SceneField};
 use expand::{Expanded, Locals, Merging, Unrolled};
 use geometry::Known;
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,22 +51,12 @@ pub(crate) struct CheckedScene<'a> {
     pub fixed: Vec<bool>,
     /// Constants of objects by `NAME.SIGNAL`.
     pub known: BTreeMap<String, Known>,
-    /// Free objects that start where it is drawn.
-    pub starts: Vec<Start<'a>>,
+    /// Fields that are drawn for every episode.
+    pub drawn: Vec<DrawnField<'a>>,
     /// Names of the task that the scene reads.
     pub used: BTreeSet<String>,
     /// The unrolled statements.
     pub statements: Expanded<'a>,
-}
-
-/// Where a free object starts, if that is drawn.
-#[derive(Debug, Clone)]
-pub(crate) struct Start<'a> {
-    /// Its place in the scene.
-    pub object: usize,
-    pub place: &'a Expr,
-    pub locals: Locals,
-    pub file: FileId,
 }
 
 /// A scene in the making.
@@ -73,7 +65,7 @@ pub(super) struct Stage<'a> {
     pub fixed: Vec<bool>,
     /// Where each object was written.
     pub spans: Vec<(FileId, Span)>,
-    pub starts: Vec<Start<'a>>,
+    pub drawn: Vec<DrawnField<'a>>,
     /// Objects as landmarks in the making: their places and axes in the world, if they stand still.
     pub landmarks: Vec<Landmark>,
 }
@@ -92,6 +84,21 @@ impl<'a> Stage<'a> {
         self.scene.objects.push(object);
         self.fixed.push(fixed);
         self.spans.push(span);
+    }
+
+    /// Whether an object stays where it is over an episode.
+    pub(super) fn stands(&self, index: usize) -> bool {
+        let object = &self.scene.objects[index];
+        match (&object.motion, &object.parent) {
+            (Motion::Placed, _) | (Motion::Fixed, Parent::World) => true,
+            (Motion::Fixed, Parent::Object(parent)) => self.stands(*parent),
+            _ => false,
+        }
+    }
+
+    /// Notes that a field is drawn.
+    pub(super) fn draw(&mut self, object: Option<usize>, field: SceneField, expr: &'a Expr, (locals, file): (&Locals, FileId)) {
+        self.drawn.push(DrawnField { object, field, expr, locals: locals.clone(), file });
     }
 
     fn carriers(&self, body: &Vocabulary, object: &Object) -> Vec<Landmark> {
@@ -148,21 +155,21 @@ pub(crate) fn of_task<'a>(
     }
     let statements = merging.merged();
     let (stage, known) = checker.stage(&statements);
-    let (description, fixed, starts, used) = (stage.scene, stage.fixed, stage.starts, std::mem::take(&mut checker.used));
+    let (description, fixed, drawn, used) = (stage.scene, stage.fixed, stage.drawn, std::mem::take(&mut checker.used));
     let graph = std::mem::take(&mut checker.graph);
     let hir = Arc::new(std::mem::take(&mut checker.hir));
     checker.keep_for_editors(hir, &graph);
-    (CheckedScene { description, fixed, known, starts, used, statements }, checker.diagnostics)
+    (CheckedScene { description, fixed, known, drawn, used, statements }, checker.diagnostics)
 }
 
 /// The level ground of a task without a scene.
-const GROUND: Surface = Surface { friction: [1.0, 0.005, 0.0001], solid: true, walkable: true };
+const GROUND: Surface = Surface { friction: [1.0, 0.005, 0.0001], decides: false, solid: true, walkable: true };
 
 impl<'a> Checker<'a> {
     /// The elements and groups of a scene.
     fn stage(&mut self, statements: &Expanded<'a>) -> (Stage<'a>, BTreeMap<String, Known>) {
-        let (fixed, spans, starts, landmarks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut stage = Stage { scene: SceneDescription::default(), fixed, spans, starts, landmarks };
+        let (fixed, spans, drawn, landmarks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut stage = Stage { scene: SceneDescription::default(), fixed, spans, drawn, landmarks };
         let mut broken: Vec<(FileId, Span)> = Vec::new();
         for Unrolled { statement: element, name, locals, file, .. } in &statements.elements {
             // Errors are reported, for one round of a loop; the other elements are checked all the same.
@@ -171,7 +178,7 @@ impl<'a> Checker<'a> {
             }
             let before = self.diagnostics.len();
             let check = |checker: &mut Self| match name {
-                None => checker.ground(&mut stage, element),
+                None => checker.ground(&mut stage, element, locals),
                 Some(name) => checker.object(&mut stage, element, name, None, locals),
             };
             let result = self.in_file(*file, |checker| checker.with_locals(locals, check));
@@ -190,7 +197,7 @@ impl<'a> Checker<'a> {
         (stage, std::mem::take(&mut self.known))
     }
 
-    fn ground(&mut self, stage: &mut Stage<'a>, element: &'a crate::syntax::tree::Element) -> super::context::Checked<()> {
+    fn ground(&mut self, stage: &mut Stage<'a>, element: &'a Element, locals: &Locals) -> Checked<()> {
         let Some(kind) = elements::find("ground") else {
             return Err(self.error(codes::tasks::UNKNOWN_SETTING, element.kind.span, "a scene has no `ground` here"));
         };
@@ -199,7 +206,11 @@ impl<'a> Checker<'a> {
             let message = "the ground has no parts; declare elements beside it";
             return Err(self.error(codes::tasks::UNKNOWN_SETTING, part.span, message));
         }
-        let surface = Surface { friction: self.friction(&fields)?, ..GROUND };
+        let (friction, drawn) = self.friction(&fields)?;
+        let surface = Surface { friction, decides: drawn.is_some(), ..GROUND };
+        if let Some(expr) = drawn {
+            stage.draw(None, SceneField::Friction, expr, (locals, self.place.file));
+        }
         if stage.scene.ground.replace(surface).is_some() {
             return Err(self.error(codes::tasks::REPEATED, element.span, "`ground` is declared twice"));
         }
@@ -239,13 +250,13 @@ impl<'a> Checker<'a> {
         let total = stage.scene.masses();
         for (index, object) in objects.iter().enumerate() {
             let (file, span) = stage.spans[index];
-            if object.motion != Motion::Fixed && total[index] <= 0.0 {
+            if !matches!(object.motion, Motion::Fixed | Motion::Placed) && total[index] <= 0.0 {
                 let message = format!("`{}` moves, but none of its parts has a mass", object.name);
                 let diagnostic = Diagnostic::new(codes::scene::MASS, file, span, message)
                     .help("give one of its shapes `mass 2 kg` or `density 500 kg/m^3`");
                 self.report(diagnostic);
             }
-            if stage.fixed[index] && object.mass > 0.0 {
+            if stage.stands(index) && object.mass > 0.0 {
                 let message = format!("`{}` is fixed: its mass has no effect", object.name);
                 let diagnostic = Diagnostic::new(codes::lints::IDLE_MASS, file, span, message)
                     .help("remove it, or make the object movable: `free`, or a joint");

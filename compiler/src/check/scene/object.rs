@@ -1,13 +1,14 @@
 //! One element: from its fields and parts to objects of the scene.
 
+use super::drawn::{FieldNumber, SceneField};
 use super::elements::{self, KINDS};
 use super::fields::Fields;
-use super::{Stage, Start, head, rotation, shapes};
+use super::{Stage, head, rotation, shapes};
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::scene::expand::Locals;
 use crate::check::signals::{self, Owner};
-use crate::diagnostics::{codes, nearest};
+use crate::diagnostics::{Span, codes, nearest};
 use crate::scene::{Motion, Object, Parent, Shape, Surface};
 use crate::syntax::tree::{Element, Expr, ExprKind};
 
@@ -55,8 +56,11 @@ impl<'a> Checker<'a> {
         let fields = self.fields(element, kind)?;
         let placed = self.placed(&fields)?;
         let parent = self.parent(stage, element, carrier)?;
-        let motion = self.motion(stage, element, &fields, name, &parent)?;
-        let surface = self.surface(&fields, placed.shape.as_ref())?;
+        let mut motion = self.motion(stage, element, &fields, name, &parent)?;
+        if !placed.drawn.is_empty() {
+            motion = self.placed_by_chance(motion, &parent, &placed.drawn)?;
+        }
+        let (surface, friction) = self.surface(&fields, placed.shape.as_ref())?;
         let mass = self.mass(&fields, placed.shape.as_ref())?;
         let fixed = motion == Motion::Fixed
             && match parent {
@@ -64,13 +68,18 @@ impl<'a> Checker<'a> {
                 Parent::Object(index) => stage.fixed[index],
                 Parent::Landmark(_) => false,
             };
-        self.must_stand_if_walked_on(&fields, placed.shape.as_ref(), &surface, fixed)?;
+        let stands = match (&motion, &parent) {
+            (Motion::Placed, _) => true,
+            (Motion::Fixed, Parent::Object(index)) => stage.stands(*index),
+            _ => fixed,
+        };
+        self.must_stand_if_walked_on(&fields, placed.shape.as_ref(), &surface, stands)?;
         let index = stage.scene.objects.len();
-        if let Some(place) = placed.drawn {
-            stage.starts.push(Start { object: index, place, locals: locals.clone(), file: self.place.file });
-        }
+        let mass_drawn = mass.drawn.map(|expr| (SceneField::Mass, expr));
+        let drawn = placed.drawn.iter().copied().chain(mass_drawn).chain(friction.map(|expr| (SceneField::Friction, expr)));
+        drawn.for_each(|(field, expr)| stage.draw(Some(index), field, expr, (locals, self.place.file)));
         let terrain = matches!(placed.shape, Some(Shape::Plane | Shape::Terrain(_)));
-        if terrain && !fixed {
+        if terrain && !stands {
             let message = format!("{} cannot be part of a moving element", kind.name);
             return Err(self.error(codes::scene::MOTION, element.kind.span, message));
         }
@@ -84,7 +93,7 @@ impl<'a> Checker<'a> {
                 orientation: placed.orientation,
                 motion,
                 shape: placed.shape,
-                mass,
+                mass: mass.value,
                 surface,
             },
             fixed,
@@ -197,22 +206,41 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn surface(&mut self, fields: &Fields<'a>, shape: Option<&Shape>) -> Checked<Surface> {
-        let mut surface = Surface { friction: self.friction(fields)?, ..Surface::default() };
+    /// Only what stands in the world, or is free, can stand elsewhere in every episode.
+    fn placed_by_chance(&mut self, motion: Motion, parent: &Parent, drawn: &[(SceneField, &'a Expr)]) -> Checked<Motion> {
+        match (motion, parent) {
+            (Motion::Fixed, Parent::World) => Ok(Motion::Placed),
+            (Motion::Free, _) => Ok(Motion::Free),
+            _ => {
+                let span = drawn.first().map_or_else(Span::default, |(_, expr)| expr.span);
+                let message = "only what is free, or fixed to the world, can have another place in every episode";
+                let diagnostic = self
+                    .diagnostic(codes::types::NOT_CONSTANT, span, message)
+                    .help("put it into a frame that is placed: `body frame { at [x, 0, 0], body door { hinge swing { ... } } }`");
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// How it meets others, and its friction if that is drawn.
+    fn surface(&mut self, fields: &Fields<'a>, shape: Option<&Shape>) -> Checked<(Surface, Option<&'a Expr>)> {
+        let (friction, drawn) = self.friction(fields)?;
+        let mut surface = Surface { friction, decides: drawn.is_some(), ..Surface::default() };
         surface.solid = self.flag(fields, "solid", true)?;
         surface.walkable = self.flag(fields, "walkable", matches!(shape, Some(Shape::Terrain(_))) && surface.solid)?;
         if surface.walkable && !surface.solid {
             let message = "an object without contacts cannot be walkable";
             return Err(self.error(codes::scene::MOTION, fields.span, message));
         }
-        Ok(surface)
+        Ok((surface, drawn))
     }
 
-    /// `friction 1.5`, or the sliding, torsional and rolling one.
-    pub(super) fn friction(&mut self, fields: &Fields<'a>) -> Checked<[f64; 3]> {
+    /// `friction 1.5`, or the sliding, torsional and rolling one; the sliding one alone may be drawn.
+    pub(super) fn friction(&mut self, fields: &Fields<'a>) -> Checked<([f64; 3], Option<&'a Expr>)> {
         let mut friction = Surface::default().friction;
-        let Some(field) = fields.get("friction") else { return Ok(friction) };
+        let Some(field) = fields.get("friction") else { return Ok((friction, None)) };
         let expr = self.field_value(field)?;
+        let mut drawn = None;
         if let ExprKind::List(parts) = &expr.kind
             && let [sliding, torsional, rolling] = parts.as_slice()
         {
@@ -220,25 +248,39 @@ impl<'a> Checker<'a> {
             friction[1] = self.fixed_number(torsional, Dimension::LENGTH, "torsional `friction`")?;
             friction[2] = self.fixed_number(rolling, Dimension::LENGTH, "rolling `friction`")?;
         } else {
-            friction[0] = self.fixed_number(expr, Dimension::NONE, "`friction`")?;
+            let sliding = self.field_number(expr, Dimension::NONE, "`friction`")?;
+            let negative = |value: f64| (value < 0.0).then_some("is negative");
+            self.must_be_within(&sliding, negative, "`friction`", expr.span)?;
+            (friction[0], drawn) = (sliding.value, sliding.drawn);
         }
         if friction.iter().any(|value| *value < 0.0) {
             return Err(self.error(codes::scene::SIZE, expr.span, "`friction` is negative"));
         }
-        Ok(friction)
+        Ok((friction, drawn))
     }
 
-    fn mass(&mut self, fields: &Fields<'a>, shape: Option<&Shape>) -> Checked<f64> {
+    fn mass(&mut self, fields: &Fields<'a>, shape: Option<&Shape>) -> Checked<FieldNumber<'a>> {
         match (fields.get("mass"), fields.get("density")) {
             (Some(_), Some(density)) => {
                 Err(self.error(codes::tasks::REPEATED, density.span, "`mass` and `density` exclude each other"))
             }
-            (Some(_), None) => self.positive(fields, "mass", Dimension::MASS),
+            (Some(field), None) => {
+                let expr = self.field_value(field)?;
+                let mass = self.field_number(expr, Dimension::MASS, "`mass`")?;
+                match mass.drawn {
+                    None => self.must_be_positive(mass.value, "mass", expr.span)?,
+                    Some(_) => {
+                        let wrong = |value: f64| (value <= 0.0).then_some("is not positive");
+                        self.must_be_within(&mass, wrong, "`mass`", expr.span)?;
+                    }
+                }
+                Ok(mass)
+            }
             (None, Some(_)) => {
                 let density = self.positive(fields, "density", Dimension::of(-3, 1, 0, 0))?;
-                Ok(density * shape.and_then(shapes::volume).unwrap_or(0.0))
+                Ok(FieldNumber::known(density * shape.and_then(shapes::volume).unwrap_or(0.0), Dimension::MASS))
             }
-            (None, None) => Ok(0.0),
+            (None, None) => Ok(FieldNumber::known(0.0, Dimension::MASS)),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Shapes from the fields of an element: sizes, volumes, and how far a shape reaches up and down.
 
+use super::drawn::{FieldNumber, SceneField};
 use super::fields::Fields;
 use super::rotation;
 use crate::check::context::{Checked, Checker};
@@ -7,7 +8,7 @@ use crate::check::dimension::Dimension;
 use crate::diagnostics::codes;
 use crate::extremes::{maximum, minimum};
 use crate::scene::{Shape, Terrain};
-use crate::syntax::tree::{Expr, FieldValue};
+use crate::syntax::tree::{Expr, ExprKind, FieldValue};
 use std::f64::consts::PI;
 
 /// A shape and where its own frame stands in that of its parent.
@@ -16,8 +17,8 @@ pub(super) struct Placed<'a> {
     pub shape: Option<Shape>,
     pub position: [f64; 3],
     pub orientation: [f64; 4],
-    /// Where a free thing starts, if that is drawn anew in every episode.
-    pub drawn: Option<&'a Expr>,
+    /// What of its place is drawn for every episode.
+    pub drawn: Vec<(SceneField, &'a Expr)>,
 }
 
 impl<'a> Checker<'a> {
@@ -31,12 +32,17 @@ impl<'a> Checker<'a> {
             "capsule" | "cylinder" => return self.long_shape(fields),
             "plane" => Some(Shape::Plane),
             "stairs" => Some(Shape::Terrain(self.stairs(fields)?)),
-            "slope" => Some(Shape::Terrain(self.slope(fields)?)),
+            "slope" => return self.slope(fields),
             "heights" => Some(Shape::Terrain(self.heights(fields)?)),
             _ => None,
         };
-        let (position, drawn) = self.place_of(fields)?;
-        Ok(Placed { shape, position, orientation: self.orientation_of(fields)?, drawn })
+        self.placed_shape(fields, shape)
+    }
+
+    fn placed_shape(&mut self, fields: &Fields<'a>, shape: Option<Shape>) -> Checked<Placed<'a>> {
+        let (position, place) = self.place_of(fields)?;
+        let (orientation, turn) = self.orientation_of(fields)?;
+        Ok(Placed { shape, position, orientation, drawn: place.into_iter().chain(turn).collect() })
     }
 
     fn extents(&mut self, fields: &Fields<'a>) -> Checked<[f64; 3]> {
@@ -50,33 +56,31 @@ impl<'a> Checker<'a> {
     }
 
     /// `at [x, y, z]` in the frame of the parent; its origin by default.
-    fn place_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 3], Option<&'a Expr>)> {
+    fn place_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 3], Option<(SceneField, &'a Expr)>)> {
         let Some(field) = fields.get("at") else { return Ok(([0.0; 3], None)) };
         let expr = self.field_value(field)?;
-        if fields.get("free").is_none() {
-            return Ok((self.fixed_bracket(expr, Dimension::LENGTH, "`at`")?, None));
-        }
-        // The place of a free thing may be drawn: that is checked with the initial state, when what is drawn is known.
-        Ok(match self.attempt(|checker| checker.fixed_bracket(expr, Dimension::LENGTH, "`at`")) {
-            Some(place) => (place, None),
-            None => ([0.0; 3], Some(expr)),
+        Ok(match self.bracket_of_draws(expr, Dimension::LENGTH, "`at`")? {
+            // A free thing has no place in the model.
+            Some(_) if fields.get("free").is_some() => ([0.0; 3], Some((SceneField::Place, expr))),
+            Some(place) => (place, Some((SceneField::Place, expr))),
+            None => (self.fixed_bracket(expr, Dimension::LENGTH, "`at`")?, None),
         })
     }
 
-    fn orientation_of(&mut self, fields: &Fields<'a>) -> Checked<[f64; 4]> {
-        match fields.get("orientation") {
-            Some(field) => {
-                let expr = self.field_value(field)?;
-                self.turned(expr)
-            }
-            None => Ok(rotation::NONE),
+    fn orientation_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 4], Option<(SceneField, &'a Expr)>)> {
+        let Some(field) = fields.get("orientation") else { return Ok((rotation::NONE, None)) };
+        let expr = self.field_value(field)?;
+        if matches!(expr.kind, ExprKind::List(_)) {
+            return Ok((self.turned(expr)?, None));
         }
+        let FieldNumber { value, drawn, .. } = self.field_number(expr, Dimension::ANGLE, "`orientation`")?;
+        Ok((rotation::turned([0.0, 0.0, value]), drawn.map(|expr| (SceneField::Turn, expr))))
     }
 
     /// A capsule or cylinder: by its length and direction, or by its ends.
     fn long_shape(&mut self, fields: &Fields<'a>) -> Checked<Placed<'a>> {
         let radius = self.positive(fields, "radius", Dimension::LENGTH)?;
-        let (length, (position, drawn), orientation) = match fields.get("from") {
+        let (length, (position, place), (orientation, turn)) = match fields.get("from") {
             Some(field) => {
                 for other in ["at", "along", "orientation", "length"] {
                     if let Some(other) = fields.get(other) {
@@ -92,12 +96,12 @@ impl<'a> Checker<'a> {
                     return Err(self.error(codes::scene::SIZE, field.span, "both ends are at the same place"));
                 };
                 let middle = core::array::from_fn(|k| 0.5 * (start[k] + end[k]));
-                (rotation::length(along), (middle, None), rotation::z_to(direction))
+                (rotation::length(along), (middle, None), (rotation::z_to(direction), None))
             }
             None => {
                 let length = self.positive(fields, "length", Dimension::LENGTH)?;
                 let orientation = match (fields.get("along"), fields.get("orientation")) {
-                    (Some(along), None) => rotation::z_to(self.direction(along)?),
+                    (Some(along), None) => (rotation::z_to(self.direction(along)?), None),
                     (Some(_), Some(turned)) => {
                         let message = "`along` already determines the orientation";
                         return Err(self.error(codes::tasks::REPEATED, turned.span, message));
@@ -108,7 +112,7 @@ impl<'a> Checker<'a> {
             }
         };
         let shape = if fields.kind() == "capsule" { Shape::Capsule(radius, length) } else { Shape::Cylinder(radius, length) };
-        Ok(Placed { shape: Some(shape), position, orientation, drawn })
+        Ok(Placed { shape: Some(shape), position, orientation, drawn: place.into_iter().chain(turn).collect() })
     }
 
     fn unread_ends(&mut self, span: crate::diagnostics::Span) -> crate::check::context::Reported {
@@ -147,20 +151,29 @@ impl<'a> Checker<'a> {
         Ok(Terrain::Stairs { count: count as u32, rise, run, width })
     }
 
-    fn slope(&mut self, fields: &Fields<'a>) -> Checked<Terrain> {
+    /// A slope whose angle is drawn is a level one, which its object turns; it is as long as the steepest asks for.
+    fn slope(&mut self, fields: &Fields<'a>) -> Checked<Placed<'a>> {
         let length = self.positive(fields, "length", Dimension::LENGTH)?;
         let width = self.positive(fields, "width", Dimension::LENGTH)?;
         let field = self.required(fields, "angle")?;
         let expr = self.field_value(field)?;
-        let angle = self.fixed_number(expr, Dimension::ANGLE, "`angle`")?;
-        if angle.abs() > 80.0 * PI / 180.0 {
-            return Err(self.error(
-                codes::scene::SIZE,
-                expr.span,
-                "the angle of a slope is at most 80 deg; use a box for a wall",
-            ));
+        let angle = self.field_number(expr, Dimension::ANGLE, "`angle`")?;
+        let wall = |angle: f64| (angle.abs() > 80.0 * PI / 180.0).then_some("is steeper than 80 deg");
+        self.must_be_within(&angle, wall, "`angle`", expr.span)?;
+        let Some(drawn) = angle.drawn else {
+            let terrain = Terrain::Slope { length, width, angle: angle.value };
+            return self.placed_shape(fields, Some(Shape::Terrain(terrain)));
+        };
+        let steepest = maximum(angle.bounds.low.abs(), angle.bounds.high.abs());
+        let terrain = Terrain::Slope { length: length / libm::cos(steepest), width, angle: 0.0 };
+        let mut placed = self.placed_shape(fields, Some(Shape::Terrain(terrain)))?;
+        if let Some((_, turn)) = placed.drawn.iter().find(|(field, _)| *field == SceneField::Turn) {
+            let message = "only one of `angle` and `orientation` of a slope can be drawn";
+            return Err(self.error(codes::types::NOT_CONSTANT, turn.span, message));
         }
-        Ok(Terrain::Slope { length, width, angle })
+        placed.drawn.push((SceneField::Angle(placed.orientation), drawn));
+        placed.orientation = rotation::product(placed.orientation, rotation::turned([0.0, -angle.value, 0.0]));
+        Ok(placed)
     }
 }
 

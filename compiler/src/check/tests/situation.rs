@@ -58,7 +58,9 @@ impl<'a> Checker<'a> {
             }
             _ => {
                 let before = set.to_vec();
-                self.adjust(assignment, &mut scene.init.coordinates, set)?;
+                for joint in self.adjusted(assignment, set)? {
+                    scene.init.coordinates[joint] = self.coordinate(joint, &assignment.value, assignment.target.span)?;
+                }
                 let fresh = set.iter().zip(before).enumerate().filter(|(_, (now, before))| **now && !before);
                 fresh.for_each(|(joint, _)| scene.init.unfollow(Setting::Coordinate(joint)));
                 Ok(())

@@ -2,10 +2,11 @@
 
 use super::super::report::*;
 use super::{drawn, varies};
+use crate::init::Variation;
 use crate::numbers::for_people;
 use crate::scene::{Motion, Object, ObjectJointKind, Parent, Shape, Terrain};
 use crate::snapshot::names;
-use crate::task::{CompiledTask, Disturbance, Init, Spread};
+use crate::task::{CompiledTask, Disturbance, Init, Setting, Spread};
 use crate::vocabulary::JointKind;
 
 pub(super) fn scene(task: &CompiledTask, init: &Init) -> SceneReport {
@@ -87,6 +88,7 @@ fn shape(object: &Object) -> (&'static str, String) {
 fn motion(motion: &Motion) -> String {
     match motion {
         Motion::Fixed => "fixed".to_owned(),
+        Motion::Placed => "placed for every episode".to_owned(),
         Motion::Free => "free".to_owned(),
         Motion::Joints(joints) => {
             let words = joints.iter().map(|joint| {
@@ -153,12 +155,30 @@ pub(super) fn initial_state(task: &CompiledTask, init: &Init) -> InitialStateRep
         joints: joints.collect(),
         noise,
         objects: objects(task, init),
+        scaled: scaled(task),
         drawn: drawn(task),
         settle: init.settle.as_ref().map_or_else(String::new, |settle| {
             let rest = if settle.at_rest { ", then at rest" } else { "" };
             format!("{} physics steps with activation {}{rest}", settle.steps, for_people(settle.activation))
         }),
     }
+}
+
+/// Factors of strengths and masses but for those that a `random` decides, which are listed as drawn.
+fn scaled(task: &CompiledTask) -> Vec<String> {
+    let Variation { strengths, segments, .. } = &task.init.variation;
+    let is_drawn = |setting: Setting| task.init.drawn.iter().any(|(known, _)| *known == setting);
+    let strengths = strengths.iter().enumerate().map(|(row, scaling)| (Setting::Strength(row), scaling));
+    let segments = segments.iter().enumerate().map(|(row, scaling)| (Setting::SegmentMass(row), scaling));
+    let known = strengths.chain(segments).filter(|(setting, _)| !is_drawn(*setting));
+    let words = known.map(|(setting, scaling)| {
+        let what = names::setting(task, setting);
+        match scaling.each {
+            None => format!("{what} times {}", for_people(scaling.factor)),
+            Some([low, high]) => format!("{what}, each times a draw from {} to {}", for_people(low), for_people(high)),
+        }
+    });
+    words.collect()
 }
 
 fn spread_in_words(spread: Spread, per: &str) -> String {

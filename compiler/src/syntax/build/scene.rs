@@ -4,7 +4,7 @@ use super::{Builder, is_mark, part, parts};
 use crate::syntax::grammar::{Pair, Rule};
 use crate::syntax::tree::{
     Act, Assignment, Connection, Element, ElementName, Expr, Field, FieldValue, Group, Ident, InitStatement, Marker, Noise,
-    Placement, PoseUse, Repeat, SceneStatement, Settle,
+    Placement, PoseUse, Repeat, ScaledQuantity, Scaling, SceneStatement, Settle,
 };
 use crate::syntax::wording;
 
@@ -152,6 +152,7 @@ impl Builder<'_> {
             statements.push(match pair.as_rule() {
                 Rule::pose | Rule::pose_block => InitStatement::Pose(self.pose_use(&pair)),
                 Rule::noise => InitStatement::Noise(self.noise(&pair)),
+                Rule::scaling => InitStatement::Scaling(self.scaling(&pair)),
                 Rule::settle => InitStatement::Settle(self.settle(&pair)),
                 Rule::placement => InitStatement::Object(self.placement(&pair)),
                 Rule::remove => InitStatement::Remove(self.remove(&pair)),
@@ -214,6 +215,15 @@ impl Builder<'_> {
         let target = self.expression(operands.next());
         let distribution = self.expression(operands.next());
         Noise { target, distribution, span: self.span(pair) }
+    }
+
+    fn scaling(&mut self, pair: &Pair<'_>) -> Scaling {
+        let quantity = match part(pair, Rule::kw_mass) {
+            Some(_) => ScaledQuantity::Mass,
+            None => ScaledQuantity::Strength,
+        };
+        let target = self.expression(part(pair, Rule::postfixed));
+        Scaling { quantity, target, factor: self.expression_in(pair), span: self.span(pair) }
     }
 
     fn settle(&mut self, pair: &Pair<'_>) -> Settle {

@@ -159,6 +159,8 @@ pub enum InitStatement {
     Object(Placement),
     /// `noise joints normal(0, 0.005 rad)`
     Noise(Noise),
+    /// Strength or mass.
+    Scaling(Scaling),
     /// `settle 50 ms with activation 0.2 at rest`
     Settle(Settle),
     /// `remove settle`
@@ -209,6 +211,38 @@ pub struct Noise {
     pub distribution: Expr,
     /// The statement.
     pub span: Span,
+}
+
+/// `strength calves weak`, `mass robot uniform(0.9 .. 1.1)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scaling {
+    /// What is scaled.
+    pub quantity: ScaledQuantity,
+    /// Of what.
+    pub target: Expr,
+    /// A number, or a call of a distribution.
+    pub factor: Expr,
+    /// The statement.
+    pub span: Span,
+}
+
+/// What an initial state scales.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScaledQuantity {
+    /// The active force of muscles.
+    Strength,
+    /// Mass and inertia of segments.
+    Mass,
+}
+
+impl ScaledQuantity {
+    /// The word with which its statements begin.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Strength => "strength",
+            Self::Mass => "mass",
+        }
+    }
 }
 
 /// `settle 50 ms with activation 0.2 at rest`

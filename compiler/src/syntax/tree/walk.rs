@@ -159,6 +159,10 @@ pub fn walk_init_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, stateme
             visitor.expression(&noise.target);
             visitor.expression(&noise.distribution);
         }
+        InitStatement::Scaling(scaling) => {
+            visitor.expression(&scaling.target);
+            visitor.expression(&scaling.factor);
+        }
         InitStatement::Settle(settle) => {
             visitor.expression(&settle.duration);
             settle.activation.iter().for_each(|activation| visitor.expression(activation));

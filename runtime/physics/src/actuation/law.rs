@@ -86,14 +86,15 @@ impl Law {
         }
     }
 
-    /// What the drive is multiplied with, and what is added; `drive` on a circle is brought next to `length` first.
-    pub fn force<T: Real>(&self, drive: T, length: T, velocity: T) -> [T; 3] {
+    /// What the drive is multiplied with, and what is added; `drive` on a circle is brought next to `length` first. `strength` scales
+    /// the gain of a muscle.
+    pub fn force<T: Real>(&self, drive: T, strength: T, length: T, velocity: T) -> [T; 3] {
         let affine = |[constant, by_length, by_velocity]: [f64; 3]| {
             T::splat(constant) + T::splat(by_length) * length + T::splat(by_velocity) * velocity
         };
         let gain = match &self.gain {
             GainLaw::Affine(figures) => affine(*figures),
-            GainLaw::Muscle(curve) => -curve.gain(length, velocity),
+            GainLaw::Muscle(curve) => -curve.gain(length, velocity) * strength,
         };
         let bias = match &self.bias {
             BiasLaw::Affine(figures) => affine(*figures),
@@ -104,10 +105,10 @@ impl Law {
     }
 
     /// How the force changes with velocity, N s/m.
-    pub fn damping<T: Real>(&self, drive: T, length: T, velocity: T) -> T {
+    pub fn damping<T: Real>(&self, drive: T, strength: T, length: T, velocity: T) -> T {
         let by_gain = match &self.gain {
             GainLaw::Affine([_, _, by_velocity]) => T::splat(*by_velocity) * drive,
-            GainLaw::Muscle(curve) => -curve.damping(length, velocity) * drive,
+            GainLaw::Muscle(curve) => -curve.damping(length, velocity) * drive * strength,
         };
         match &self.bias {
             BiasLaw::Affine([_, _, by_velocity]) => by_gain + T::splat(*by_velocity),

@@ -126,9 +126,9 @@ impl<T: Real> Actuation<T> {
 
     /// How much the pull of the muscle `actuator` at full activation weakens per velocity of shortening, N s/m: the slope of
     /// its force-velocity curve at the present length and velocity, never negative; zero for what is no muscle. On request.
-    pub fn active_damping(&self, actuator: usize) -> T {
+    pub fn active_damping(&self, state: &State<T>, actuator: usize) -> T {
         let (length, velocity) = (self.length[actuator], self.velocity[actuator]);
-        self.curve(actuator).map_or(T::splat(0.0), |active| active.damping(length, velocity))
+        self.curve(actuator).map_or(T::splat(0.0), |active| state.strength[actuator] * active.damping(length, velocity))
     }
 
     /// Whether all actuators are muscles without bounds of their own: nothing but their activations outlives a step.
@@ -287,7 +287,7 @@ pub fn update<T: Real>(
         out.velocity[muscle.actuator] = velocity;
         out.activation_rate[muscle.activation] = activation_rate(excitation, activation, &muscle.time_constants);
         if rigid {
-            let gain = -muscle.active.gain(length, velocity);
+            let gain = -muscle.active.gain(length, velocity) * state.strength[muscle.actuator];
             let bias = -muscle.passive.passive(length);
             out.gain[muscle.actuator] = gain;
             out.bias[muscle.actuator] = bias;
@@ -332,7 +332,7 @@ impl Other {
     fn forces<T: Real>(&self, model: &Model, state: &State<T>, length: T, velocity: T, rates: &mut [T]) -> [T; 3] {
         self.excite(state, rates);
         let drive = self.present_drive(model, state, rates, length);
-        self.law.force(drive, length, velocity)
+        self.law.force(drive, state.strength[self.actuator], length, velocity)
     }
 
     /// Sets the rate of the activation, if there is one.
@@ -462,7 +462,8 @@ pub(super) fn each_slope<T: Real>(
     // The pull of a fibre with an elastic tendon follows from positions alone.
     for muscle in plan.muscles.iter().filter(|_| actuation.fibres.is_none()) {
         let (length, velocity) = (actuation.length[muscle.actuator], actuation.velocity[muscle.actuator]);
-        let slope = -state.activation[muscle.activation] * muscle.active.damping(length, velocity);
+        let drive = state.activation[muscle.activation] * state.strength[muscle.actuator];
+        let slope = -drive * muscle.active.damping(length, velocity);
         if slope != zero {
             moment(model, state, kinematics, tendons, muscle.actuator, row);
             add(row, slope);
@@ -471,7 +472,7 @@ pub(super) fn each_slope<T: Real>(
     for other in &plan.others {
         let (length, velocity) = (actuation.length[other.actuator], actuation.velocity[other.actuator]);
         let drive = other.present_drive(model, state, &actuation.activation_rate, length);
-        let mut slope = other.law.damping(drive, length, velocity);
+        let mut slope = other.law.damping(drive, state.strength[other.actuator], length, velocity);
         if let Some(range) = other.force_range {
             slope = T::select(inside(actuation.force[other.actuator], range), slope, zero);
         }

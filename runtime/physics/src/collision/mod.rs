@@ -26,7 +26,7 @@ mod shapes;
 
 pub use convex::Scratch;
 pub use convex::support::{Core, SupportShape};
-pub use parameters::CollisionPair;
+pub use parameters::{CollisionPair, Sliding};
 pub use place::{Asset, Placed};
 
 use crate::model::{GeomKind, Model};

@@ -23,8 +23,10 @@ pub struct CollisionPair {
     pub gap: f64,
     /// Contact dimension: 1, 3, 4 or 6.
     pub dimension: usize,
-    /// Two sliding, one torsional, two rolling coefficients.
+    /// Two sliding, one torsional, two rolling coefficients: the sliding ones with the friction of the model.
     pub friction: [f64; 5],
+    /// Where the sliding friction comes from.
+    pub sliding: Sliding,
     /// SolverParameters of the contact.
     pub softness: SolverParameters,
     /// SolverParameters reference of an elliptic cone's friction rows; both zero takes that of `softness`.
@@ -35,6 +37,31 @@ pub struct CollisionPair {
     pub(in super::super) columns: Range<usize>,
     /// Whether some of these dofs move only the first body and others only the second: contacts then couple two chains.
     pub(in super::super) bridges_chains: bool,
+}
+
+/// Which geoms decide the sliding friction of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sliding {
+    /// None: an explicit pair has its own.
+    Pair,
+    /// That of higher priority.
+    Geom(usize),
+    /// The rougher of two.
+    Larger([usize; 2]),
+}
+
+impl CollisionPair {
+    /// The friction of its contacts where geoms have these sliding frictions.
+    pub(in super::super) fn friction_with(&self, sliding: impl Fn(usize) -> f64) -> [f64; 5] {
+        let [.., torsional, rolling, _] = self.friction;
+        let sliding = match self.sliding {
+            Sliding::Pair => return self.friction,
+            Sliding::Geom(geom) => sliding(geom),
+            Sliding::Larger([a, b]) => sliding(a).at_least(sliding(b)),
+        };
+        let sliding = sliding.at_least(SMALLEST_FRICTION);
+        [sliding, sliding, torsional, rolling, rolling]
+    }
 }
 
 /// Two geoms and, if declared explicitly, the index of their pair.
@@ -73,6 +100,7 @@ impl Plan {
             gap: mixed.gap,
             dimension: mixed.dimension,
             friction: mixed.friction,
+            sliding: mixed.sliding,
             softness: mixed.softness,
             friction_reference: mixed.friction_reference,
             inverse_weight: [weight(0), weight(1)],
@@ -154,6 +182,7 @@ struct Mixed {
     gap: f64,
     dimension: usize,
     friction: [f64; 5],
+    sliding: Sliding,
     softness: SolverParameters,
     friction_reference: [f64; 2],
 }
@@ -165,6 +194,7 @@ fn declared(model: &Model, pair: usize) -> Mixed {
         gap: pairs.gap[pair],
         dimension: usize::from(pairs.dimension[pair]),
         friction: pairs.friction[pair].map(|coefficient| coefficient.at_least(SMALLEST_FRICTION)),
+        sliding: Sliding::Pair,
         softness: pairs.softness[pair],
         friction_reference: pairs.friction_reference[pair],
     }
@@ -195,6 +225,7 @@ fn mixed(model: &Model, [a, b]: [usize; 2]) -> Mixed {
             None => geoms.contact_dimension[a].max(geoms.contact_dimension[b]),
         }),
         friction: [sliding, sliding, torsional, rolling, rolling],
+        sliding: leader.map_or(Sliding::Larger([a, b]), Sliding::Geom),
         softness: match leader {
             Some(geom) => geoms.softness[geom],
             None => {

@@ -13,17 +13,19 @@ use crate::{
     collision::CollisionPair,
     model::{self, Model, SolverParameters},
     scalar::Real,
+    state::State,
 };
 
 impl Constraints {
     /// Contacts within their margin.
-    pub(super) fn add_contacts<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
+    pub(super) fn add_contacts<T: Real>(&mut self, model: &Model, state: &State<T>, workspace: &Workspace<T>, lane: usize) {
         let kinematics = &workspace.kinematics;
         for (index, contact) in self.contacts.iter().enumerate() {
             let candidate = &self.plan.candidates[contact.candidate];
             if contact.distance >= candidate.margin || candidate.columns.is_empty() {
                 continue;
             }
+            let friction = candidate.friction_with(|geom| state.friction[geom].lane(lane));
             let columns = &self.plan.columns[candidate.columns.clone()];
             let sides = &self.plan.sides[candidate.columns.clone()];
             let coupling = CrossCoupling::Contact(contact.candidate);
@@ -35,7 +37,7 @@ impl Constraints {
                 (_, model::Cone::Pyramidal) => Shape::Pyramid,
                 (_, model::Cone::Elliptic) => Shape::Cone(self.cones.len()),
             };
-            self.jacobian.push_rows(columns, candidate.dimension, shape, candidate.friction, |column| {
+            self.jacobian.push_rows(columns, candidate.dimension, shape, friction, |column| {
                 let dof = columns[column];
                 let reference = kinematics.reference(model, model.dofs.body[dof]).map(|value| value.lane(lane));
                 let [angular, linear] = kinematics.dof_axis[dof].map(|vector| vector.map(|value| value.lane(lane)));
@@ -53,26 +55,26 @@ impl Constraints {
             let kind = RowKind::Contact(index);
             match shape {
                 Shape::Plain => self.rows.push(kind, place, candidate.inverse_weight[0]),
-                Shape::Pyramid => add_edges(model, candidate, kind, place, &mut self.rows),
-                Shape::Cone(_) => self.cones.push(add_axes(model, candidate, kind, place, &mut self.rows)),
+                Shape::Pyramid => add_edges(model, (candidate, &friction), kind, place, &mut self.rows),
+                Shape::Cone(_) => self.cones.push(add_axes(model, (candidate, &friction), kind, place, &mut self.rows)),
             }
         }
     }
 }
 
 /// Two rows per friction direction, J_normal ± μ J_tangent.
-fn add_edges(model: &Model, candidate: &CollisionPair, kind: RowKind, place: Place, rows: &mut Rows) {
+fn add_edges(model: &Model, (candidate, friction): (&CollisionPair, &[f64; 5]), kind: RowKind, place: Place, rows: &mut Rows) {
     let [translation, rotation] = candidate.inverse_weight;
     let first = rows.len();
     for direction in 0..candidate.dimension - 1 {
-        let friction = candidate.friction[direction];
+        let coefficient = friction[direction];
         let moved = if direction < 2 { translation } else { rotation };
         for _ in 0..2 {
-            rows.push(kind, place, translation + friction * friction * moved);
+            rows.push(kind, place, translation + coefficient * coefficient * moved);
         }
     }
     // All edges share one regularisation, that of the first scaled to keep the normal's stiffness (MuJoCo's pyramid).
-    let sliding = candidate.friction[0] * candidate.friction[0] / model.options.impedance_ratio;
+    let sliding = friction[0] * friction[0] / model.options.impedance_ratio;
     let common = (2.0 * sliding * rows.regularization[first]).at_least(1e-15);
     rows.regularization[first..].fill(common);
 }
@@ -81,7 +83,13 @@ fn add_edges(model: &Model, candidate: &CollisionPair, kind: RowKind, place: Pla
 ///
 /// The regularisation of the first friction direction is that of the normal divided by `impratio`; those of the others keep
 /// R_j μ_j² the same, so that the cone stays round in scaled coordinates.
-fn add_axes(model: &Model, candidate: &CollisionPair, kind: RowKind, place: Place, rows: &mut Rows) -> Cone {
+fn add_axes(
+    model: &Model,
+    (candidate, friction): (&CollisionPair, &[f64; 5]),
+    kind: RowKind,
+    place: Place,
+    rows: &mut Rows,
+) -> Cone {
     let first = rows.len();
     let bounds = [0.0; 2];
     rows.push(kind, Place { bounds, ..place }, candidate.inverse_weight[0]);
@@ -93,10 +101,10 @@ fn add_axes(model: &Model, candidate: &CollisionPair, kind: RowKind, place: Plac
         rows.push(kind, Place { position: 0.0, margin: 0.0, spring, bounds }, candidate.inverse_weight[0]);
     }
     let sliding = rows.regularization[first] / model.options.impedance_ratio;
-    let ratio = candidate.friction[0] * (sliding / rows.regularization[first]).sqrt();
-    let scale = |friction: f64| (candidate.friction[0] / friction) * (candidate.friction[0] / friction);
+    let ratio = friction[0] * (sliding / rows.regularization[first]).sqrt();
+    let scale = |coefficient: f64| (friction[0] / coefficient) * (friction[0] / coefficient);
     for direction in 0..candidate.dimension - 1 {
-        rows.regularization[first + 1 + direction] = sliding * scale(candidate.friction[direction]);
+        rows.regularization[first + 1 + direction] = sliding * scale(friction[direction]);
     }
-    Cone { rows: first..rows.len(), friction: candidate.friction, ratio }
+    Cone { rows: first..rows.len(), friction: *friction, ratio }
 }

@@ -157,7 +157,7 @@ impl Constraints {
             self.add_joint_limits(model, |address| state.position[address].lane(lane));
             self.add_tendon_limits(model, workspace, lane);
         }
-        self.add_contacts(model, workspace, lane);
+        self.add_contacts(model, state, workspace, lane);
         self.velocity.clear();
         self.velocity.extend(state.velocity.iter().map(|value| value.lane(lane)));
         self.rows.finish(&self.jacobian, &self.velocity);

@@ -64,19 +64,21 @@ impl<T: Real> Fibres<T> {
             let [muscle, activation] = unit.place;
             for lane in 0..T::LANES {
                 let at = |values: &[T]| values[muscle].lane(lane);
-                let (path, activation) = (at(paths.length), state.activation[activation].lane(lane).clip(0.0, 1.0));
+                let (path, strength) = (at(paths.length), at(&state.strength));
+                // A weaker fibre pulls as one that is less active.
+                let drive = state.activation[activation].lane(lane).clip(0.0, 1.0) * strength;
                 let before = [at(&state.fibre_length), at(&state.fibre_velocity)];
                 let Fibre { length, velocity, force, gain } = if before[0] > 0.0 {
-                    unit.advance(path, before, activation, state.fibre_step.lane(lane))
+                    unit.advance(path, before, drive, state.fibre_step.lane(lane))
                 } else {
-                    unit.equilibrium(path, at(paths.velocity), activation)
+                    unit.equilibrium(path, at(paths.velocity), drive)
                 };
                 self.length[muscle].set_lane(lane, length);
                 self.velocity[muscle].set_lane(lane, velocity);
                 self.along_path[muscle].set_lane(lane, unit.along_path(length));
                 // The force is the tendon's; what is not active is passive, damping included.
-                paths.gain[muscle].set_lane(lane, -gain);
-                paths.bias[muscle].set_lane(lane, gain * activation - force);
+                paths.gain[muscle].set_lane(lane, -gain * strength);
+                paths.bias[muscle].set_lane(lane, gain * drive - force);
                 paths.force[muscle].set_lane(lane, -force);
             }
         }

@@ -110,7 +110,7 @@ fn float<T: Real>(model: &Model, workspace: &Workspace<T>, body: usize, block: &
     let axes = kinematics.body_rotation[body];
     let spin = workspace.velocities.body[body][0];
     let arm = kinematics.subtree_com[body] - kinematics.body_position[body];
-    let mass = T::splat(model.bodies.subtree_mass[body]);
+    let mass = kinematics.subtree_mass[body];
     let central = &workspace.inertia.composite[body];
     let inertia = |v: &Vector3<T>| {
         let [xx, yy, zz, xy, xz, yz] = central.rotational;

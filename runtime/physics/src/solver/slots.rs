@@ -19,7 +19,7 @@ type Key = (u8, usize, usize);
 
 /// One constraint in all lanes.
 #[derive(Debug, Clone)]
-pub(super) struct Slot {
+pub(super) struct Slot<T> {
     pub rows: Range<usize>,
     /// In [`Slots::columns`], ascending.
     pub columns: Range<usize>,
@@ -27,13 +27,14 @@ pub(super) struct Slot {
     values: usize,
     pub dimension: usize,
     pub pyramid: bool,
-    friction: [f64; 5],
+    /// Lanes may differ.
+    friction: [T; 5],
 }
 
 /// All slots, with one number per row for each of its properties.
 #[derive(Debug, Clone)]
 pub(super) struct Slots<T> {
-    pub slots: Vec<Slot>,
+    pub slots: Vec<Slot<T>>,
     pub columns: Vec<usize>,
     pub values: Vec<T>,
     pub weight: Vec<T>,
@@ -135,12 +136,14 @@ impl<T: Real> Slots<T> {
             values,
             dimension: block.dimension,
             pyramid: block.shape == Shape::Pyramid,
-            friction: block.friction,
+            friction: [T::splat(0.0); 5],
         });
     }
 
     /// Writes a lane's block into its slot.
     fn fill(&mut self, constraints: &Constraints, block: &Block, slot: usize, lane: usize) {
+        let friction = &mut self.slots[slot].friction;
+        friction.iter_mut().zip(block.friction).for_each(|(to, from)| to.set_lane(lane, from));
         let Slot { rows, columns, values, dimension, .. } = &self.slots[slot];
         let width = columns.len();
         for row in 0..*dimension {
@@ -170,13 +173,13 @@ impl<T: Real> Slots<T> {
 
     /// The dofs of a slot.
     #[inline(always)]
-    pub fn columns_of(&self, slot: &Slot) -> &[usize] {
+    pub fn columns_of(&self, slot: &Slot<T>) -> &[usize] {
         &self.columns[slot.columns.clone()]
     }
 
     /// Base row `row` of a slot.
     #[inline(always)]
-    pub fn base_row(&self, slot: &Slot, row: usize) -> &[T] {
+    pub fn base_row(&self, slot: &Slot<T>, row: usize) -> &[T] {
         let width = slot.columns.len();
         &self.values[slot.values + row * width..][..width]
     }
@@ -195,7 +198,7 @@ impl<T: Real> Slots<T> {
             }
             let normal = along(self.base_row(slot, 0), columns, x);
             for (index, edges) in rows.chunks_exact_mut(2).enumerate() {
-                let tangent = T::splat(slot.friction[index]) * along(self.base_row(slot, index + 1), columns, x);
+                let tangent = slot.friction[index] * along(self.base_row(slot, index + 1), columns, x);
                 edges[0] = normal + tangent;
                 edges[1] = normal - tangent;
             }
@@ -211,7 +214,7 @@ impl<T: Real> Slots<T> {
             if slot.pyramid {
                 for (index, edges) in rows.chunks_exact(2).enumerate() {
                     base[0] += edges[0] + edges[1];
-                    base[index + 1] = T::splat(slot.friction[index]) * (edges[0] - edges[1]);
+                    base[index + 1] = slot.friction[index] * (edges[0] - edges[1]);
                 }
             } else {
                 base[..slot.dimension].copy_from_slice(rows);
@@ -227,7 +230,7 @@ impl<T: Real> Slots<T> {
 
     /// Second derivative of the cost along a slot's base rows, given that of each row.
     #[inline(always)]
-    pub fn base_weight(&self, slot: &Slot, weights: &[T]) -> [[T; MOST_BASE_ROWS]; MOST_BASE_ROWS] {
+    pub fn base_weight(&self, slot: &Slot<T>, weights: &[T]) -> [[T; MOST_BASE_ROWS]; MOST_BASE_ROWS] {
         let rows = &weights[slot.rows.clone()];
         let mut base = [[T::splat(0.0); MOST_BASE_ROWS]; MOST_BASE_ROWS];
         if !slot.pyramid {
@@ -237,24 +240,24 @@ impl<T: Real> Slots<T> {
         for (index, edges) in rows.chunks_exact(2).enumerate() {
             let friction = slot.friction[index];
             base[0][0] += edges[0] + edges[1];
-            base[0][index + 1] = T::splat(friction) * (edges[0] - edges[1]);
+            base[0][index + 1] = friction * (edges[0] - edges[1]);
             base[index + 1][0] = base[0][index + 1];
-            base[index + 1][index + 1] = T::splat(friction * friction) * (edges[0] + edges[1]);
+            base[index + 1][index + 1] = friction * friction * (edges[0] + edges[1]);
         }
         base
     }
 
     /// Calls `visit` with the dofs and values of one constraint row, the `local`-th of its slot.
     #[inline(always)]
-    pub fn each_value(&self, slot: &Slot, local: usize, mut visit: impl FnMut(usize, T)) {
+    pub fn each_value(&self, slot: &Slot<T>, local: usize, mut visit: impl FnMut(usize, T)) {
         let (first, tangent, factor) = if slot.pyramid {
-            (0, 1 + local / 2, slot.friction[local / 2] * if local.is_multiple_of(2) { 1.0 } else { -1.0 })
+            (0, 1 + local / 2, slot.friction[local / 2] * T::splat(if local.is_multiple_of(2) { 1.0 } else { -1.0 }))
         } else {
-            (local, local, 0.0)
+            (local, local, T::splat(0.0))
         };
         let pairs = self.base_row(slot, first).iter().zip(self.base_row(slot, tangent));
         for ((normal, tangent), &dof) in pairs.zip(self.columns_of(slot)) {
-            visit(dof, *normal + T::splat(factor) * *tangent);
+            visit(dof, *normal + factor * *tangent);
         }
     }
 }

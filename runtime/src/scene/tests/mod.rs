@@ -55,7 +55,7 @@ fn scene() -> SceneDescription {
         ..object("load", Some(Shape::Ellipsoid([0.1, 0.6, 0.1])), [0.3, 0.0, 0.1])
     };
     let shelf = Object {
-        surface: Surface { friction: [0.7, 0.01, 0.001], solid: true, walkable: true },
+        surface: Surface { friction: [0.7, 0.01, 0.001], decides: false, solid: true, walkable: true },
         ..object("shelf", Some(Shape::Ellipsoid([0.5, 0.5, 0.1])), [-2.0, 0.0, 0.2])
     };
     SceneDescription {

@@ -1,0 +1,234 @@
+//! Worlds that chance decides: what is drawn of body and scene acts in the physics, for the whole episode, and for that episode alone.
+
+use super::episodes::episode;
+use msk::physics;
+use msk::runtime::body::Body;
+use msk::runtime::episode::{Ending, Environment, EpisodeKey, Fault};
+
+/// Of all that may be drawn something.
+pub const DRAWN: &[(&str, &str)] = &[
+    (
+        "    init {\n        pose neutral\n        root { height on ground, velocity [0.2 m/s, 0, 0] }",
+        "    random grade = uniform(-8 deg .. 8 deg)
+    random load  = uniform(1 kg .. 20 kg)
+    random grip  = uniform(0.1 .. 1)
+    random there = uniform(0.5 m .. 1 m, -0.3 m .. 0.3 m)
+    random bend  = uniform(10 deg .. 40 deg)
+    random weak  = uniform(0.2 .. 0.6)
+    scene {
+        slope hill { length 6 m, width 6 m, angle grade, at [-3 m, 0, 0], friction grip }
+        box pack on torso { size [15 cm, 30 cm, 40 cm], at [-20 cm, 0, 0], mass load, solid false }
+        box post { size [10 cm, 10 cm, 1 m], at [there[0], there[1], 1 m], orientation 5 * grade }
+    }
+    init {
+        pose neutral { knee_angle_r = bend }
+        root { height on ground, velocity [0.2 m/s, 0, 0] }
+        strength calves  weak
+        strength muscles uniform(0.9 .. 1.1)
+        mass     robot   uniform(0.8 .. 1.25)",
+    ),
+    (
+        "observe {",
+        "observe { post = post.position; pack.mass; hill.angle; ground = ground_height(pelvis); load; grade; bend; there; grip; weak;",
+    ),
+];
+
+fn key(episode: u64) -> EpisodeKey {
+    EpisodeKey { seed: 8, episode }
+}
+
+/// The numbers of a channel.
+fn seen(environment: &Environment, channel: &str) -> Vec<f64> {
+    let channels = &environment.engine().task().channels;
+    let channel = channels.iter().find(|known| known.name == channel).unwrap_or_else(|| panic!("no channel `{channel}`"));
+    environment.observation()[channel.offset..channel.offset + channel.size].to_vec()
+}
+
+fn object(body: &Body, name: &str) -> usize {
+    let scene = body.landmarks.iter().filter(|landmark| landmark.of_scene);
+    scene.clone().position(|landmark| landmark.name == name).unwrap()
+}
+
+#[test]
+fn what_is_drawn_is_what_acts() {
+    let mut environment = episode(DRAWN);
+    let mut loads = Vec::new();
+    for index in 0..4 {
+        environment.reset(key(index));
+        assert_eq!(environment.ending(), None);
+        let context = environment.context();
+        let (body, model, state) = (context.body, context.model, context.state);
+        let kinematics = &context.workspace.kinematics;
+        let one = |channel: &str| seen(&environment, channel)[0];
+
+        let pack = body.objects[object(body, "pack")].body;
+        assert!((kinematics.mass[pack] - one("load")).abs() < 1e-12);
+        assert_eq!(one("pack.mass"), one("load"));
+        loads.push(one("load"));
+
+        let hill = &body.objects[object(body, "hill")];
+        assert!(hill.shapes.iter().all(|&shape| state.friction[shape] == one("grip")));
+        // The slope begins three metres behind, and the ground under the pelvis is that of its plane.
+        let height = libm::tan(one("grade")) * (3.0 + context.snapshot().body.landmark_position(kinematics, pelvis(body)).x);
+        assert!((one("ground") - height).abs() < 1e-9, "{} at {}", one("ground"), one("grade"));
+        assert_eq!(one("hill.angle"), one("grade"));
+
+        let there = seen(&environment, "there");
+        assert_eq!(seen(&environment, "post"), [there[0], there[1], 1.0]);
+
+        let knee = body.joints.iter().find(|joint| joint.name == "knee_angle_r").unwrap();
+        assert!((state.position[knee.position] - one("bend")).abs() < 0.2, "noise apart");
+
+        let calves = &body.groups.iter().find(|group| group.name == "calves").unwrap().members;
+        for (muscle, &strength) in state.strength.iter().enumerate() {
+            let share = if calves.contains(&muscle) { one("weak") } else { 1.0 };
+            assert!((0.9 * share..=1.1 * share).contains(&strength), "{strength}");
+        }
+        let own: Vec<f64> = body.own().map(|segment| state.mass_scale[segment]).collect();
+        assert!(own.iter().all(|scale| (0.8..=1.25).contains(scale)) && own.iter().any(|scale| *scale != own[0]));
+        assert_eq!(
+            model.bodies.mass.iter().zip(&state.mass_scale).map(|(mass, scale)| mass * scale).collect::<Vec<_>>(),
+            kinematics.mass
+        );
+    }
+    assert!(loads.windows(2).all(|pair| pair[0] != pair[1]), "{loads:?}");
+}
+
+fn pelvis(body: &Body) -> usize {
+    body.landmarks.iter().position(|landmark| landmark.name == "pelvis").unwrap()
+}
+
+/// The active force of a weak muscle in MuJoCo's formula: gain times strength.
+#[test]
+fn a_weak_muscle_pulls_less_and_its_passive_force_stays() {
+    let mut healthy = episode(&[]);
+    let mut weak = episode(&[("pose neutral", "pose neutral\n        strength muscles 0.25")]);
+    healthy.reset(key(1));
+    weak.reset(key(1));
+    let (healthy, weak) = (healthy.context(), weak.context());
+    assert_eq!(healthy.state.position, weak.state.position);
+    let (before, after) = (&healthy.workspace.actuation, &weak.workspace.actuation);
+    assert_eq!(before.gain.iter().map(|gain| gain * 0.25).collect::<Vec<_>>(), after.gain);
+    assert_eq!(before.bias, after.bias);
+}
+
+#[test]
+fn a_heavier_load_presses_harder_on_the_ground() {
+    // A box at rest on the ground.
+    let force = |mass: &str| {
+        let scene = format!(
+            "scene {{ ground; box cube {{ size [0.2 m, 0.2 m, 0.2 m], free, at [2 m, 0, 0.1 m], mass {mass} }} }}\n    init {{"
+        );
+        let random = format!("random load = uniform(3 kg .. 3.000001 kg)\n    {scene}");
+        let observed = "observe { force = contact_force(cube, ground); load;";
+        let mut environment = episode(&[("init {", &random), ("observe {", observed), ("horizon 12 steps", "horizon 100 steps")]);
+        environment.reset(key(0));
+        let action = vec![-1.0; environment.engine().action_size()];
+        (0..60).for_each(|_| environment.step(&action).map(|_| ()).unwrap());
+        seen(&environment, "force")[2]
+    };
+    let (known, drawn, heavy) = (force("3 kg"), force("load"), force("3 * load"));
+    assert!(
+        (known - 3.0 * 9.81).abs() < 0.3 && (drawn - known).abs() < 0.3 && (heavy - 9.0 * 9.81).abs() < 0.9,
+        "{known} {drawn} {heavy}"
+    );
+}
+
+/// The larger of two constant frictions counts; a drawn one decides.
+#[test]
+fn a_drawn_friction_decides_a_contact_alone() {
+    let way = |friction: &str| {
+        let scene = format!(
+            "random grip = uniform(0.05 .. 0.0500001)\n    scene {{ ground {{ friction {friction} }}; box cube {{ size [0.2 m, 0.2 m, 0.2 m], free, at [2 m, 0, 0.1 m], mass 3 kg }} }}\n    init {{\n        cube {{ velocity [1 m/s, 0, 0] }}"
+        );
+        let parts = [
+            ("init {", scene.as_str()),
+            ("observe {", "observe { place = cube.position; grip;"),
+            ("horizon 12 steps", "horizon 100 steps"),
+        ];
+        let mut environment = episode(&parts);
+        environment.reset(key(0));
+        let action = vec![-1.0; environment.engine().action_size()];
+        (0..40).for_each(|_| environment.step(&action).map(|_| ()).unwrap());
+        seen(&environment, "place")[0] - 2.0
+    };
+    // v² / 2 μ g with the cube's own friction 1, and v t - μ g t² / 2 with the drawn one.
+    assert!((way("0.05") - 0.051).abs() < 0.01, "{}", way("0.05"));
+    assert!((way("grip") - 0.361).abs() < 0.01, "{}", way("slip"));
+}
+
+#[test]
+fn a_thing_that_is_placed_stands_in_the_way() {
+    // A ball rolls against a wall whose place is drawn.
+    let parts = [
+        (
+            "init {",
+            "random far = uniform(2.4 m .. 2.6 m)
+    scene { ground; box wall { size [0.1 m, 1 m, 1 m], at [far, 0, 0.5 m] }; sphere ball { radius 10 cm, mass 1 kg, free, at [2 m, 0, 0.1 m] } }
+    init {
+        ball { velocity [2 m/s, 0, 0] }",
+        ),
+        ("observe {", "observe { place = ball.position; hit = touching(ball, wall); far;"),
+        ("horizon 12 steps", "horizon 100 steps"),
+    ];
+    let mut environment = episode(&parts);
+    for index in 0..3 {
+        environment.reset(key(index));
+        let (far, action) = (seen(&environment, "far")[0], vec![-1.0; environment.engine().action_size()]);
+        let (mut hits, mut farthest) = (0, 0.0_f64);
+        for _ in 0..50 {
+            environment.step(&action).unwrap();
+            hits += usize::from(seen(&environment, "hit")[0] > 0.5);
+            farthest = farthest.max(seen(&environment, "place")[0]);
+        }
+        assert!(hits > 0 && (farthest - (far - 0.15)).abs() < 0.02, "{hits} {farthest} {far}");
+    }
+}
+
+#[test]
+fn an_episode_of_its_own_world_continues_from_what_was_written() {
+    let mut environment = episode(DRAWN);
+    environment.reset(key(2));
+    let action = vec![0.1; environment.engine().action_size()];
+    (0..3).for_each(|_| environment.step(&action).map(|_| ()).unwrap());
+    let text = serde_json::to_string(&environment.snapshot()).unwrap();
+    (0..5).for_each(|_| environment.step(&action).map(|_| ()).unwrap());
+    let expected = environment.snapshot();
+    environment.reset(key(3));
+    environment.restore(&serde_json::from_str(&text).unwrap());
+    (0..5).for_each(|_| environment.step(&action).map(|_| ()).unwrap());
+    assert!(environment.snapshot() == expected);
+}
+
+#[test]
+fn a_draw_of_a_test_that_no_scene_can_have_is_a_fault() {
+    let mut environment = episode(DRAWN);
+    let load = environment.engine().task().randoms.iter().position(|random| random.name == "load").unwrap();
+    environment.reset_given(key(0), &[(load, vec![-1.0])]);
+    let Some(Ending::Fault(fault @ Fault::Variation { value: -1.0, .. })) = environment.ending() else {
+        panic!("{:?}", environment.ending());
+    };
+    assert_eq!(fault.to_string(), "a mass of this episode is -1");
+}
+
+/// The simulator by itself: the acceleration of a falling body does not depend on its mass, that of a pushed one does.
+#[test]
+fn masses_of_a_state_scale_inertia_and_weight() {
+    use msk::physics::model::Model;
+    use msk::physics::{State, Workspace};
+    let text =
+        r#"<mujoco><worldbody><body pos="0 0 1"><freejoint/><geom type="box" size="0.1 0.2 0.3"/></body></worldbody></mujoco>"#;
+    let model = Model::from_mjcf(text).unwrap();
+    let mut workspace = Workspace::new(&model);
+    let mut acceleration = |scale: f64| {
+        let mut state = State::new(&model);
+        state.mass_scale[1] = scale;
+        state.applied_force[0] = 10.0;
+        state.applied_force[4] = 0.3;
+        physics::forward(&model, &state, &mut workspace).unwrap();
+        workspace.acceleration.clone()
+    };
+    let (light, heavy) = (acceleration(1.0), acceleration(4.0));
+    assert_eq!(light[2], heavy[2]);
+    assert!((light[0] - 4.0 * heavy[0]).abs() < 1e-12 && (light[4] - 4.0 * heavy[4]).abs() < 1e-12);
+}
