@@ -114,7 +114,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 /// Writes the state where it was asked for.
 fn write_state(args: &Args, episode: &Environment) -> Result<(), Error> {
     let Some(path) = &args.state else { return Ok(()) };
-    let state = serde_json::to_string(&StateFile::of(episode.state()))?;
+    let state = serde_json::to_string(&StateFile::of(episode.engine().model(), episode.state()))?;
     fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))
 }
 

@@ -648,3 +648,30 @@ fn an_episode_with_noise_and_delays_continues_from_a_snapshot() {
     other.restore(&kept);
     assert_eq!(seen(&mut other, 4), expected);
 }
+
+/// Policies and observations are as without it.
+#[test]
+fn a_critic_sees_more_beside_the_observation() {
+    let critic = "critic { height = pelvis.height; com.velocity; fixed = 3 }\n    observe {";
+    let (mut plain, mut environment) = (episode(&[]), episode(&[("observe {", critic)]));
+    assert_eq!(environment.engine().task().critic_size(), 5);
+    assert!(plain.critic_observation().is_empty());
+    for environment in [&mut plain, &mut environment] {
+        environment.reset(KEY);
+        advance(environment, 3);
+    }
+    assert_eq!(plain.observation(), environment.observation());
+    let seen = environment.critic_observation();
+    let height = environment.context().state.position[2];
+    assert!((seen[0] - height).abs() < 0.2 && seen[4] == 3.0, "{seen:?} at {height}");
+    let read = read_again(&environment.snapshot());
+    assert_eq!(read.critic_observation(), seen);
+    assert!(environment.engine().accepts(&read));
+
+    let count = NonZeroUsize::new(3).unwrap();
+    let mut vector = VectorEnvironment::new(environment.engine().clone(), count, NonZeroUsize::MIN).unwrap();
+    let step = vector.reset_to(&[None, Some(KEY), None]).clone();
+    let mut alone = Environment::of(environment.engine().clone());
+    alone.reset(KEY);
+    assert_eq!(step.critic_observations[5..10], *alone.critic_observation());
+}

@@ -232,3 +232,20 @@ fn masses_of_a_state_scale_inertia_and_weight() {
     assert_eq!(light[2], heavy[2]);
     assert!((light[0] - 4.0 * heavy[0]).abs() < 1e-12 && (light[4] - 4.0 * heavy[4]).abs() < 1e-12);
 }
+
+/// A body that is stimulated in full burns more than one at rest, in proportion to the masses of its muscles.
+#[test]
+fn metabolic_power_is_measured_for_every_muscle() {
+    let observed = "observe { power = muscles.metabolic_power; total = sum(muscles.metabolic_power); strength = soleus_r.strength;";
+    let mut environment = episode(&[("observe {", observed), ("pose neutral", "pose neutral\n        strength soleus_r 0.5")]);
+    environment.reset(key(0));
+    let total = |environment: &Environment| seen(environment, "total")[0];
+    let rest = total(&environment);
+    // Some 30 kg of muscle at 1 W/kg.
+    assert!((10.0..60.0).contains(&rest), "{rest} W at rest");
+    assert_eq!(seen(&environment, "strength"), [0.5]);
+    let action = vec![1.0; environment.engine().action_size()];
+    (0..10).for_each(|_| environment.step(&action).map(|_| ()).unwrap());
+    let power = seen(&environment, "power");
+    assert!(power.iter().all(|power| *power >= 0.0) && total(&environment) > 50.0 * rest, "{} W", total(&environment));
+}

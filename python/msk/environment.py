@@ -137,9 +137,15 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         return Picture(self._native.draw(caption))
 
     @property
+    def critic_observation(self) -> NDArray[Any]:
+        """What only a critic sees at present, beside the observation: an array in SI units, in the order of ``task.critic``; empty
+        without a block ``critic`` in the task. A policy must not use it."""
+        return self._native.critic_observation()
+
+    @property
     def state(self) -> dict[str, Any]:
         """The physical state as named arrays, copied, with MuJoCo's names, shapes and units: ``time`` (s), ``qpos``, ``qvel``, ``act``,
-        ``ctrl`` (excitations), ``eq_active``, and others. ``reset(options={"state": {...}})`` begins an episode with some of them."""
+        ``ctrl`` (excitations), ``eq_active``, ``strength``, ``mass_scale``, ``friction``, and others. ``reset(options={"state": {...}})`` begins an episode with some of them."""
         return self._native.state()
 
     def snapshot(self) -> Snapshot:

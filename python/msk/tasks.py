@@ -106,6 +106,8 @@ class Task:
         #: Names of the entries of an action: the muscles, unless the task has an `act` block.
         self.actions: tuple[str, ...] = tuple(native.actions)
         self.channels: tuple[Channel, ...] = tuple(Channel(*part) for part in native.channels)
+        #: The parts of what only a critic sees, beside the observation.
+        self.critic: tuple[Channel, ...] = tuple(Channel(*part) for part in native.critic)
         self.metrics: tuple[Channel, ...] = tuple(Channel(*part) for part in native.metrics)
         self.terms: tuple[Term, ...] = tuple(
             Term(name, weight, None if low is None or high is None else (low, high), formula)

@@ -123,6 +123,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             endings = self._endings(ended)
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
                 infos |= {"final_obs": self._native.final_observations(), "_final_obs": ended}
+                if self.task.critic:
+                    infos |= {"final_critic_obs": self._native.final_critic_observations(), "_final_critic_obs": ended.copy()}
                 infos |= {"final_info": endings, "_final_info": ended.copy()}
             else:
                 infos |= {name: value for name, value in endings.items() if name.lstrip("_") in _AT_END}
@@ -179,6 +181,12 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         if mask.shape != (self.num_envs,) or not mask.any():
             raise ValueError(f"`reset_mask` must have the shape ({self.num_envs},) and choose a slot, found {mask}")
         return mask
+
+    @property
+    def critic_observations(self) -> NDArray[Any]:
+        """What only a critic sees at present: see :attr:`Env.critic_observation`. Shape ``(num_envs, width)``; with ``SAME_STEP``
+        ``infos["final_critic_obs"]`` has that of the episodes that ended."""
+        return self._native.critic_observations()
 
     def state(self, slot: int) -> dict[str, Any]:
         """The physical state of the episode in a slot: see :attr:`Env.state`."""

@@ -114,6 +114,10 @@ impl Environment {
         Ok(arrays::row(py, self.inner.get()?.observation(), self.single))
     }
 
+    fn critic_observation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(arrays::row(py, self.inner.get()?.critic_observation(), self.single))
+    }
+
     fn weights(&self) -> PyResult<Vec<f64>> {
         Ok(self.inner.get()?.weights().to_vec())
     }
@@ -137,7 +141,8 @@ impl Environment {
     }
 
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        state::arrays(py, self.inner.get()?.state())
+        let inner = self.inner.get()?;
+        state::arrays(py, inner.state(), inner.engine().model())
     }
 
     /// A picture as SVG, from the side and from in front.

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// The lists of a state file, by name.
-fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 11] {
+fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 14] {
     [
         ("qpos", &mut file.qpos),
         ("qvel", &mut file.qvel),
@@ -23,16 +23,22 @@ fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 11] {
         ("qacc_warmstart", &mut file.qacc_warmstart),
         ("mocap_pos", &mut file.mocap_pos),
         ("mocap_quat", &mut file.mocap_quat),
+        ("strength", &mut file.strength),
+        ("mass_scale", &mut file.mass_scale),
+        ("friction", &mut file.friction),
     ]
 }
 
 /// All of a state, with the forces that act from outside.
-fn file(state: &State<f64>) -> StateFile {
+fn file(state: &State<f64>, model: &Model) -> StateFile {
     let wrench = |forces: &[_; 2]| forces.iter().flatten().copied().collect::<Vec<f64>>();
     StateFile {
         qfrc_applied: Some(state.applied_force.clone()),
         xfrc_applied: Some(state.body_force.iter().flat_map(wrench).collect()),
-        ..StateFile::of(state)
+        strength: Some(state.strength.clone()),
+        mass_scale: Some(state.mass_scale.clone()),
+        friction: Some(state.friction.clone()),
+        ..StateFile::of(model, state)
     }
 }
 
@@ -40,8 +46,8 @@ fn file(state: &State<f64>) -> StateFile {
 ///
 /// # Errors
 /// Those of the interpreter.
-pub fn arrays<'py>(py: Python<'py>, state: &State<f64>) -> PyResult<Bound<'py, PyDict>> {
-    let mut file = file(state);
+pub fn arrays<'py>(py: Python<'py>, state: &State<f64>, model: &Model) -> PyResult<Bound<'py, PyDict>> {
+    let mut file = file(state, model);
     let arrays = PyDict::new(py);
     arrays.set_item("time", state.time)?;
     for (name, list) in lists(&mut file) {
@@ -56,7 +62,7 @@ pub fn arrays<'py>(py: Python<'py>, state: &State<f64>) -> PyResult<Bound<'py, P
 /// # Errors
 /// An unknown name, another shape, what is not a finite number, or a quaternion of length zero.
 pub fn replaced(state: &State<f64>, given: &Bound<'_, PyDict>, model: &Model) -> PyResult<State<f64>> {
-    let mut file = file(state);
+    let mut file = file(state, model);
     for (name, value) in given {
         let name: String = name.extract()?;
         match name.as_str() {

@@ -121,6 +121,12 @@ impl Task {
         parts(&self.task().channels)
     }
 
+    /// (name, offset, size, unit) of each part of what only a critic sees.
+    #[getter]
+    fn critic(&self) -> Vec<(String, usize, usize, String)> {
+        parts(&self.task().critic)
+    }
+
     /// (name, offset, size, unit) of each metric.
     #[getter]
     fn metrics(&self) -> Vec<(String, usize, usize, String)> {

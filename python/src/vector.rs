@@ -98,13 +98,7 @@ impl VectorEnvironment {
 
     /// The last observations of the episodes that ended in the last step, in the rows of their slots; zeros in the others.
     fn final_observations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let VectorStep { final_observations, ended, .. } = self.inner.get()?.last();
-        let width = final_observations.len() / self.count;
-        let mut values = final_observations.clone();
-        for (slot, _) in ended.iter().enumerate().filter(|(_, ended)| !**ended) {
-            values[width * slot..width * (slot + 1)].fill(0.0);
-        }
-        arrays::table(py, &values, width, self.single)
+        self.final_rows(py, &self.inner.get()?.last().final_observations)
     }
 
     /// Of the present episodes: (unweighted values of the terms, metrics, successes, whether a step has been reported), one row per
@@ -182,16 +176,37 @@ impl VectorEnvironment {
         arrays::table(py, &values, values.len() / self.count, self.single)
     }
 
+    /// What only a critic sees at present, one row per slot.
+    fn critic_observations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let values: Vec<f64> = self.inner.get()?.episodes().flat_map(|episode| episode.critic_observation()).copied().collect();
+        arrays::table(py, &values, values.len() / self.count, self.single)
+    }
+
+    /// What only a critic saw at the end of the episodes that ended in the last step, in the rows of their slots; zeros in the others.
+    fn final_critic_observations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.final_rows(py, &self.inner.get()?.last().final_critic_observations)
+    }
+
     /// The state of the episode in a slot.
     fn state<'py>(&self, py: Python<'py>, slot: usize) -> PyResult<Bound<'py, PyDict>> {
         let inner = self.inner.get()?;
         let episode = inner.episodes().nth(slot);
         let episode = episode.ok_or_else(|| PyIndexError::new_err(format!("slot {slot} of {} environments", self.count)))?;
-        state::arrays(py, episode.state())
+        state::arrays(py, episode.state(), inner.engine().model())
     }
 }
 
 impl VectorEnvironment {
+    /// The rows of the episodes that ended in the last step; zeros in the others.
+    fn final_rows<'py>(&self, py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny>> {
+        let width = values.len() / self.count;
+        let mut values = values.to_vec();
+        for (slot, _) in self.inner.get()?.last().ended.iter().enumerate().filter(|(_, ended)| !**ended) {
+            values[width * slot..width * (slot + 1)].fill(0.0);
+        }
+        arrays::table(py, &values, width, self.single)
+    }
+
     /// Changes the environment with threads that live in this process.
     fn change<R: Send>(&mut self, py: Python<'_>, work: impl FnOnce(&mut episode::VectorEnvironment) -> R + Send) -> PyResult<R> {
         if self.process.has_changed() {

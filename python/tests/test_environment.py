@@ -309,3 +309,33 @@ def test_a_task_declares_its_actions():
         envs = msk.make_vec(env.task, 2, threads=1)
         envs.reset(seed=0)
         assert np.array_equal(envs.step(np.zeros(envs.action_space.shape, np.float32))[0][0], observation)
+
+
+def test_what_only_a_critic_sees():
+    """It stands beside the observation, alone and in a vector, and at the end of an episode."""
+    task = short(("observe {", "critic { height = pelvis.height; com.velocity }\n    observe {"))
+    assert [(part.name, part.offset, part.size) for part in task.critic] == [("height", 0, 1), ("com.velocity", 1, 3)]
+    env, envs = msk.make(task), msk.make_vec(task, 2)
+    observation, _ = env.reset(seed=3)
+    envs.reset(seed=3)
+    assert observation.shape == (task.observation_size,) and env.critic_observation.shape == (4,)
+    assert np.array_equal(envs.critic_observations[0], env.critic_observation)
+    ended = np.zeros(2, np.bool_)
+    while not ended.any():
+        before = envs.critic_observations
+        *_, terminated, truncated, infos = envs.step(actions(task, 2))
+        ended = terminated | truncated
+        assert not np.array_equal(before, envs.critic_observations)
+    assert infos["final_critic_obs"].shape == (2, 4) and not infos["final_critic_obs"][~ended].any()
+    assert not np.array_equal(infos["final_critic_obs"][ended], envs.critic_observations[ended])
+
+
+def test_a_state_has_strengths_masses_and_frictions(long: msk.Env):
+    long.reset(seed=1)
+    state = long.state
+    assert np.all(state["strength"] == 1) and state["strength"].shape == (416,) and np.all(state["mass_scale"] == 1)
+    weak = {"strength": np.full(416, 0.5), "friction": np.full_like(state["friction"], 0.3)}
+    long.reset(seed=1, options={"state": weak})
+    assert np.all(long.state["strength"] == 0.5) and np.all(long.state["friction"] == 0.3)
+    with pytest.raises(ValueError, match="`mass_scale` has 0 at 0: expected more than 0"):
+        long.reset(options={"state": {"mass_scale": np.zeros_like(state["mass_scale"])}})

@@ -304,6 +304,16 @@ impl CompiledTask {
         }
     }
 
+    /// Writes what only a critic sees; `out` has `self.critic_size()` values, `frame` is that of the last `reset` or `step`.
+    pub fn observe_critic(&self, frame: &[f64], state: &TaskState, out: &mut [f64]) {
+        self.phase(state).critic.write(&View { frame, record: &state.record }, out);
+    }
+
+    /// Number of values that only a critic sees.
+    pub fn critic_size(&self) -> usize {
+        self.critic.iter().map(|channel| channel.size).sum()
+    }
+
     /// Number of values of the observation.
     pub fn observation_size(&self) -> usize {
         self.channels.iter().map(|channel| channel.size).sum()

@@ -51,6 +51,10 @@ pub enum Sensor {
     MuscleActivation(usize),
     /// Excitation: 1, in 0..1.
     MuscleExcitation(usize),
+    /// Factor of a muscle's active force in this episode: 1, not negative.
+    MuscleStrength(usize),
+    /// Metabolic power of a muscle, after Bhargava et al. (2004): 1, W, not negative.
+    MuscleMetabolicPower(usize),
     /// The action that reaches a muscle: 1.
     Action(usize),
     /// An entry of the policy's action in the task's own action space: 1. Where each entry is the action of a muscle,
@@ -173,6 +177,8 @@ impl Sensor {
             Self::MomentArm(..) => "MomentArm",
             Self::MuscleActivation(..) => "MuscleActivation",
             Self::MuscleExcitation(..) => "MuscleExcitation",
+            Self::MuscleStrength(..) => "MuscleStrength",
+            Self::MuscleMetabolicPower(..) => "MuscleMetabolicPower",
             Self::Action(..) => "Action",
             Self::ActionEntry(..) => "ActionEntry",
             Self::ComPosition => "ComPosition",
@@ -232,6 +238,8 @@ impl Sensor {
             | SupportMargin
             | MuscleActivation(_)
             | MuscleExcitation(_)
+            | MuscleStrength(_)
+            | MuscleMetabolicPower(_)
             | Action(_)
             | ActionEntry(_)
             | GroundContact(_)
@@ -259,6 +267,7 @@ impl Sensor {
                 | S::MuscleFibreLength(_)
                 | S::MuscleFibreVelocity(_)
                 | S::MuscleTendonLength(_)
+                | S::MuscleMetabolicPower(_)
                 | S::MomentArm(..)
                 | S::CentreOfPressure
                 | S::GroundForce(_)
@@ -311,6 +320,8 @@ impl Sensor {
             | S::MuscleTendonLength(index)
             | S::MuscleActivation(index)
             | S::MuscleExcitation(index)
+            | S::MuscleStrength(index)
+            | S::MuscleMetabolicPower(index)
             | S::Action(index) => Subject::Muscle(index),
             S::MomentArm(muscle, joint) => Subject::MuscleAbout(muscle, joint),
             S::Touching(a, b) | S::ContactForce(a, b) | S::ContactCount(a, b) | S::SurfaceDistance(a, b) | S::Slip(a, b) => {

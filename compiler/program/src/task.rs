@@ -59,6 +59,8 @@ pub struct CompiledTask {
     pub markers: Vec<String>,
     /// Channels of the observation, in order.
     pub channels: Vec<Channel>,
+    /// Channels that only a critic sees, beside the observation, in order; their offsets begin at 0.
+    pub critic: Vec<Channel>,
     /// Reward terms, in order.
     pub terms: Vec<Term>,
     /// Reasons that end an episode as a failure, in order.

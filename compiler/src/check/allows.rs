@@ -42,7 +42,7 @@ impl Collector<'_> {
                 }
             }
             S::Params(block) => self.lines(&block.entries, file, |parameter| parameter.span),
-            S::Observe(block) | S::Metrics(block) => self.lines(&block.entries, file, |channel| channel.span),
+            S::Observe(block) | S::Critic(block) | S::Metrics(block) => self.lines(&block.entries, file, |channel| channel.span),
             S::Reward(reward) => self.lines(&reward.terms, file, |term| term.span),
             S::Terminate(ends) | S::Finish(ends) => self.lines(&ends.reasons, file, |reason| reason.span),
             _ => {}

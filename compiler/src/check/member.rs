@@ -307,6 +307,8 @@ impl<'a> Checker<'a> {
                 let force = graph.sensors(sensors(Sensor::MuscleForce));
                 (graph.unary(Unary::Negate, force), Dimension::FORCE)
             }
+            Read::MetabolicPower => (graph.sensors(sensors(Sensor::MuscleMetabolicPower)), Dimension::POWER),
+            Read::Strength => (graph.sensors(sensors(Sensor::MuscleStrength)), Dimension::NONE),
             Read::FibreLength => (graph.sensors(sensors(Sensor::MuscleFibreLength)), Dimension::LENGTH),
             Read::TendonLength => (graph.sensors(sensors(Sensor::MuscleTendonLength)), Dimension::LENGTH),
             Read::Excitation => (graph.sensors(sensors(Sensor::MuscleExcitation)), Dimension::NONE),

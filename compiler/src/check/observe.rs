@@ -33,6 +33,8 @@ pub(crate) struct ObservedChannel {
     pub block: String,
     /// What lies between the formula and the policy, as it is written.
     pub settings: String,
+    /// Whether only a critic sees it.
+    pub critic: bool,
     /// Where the channel, or the block that it comes from, is named in the task.
     pub file: FileId,
     pub span: Span,
@@ -47,7 +49,7 @@ pub(crate) struct Block<'a> {
 }
 
 impl<'a> Checker<'a> {
-    /// All `observe` blocks, in order. States and randoms are read after their update there.
+    /// All `observe` blocks, in order, then all `critic` blocks. States and randoms are read after their update there.
     pub(super) fn observations(&mut self, texts: &dyn Texts) -> Checked<Vec<ObservedChannel>> {
         let statements = self.statements;
         let mut channels = Vec::new();
@@ -60,6 +62,15 @@ impl<'a> Checker<'a> {
                     failures.catch(found);
                 }
             }
+            let observed = channels.len();
+            for placed in statements {
+                if let TaskStatement::Critic(block) = &placed.statement {
+                    let found =
+                        checker.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &[], &mut channels));
+                    failures.catch(found);
+                }
+            }
+            channels[observed..].iter_mut().for_each(|channel| channel.critic = true);
         });
         failures.or(channels)
     }
@@ -162,7 +173,8 @@ impl<'a> Checker<'a> {
         let unit = if seen.scaled { String::new() } else { unit_of(&data.kind) };
         let (formula, settings) = (channel.value.clone(), seen.written);
         let docs = summary(channel.docs.as_ref());
-        found.push(ObservedChannel { name, node, data, unit, source, formula, docs, block, settings, file, span });
+        let critic = false;
+        found.push(ObservedChannel { name, node, data, unit, source, formula, docs, block, settings, critic, file, span });
         Ok(())
     }
 

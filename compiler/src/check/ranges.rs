@@ -22,7 +22,7 @@ impl Ranges for OperatingRange<'_> {
                 let range = self.vocabulary.joints.get(joint).and_then(|joint| joint.range);
                 range.map_or(Bounds::ANY, |[low, high]| Bounds::new(low, high))
             }
-            Sensor::MuscleLength(_) => Bounds::POSITIVE,
+            Sensor::MuscleLength(_) | Sensor::MuscleStrength(_) | Sensor::MuscleMetabolicPower(_) => Bounds::POSITIVE,
             Sensor::MuscleForce(_) => Bounds::new(f64::NEG_INFINITY, 0.0),
             Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::GroundContact(_) | Sensor::Touching(..) => {
                 Bounds::TRUTH
@@ -194,7 +194,7 @@ impl Ranges for NeutralRange<'_> {
             Sensor::MuscleActivation(_) | Sensor::MuscleExcitation(_) | Sensor::GroundContact(_) | Sensor::Touching(..) => {
                 Bounds::TRUTH
             }
-            Sensor::MuscleLength(_) => Bounds::POSITIVE,
+            Sensor::MuscleLength(_) | Sensor::MuscleStrength(_) | Sensor::MuscleMetabolicPower(_) => Bounds::POSITIVE,
             Sensor::MuscleForce(_) => Bounds::new(f64::NEG_INFINITY, 0.0),
             Sensor::RootAxes | Sensor::Action(_) | Sensor::ActionEntry(_) => Bounds::new(-1.0, 1.0),
             _ => Bounds::ANY,

@@ -81,6 +81,13 @@ pub(crate) struct CheckedTask<'a> {
     pub tests: Option<CheckedTests>,
 }
 
+impl CheckedTask<'_> {
+    /// What a policy sees: the channels but for those of a critic.
+    pub fn observed(&self) -> impl Iterator<Item = &ObservedChannel> {
+        self.channels.iter().filter(|channel| !channel.critic)
+    }
+}
+
 /// What is known around a task when it is checked.
 #[derive(Clone, Copy)]
 pub(crate) struct Around<'a> {
@@ -174,7 +181,9 @@ impl<'a> Checker<'a> {
             TaskStatement::Observe(block) => Some((placed.file, block.keyword)),
             _ => None,
         });
-        if let (Ok([]), Some(place)) = (channels.as_deref(), shown) {
+        if let (Ok(channels), Some(place)) = (&channels, shown)
+            && channels.iter().all(|channel| channel.critic)
+        {
             self.observes_nothing(place);
         }
         self.parameters_in_use();

@@ -167,7 +167,7 @@ fn definition(definition: &Definition) -> DefinitionReport {
 }
 
 fn observation(task: &CompiledTask) -> ObservationReport {
-    let channels = task.channels.iter().enumerate().map(|(place, channel)| {
+    let report = |(place, channel): (usize, &crate::task::Channel)| {
         let debug = task.phases.iter().find_map(|phase| {
             let own = phase.channels.get(place).copied().flatten()?;
             phase.debug.channels.get(own)
@@ -182,8 +182,10 @@ fn observation(task: &CompiledTask) -> ObservationReport {
             settings: debug.map(|debug| debug.settings.clone()).unwrap_or_default(),
             docs: debug.map(|debug| debug.docs.clone()).unwrap_or_default(),
         }
-    });
-    ObservationReport { size: task.observation_size(), channels: channels.collect() }
+    };
+    let mut all = task.channels.iter().chain(&task.critic).enumerate().map(report);
+    let channels = all.by_ref().take(task.channels.len()).collect();
+    ObservationReport { size: task.observation_size(), channels, critic: all.collect() }
 }
 
 /// The memories that a node depends on, in words.

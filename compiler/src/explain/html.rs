@@ -72,6 +72,12 @@ fn scene(task: &TaskReport) -> Vec<String> {
     connections.chain(groups).chain(markers).chain(pushes).collect()
 }
 
+/// The channels of the observation, and those that only a critic sees.
+fn observed(task: &TaskReport) -> impl Iterator<Item = (&ChannelReport, bool)> {
+    let critic = task.observation.critic.iter().map(|channel| (channel, true));
+    task.observation.channels.iter().map(|channel| (channel, false)).chain(critic)
+}
+
 fn initial_state(task: &TaskReport) -> Vec<String> {
     let initial_state = &task.initial_state;
     let mut lines = vec![initial_state.root.clone()];

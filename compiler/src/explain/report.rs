@@ -355,6 +355,9 @@ pub struct ObservationReport {
     pub size: usize,
     /// Its parts, in order.
     pub channels: Vec<ChannelReport>,
+    /// What only a critic sees beside it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub critic: Vec<ChannelReport>,
 }
 
 /// A part of the observation.

@@ -228,8 +228,17 @@ fn ends(phase: &PhaseReport, text: &mut String) {
 fn channels(report: &TaskReport, text: &mut String) {
     let observation = &report.observation;
     let _ = writeln!(text, "\nObserves {} values", observation.size);
-    let width = observation.channels.iter().map(|channel| channel.name.chars().count()).max().unwrap_or(0);
-    for channel in &observation.channels {
+    group(&observation.channels, text);
+    if !observation.critic.is_empty() {
+        let size: usize = observation.critic.iter().map(|channel| channel.size).sum();
+        let _ = writeln!(text, "\nA critic sees {size} values more");
+        group(&observation.critic, text);
+    }
+}
+
+fn group(channels: &[ChannelReport], text: &mut String) {
+    let width = channels.iter().map(|channel| channel.name.chars().count()).max().unwrap_or(0);
+    for channel in channels {
         let end = channel.offset + channel.size;
         let (name, unit, settings) = (&channel.name, &channel.unit, &channel.settings);
         let line = format!(

@@ -28,7 +28,7 @@ pub(crate) fn definitions<'a>(
             TaskStatement::Terminate(ends) | TaskStatement::Finish(ends) => {
                 items(&ends.reasons).for_each(|reason| finder.formula(&reason.condition, place, &[]));
             }
-            TaskStatement::Metrics(block) | TaskStatement::Observe(block) => {
+            TaskStatement::Metrics(block) | TaskStatement::Observe(block) | TaskStatement::Critic(block) => {
                 items(&block.entries).for_each(|channel| finder.formula(&channel.value, place, &[]));
             }
             TaskStatement::Success(success) => finder.formula(success, place, &[]),

@@ -135,14 +135,12 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
         let graph = checked.graph;
         made.push(PhaseParts { name, horizon, graph, outputs, terms, terminations, finishes, metrics, channels, streams, debug });
     }
-    if several {
-        let offset = whole.channels.last().map_or(0, |channel| channel.offset + channel.size);
-        whole.channels.push(Channel { name: "phase".to_owned(), offset, size: made.len(), unit: String::new() });
-    }
-    let phases = made.into_iter().map(|parts| Phase::new(parts, &frame, &whole.channels, &whole.metrics));
+    let critic = whole.split_groups(&mut made);
+    let phases = made.into_iter().map(|parts| Phase::new(parts, &frame, [&whole.channels, &critic], &whole.metrics));
     compiled.phases = phases.collect();
     compiled.horizon = whole.horizon;
     (compiled.channels, compiled.terms, compiled.metrics) = (whole.channels, whole.terms, whole.metrics);
+    compiled.critic = critic;
     (compiled.terminations, compiled.finishes) = (whole.terminations, whole.finishes);
     (compiled.randoms, compiled.parameters) = (whole.randoms, whole.parameters);
     compiled.motions = whole.motions;
@@ -168,6 +166,7 @@ fn begun(heading: &Heading<'_>, first: &CheckedTask<'_>, frame: &FrameLayout) ->
         releases: first.releases.iter().map(|(connection, _)| *connection).collect(),
         markers: first.markers.iter().map(|(name, _)| name.clone()).collect(),
         channels: Vec::new(),
+        critic: Vec::new(),
         terms: Vec::new(),
         terminations: Vec::new(),
         finishes: Vec::new(),
@@ -201,8 +200,8 @@ struct Whole {
     several: bool,
     horizon: u32,
     channels: Vec<Channel>,
-    /// The formula of each channel as written.
-    sources: Vec<String>,
+    /// The formula of each channel as written, and whether only a critic sees it.
+    sources: Vec<(String, bool)>,
     terms: Vec<Term>,
     metrics: Vec<Channel>,
     terminations: Vec<String>,
@@ -220,7 +219,10 @@ impl Whole {
         for (own, channel) in checked.channels.iter().enumerate() {
             let size = checked.graph.width(channel.node);
             let same = self.channels.iter().zip(&self.sources).position(|(known, source)| {
-                known.size == size && known.unit == channel.unit && known.name == channel.name && *source == channel.source
+                known.size == size
+                    && known.unit == channel.unit
+                    && known.name == channel.name
+                    && *source == (channel.source.clone(), channel.critic)
             });
             match same {
                 Some(place) => places[place] = Some(own),
@@ -229,12 +231,39 @@ impl Whole {
                     let name = if taken { format!("{phase}.{}", channel.name) } else { channel.name.clone() };
                     let offset = self.channels.last().map_or(0, |last| last.offset + last.size);
                     self.channels.push(Channel { name, offset, size, unit: channel.unit.clone() });
-                    self.sources.push(channel.source.clone());
+                    self.sources.push((channel.source.clone(), channel.critic));
                     places.push(Some(own));
                 }
             }
         }
         places
+    }
+
+    /// Puts the channels of the observation first, with that which tells phases apart, and takes those of a critic out. The places of
+    /// the phases' own follow that order.
+    fn split_groups(&mut self, made: &mut [PhaseParts]) -> Vec<Channel> {
+        let (critic, observed): (Vec<usize>, Vec<usize>) = (0..self.sources.len()).partition(|&place| self.sources[place].1);
+        let orders = [observed, critic];
+        let [mut observed, critic] = orders.each_ref().map(|order| {
+            let mut offset = 0;
+            let channels = order.iter().map(|&place| {
+                let channel = Channel { offset, ..self.channels[place].clone() };
+                offset += channel.size;
+                channel
+            });
+            channels.collect::<Vec<Channel>>()
+        });
+        let phase = self.several.then(|| {
+            let offset = observed.last().map_or(0, |channel| channel.offset + channel.size);
+            observed.push(Channel { name: "phase".to_owned(), offset, size: made.len(), unit: String::new() });
+        });
+        for parts in made {
+            let own = |place: &usize| parts.channels.get(*place).copied().flatten();
+            let [first, second] = orders.each_ref().map(|order| order.iter().map(own).collect::<Vec<Option<usize>>>());
+            parts.channels = first.into_iter().chain(phase.map(|()| None)).chain(second).collect();
+        }
+        self.channels = observed;
+        critic
     }
 
     fn terms(&mut self, phase: &str, checked: &CheckedTask<'_>, texts: &dyn Texts) -> std::ops::Range<usize> {

@@ -361,7 +361,7 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
     let ends = reasons().chain([task.success]);
     let ends = ends.chain(task.metrics.iter().map(|metric| metric.node)).chain(task.phase.until);
     let (rewarded, ended) = (hidden_behind(task, terms()), hidden_behind(task, reasons()));
-    let seen = hidden_behind(task, channels());
+    let seen = hidden_behind(task, task.observed().map(|channel| channel.node));
     let read = hidden_behind(task, terms().chain(channels()).chain(ends));
     let place = |name: &str| {
         // The start of a reference stands where the reference does.

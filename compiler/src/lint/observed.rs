@@ -40,7 +40,7 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
     let ended =
         ended.map(|end| Root { what: format!("the termination `{}`", end.name), node: end.node, file: end.file, span: end.span });
     let roots: Vec<Root> = rewarded.chain(ended).collect();
-    let channels: Vec<NodeId> = task.channels.iter().map(|channel| channel.node).collect();
+    let channels: Vec<NodeId> = task.observed().map(|channel| channel.node).collect();
     places(checker, task, &roots, terms, &channels, diagnostics);
     let seen = task.graph.reachable(channels);
     time(task, &roots[..terms], &seen, diagnostics);

@@ -134,7 +134,7 @@ fn landmark_of(sensor: Sensor) -> Option<usize> {
 /// Objects that move and decide reward or ends, and that no channel observes.
 pub(super) fn unseen(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let things = Things::of(checker, task);
-    let channels = || task.channels.iter().map(|channel| channel.node);
+    let channels = || task.observed().map(|channel| channel.node);
     let seen: BTreeSet<usize> = sensors(&task.graph, channels(), |sensor| landmark_of(sensor).is_some())
         .into_iter()
         .filter_map(|sensor| things.mover(landmark_of(sensor)?))

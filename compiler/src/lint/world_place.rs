@@ -23,7 +23,7 @@ pub(super) fn of(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mu
         }),
         _ => None,
     };
-    let placed: Vec<_> = task.channels.iter().filter_map(|channel| Some((channel, limb(channel.node)?))).collect();
+    let placed: Vec<_> = task.observed().filter_map(|channel| Some((channel, limb(channel.node)?))).collect();
     if placed.is_empty() {
         return;
     }

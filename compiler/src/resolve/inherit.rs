@@ -69,6 +69,7 @@ enum Section {
     Parameter,
     Channel,
     Term,
+    Critic,
     Metric,
     Reason,
     /// `let`, `state`, `clock`, `random`, `reference`: one namespace.
@@ -84,6 +85,7 @@ impl Section {
             Self::Parameter => "parameter",
             Self::Channel => "channel",
             Self::Term => "term",
+            Self::Critic => "critic channel",
             Self::Metric => "metric",
             Self::Reason => "reason",
             Self::Value => "value",
@@ -252,6 +254,10 @@ fn changes(placed: Placed, texts: &dyn Texts) -> Vec<Change> {
         S::Observe(Block { keyword, entries, span }) => {
             let statement = |entries| S::Observe(Block { keyword, entries, span });
             rows(entries, Section::Channel, (file, layer), |channel: &Channel| label_of(channel, file, texts), statement)
+        }
+        S::Critic(Block { keyword, entries, span }) => {
+            let statement = |entries| S::Critic(Block { keyword, entries, span });
+            rows(entries, Section::Critic, (file, layer), |channel: &Channel| label_of(channel, file, texts), statement)
         }
         S::Metrics(Block { keyword, entries, span }) => {
             let statement = |entries| S::Metrics(Block { keyword, entries, span });

@@ -404,6 +404,7 @@ fn statements(context: Rule) -> &'static [&'static str] {
             "scene",
             "init",
             "observe",
+            "critic",
             "reward",
             "metrics",
             "terminate",

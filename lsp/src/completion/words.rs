@@ -31,6 +31,7 @@ pub const TASK: Table = &[
     ("scene", "scene { ... }: terrain and objects"),
     ("init", "init { ... }: the initial state"),
     ("observe", "observe { ... }: the observation"),
+    ("critic", "critic { ... }: what only a critic sees, beside the observation"),
     ("reward", "reward { WEIGHT NAME = FORMULA }: the reward terms"),
     ("metrics", "metrics { ... }: logged, not part of the reward"),
     ("terminate", "terminate { REASON when CONDITION }: failures"),

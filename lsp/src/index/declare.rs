@@ -190,7 +190,7 @@ fn of_statement(statement: &TaskStatement, all: &mut Vec<Found>) {
                 walk::items(&ends.reasons).map(|reason| found(Space::Reason, &reason.name, "reason", reason.docs.as_ref())),
             );
         }
-        S::Observe(block) | S::Metrics(block) => {
+        S::Observe(block) | S::Critic(block) | S::Metrics(block) => {
             for channel in walk::items(&block.entries) {
                 all.extend(channel.label.iter().map(|label| found(Space::Label, label, "label", channel.docs.as_ref())));
             }

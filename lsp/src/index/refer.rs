@@ -147,7 +147,9 @@ impl<'t> Visitor<'t> for Walker<'_> {
             S::Phase(phase) => self.ident(Space::Task, &phase.task),
             S::Reward(reward) => removed(&reward.terms).for_each(|name| self.name(Space::Term, name)),
             S::Terminate(ends) | S::Finish(ends) => removed(&ends.reasons).for_each(|name| self.name(Space::Reason, name)),
-            S::Observe(block) | S::Metrics(block) => removed(&block.entries).for_each(|name| self.name(Space::Label, name)),
+            S::Observe(block) | S::Critic(block) | S::Metrics(block) => {
+                removed(&block.entries).for_each(|name| self.name(Space::Label, name))
+            }
             S::Params(block) => removed(&block.entries).for_each(|name| self.name(Space::Value, name)),
             S::Disturb(element) => {
                 if let Some(ElementName::Name(name)) = &element.name {

@@ -50,7 +50,7 @@ impl Batch {
     }
 
     fn state<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
-        state::arrays(py, &self.present(index)?)
+        state::arrays(py, &self.present(index)?, &self.model.get().inner)
     }
 
     fn set_state(&mut self, index: usize, arrays: &Bound<'_, PyDict>) -> PyResult<()> {

@@ -52,7 +52,7 @@ impl Simulation {
     }
 
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        state::arrays(py, &self.inner.get()?.0)
+        state::arrays(py, &self.inner.get()?.0, &self.model.get().inner)
     }
 
     fn set_state(&mut self, arrays: &Bound<'_, PyDict>) -> PyResult<()> {

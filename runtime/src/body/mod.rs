@@ -11,6 +11,7 @@ mod bind;
 mod changes;
 pub mod contacts;
 pub(crate) mod coupling;
+mod metabolism;
 mod motion;
 mod parts;
 mod placement;

@@ -3,6 +3,7 @@
 //! Everything is measured in one configuration: the workspace must hold the forward pass of the state. Velocities are those
 //! of the very point. A mean acceleration is the change of velocity over the control step; [`Memory`] keeps what it needs.
 
+use super::metabolism::Contraction;
 use super::Body;
 use crate::scene::ground::{ABYSS, Ground};
 use msk_physics::model::Model;
@@ -115,6 +116,8 @@ impl Snapshot<'_> {
             Sensor::MuscleTendonLength(muscle) => Scalar(muscles.tendon_length(muscle)),
             Sensor::MuscleActivation(muscle) => Scalar(state.activation[muscle]),
             Sensor::MuscleExcitation(muscle) => Scalar(state.control[muscle]),
+            Sensor::MuscleStrength(muscle) => Scalar(state.strength[muscle]),
+            Sensor::MuscleMetabolicPower(muscle) => Scalar(self.metabolic_power(muscle)),
             Sensor::Action(muscle) => Scalar(control.action[muscle]),
             Sensor::ActionEntry(entry) => Scalar(control.entries[entry]),
             Sensor::ComPosition => Vector(body.centre_of_mass(self.model, kinematics)),
@@ -169,6 +172,27 @@ impl Snapshot<'_> {
         let [angular, linear] = self.workspace.velocities.body[body];
         let centre = self.workspace.kinematics.subtree_com[self.model.bodies.root[body]];
         linear + angular.cross(&(point - centre))
+    }
+
+    fn metabolic_power(&self, muscle: usize) -> f64 {
+        let (state, actuation) = (self.state, &self.workspace.actuation);
+        let (optimal_length, _) = actuation.lengths(muscle);
+        // What is no muscle has neither length nor metabolism.
+        if optimal_length <= 0.0 {
+            return 0.0;
+        }
+        let activation = self.model.actuators.activation[muscle].map_or(0.0, |slot| state.activation[slot]);
+        let contraction = Contraction {
+            peak_force: actuation.peak_force(muscle),
+            optimal_length,
+            length: actuation.fibre_length(muscle) / optimal_length,
+            velocity: actuation.fibre_velocity(muscle),
+            excitation: state.control[muscle],
+            activation,
+            force: -actuation.gain[muscle] * activation,
+            isometric_force: actuation.isometric_force(state, muscle) * activation,
+        };
+        contraction.metabolic_power()
     }
 
     fn angular_velocity(&self, body: usize) -> Vector3<f64> {

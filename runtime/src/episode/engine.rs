@@ -117,6 +117,7 @@ impl Engine {
             action: ActionState::new(&self.task, &self.body),
             frame: vec![0.0; self.task.frame.size()],
             observation: vec![0.0; self.task.observation_size()],
+            critic: vec![0.0; self.task.critic_size()],
             report: StepReport::default(),
             total: 0.0,
             totals: vec![0.0; self.task.terms.len()],
@@ -168,7 +169,8 @@ impl Engine {
     /// Whether an episode that came from outside was begun here, or by an engine of the same task on a body of the same size, and
     /// has the shape of one: only then it may be restored.
     pub fn accepts(&self, episode: &Episode) -> bool {
-        let Episode { disturbances, task, streams, compartments, action, frame, observation, report, totals, .. } = episode;
+        let Episode { disturbances, task, streams, compartments, action, frame, observation, critic, report, totals, .. } =
+            episode;
         let counted = |part: usize, whole: usize| part == 0 || part == whole;
         let muscles = self.body.muscles.len();
         self.made(episode)
@@ -178,6 +180,7 @@ impl Engine {
             && counted(disturbances.len(), self.task.disturbances.len())
             && action.fits(&ActionState::new(&self.task, &self.body))
             && [frame.len(), observation.len()] == [self.task.frame.size(), self.task.observation_size()]
+            && critic.len() == self.task.critic_size()
             && counted(report.terms.len(), self.task.terms.len())
             && totals.len() == self.task.terms.len()
     }

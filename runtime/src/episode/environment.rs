@@ -222,6 +222,11 @@ impl Environment {
         &self.episode.observation
     }
 
+    /// What only a critic sees: see [`Episode::critic_observation`].
+    pub fn critic_observation(&self) -> &[f64] {
+        self.episode.critic_observation()
+    }
+
     /// The report of the last step.
     pub fn report(&self) -> &StepReport {
         &self.episode.report

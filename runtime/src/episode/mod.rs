@@ -68,6 +68,8 @@ pub struct Episode {
     action: ActionState,
     frame: Vec<f64>,
     observation: Vec<f64>,
+    /// What only a critic sees.
+    critic: Vec<f64>,
     report: StepReport,
     /// Sum of the rewards since reset.
     total: f64,
@@ -101,6 +103,13 @@ impl Episode {
     /// The present observation, in the order and units of the task's channels.
     pub fn observation(&self) -> &[f64] {
         &self.observation
+    }
+
+    /// What only a critic sees at present, beside the observation, in the order and units of [`CompiledTask::critic`].
+    ///
+    /// [`CompiledTask::critic`]: msk_program::task::CompiledTask::critic
+    pub fn critic_observation(&self) -> &[f64] {
+        &self.critic
     }
 
     /// What the task reports of the last step.

@@ -315,5 +315,6 @@ impl Player<'_> {
     pub fn observe(&mut self) {
         let episode = &mut *self.episode;
         self.engine.task.observe(&episode.frame, &episode.task, &mut episode.observation);
+        self.engine.task.observe_critic(&episode.frame, &episode.task, &mut episode.critic);
     }
 }

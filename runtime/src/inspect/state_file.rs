@@ -45,6 +45,15 @@ pub struct StateFile {
     /// Their orientations, four numbers each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mocap_quat: Option<Vec<f64>>,
+    /// Factor of the active force of each muscle, `nu`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength: Option<Vec<f64>>,
+    /// Factor of mass and inertia of each body, `nbody`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_scale: Option<Vec<f64>>,
+    /// Sliding friction of each geom, `ngeom`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Vec<f64>>,
     /// Acceleration that the solver starts from, `nv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub qacc_warmstart: Option<Vec<f64>>,
@@ -63,6 +72,18 @@ pub enum StateError {
         /// The length it should have.
         expected: usize,
     },
+    /// A factor or coefficient that no body can have.
+    #[error("`{name}` has {value} at {index}: {wanted}")]
+    Value {
+        /// The array.
+        name: &'static str,
+        /// What it has.
+        value: f64,
+        /// Where.
+        index: usize,
+        /// What it should be.
+        wanted: &'static str,
+    },
     /// Nothing turns this way: the quaternion of a free or ball joint is zero.
     #[error("the quaternion of joint `{joint}` in `qpos` is zero")]
     Quaternion {
@@ -72,8 +93,10 @@ pub enum StateError {
 }
 
 impl StateFile {
-    /// What has to be written of a state to draw it or to look into it; outside forces are left out.
-    pub fn of(state: &State<f64>) -> Self {
+    /// What has to be written of a state of a model to draw it or to look into it; outside forces are left out.
+    pub fn of(model: &Model, state: &State<f64>) -> Self {
+        let differ = |own: &[f64], usual: f64| own.iter().any(|value| *value != usual).then(|| own.to_vec());
+        let rough = state.friction.iter().zip(&model.geoms.friction).any(|(own, usual)| *own != usual[0]);
         let placed = !state.mocap_position.is_empty();
         Self {
             time: Some(state.time),
@@ -87,6 +110,9 @@ impl StateFile {
             fibre_length: Some(state.fibre_length.clone()).filter(|fibres| !fibres.is_empty()),
             fibre_velocity: Some(state.fibre_velocity.clone()).filter(|fibres| !fibres.is_empty()),
             qacc_warmstart: Some(state.warm_start.clone()),
+            strength: differ(&state.strength, 1.0),
+            mass_scale: differ(&state.mass_scale, 1.0),
+            friction: rough.then(|| state.friction.clone()),
             ..Self::default()
         }
     }
@@ -95,7 +121,7 @@ impl StateFile {
     ///
     /// # Errors
     ///
-    /// An array of the wrong length, a quaternion without direction.
+    /// An array of the wrong length, a quaternion without direction, a mass that is not positive, a negative strength or friction.
     pub fn state(&self, model: &Model) -> Result<State<f64>, StateError> {
         let mut state = State::new(model);
         state.time = self.time.unwrap_or(state.time);
@@ -109,6 +135,12 @@ impl StateFile {
         take("fibre_velocity", &self.fibre_velocity, &mut state.fibre_velocity)?;
         take("qfrc_applied", &self.qfrc_applied, &mut state.applied_force)?;
         take("qacc_warmstart", &self.qacc_warmstart, &mut state.warm_start)?;
+        take("strength", &self.strength, &mut state.strength)?;
+        take("mass_scale", &self.mass_scale, &mut state.mass_scale)?;
+        take("friction", &self.friction, &mut state.friction)?;
+        check("strength", &state.strength, "expected 0 or more", |value| value >= 0.0)?;
+        check("mass_scale", &state.mass_scale, "expected more than 0", |value| value > 0.0)?;
+        check("friction", &state.friction, "expected 0 or more", |value| value >= 0.0)?;
         let mut places: Vec<f64> = state.mocap_position.iter().flatten().copied().collect();
         take("mocap_pos", &self.mocap_pos, &mut places)?;
         state.mocap_position = places.chunks_exact(3).map(Vector3::from_column_slice).collect();
@@ -133,6 +165,13 @@ fn take(name: &'static str, given: &Option<Vec<f64>>, slot: &mut Vec<f64>) -> Re
     }
     slot.clone_from(given);
     Ok(())
+}
+
+fn check(name: &'static str, values: &[f64], wanted: &'static str, holds: impl Fn(f64) -> bool) -> Result<(), StateError> {
+    match values.iter().position(|value| !(value.is_finite() && holds(*value))) {
+        Some(index) => Err(StateError::Value { name, value: values[index], index, wanted }),
+        None => Ok(()),
+    }
 }
 
 fn check_quaternions(model: &Model, state: &State<f64>) -> Result<(), StateError> {

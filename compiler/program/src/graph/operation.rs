@@ -222,7 +222,7 @@ impl Binary {
             Self::Maximum => maximum(a, b),
             Self::ArcTangent2 => libm::atan2(a, b),
             Self::Hypotenuse => libm::hypot(a, b),
-            Self::Modulo => a - b * (a / b).floor(),
+            Self::Modulo => modulo(a, b),
             Self::Less => truth(a < b),
             Self::LessEqual => truth(a <= b),
             Self::Equal => truth(a == b),
@@ -230,6 +230,13 @@ impl Binary {
             Self::Or => truth(a != 0.0 || b != 0.0),
         }
     }
+}
+
+/// a - b floor(a / b). A quotient too small for a number is zero whatever its sign: below zero, its floor is -1 nevertheless.
+fn modulo(a: f64, b: f64) -> f64 {
+    let quotient = a / b;
+    let lost = quotient == 0.0 && a != 0.0 && (a < 0.0) != (b < 0.0);
+    if lost { a + b } else { a - b * quotient.floor() }
 }
 
 impl Reduction {
@@ -389,6 +396,14 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_remainder_is_never_below_zero_however_small_the_quotient() {
+        assert_eq!(Binary::Modulo.apply(-7.9e-297, 2.2e66), 2.2e66);
+        assert_eq!(Binary::Modulo.apply(7.9e-297, 2.2e66), 7.9e-297);
+        assert_eq!(Binary::Modulo.apply(-1.0, 4.0), 3.0);
+        assert_eq!(Binary::Modulo.apply(0.0, 4.0), 0.0);
+    }
 
     #[test]
     fn a_minimum_lets_a_nan_through_from_either_side() {

@@ -171,9 +171,11 @@ impl CompiledTask {
         if let Some(node) = outputs.success {
             write(Section::new("success", phase_name), formula(&debug.success), node, "when");
         }
-        for (channel, own) in self.channels.iter().zip(&phase.channels) {
+        let groups = [("channel", &self.channels), ("critic", &self.critic)];
+        let channels = groups.into_iter().flat_map(|(group, channels)| channels.iter().map(move |channel| (group, channel)));
+        for ((group, channel), own) in channels.zip(&phase.channels) {
             let Some((own, &node)) = own.and_then(|own| Some((own, outputs.channels.get(own)?))) else { continue };
-            let mut section = Section::new("channel", &labelled(&channel.name)).field("size", channel.size);
+            let mut section = Section::new(group, &labelled(&channel.name)).field("size", channel.size);
             if !channel.unit.is_empty() {
                 section = section.field("unit", &channel.unit);
             }

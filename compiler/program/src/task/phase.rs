@@ -26,7 +26,8 @@ pub struct PhaseParts {
     pub finishes: Range<usize>,
     /// Which of the whole's metrics are its own.
     pub metrics: Range<usize>,
-    /// For each channel of the whole: its place among the phase's own; the last may be missing where they are not its own.
+    /// For each channel of the whole, those of the critic last: its place among the phase's own; the last may be missing where they
+    /// are not its own.
     pub channels: Vec<Option<usize>>,
     /// For each of its draws: which random of the whole.
     pub streams: Vec<usize>,
@@ -42,23 +43,30 @@ pub struct Phase {
     pub(crate) measured: (usize, Range<usize>),
     /// What is observed while it lasts: all channels of the whole, zero where it has none.
     pub(crate) observation: Plan,
+    /// What only a critic sees.
+    pub(crate) critic: Plan,
 }
 
 impl Phase {
-    /// Lowers a phase of a task that reads `frame`, observes `channels` and measures `metrics` as a whole.
-    pub fn new(mut parts: PhaseParts, frame: &FrameLayout, channels: &[Channel], metrics: &[Channel]) -> Self {
+    /// Lowers a phase of a task that reads `frame`, observes these groups of channels (the policy's, the critic's) and measures `metrics`
+    /// as a whole.
+    pub fn new(mut parts: PhaseParts, frame: &FrameLayout, groups: [&[Channel]; 2], metrics: &[Channel]) -> Self {
         let mut program = assemble(&parts.graph, &parts.outputs, frame);
-        parts.channels.resize(channels.len(), None);
-        let mut observation = Plan::default();
-        for (channel, own) in channels.iter().zip(&parts.channels) {
-            match own.and_then(|own| program.channels.get_mut(own)) {
-                Some(plan) => observation.append(std::mem::take(plan)),
-                None => observation.zeros(channel.size),
+        parts.channels.resize(groups.iter().map(|group| group.len()).sum(), None);
+        let mut own = parts.channels.iter();
+        let [observation, critic] = groups.map(|channels| {
+            let mut group = Plan::default();
+            for (channel, own) in channels.iter().zip(own.by_ref()) {
+                match own.and_then(|own| program.channels.get_mut(own)) {
+                    Some(plan) => group.append(std::mem::take(plan)),
+                    None => group.zeros(channel.size),
+                }
             }
-        }
+            group
+        });
         let end = |count: usize| metrics[..count].last().map_or(0, |metric| metric.offset + metric.size);
         let measured = (end(metrics.len()), end(parts.metrics.start)..end(parts.metrics.end));
-        Self { parts, program, measured, observation }
+        Self { parts, program, measured, observation, critic }
     }
 }
 

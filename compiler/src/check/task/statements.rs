@@ -34,6 +34,7 @@ impl<'a> Checker<'a> {
             let (word, span) = match statement {
                 S::Params(block) => ("params", block.keyword),
                 S::Observe(block) => ("observe", block.keyword),
+                S::Critic(block) => ("critic", block.keyword),
                 S::Metrics(block) => ("metrics", block.keyword),
                 S::Reward(reward) if reward.per_second => ("reward per second", reward.span),
                 S::Reward(reward) => ("reward", reward.span),

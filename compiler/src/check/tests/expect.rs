@@ -159,6 +159,7 @@ impl<'a> Checker<'a> {
         // A probe is never printed, so its formula does not matter.
         let formula = Expr { kind: ExprKind::Bool(true), span };
         probes.push(ObservedChannel {
+            critic: false,
             name,
             node: data.node,
             data: data.clone(),

@@ -58,6 +58,10 @@ impl Builder<'_> {
                 let entries = self.channels(pair);
                 TaskStatement::Observe(self.block(pair, entries))
             }
+            Rule::critic => {
+                let entries = self.channels(pair);
+                TaskStatement::Critic(self.block(pair, entries))
+            }
             Rule::metrics => {
                 let entries = self.channels(pair);
                 TaskStatement::Metrics(self.block(pair, entries))

@@ -148,6 +148,8 @@ pub enum TaskStatement {
     Init(Block<InitStatement>),
     /// `observe { ... }`
     Observe(Block<Entry<Channel>>),
+    /// `critic { ... }`
+    Critic(Block<Entry<Channel>>),
     /// `reward { ... }`
     Reward(Reward),
     /// `metrics { ... }`

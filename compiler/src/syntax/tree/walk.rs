@@ -104,7 +104,9 @@ pub fn walk_task_statement<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, stateme
         S::Params(block) => items(&block.entries).for_each(|parameter| visitor.task_parameter(parameter)),
         S::Scene(block) => block.entries.iter().for_each(|statement| visitor.scene_statement(statement)),
         S::Init(block) => block.entries.iter().for_each(|statement| visitor.init_statement(statement)),
-        S::Observe(block) | S::Metrics(block) => items(&block.entries).for_each(|channel| visitor.channel(channel)),
+        S::Observe(block) | S::Critic(block) | S::Metrics(block) => {
+            items(&block.entries).for_each(|channel| visitor.channel(channel))
+        }
         S::Reward(reward) => items(&reward.terms).for_each(|term| visitor.term(term)),
         S::Terminate(ends) | S::Finish(ends) => {
             ends.after.iter().for_each(|after| visitor.expression(after));

@@ -146,6 +146,14 @@ impl<T: Real> Actuation<T> {
         self.curve(actuator).map_or(0.0, Curve::peak)
     }
 
+    /// Active force at full activation of the muscle `actuator` if its fibre kept its present length, N, never negative; zero for what is
+    /// no muscle. On request.
+    pub fn isometric_force(&self, state: &State<T>, actuator: usize) -> T {
+        let path = self.fibre_length(actuator) + T::splat(self.lengths(actuator).1);
+        let force = |active: &Curve| active.gain(path, T::splat(0.0)) * state.strength[actuator];
+        self.curve(actuator).map_or(T::splat(0.0), force)
+    }
+
     /// Optimal fibre length and tendon slack length of the muscle `actuator`, m, as its operating range has them; zero for
     /// what is no muscle.
     pub fn lengths(&self, actuator: usize) -> (f64, f64) {

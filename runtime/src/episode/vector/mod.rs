@@ -77,8 +77,8 @@ struct Slot {
 #[derive(Default, Clone)]
 struct Outcome {
     reward: f64,
-    /// The episode that ended, with its last observation.
-    end: Option<(EpisodeEnd, Vec<f64>)>,
+    /// The episode that ended, with its last observation, and what only a critic saw of it.
+    end: Option<(EpisodeEnd, [Vec<f64>; 2])>,
 }
 
 impl VectorEnvironment {
@@ -98,7 +98,7 @@ impl VectorEnvironment {
         let workers = threads.min(count).get();
         let scratch = vec![engine.group_scratch(count.get().div_ceil(workers)); workers];
         let slots = (0..count.get()).map(|_| slot.duplicate()).collect();
-        let step = VectorStep::new(count.get(), engine.task().observation_size());
+        let step = VectorStep::new(count.get(), [engine.task().observation_size(), engine.task().critic_size()]);
         let mut environment =
             Self { engine, slots, scratch, pool, autoreset: AutoresetMode::default(), stride: count.get() as u64, step };
         environment.reset(0);
@@ -200,7 +200,7 @@ impl VectorEnvironment {
             for (lane, slot) in slots.iter_mut().enumerate().filter(|(lane, _)| goes_on[*lane]) {
                 slot.outcome.reward = slot.episode.report.reward;
                 if let Some(end) = EpisodeEnd::of(first + lane, &slot.episode) {
-                    slot.outcome.end = Some((end, slot.episode.observation.clone()));
+                    slot.outcome.end = Some((end, [slot.episode.observation.clone(), slot.episode.critic.clone()]));
                     if autoreset == AutoresetMode::SameStep {
                         slot.begin(stride, engine, scratch, lane);
                     }
@@ -212,16 +212,19 @@ impl VectorEnvironment {
 
     /// Writes what has happened in the slots into the arrays of the step.
     fn gather(&mut self) -> &VectorStep {
-        let (width, disabled) = (self.engine.task.observation_size(), self.autoreset == AutoresetMode::Disabled);
+        let [width, critic] = [self.engine.task.observation_size(), self.engine.task.critic_size()];
+        let disabled = self.autoreset == AutoresetMode::Disabled;
         let step = &mut self.step;
         step.ends.clear();
         for (index, slot) in self.slots.iter_mut().enumerate() {
-            let row = width * index..width * (index + 1);
+            let [row, own] = [width, critic].map(|width| width * index..width * (index + 1));
             step.observations[row.clone()].copy_from_slice(&slot.episode.observation);
+            step.critic_observations[own.clone()].copy_from_slice(&slot.episode.critic);
             step.rewards[index] = slot.outcome.reward;
             step.ended[index] = slot.outcome.end.is_some();
-            if let Some((end, observation)) = slot.outcome.end.take() {
+            if let Some((end, [observation, critic])) = slot.outcome.end.take() {
                 step.final_observations[row].copy_from_slice(&observation);
+                step.final_critic_observations[own].copy_from_slice(&critic);
                 (step.terminated[index], step.truncated[index]) = flags(Some(&end.ending));
                 step.ends.push(end);
             } else {

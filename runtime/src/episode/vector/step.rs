@@ -11,6 +11,8 @@ pub struct VectorStep {
     ///
     /// [`AutoresetMode::SameStep`]: super::AutoresetMode::SameStep
     pub observations: Vec<f64>,
+    /// What only a critic sees beside them, slot after slot, in the order and units of the task's critic channels; empty without any.
+    pub critic_observations: Vec<f64>,
     /// The rewards of this step; 0 for a reset, a step that met a fault, and a slot whose episode had ended.
     pub rewards: Vec<f64>,
     /// Whether the task ended the episode, as a failure or because it is finished: what would follow has no value.
@@ -22,6 +24,8 @@ pub struct VectorStep {
     pub ended: Vec<bool>,
     /// The last observations of the episodes that ended in this step, in the rows of their slots; other rows hold older numbers.
     pub final_observations: Vec<f64>,
+    /// What only a critic saw of these, likewise.
+    pub final_critic_observations: Vec<f64>,
     /// The episodes that ended in this step, by slot.
     pub ends: Vec<EpisodeEnd>,
 }
@@ -70,14 +74,16 @@ impl EpisodeEnd {
 }
 
 impl VectorStep {
-    pub(super) fn new(slots: usize, width: usize) -> Self {
+    pub(super) fn new(slots: usize, [width, critic]: [usize; 2]) -> Self {
         Self {
             observations: vec![0.0; slots * width],
+            critic_observations: vec![0.0; slots * critic],
             rewards: vec![0.0; slots],
             terminated: vec![false; slots],
             truncated: vec![false; slots],
             ended: vec![false; slots],
             final_observations: vec![0.0; slots * width],
+            final_critic_observations: vec![0.0; slots * critic],
             ends: Vec::new(),
         }
     }
