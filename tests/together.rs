@@ -1,7 +1,7 @@
 //! Episodes of tasks in the lanes of the simulator: each comes to the bits that it comes to alone.
 
 use super::episodes::episode;
-use super::worlds::DRAWN;
+use super::randomization::DRAWN;
 use msk::compiler::compile;
 use msk::physics::model::ElasticTendons;
 use msk::runtime::episode::{AutoresetMode, Ending, Engine, Environment, Episode, EpisodeKey, Stream, VectorEnvironment};
@@ -94,10 +94,10 @@ fn an_episode_of_any_action_space_has_the_same_bits_in_a_lane_and_alone() {
 
 /// Masses, strengths, frictions and places of their own.
 #[test]
-fn an_episode_in_its_own_world_has_the_same_bits_in_a_lane_and_alone() {
+fn an_episode_of_a_randomized_task_has_the_same_bits_in_a_lane_and_alone() {
     let engine = episode(DRAWN).engine().clone();
-    check("worlds", &engine, 10, 1, 4);
-    check("worlds", &engine, 7, 2, 12);
+    check("randomized", &engine, 10, 1, 4);
+    check("randomized", &engine, 7, 2, 12);
 }
 
 #[test]

@@ -13,6 +13,7 @@ use crate::resolve::scope::{Definition, Place};
 use crate::resolve::{Texts, label_of, summary, written};
 use crate::spoken::{self, SpokenUnit};
 use crate::syntax::tree::{Channel, Entry, Expr, ExprKind, TaskStatement};
+pub(crate) use settings::AddedNoise;
 use settings::{Placed, Seen};
 
 /// A channel that the graph computes.
@@ -35,6 +36,10 @@ pub(crate) struct ObservedChannel {
     pub settings: String,
     /// Whether only a critic sees it.
     pub critic: bool,
+    /// What of it is noise.
+    pub noise: Vec<AddedNoise>,
+    /// How many control steps back it reaches.
+    pub past: u32,
     /// Where the channel, or the block that it comes from, is named in the task.
     pub file: FileId,
     pub span: Span,
@@ -171,10 +176,25 @@ impl<'a> Checker<'a> {
         let block = block.map_or_else(String::new, |block| block.name.to_owned());
         let source = written(&channel.value, self.place.file, texts);
         let unit = if seen.scaled { String::new() } else { unit_of(&data.kind) };
-        let (formula, settings) = (channel.value.clone(), seen.written);
+        let (formula, settings, noise, past) = (channel.value.clone(), seen.written, seen.noise, seen.past);
         let docs = summary(channel.docs.as_ref());
         let critic = false;
-        found.push(ObservedChannel { name, node, data, unit, source, formula, docs, block, settings, critic, file, span });
+        found.push(ObservedChannel {
+            name,
+            node,
+            data,
+            unit,
+            source,
+            formula,
+            docs,
+            block,
+            settings,
+            critic,
+            noise,
+            past,
+            file,
+            span,
+        });
         Ok(())
     }
 

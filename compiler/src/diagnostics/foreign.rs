@@ -3,8 +3,14 @@
 /// Modules whose functions stand by themselves here.
 const MODULES: &[&str] = &["np", "numpy", "math", "torch", "jnp", "jax", "tf", "f32", "f64", "std"];
 
+/// What is drawn has a name, by which tests, explanations and formulas know it.
+const DRAW: &str = "declare the draw, `random NAME = uniform(low .. high)`, and write its name here";
+
 /// A word that is called as a function elsewhere, and how the same is written.
 const FUNCTIONS: &[(&str, &str)] = &[
+    ("uniform", DRAW),
+    ("normal", DRAW),
+    ("choice", DRAW),
     ("pow", "a power is written `x^2`"),
     ("power", "a power is written `x^2`"),
     ("square", "a square is written `x^2`"),

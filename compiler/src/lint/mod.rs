@@ -5,6 +5,7 @@
 //! (`allows`).
 
 mod amount;
+mod channels;
 mod cheap_return;
 mod duration;
 mod growth;
@@ -84,6 +85,7 @@ fn task(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<Dia
     }
     decided_ends(task, &bounds, diagnostics);
     duplicate_channel(task, diagnostics);
+    channels::of(task, &bounds, diagnostics);
     states(checker, task, diagnostics);
     at_reset(checker, task, &bounds, diagnostics);
     let amounts = amount::of_terms(task, &bounds);

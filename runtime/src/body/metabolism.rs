@@ -18,8 +18,9 @@ const SHORTENING: [f64; 2] = [0.16, 0.18];
 const LENGTHENING: f64 = 0.157;
 /// Least heat, W/kg.
 const LEAST_HEAT: f64 = 1.0;
-/// Specific tension, Pa, and density, kg/m³, of muscle.
-const TENSION: f64 = 0.25e6;
+/// Specific tension, Pa, and density, kg/m³, of muscle. The tension is that by which Rajagopal et al. (IEEE Trans. Biomed. Eng. 63, 2016)
+/// made peak forces of muscle volumes: the muscles of the embedded body then weigh 31 kg together.
+const TENSION: f64 = 0.6e6;
 const DENSITY: f64 = 1059.7;
 
 /// A muscle at one moment.

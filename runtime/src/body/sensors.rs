@@ -3,8 +3,8 @@
 //! Everything is measured in one configuration: the workspace must hold the forward pass of the state. Velocities are those
 //! of the very point. A mean acceleration is the change of velocity over the control step; [`Memory`] keeps what it needs.
 
-use super::metabolism::Contraction;
 use super::Body;
+use super::metabolism::Contraction;
 use crate::scene::ground::{ABYSS, Ground};
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};

@@ -43,12 +43,31 @@ pub(super) struct Seen {
     pub scaled: bool,
     /// The settings as they are written, separated by blanks.
     pub written: String,
+    pub noise: Vec<AddedNoise>,
+    /// How many control steps back the oldest of the numbers is.
+    pub past: u32,
+}
+
+/// Noise of a channel, and what it is added to.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct AddedNoise {
+    pub signal: NodeId,
+    /// Its standard deviation, or half of its range.
+    pub size: f64,
 }
 
 impl Seen {
     pub fn new(node: NodeId, data: &TypedValue) -> Self {
         let orientation = data.kind.element() == Some(ElementType::Rotation);
-        Self { node, dimension: data.kind.dimension(), orientation, scaled: false, written: String::new() }
+        Self {
+            node,
+            dimension: data.kind.dimension(),
+            orientation,
+            scaled: false,
+            written: String::new(),
+            noise: Vec::new(),
+            past: 0,
+        }
     }
 }
 
@@ -79,6 +98,7 @@ impl<'a> Checker<'a> {
             "delay" => {
                 let steps = self.past(setting)?;
                 seen.node = self.delayed(seen.node, steps, setting)?;
+                seen.past += steps;
             }
             "history" => self.add_history(setting, seen)?,
             "scale" => self.scale(name, setting, seen)?,
@@ -115,6 +135,8 @@ impl<'a> Checker<'a> {
             Spread::Normal(deviation) => (Chance::Normal, 0.0, deviation),
             Spread::Uniform(low, high) => (Chance::Uniform, low, high),
         };
+        let size = if chance == Chance::Normal { high } else { 0.5 * (high - low) };
+        seen.noise.push(AddedNoise { signal: seen.node, size });
         let raw = self.graph.add(Operation::Noise(index, chance, width as u32), &[]);
         let [offset, size] = [low, high - low].map(|value| self.graph.constant(value));
         let spread = self.graph.binary(Binary::Multiply, size, raw);
@@ -158,6 +180,7 @@ impl<'a> Checker<'a> {
                 .expected(format!("a whole number from 2 to {MOST_STEPS}"));
             return Err(self.report(diagnostic));
         }
+        seen.past += count as u32 - 1;
         let mut values = vec![seen.node];
         for steps in 1..count as u32 {
             values.push(self.delayed(seen.node, steps, setting)?);

@@ -11,6 +11,9 @@ use crate::scene::{Shape, Terrain};
 use crate::syntax::tree::{Expr, ExprKind, FieldValue};
 use std::f64::consts::PI;
 
+/// A field that is drawn, and its formula.
+pub(super) type Draw<'a> = (SceneField, &'a Expr);
+
 /// A shape and where its own frame stands in that of its parent.
 #[derive(Debug, Clone)]
 pub(super) struct Placed<'a> {
@@ -18,7 +21,7 @@ pub(super) struct Placed<'a> {
     pub position: [f64; 3],
     pub orientation: [f64; 4],
     /// What of its place is drawn for every episode.
-    pub drawn: Vec<(SceneField, &'a Expr)>,
+    pub drawn: Vec<Draw<'a>>,
 }
 
 impl<'a> Checker<'a> {
@@ -56,7 +59,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `at [x, y, z]` in the frame of the parent; its origin by default.
-    fn place_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 3], Option<(SceneField, &'a Expr)>)> {
+    fn place_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 3], Option<Draw<'a>>)> {
         let Some(field) = fields.get("at") else { return Ok(([0.0; 3], None)) };
         let expr = self.field_value(field)?;
         Ok(match self.bracket_of_draws(expr, Dimension::LENGTH, "`at`")? {
@@ -67,7 +70,7 @@ impl<'a> Checker<'a> {
         })
     }
 
-    fn orientation_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 4], Option<(SceneField, &'a Expr)>)> {
+    fn orientation_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 4], Option<Draw<'a>>)> {
         let Some(field) = fields.get("orientation") else { return Ok((rotation::NONE, None)) };
         let expr = self.field_value(field)?;
         if matches!(expr.kind, ExprKind::List(_)) {

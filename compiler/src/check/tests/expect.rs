@@ -160,6 +160,8 @@ impl<'a> Checker<'a> {
         let formula = Expr { kind: ExprKind::Bool(true), span };
         probes.push(ObservedChannel {
             critic: false,
+            noise: Vec::new(),
+            past: 0,
             name,
             node: data.node,
             data: data.clone(),

@@ -71,6 +71,7 @@ macro_rules! declared {
 }
 use declared;
 
+pub mod channels;
 pub mod composition;
 pub mod exploits;
 pub mod incentive;
@@ -103,6 +104,7 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
         incentive::ALL,
         slips::ALL,
         exploits::ALL,
+        channels::ALL,
     ]
     .into_iter()
     .flatten()

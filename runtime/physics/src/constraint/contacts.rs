@@ -66,8 +66,7 @@ impl Constraints {
 fn add_edges(model: &Model, (candidate, friction): (&CollisionPair, &[f64; 5]), kind: RowKind, place: Place, rows: &mut Rows) {
     let [translation, rotation] = candidate.inverse_weight;
     let first = rows.len();
-    for direction in 0..candidate.dimension - 1 {
-        let coefficient = friction[direction];
+    for (direction, coefficient) in friction[..candidate.dimension - 1].iter().enumerate() {
         let moved = if direction < 2 { translation } else { rotation };
         for _ in 0..2 {
             rows.push(kind, place, translation + coefficient * coefficient * moved);
@@ -103,8 +102,8 @@ fn add_axes(
     let sliding = rows.regularization[first] / model.options.impedance_ratio;
     let ratio = friction[0] * (sliding / rows.regularization[first]).sqrt();
     let scale = |coefficient: f64| (friction[0] / coefficient) * (friction[0] / coefficient);
-    for direction in 0..candidate.dimension - 1 {
-        rows.regularization[first + 1 + direction] = sliding * scale(friction[direction]);
+    for (regularization, &coefficient) in rows.regularization[first + 1..].iter_mut().zip(&friction[..candidate.dimension - 1]) {
+        *regularization = sliding * scale(coefficient);
     }
     Cone { rows: first..rows.len(), friction: *friction, ratio }
 }

@@ -1,4 +1,4 @@
-//! Worlds that chance decides: what is drawn of body and scene acts in the physics, for the whole episode, and for that episode alone.
+//! Domain randomization: what is drawn of body and scene acts in the physics, for the whole episode, and for that episode alone.
 
 use super::episodes::episode;
 use msk::physics;
@@ -186,7 +186,7 @@ fn a_thing_that_is_placed_stands_in_the_way() {
 }
 
 #[test]
-fn an_episode_of_its_own_world_continues_from_what_was_written() {
+fn an_episode_of_a_randomized_task_continues_from_what_was_written() {
     let mut environment = episode(DRAWN);
     environment.reset(key(2));
     let action = vec![0.1; environment.engine().action_size()];
@@ -236,7 +236,8 @@ fn masses_of_a_state_scale_inertia_and_weight() {
 /// A body that is stimulated in full burns more than one at rest, in proportion to the masses of its muscles.
 #[test]
 fn metabolic_power_is_measured_for_every_muscle() {
-    let observed = "observe { power = muscles.metabolic_power; total = sum(muscles.metabolic_power); strength = soleus_r.strength;";
+    let observed =
+        "observe { power = muscles.metabolic_power; total = sum(muscles.metabolic_power); strength = soleus_r.strength;";
     let mut environment = episode(&[("observe {", observed), ("pose neutral", "pose neutral\n        strength soleus_r 0.5")]);
     environment.reset(key(0));
     let total = |environment: &Environment| seen(environment, "total")[0];
