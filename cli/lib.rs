@@ -10,6 +10,7 @@ pub use msk_compiler as compiler;
 pub use msk_draw as draw;
 pub use msk_evaluate as evaluate;
 pub use msk_physics as physics;
+pub use msk_plan as plan;
 pub use msk_runtime as runtime;
 pub use msk_tuning as tuning;
 

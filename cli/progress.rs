@@ -8,6 +8,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+/// How far one episode is, on a terminal: a line of its control steps, which is to be taken away at the end.
+pub fn steps(horizon: u32) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(horizon.into()), ProgressDrawTarget::stderr_with_hz(10));
+    // The template is a constant of this file; without it the bar has its default look.
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} steps  {elapsed} (left {eta})") {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// Watches an evaluation.
 pub struct Progress {
     bar: ProgressBar,
@@ -96,8 +106,9 @@ impl Progress {
 impl Watcher for Progress {
     fn stepped(&self) {
         let steps = self.steps.fetch_add(1, Ordering::Relaxed) + 1;
-        // Often enough for the eye, seldom enough not to be felt.
-        if steps.is_multiple_of(64) && !self.bar.is_hidden() {
+        // Often enough for the eye, seldom enough not to be felt; where steps are slow, each.
+        let slow = || self.start.elapsed().as_secs() > steps / 64;
+        if !self.bar.is_hidden() && (steps.is_multiple_of(64) || slow()) {
             self.show(steps);
         }
     }

@@ -5,6 +5,7 @@ use crate::error::{Context, Error};
 use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
 use crate::policies::{Limits, Recorder};
+use crate::progress;
 use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
 use msk::evaluate::{
@@ -25,7 +26,8 @@ pub struct Args {
     task: String,
     /// The policy: cmc (computed muscle control that tracks the task's reference motion, or holds the initial pose),
     /// demonstration (tracks the script of the task's first succeeding test), zero (every muscle at rest), random (every
-    /// action uniform in -1..1), "process COMMAND" (an external program: `msk help policies` describes its protocol),
+    /// action uniform in -1..1), plan (search on the reward itself: "plan fast", "plan good", "plan best" or "plan FILE" with
+    /// settings), "process COMMAND" (an external program: `msk help policies` describes its protocol),
     /// "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy file, a row per step)
     #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: String,
@@ -81,7 +83,10 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if args.ignore_terminations {
         return to_horizon(&args, &trial, &mut episode, key, &mut policy);
     }
-    let record = match play(&trial, &mut episode, key, &mut policy, interrupt.stop(), || {}) {
+    let steps = progress::steps(trial.task.horizon);
+    let played = play(&trial, &mut episode, key, &mut policy, interrupt.stop(), || steps.inc(1));
+    steps.finish_and_clear();
+    let record = match played {
         Ok(Some(record)) => record,
         Ok(None) | Err(EvaluationError::Policy(PolicyError::Interrupted)) => return Ok(interrupt.code()),
         Err(error) => return Err(error.into()),

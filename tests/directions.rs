@@ -8,12 +8,13 @@ use std::fmt::Write;
 use std::fs;
 
 /// Each crate of the workspace with all crates of the workspace that it may name, dependencies of its tests aside.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("msk-storage", &[]),
     ("msk-physics", &["msk-storage"]),
     ("msk-program", &[]),
     ("msk-compiler", &["msk-program"]),
     ("msk-runtime", &["msk-physics", "msk-program", "msk-storage"]),
+    ("msk-plan", &["msk-physics", "msk-program", "msk-runtime", "msk-storage"]),
     ("msk-evaluate", &["msk-compiler", "msk-physics", "msk-program", "msk-runtime", "msk-storage"]),
     ("msk-draw", &["msk-physics", "msk-program", "msk-runtime"]),
     ("msk-tuning", &["msk-compiler", "msk-evaluate", "msk-physics", "msk-runtime", "msk-storage"]),
@@ -28,6 +29,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
             "msk-lsp",
             "msk-mcp",
             "msk-physics",
+            "msk-plan",
             "msk-runtime",
             "msk-storage",
             "msk-tuning",

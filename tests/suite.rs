@@ -19,6 +19,7 @@ mod muscle_sweep;
 mod mutation;
 mod paper;
 mod physics_doors;
+mod planning;
 mod randomization;
 mod registered;
 mod scenes;

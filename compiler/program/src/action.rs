@@ -62,6 +62,9 @@ pub struct TrackingOffsets {
     pub center_of_mass: f64,
     /// By how much the target of the root's orientation is turned, about each of its axes forward, left and up, rad; 0 if it is not.
     pub root: f64,
+    /// The natural logarithm of the factor by which balance, and feet at rest, count more or less against the joints; 0 if they do as
+    /// ever. The language has no word for it; planners use it.
+    pub priorities: f64,
 }
 
 /// A controller that acts beside a policy.
@@ -139,7 +142,8 @@ impl ActionSpace {
                 let axes = |of: &'static str| ["forward", "left", "up"].map(|axis| format!("{of}.{axis}"));
                 let moved = |range: f64, of: &'static str| axes(of).into_iter().filter(move |_| range > 0.0);
                 let joints = offsets.joints.iter().map(joint);
-                joints.chain(moved(offsets.center_of_mass, "com")).chain(moved(offsets.root, "root")).collect()
+                let priorities = ["balance", "feet"].into_iter().filter(|_| offsets.priorities > 0.0).map(str::to_owned);
+                joints.chain(moved(offsets.center_of_mass, "com")).chain(moved(offsets.root, "root")).chain(priorities).collect()
             }
         }
     }
@@ -149,6 +153,6 @@ impl TrackingOffsets {
     /// Number of entries that they take.
     pub fn size(&self) -> usize {
         let axes = |range: f64| if range > 0.0 { 3 } else { 0 };
-        self.joints.len() + axes(self.center_of_mass) + axes(self.root)
+        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + if self.priorities > 0.0 { 2 } else { 0 }
     }
 }

@@ -209,7 +209,7 @@ impl<'a> Worker<'a> {
         seat.rates = scratch.begin(lane, engine, key, &mut seat.episode);
         // An episode that could not begin has nothing that a policy could look at.
         let ready = match seat.episode.ending() {
-            None => seat.policy.reset(&engine.context(&seat.episode, scratch.lane(lane))),
+            None => seat.policy.reset(&engine.context(&seat.episode, &seat.weights, scratch.lane(lane))),
             Some(_) => Ok(()),
         };
         seat.action = engine.action(seat.policy.acts_on());
@@ -243,8 +243,8 @@ impl<'a> Worker<'a> {
         let mut unable = Vec::new();
         for (lane, place) in self.seats.iter_mut().enumerate() {
             let Some(seat) = place.as_mut().filter(|seat| seat.episode.ending().is_none()) else { continue };
-            let Seat { engine, episode, policy, action, .. } = seat;
-            if let Err(error) = policy.act(&engine.context(episode, scratch.lane(lane)), &mut action.entries) {
+            let Seat { engine, episode, policy, action, weights, .. } = seat;
+            if let Err(error) = policy.act(&engine.context(episode, weights, scratch.lane(lane)), &mut action.entries) {
                 unable.extend(place.take().map(|seat| (seat, error)));
             }
         }

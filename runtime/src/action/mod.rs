@@ -5,9 +5,11 @@
 //!    residual look at the present state for that.
 //! 3. The excitation map of the body makes excitations of the actions of muscles.
 
+mod controls;
 mod delay;
 mod excitation;
 
+pub use controls::Controls;
 pub(crate) use excitation::action as action_for;
 pub use excitation::{REST, excitation};
 
@@ -139,6 +141,13 @@ impl ActionState {
         self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.reset(moment))
     }
 
+    /// Lets its controller act roughly from now on, in a fraction of the time: for imagined episodes.
+    pub fn make_rough(&mut self) {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.make_rough();
+        }
+    }
+
     /// Whether it has the shape of another one of the same task.
     pub fn fits(&self, other: &Self) -> bool {
         let sizes = |state: &Self| [state.entries.len(), state.muscles.len(), state.filtered.len()];
@@ -231,11 +240,16 @@ fn follows(space: &ActionSpace) -> Option<Along> {
 fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
     let (joints, axes) = entries.split_at(targets.joints.len().min(entries.len()));
     let mut axes = axes.chunks_exact(3);
+    // Two entries after those that come in threes.
+    let priorities = match (targets.priorities > 0.0, axes.remainder()) {
+        (true, &[balance, feet]) => [balance, feet].map(|entry| targets.priorities * entry),
+        _ => [0.0; 2],
+    };
     let mut next = |range: f64| match range > 0.0 {
         true => axes.next().map_or(Vector3::zeros(), |part| range * Vector3::from_column_slice(part)),
         false => Vector3::zeros(),
     };
     let (center_of_mass, root) = (next(targets.center_of_mass), next(targets.root));
     let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
-    Offsets { joints, center_of_mass, root }
+    Offsets { joints, center_of_mass, root, priorities }
 }

@@ -42,14 +42,26 @@ pub(super) struct Allocation {
     gradient: Vec<f64>,
     direction: Vec<f64>,
     hessian: Symmetric,
+    effort: Effort,
 }
 
-/// Relative size of F at which the answer is taken.
-const TOLERANCE: f64 = 1e-7;
-/// Newton steps at most; a violent state needs up to fifty.
-const ITERATIONS: usize = 80;
-/// Halvings of the line search.
-const HALVINGS: usize = 40;
+/// How closely an answer is searched for. Unknowns keep their bounds with any.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Effort {
+    /// Relative size of F at which the answer is taken.
+    tolerance: f64,
+    /// Newton steps at most; a violent state needs up to fifty.
+    iterations: usize,
+    /// Halvings of the line search.
+    halvings: usize,
+}
+
+impl Effort {
+    /// For what is acted on.
+    pub const EXACT: Self = Self { tolerance: 1e-7, iterations: 80, halvings: 40 };
+    /// For what is only imagined: muscles differ from the answer by less than plans from each other.
+    pub const ROUGH: Self = Self { tolerance: 1e-3, iterations: 8, halvings: 9 };
+}
 
 impl Allocation {
     /// Memory for systems of `rows` rows.
@@ -62,7 +74,13 @@ impl Allocation {
             gradient: vec![0.0; rows],
             direction: vec![0.0; rows],
             hessian: Symmetric::new(rows),
+            effort: Effort::EXACT,
         }
+    }
+
+    /// The same memory with another effort from now on.
+    pub fn set_effort(&mut self, effort: Effort) {
+        self.effort = effort;
     }
 
     /// Fills `x`. `inertia` is W⁻¹, `columns` A with one of the `unknowns` each, `wanted` b. Returns the Newton steps taken.
@@ -71,20 +89,21 @@ impl Allocation {
         self.free.resize(unknowns.len(), 0.0);
         self.slope.resize(unknowns.len(), 0.0);
         let scale = wanted.iter().fold(1.0, |largest: f64, value| largest.at_least(value.abs()));
-        for iteration in 0..ITERATIONS {
+        let Effort { tolerance, iterations, halvings } = self.effort;
+        for iteration in 0..iterations {
             self.evaluate(inertia, columns, unknowns, wanted);
             let error = self.gradient.iter().fold(0.0, |largest: f64, value| largest.at_least(value.abs()));
-            if error <= TOLERANCE * scale {
+            if error <= tolerance * scale {
                 return iteration;
             }
             self.newton_direction(inertia, columns, unknowns);
-            let length = self.line_search(inertia, columns, unknowns, wanted);
+            let length = self.line_search(inertia, columns, unknowns, wanted, halvings);
             for (y, step) in self.multiplier.iter_mut().zip(&self.direction) {
                 *y += length * step;
             }
         }
         self.evaluate(inertia, columns, unknowns, wanted);
-        ITERATIONS
+        iterations
     }
 
     /// Unknowns and gradient F at the present multiplier.
@@ -115,7 +134,14 @@ impl Allocation {
     }
 
     /// The length in (0, 1] at which the dual's derivative along the direction vanishes. It is piecewise linear and rises.
-    fn line_search(&mut self, inertia: &Symmetric, columns: &Columns, unknowns: &[Unknown], wanted: &[f64]) -> f64 {
+    fn line_search(
+        &mut self,
+        inertia: &Symmetric,
+        columns: &Columns,
+        unknowns: &[Unknown],
+        wanted: &[f64],
+        halvings: usize,
+    ) -> f64 {
         inertia.multiply(&self.direction, &mut self.gradient);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let curvature = dot(&self.direction, &self.gradient);
@@ -123,7 +149,7 @@ impl Allocation {
         for (index, unknown) in unknowns.iter().enumerate() {
             self.slope[index] = columns.dot(index, &self.direction) / unknown.cost;
         }
-        let along = Along { start, curvature, unknowns, free: &self.free, slope: &self.slope };
+        let along = Along { start, curvature, unknowns, free: &self.free, slope: &self.slope, most: halvings };
         Instructions::default().run(along)
     }
 }
@@ -137,6 +163,8 @@ struct Along<'a> {
     /// Each unknown before clamping, and how it changes with the length.
     free: &'a [f64],
     slope: &'a [f64],
+    /// Halvings at most.
+    most: usize,
 }
 
 impl Along<'_> {
@@ -166,7 +194,7 @@ impl LaneWork for Along<'_> {
         }
         let [mut low, mut high] = [0.0, 1.0];
         let mut halvings = 0;
-        while halvings < HALVINGS {
+        while halvings < self.most {
             // Lane 4 halves the range, lanes 2 and 6 its halves, the odd ones what is left.
             let mut lengths = [low; WIDTH + 1];
             lengths[WIDTH] = high;
@@ -181,7 +209,7 @@ impl LaneWork for Along<'_> {
             }
             let derivatives = self.derivative(lanes);
             let (mut first, mut last) = (0, WIDTH);
-            while last - first > 1 && halvings < HALVINGS {
+            while last - first > 1 && halvings < self.most {
                 let middle = (first + last) / 2;
                 if derivatives.lane(middle) > 0.0 {
                     last = middle
@@ -234,7 +262,7 @@ mod tests {
         #[test]
         fn the_answer_keeps_its_bounds_and_no_neighbour_is_better((columns, unknowns, wanted) in problem()) {
             let (x, steps) = solve(&columns, &unknowns, &wanted);
-            prop_assert!(steps < ITERATIONS);
+            prop_assert!(steps < Effort::EXACT.iterations);
             let best = cost(&columns, &unknowns, &wanted, &x);
             for (index, unknown) in unknowns.iter().enumerate() {
                 prop_assert!(unknown.low <= x[index] && x[index] <= unknown.high);

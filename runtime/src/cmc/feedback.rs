@@ -11,7 +11,7 @@
 //! every joint turns as it likes), so they meet in weighted least squares over the accelerations of the independent
 //! coordinates: a whole-body controller in one 77 by 77 system.
 
-use super::{Offsets, View, coordinates::Coordinates, dynamics::Motion, goal::Goal, symmetric::Symmetric};
+use super::{Offsets, Priority, View, coordinates::Coordinates, dynamics::Motion, goal::Goal, symmetric::Symmetric};
 use crate::body::{Body, Joint};
 use msk_physics::scalar::Real;
 use msk_physics::{State, kinematics::Kinematics, rotation::difference};
@@ -131,10 +131,10 @@ impl Feedback {
             root.com_height += shift.z;
             self.root_wish(&root, view, [Vector3::zeros(); 2]);
             if let Some(target) = target {
-                self.balance_wish(&root, view, target + shift);
+                self.balance_wish(&root, view, target + shift, offsets);
             }
         }
-        self.compromise(view, feet);
+        self.compromise(view, feet, offsets);
     }
 
     /// Fills `wanted`: the compromise between joints, root and centre of mass where and as fast as the goal has them, and resting
@@ -146,9 +146,9 @@ impl Feedback {
             let first = root.address.0 + 3;
             root.orientation = offsets.orientation(body, &core::array::from_fn(|part| goal.position[first + part]));
             self.root_wish(&root, view, [goal.spin, goal.spin_rate]);
-            self.centre_wish(&root, view, goal, offsets.shift(body, view));
+            self.centre_wish(&root, view, goal, offsets.shift(body, view), offsets);
         }
-        self.compromise(view, feet);
+        self.compromise(view, feet, offsets);
     }
 
     fn clear(&mut self, view: &View<'_>) {
@@ -160,11 +160,12 @@ impl Feedback {
     }
 
     /// Adds the wish for resting feet and solves.
-    fn compromise(&mut self, view: &View<'_>, feet: &[Motion]) {
+    fn compromise(&mut self, view: &View<'_>, feet: &[Motion], offsets: &Offsets) {
         let share = (FOOT_POINTS / feet.len() as f64).at_most(1.0);
+        let weight = FEET.weight * offsets.factor(Priority::Feet);
         for point in feet {
             let wish = FEET.vector(&Vector3::zeros(), &point.velocity(view.velocities), view.hold);
-            self.point_wish(point, &wish, &Vector3::repeat(FEET.weight * FEET.weight * share));
+            self.point_wish(point, &wish, &Vector3::repeat(weight * weight * share));
         }
         self.normal.factor();
         self.normal.solve(&mut self.wanted);
@@ -200,19 +201,21 @@ impl Feedback {
         }
     }
 
-    fn balance_wish(&mut self, root: &RootReference, view: &View<'_>, target: Vector3<f64>) {
+    fn balance_wish(&mut self, root: &RootReference, view: &View<'_>, target: Vector3<f64>, offsets: &Offsets) {
         let View { hold, velocities, .. } = *view;
         let com = Motion::of_com(view, root.body);
         let velocity = com.velocity(velocities);
         let error = Vector3::new(target.x, target.y, root.com_height) - view.workspace.kinematics.subtree_com[root.body];
         let mut wish = BALANCE.vector(&error, &velocity, hold);
         wish.z = HEIGHT.acceleration(error.z, velocity.z, hold);
-        let weight = Vector3::new(BALANCE.weight, BALANCE.weight, HEIGHT.weight).map(|weight| weight * weight);
+        let factor = offsets.factor(Priority::Balance);
+        let weight =
+            Vector3::new(BALANCE.weight, BALANCE.weight, HEIGHT.weight).map(|weight| factor * weight * (factor * weight));
         self.point_wish(&com, &wish, &weight);
     }
 
     /// The centre of mass where the goal has it.
-    fn centre_wish(&mut self, root: &RootReference, view: &View<'_>, goal: &Goal, shift: Vector3<f64>) {
+    fn centre_wish(&mut self, root: &RootReference, view: &View<'_>, goal: &Goal, shift: Vector3<f64>, offsets: &Offsets) {
         let com = Motion::of_com(view, root.body);
         let velocity = com.velocity(view.velocities);
         let error = goal.com + shift - view.workspace.kinematics.subtree_com[root.body];
@@ -220,7 +223,8 @@ impl Feedback {
         let wish = core::array::from_fn::<f64, 3, _>(|axis| {
             law(axis).towards(error[axis], velocity[axis], [goal.com_velocity[axis], goal.com_acceleration[axis]], view.hold)
         });
-        let weight = Vector3::from_fn(|axis, _| law(axis).weight * law(axis).weight);
+        let factor = offsets.factor(Priority::Balance);
+        let weight = Vector3::from_fn(|axis, _| factor * law(axis).weight * (factor * law(axis).weight));
         self.point_wish(&com, &Vector3::from(wish), &weight);
     }
 

@@ -36,11 +36,12 @@ mod tests;
 mod tracking;
 
 pub(crate) use offsets::Offsets;
+use offsets::Priority;
 pub(crate) use tracking::{Along, Moment, Tracker};
 
 use crate::body::Body;
 use activation::{Hold, Muscles};
-use allocation::{Allocation, Unknown};
+use allocation::{Allocation, Effort, Unknown};
 use coordinates::Coordinates;
 use dynamics::{Dynamics, Motion};
 use feedback::Feedback;
@@ -190,6 +191,11 @@ impl Controller {
             self.support = Support::new(present.body);
         }
         self.course = follower.map(|follower| (follower, since));
+    }
+
+    /// Shares forces out roughly from now on, in a fraction of the time.
+    fn make_rough(&mut self) {
+        self.allocation.set_effort(Effort::ROUGH);
     }
 
     /// What of it a later action depends on: the offset of the centre of mass, and where the search of the last allocation ended.

@@ -15,9 +15,25 @@ pub(crate) struct Offsets {
     pub center_of_mass: Vector3<f64>,
     /// Of the root's orientation: a rotation vector along its axes forward, left, up, rad.
     pub root: Vector3<f64>,
+    /// How much more (or less) balance and resting feet count than usual: natural logarithms of factors of their weights.
+    pub priorities: [f64; 2],
+}
+
+/// What counts against the joints in the compromise of wishes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Priority {
+    /// The centre of mass.
+    Balance,
+    /// Points of the feet on the ground.
+    Feet,
 }
 
 impl Offsets {
+    /// The factor of a weight; exactly 1 where nothing is asked for.
+    pub(super) fn factor(&self, priority: Priority) -> f64 {
+        libm::exp(self.priorities[priority as usize])
+    }
+
     /// The target of a joint with its offset, kept within the joint's range.
     pub(super) fn joint(&self, body: &Body, index: usize, target: f64) -> f64 {
         let Some((_, offset)) = self.joints.iter().find(|(joint, _)| *joint == index) else { return target };

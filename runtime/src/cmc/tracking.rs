@@ -64,6 +64,13 @@ impl Tracker {
         Ok(())
     }
 
+    /// Shares forces out roughly from now on, in a fraction of the time: for imagined episodes.
+    pub fn make_rough(&mut self) {
+        if let Some(controller) = &mut self.controller {
+            controller.make_rough();
+        }
+    }
+
     /// Writes the action of the present control step, one entry per muscle, with the targets moved by `offsets`.
     ///
     /// # Errors

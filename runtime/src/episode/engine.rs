@@ -23,6 +23,8 @@ pub struct Engine {
     pub(super) fatigue: Option<Fatigue>,
     /// Whether steps that a script shows end with the whole forward pass; else with what of it knows no forces.
     pub(super) forces: bool,
+    /// Whether steps write the observation.
+    pub(super) observes: bool,
 }
 
 /// The memory of one worker: the forward pass of the episode that it played last.
@@ -81,7 +83,7 @@ impl Engine {
             return Err(EpisodeError::Body { task: task.name.clone(), expected, found });
         }
         let substeps = substeps(&task, model.options.timestep)?;
-        Ok(Self { plan: Plan::new(&model), substeps, fatigue: None, forces: true, model, body, task })
+        Ok(Self { plan: Plan::new(&model), substeps, fatigue: None, forces: true, observes: true, model, body, task })
     }
 
     /// The same with muscles that tire.
@@ -193,9 +195,12 @@ impl Engine {
         Player { engine: self, episode, weights, scratch }
     }
 
-    /// What a policy may look at in an episode whose forward pass is in `scratch`.
-    pub fn context<'a>(&'a self, episode: &'a Episode, scratch: &'a Scratch) -> PolicyContext<'a> {
+    /// What a policy may look at in an episode that `weights` reward, one per term, and whose forward pass is in `scratch`.
+    pub fn context<'a>(&'a self, episode: &'a Episode, weights: &'a [f64], scratch: &'a Scratch) -> PolicyContext<'a> {
         PolicyContext {
+            engine: self,
+            episode,
+            weights,
             task: &self.task,
             body: &self.body,
             model: &self.model,
@@ -207,6 +212,11 @@ impl Engine {
             state: &episode.state,
             workspace: &scratch.workspace,
         }
+    }
+
+    /// Whether it is the same, so that memory of one serves the other.
+    pub fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.model, &other.model) && Arc::ptr_eq(&self.task, &other.task) && self.fatigue == other.fatigue
     }
 
     /// Number of entries of an action in the task's own space.
@@ -241,7 +251,7 @@ impl Engine {
 }
 
 /// Physics steps per control step.
-fn substeps(task: &CompiledTask, timestep: f64) -> Result<u32, EpisodeError> {
+pub(super) fn substeps(task: &CompiledTask, timestep: f64) -> Result<u32, EpisodeError> {
     let substeps = 1.0 / (task.control_frequency * timestep);
     let whole = substeps.round();
     if (1.0..=1e6).contains(&whole) && (substeps - whole).abs() <= 1e-9 * whole {

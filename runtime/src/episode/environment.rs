@@ -266,6 +266,6 @@ impl Environment {
 
     /// What a policy may look at.
     pub fn context(&self) -> PolicyContext<'_> {
-        self.engine.context(&self.episode, &self.scratch)
+        self.engine.context(&self.episode, &self.weights, &self.scratch)
     }
 }

@@ -16,6 +16,7 @@
 mod ending;
 mod engine;
 mod environment;
+mod imagination;
 mod initial_state;
 mod player;
 mod playing;

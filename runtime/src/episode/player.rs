@@ -313,6 +313,9 @@ impl Player<'_> {
 
     /// Writes the observation.
     pub fn observe(&mut self) {
+        if !self.engine.observes {
+            return;
+        }
         let episode = &mut *self.episode;
         self.engine.task.observe(&episode.frame, &episode.task, &mut episode.observation);
         self.engine.task.observe_critic(&episode.frame, &episode.task, &mut episode.critic);

@@ -66,6 +66,11 @@ impl Streams {
         self.0.len()
     }
 
+    /// Streams for randoms of an imagined episode, which have nothing in common with those of the episode itself.
+    pub(super) fn imagined(key: EpisodeKey, name: &str, randoms: &[RandomValue]) -> Self {
+        Self(randoms.iter().map(|random| Stream::new(key, &format!("imagined/{name}/{}", random.name))).collect())
+    }
+
     /// Every stream from its beginning.
     pub(super) fn start(&mut self, key: EpisodeKey, randoms: &[RandomValue]) {
         self.0.clear();

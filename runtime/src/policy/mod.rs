@@ -14,7 +14,7 @@ mod zero;
 pub use cmc::ComputedMuscleControl;
 pub use random::Random;
 #[cfg(feature = "system")]
-pub use source::{PolicySource, TIMEOUT};
+pub use source::{PolicyMaker, PolicySource, TIMEOUT};
 pub use zero::Zero;
 
 pub use crate::action::ActsOn;
@@ -22,7 +22,7 @@ pub use crate::action::ActsOn;
 use crate::body::Body;
 use crate::body::sensors::Snapshot;
 use crate::cmc::{Moment, Present};
-use crate::episode::EpisodeKey;
+use crate::episode::{Engine, Episode, EpisodeKey};
 use msk_physics::model::Model;
 use msk_physics::{State, Workspace};
 use msk_program::task::{CompiledTask, TaskState};
@@ -30,6 +30,12 @@ use msk_program::task::{CompiledTask, TaskState};
 /// What a policy may look at: the snapshot that the next action answers to.
 #[derive(Clone, Copy)]
 pub struct PolicyContext<'a> {
+    /// What the episode is played with: a policy that looks ahead plays copies of it.
+    pub engine: &'a Engine,
+    /// The episode.
+    pub episode: &'a Episode,
+    /// The weights that reward it, one per term.
+    pub weights: &'a [f64],
     /// The task.
     pub task: &'a CompiledTask,
     /// The body, bound to its model.
@@ -101,8 +107,13 @@ pub enum PolicyError {
     #[error("there is no policy `{0}`; choose one of: {names}", names = NAMES.join(", "))]
     Unknown(String),
     /// No policy that a command line names like this.
-    #[error("there is no policy `{0}`; choose one of: {names}, process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
+    #[error("there is no policy `{0}`; choose one of: {names}, plan [PRESET | FILE], process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
     UnknownSource(String),
+    /// A policy that only the command line names.
+    #[error(
+        "`{0}` is not available here: it imagines hundreds of episodes for each that it plays; use it with `msk run` and `msk eval`"
+    )]
+    CommandLineOnly(String),
     /// A policy from outside without what it is.
     #[error("`{policy}` needs a {}: write `{example}`", if *policy == "process" { "command" } else { "file" })]
     Incomplete {
@@ -167,6 +178,8 @@ pub fn create(name: &str) -> Result<Box<dyn Policy>, PolicyError> {
         "cmc" => Ok(Box::<ComputedMuscleControl>::default()),
         "demonstration" => Ok(Box::new(ComputedMuscleControl::demonstration())),
         "witness" => Err(PolicyError::Renamed { former: "witness", present: "demonstration" }),
+        // It is another crate's: this one knows its name for the message.
+        plan if plan.split_whitespace().next() == Some("plan") => Err(PolicyError::CommandLineOnly(plan.into())),
         unknown => Err(PolicyError::Unknown(unknown.into())),
     }
 }

@@ -20,9 +20,24 @@ pub struct PolicySource {
     timeout: Duration,
 }
 
+/// Opens policies that this crate does not know, one for each worker.
+pub trait PolicyMaker: core::fmt::Debug + Send + Sync {
+    /// Episodes that one worker should play at once.
+    fn most_at_once(&self) -> usize {
+        usize::MAX
+    }
+
+    /// A policy of its own for one episode at a time. One that takes long gives up when `stop` becomes true.
+    ///
+    /// # Errors
+    /// What keeps it from being opened.
+    fn open<'a>(&self, stop: &'a AtomicBool) -> Result<Box<dyn Policy + 'a>, PolicyError>;
+}
+
 #[derive(Debug, Clone)]
 enum Kind {
     BuiltIn,
+    Made(Arc<dyn PolicyMaker>),
     Process(Vec<String>),
     Network(Weights),
     Replay { path: String, bytes: Arc<[u8]> },
@@ -36,6 +51,11 @@ impl PolicySource {
     pub fn built_in(name: &str) -> Result<Self, PolicyError> {
         create(name)?;
         Ok(Self { name: present_name(name).to_owned(), kind: Kind::BuiltIn, timeout: TIMEOUT })
+    }
+
+    /// A policy that `maker` opens; `name` contains everything that decides what it does.
+    pub fn made(name: String, maker: Arc<dyn PolicyMaker>) -> Self {
+        Self { name, kind: Kind::Made(maker), timeout: TIMEOUT }
     }
 
     /// What a command line names. Files are read here, so that all episodes see the same.
@@ -91,8 +111,9 @@ impl PolicySource {
 
     /// Episodes that one worker should play at once: a process answers one after the other, and one for each worker is enough.
     pub fn most_at_once(&self) -> usize {
-        match self.kind {
+        match &self.kind {
             Kind::Process(_) => 1,
+            Kind::Made(maker) => maker.most_at_once(),
             Kind::BuiltIn | Kind::Network(_) | Kind::Replay { .. } => usize::MAX,
         }
     }
@@ -104,6 +125,7 @@ impl PolicySource {
     pub fn open<'a>(&self, stop: &'a AtomicBool) -> Result<Box<dyn Policy + 'a>, PolicyError> {
         match &self.kind {
             Kind::BuiltIn => create(&self.name).map(|policy| policy as Box<dyn Policy>),
+            Kind::Made(maker) => maker.open(stop),
             Kind::Process(command) => Ok(Box::new(Process::start(&self.name, command, self.timeout, stop)?)),
             Kind::Network(weights) => Ok(Box::new(Network::new(&self.name, weights))),
             Kind::Replay { path, bytes } => Ok(Box::new(Replay::new(&self.name, path, bytes.clone()))),

@@ -1,0 +1,188 @@
+//! Imagined episodes under plans, in the lanes of the simulator.
+
+use crate::curve::Curve;
+use crate::space::Space;
+use crate::value::Trace;
+use msk_physics::Rates;
+use msk_physics::lanes::WIDTH;
+use msk_physics::scalar::Real;
+use msk_runtime::action::{Action, ActsOn};
+use msk_runtime::episode::{Ending, Engine, Episode, GroupScratch, Member};
+use msk_runtime::policy::PolicyContext;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// How long plans are played, and how closely.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    /// Control steps of the horizon, and of the tail.
+    pub steps: [u32; 2],
+    /// Control steps for which muscles keep what the controller of a space has asked for once.
+    pub hold: u32,
+    /// The entry that asks for nothing.
+    pub rest: f64,
+}
+
+/// Plays plans from the present on.
+pub(crate) struct Imaginer {
+    engine: Engine,
+    /// Memory that no group uses now. It decides nothing.
+    memory: Mutex<Vec<Memory>>,
+}
+
+/// What a group of lanes is played in.
+struct Memory {
+    scratch: GroupScratch,
+    lanes: Vec<Lane>,
+}
+
+struct Lane {
+    episode: Episode,
+    rates: Option<Rates>,
+    space: Space,
+    /// What the plan asks for now, and the action that this becomes.
+    entries: Vec<f64>,
+    action: Vec<f64>,
+    trace: Trace,
+}
+
+/// The present, from which plans are played.
+pub(crate) struct Present<'a> {
+    /// The real episode with its policy.
+    pub context: PolicyContext<'a>,
+    /// Its controller.
+    pub space: &'a Space,
+    /// What imagined chance is named after.
+    pub name: &'a str,
+}
+
+impl Imaginer {
+    /// For episodes of `engine`, an engine of imagined episodes.
+    pub fn new(engine: Engine) -> Self {
+        Self { engine, memory: Mutex::default() }
+    }
+
+    /// Plays every plan; `None` if `stop` became true before the end.
+    pub fn play(&self, present: &Present<'_>, plans: &[Curve], extent: Extent, stop: &AtomicBool) -> Option<Vec<Trace>> {
+        // Groups are fixed, so that the bits of a trace depend on no number of threads.
+        let groups: Vec<Option<Vec<Trace>>> =
+            plans.par_chunks(WIDTH).map(|plans| self.group(present, plans, extent, stop)).collect();
+        Some(groups.into_iter().collect::<Option<Vec<_>>>()?.concat())
+    }
+
+    fn group(&self, present: &Present<'_>, plans: &[Curve], extent: Extent, stop: &AtomicBool) -> Option<Vec<Trace>> {
+        let known = self.memory.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut memory = known.unwrap_or_else(|| Memory { scratch: self.engine.group_scratch(WIDTH), lanes: Vec::new() });
+        memory.begin(&self.engine, present, plans);
+        let played = memory.play(&self.engine, present.context.weights, plans, extent, stop);
+        let traces = played.then(|| memory.lanes.iter().take(plans.len()).map(|lane| lane.trace).collect());
+        self.memory.lock().unwrap_or_else(PoisonError::into_inner).push(memory);
+        traces
+    }
+}
+
+impl Memory {
+    fn begin(&mut self, engine: &Engine, present: &Present<'_>, plans: &[Curve]) {
+        let Present { context, space, name } = present;
+        let size = space.acts_on().size(context.task, context.body);
+        for (index, plan) in plans.iter().enumerate() {
+            if index == self.lanes.len() {
+                let (episode, space) = (engine.episode(), (*space).clone());
+                let (entries, action) = (vec![0.0; plan.width], vec![0.0; size]);
+                self.lanes.push(Lane { episode, rates: None, space, entries, action, trace: Trace::default() });
+            }
+            let lane = &mut self.lanes[index];
+            engine.imagine(context.episode, name, &mut lane.episode);
+            lane.space.clone_from(space);
+            lane.space.make_rough();
+            lane.entries.resize(plan.width, 0.0);
+            lane.action.resize(size, 0.0);
+            lane.rates = None;
+            lane.trace = Trace::default();
+            if !self.scratch.bring(index, engine, &lane.episode) {
+                lane.trace.failed = true;
+            }
+        }
+    }
+
+    /// Plays all lanes to their ends; gives whether it got there before `stop` became true.
+    fn play(&mut self, engine: &Engine, weights: &[f64], plans: &[Curve], extent: Extent, stop: &AtomicBool) -> bool {
+        let Self { scratch, lanes } = self;
+        let lanes = &mut lanes[..plans.len()];
+        let [horizon, tail] = extent.steps;
+        for step in 0..horizon + tail {
+            if stop.load(Ordering::Relaxed) {
+                return false;
+            }
+            for (index, (lane, plan)) in lanes.iter_mut().zip(plans).enumerate() {
+                if lane.goes_on() {
+                    lane.ask(step, plan, extent, engine, weights, scratch.lane(index));
+                }
+            }
+            if !lanes.iter().any(Lane::goes_on) {
+                return true;
+            }
+            let acts_on = lanes.first().map_or(ActsOn::Task, |lane| lane.space.acts_on());
+            scratch.step(lanes.iter_mut().map(|lane| {
+                let goes_on = lane.goes_on();
+                let Lane { episode, rates, action, .. } = lane;
+                let action = Action { acts_on, entries: action };
+                goes_on.then_some(Member { engine, episode, rates, weights, action })
+            }));
+            lanes.iter_mut().for_each(|lane| lane.note(step, horizon));
+        }
+        true
+    }
+}
+
+impl Lane {
+    fn goes_on(&self) -> bool {
+        !self.trace.failed && self.episode.ending().is_none()
+    }
+
+    /// Makes the action of a step of what the plan asks for, in the tail of nothing.
+    fn ask(
+        &mut self,
+        step: u32,
+        plan: &Curve,
+        extent: Extent,
+        engine: &Engine,
+        weights: &[f64],
+        scratch: &msk_runtime::episode::Scratch,
+    ) {
+        let Extent { steps: [horizon, _], hold, rest } = extent;
+        let Self { episode, space, entries, action, trace, .. } = self;
+        // What looks at the state is worth most of the time that it takes.
+        if matches!(space, Space::Other(_)) && step % hold != 0 {
+            return;
+        }
+        if step < horizon {
+            plan.at(f64::from(step) / f64::from(horizon), entries);
+        } else {
+            entries.fill(rest);
+        }
+        // A controller that cannot act where the real one could does not occur; it would be a failure.
+        trace.failed |= space.act(&engine.context(episode, weights, scratch), entries, action).is_err();
+    }
+
+    /// Adds the step that was taken to the trace.
+    fn note(&mut self, step: u32, horizon: u32) {
+        let Self { episode, trace, .. } = self;
+        // One that had ended before has taken no step.
+        if trace.failed || trace.steps != step {
+            return;
+        }
+        trace.failed = matches!(episode.ending(), Some(Ending::Terminated(_) | Ending::Fault(_)));
+        if matches!(episode.ending(), Some(Ending::Fault(_))) {
+            trace.steps += 1;
+            return;
+        }
+        let reward = episode.report().reward;
+        trace.rewards[usize::from(step >= horizon)] += reward;
+        trace.steps += 1;
+        if !trace.failed {
+            trace.largest = trace.largest.at_least(reward.abs());
+        }
+    }
+}

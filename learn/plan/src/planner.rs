@@ -1,0 +1,144 @@
+//! The policy: plan, act on the first part of the plan, plan anew.
+
+use crate::curve::Curve;
+use crate::imagine::{Extent, Imaginer, Present};
+use crate::proposal::Noise;
+use crate::search::Search;
+use crate::settings::Settings;
+use crate::space::Space;
+use crate::value::Judge;
+use msk_runtime::episode::{Engine, Stream};
+use msk_runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError};
+use std::sync::atomic::AtomicBool;
+
+/// Receding-horizon search on the reward of the task.
+pub struct Planner<'a> {
+    name: String,
+    settings: Settings,
+    stop: &'a AtomicBool,
+    present: Option<Planning>,
+}
+
+/// What planning in an episode takes.
+struct Planning {
+    /// The model, to tell episodes of other tasks.
+    engine: Engine,
+    imaginer: Imaginer,
+    space: Space,
+    search: Search,
+    judge: Judge,
+    extent: Extent,
+    /// When the plan was made, in control steps.
+    planned: Option<u32>,
+    entries: Vec<f64>,
+}
+
+impl<'a> Planner<'a> {
+    /// A planner that gives up with [`PolicyError::Interrupted`] when `stop` becomes true.
+    pub fn new(name: impl Into<String>, settings: Settings, stop: &'a AtomicBool) -> Self {
+        Self { name: name.into(), settings, stop, present: None }
+    }
+
+    fn unable(&self, reason: impl ToString) -> PolicyError {
+        PolicyError::Unable { policy: self.name.clone(), reason: reason.to_string() }
+    }
+}
+
+impl Policy for Planner<'_> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn acts_on(&self) -> ActsOn {
+        self.present.as_ref().map_or(ActsOn::Task, |planning| planning.space.acts_on())
+    }
+
+    fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
+        let before = self.present.take();
+        self.present = Some(Planning::new(context, &self.settings, before).map_err(|reason| self.unable(reason))?);
+        Ok(())
+    }
+
+    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
+        let Self { settings, stop, present, .. } = self;
+        let Some(planning) = present else { return Err(self.unable("it has not been reset")) };
+        planning.plan(context, settings, stop)?;
+        planning.act(context, action).map_err(|reason| self.unable(reason))
+    }
+}
+
+impl Planning {
+    fn new(context: &PolicyContext<'_>, settings: &Settings, before: Option<Self>) -> Result<Self, String> {
+        let space = Space::new(context, settings.space, &settings.targets)?;
+        let (width, rest) = (space.size(context), space.rest(context));
+        let steps = [settings.horizon, settings.tail].map(|time| steps(time, context.task.control_frequency));
+        if steps[0] == 0 {
+            let (horizon, period) = (settings.horizon, context.engine.control_period());
+            return Err(format!("its horizon of {horizon} s is shorter than a control step of {period} s"));
+        }
+        // Memory of the same task is worth keeping.
+        let imaginer = match before {
+            Some(before) if before.engine.is(context.engine) => before.imaginer,
+            _ => Imaginer::new(context.engine.imagining(settings.coarseness).map_err(|error| error.to_string())?),
+        };
+        Ok(Self {
+            engine: context.engine.clone(),
+            imaginer,
+            space,
+            search: Search::new(rest, width, settings),
+            judge: Judge { steps, share: settings.tail_share, price: settings.failure_price * context.task.control_frequency },
+            extent: Extent { steps, hold: settings.hold, rest },
+            planned: None,
+            entries: vec![rest; width],
+        })
+    }
+
+    /// Plans where the present plan has been followed for long enough.
+    fn plan(&mut self, context: &PolicyContext<'_>, settings: &Settings, stop: &AtomicBool) -> Result<(), PolicyError> {
+        let since = self.planned.map(|planned| context.step - planned);
+        let rounds = match since {
+            Some(since) if since < settings.replan => return Ok(()),
+            Some(since) => {
+                let share = f64::from(since) / f64::from(self.extent.steps[0]);
+                self.search.advance(share, self.extent.rest, settings);
+                settings.rounds
+            }
+            None => settings.first_rounds,
+        };
+        let name = format!("plan/{}", context.step);
+        for round in 0..rounds {
+            let plans = self.proposals(context, settings, round);
+            let present = Present { context: *context, space: &self.space, name: &name };
+            let traces = self.imaginer.play(&present, &plans, self.extent, stop).ok_or(PolicyError::Interrupted)?;
+            self.search.update(&plans, &self.judge.values(&traces), settings);
+        }
+        self.planned = Some(context.step);
+        Ok(())
+    }
+
+    /// The plans of a round: the present one, none at all, and proposals around the present one.
+    fn proposals(&self, context: &PolicyContext<'_>, settings: &Settings, round: u32) -> Vec<Curve> {
+        let mean = &self.search.mean;
+        let idle = Curve { values: vec![self.extent.rest; mean.values.len()], ..mean.clone() };
+        let noise = Noise { colour: settings.colour, part: settings.part };
+        let mut plans = vec![mean.clone(), idle];
+        plans.extend((2..settings.samples).map(|index| {
+            let mut stream = Stream::new(context.key, &format!("policy/plan/{}/{round}/{index}", context.step));
+            noise.propose(index, mean, &self.search.deviation, &mut stream)
+        }));
+        plans
+    }
+
+    /// Writes the action of the present step.
+    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), String> {
+        let since = context.step - self.planned.unwrap_or(context.step);
+        self.search.mean.at(f64::from(since) / f64::from(self.extent.steps[0]), &mut self.entries);
+        self.space.act(context, &self.entries, action)
+    }
+}
+
+/// Control steps that come nearest to a time, s.
+fn steps(time: f64, frequency: f64) -> u32 {
+    // Settings bound the time, the checker the frequency.
+    (time * frequency).round() as u32
+}

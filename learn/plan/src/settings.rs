@@ -1,0 +1,266 @@
+//! Settings of a planner: presets, files, and what they may hold.
+
+use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+
+/// A named set of settings.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Preset {
+    /// To look at behaviour: seconds of computing for each simulated second.
+    #[default]
+    Fast,
+    /// For results: some times as long.
+    Good,
+    /// As far as patience goes.
+    Best,
+}
+
+impl Preset {
+    /// All of them, with their names.
+    pub const ALL: [(&'static str, Self); 3] = [("fast", Self::Fast), ("good", Self::Good), ("best", Self::Best)];
+}
+
+/// How the values of plans make a better one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Predictive sampling: the best plan.
+    Predictive,
+    /// The cross-entropy method: the mean of the best few, which also set how far the next ones are drawn.
+    Cem,
+    /// Model-predictive path integral control: the mean of all, weighted exponentially by value.
+    Mppi,
+}
+
+/// How a plan goes from knot to knot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// In a straight line.
+    Linear,
+    /// Smoothly, by cubics.
+    Cubic,
+}
+
+/// What a plan decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SpaceChoice {
+    /// What the task's `act` block declares; without one, targets.
+    Auto,
+    /// Actions of the task's own space.
+    Task,
+    /// Targets of computed muscle control.
+    Targets,
+    /// What is added to the action of each muscle under computed muscle control.
+    Muscles,
+    /// The same for the recruitment families of the body's muscles, those of each side apart.
+    Synergies,
+}
+
+/// Which targets of computed muscle control a plan moves, and how far.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Targets {
+    /// Names of joints and of groups of joints; empty for legs, lumbar spine, shoulders and elbows, as far as the body has them.
+    pub joints: Vec<String>,
+    /// Largest offset of a joint, rad.
+    pub joint_range: f64,
+    /// Largest shift of the centre of mass, m.
+    pub center_of_mass: f64,
+    /// Largest turn of the root, rad.
+    pub root: f64,
+    /// Largest factor by which balance and resting feet count more or less against the joints; 1 where they count as ever.
+    pub priority_factor: f64,
+    /// Whether targets are those of the task's demonstration, where it has one, and not those of its reference or initial pose.
+    pub demonstration: bool,
+}
+
+impl Default for Targets {
+    fn default() -> Self {
+        Self { joints: Vec::new(), joint_range: 0.6, center_of_mass: 0.15, root: 0.4, priority_factor: 4.0, demonstration: false }
+    }
+}
+
+/// Settings of a planner. Times are in seconds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// The settings that those of a file change.
+    pub preset: Preset,
+    /// What a plan decides.
+    pub space: SpaceChoice,
+    /// How plans are improved.
+    pub method: Method,
+    /// How far a plan reaches, s.
+    pub horizon: f64,
+    /// For how long a plan is judged after its end, while nothing is asked for, s.
+    pub tail: f64,
+    /// By how much a reward in the tail counts.
+    pub tail_share: f64,
+    /// What failing at the beginning of the tail costs: the largest reward in sight for so many seconds.
+    pub failure_price: f64,
+    /// Plans of a round.
+    pub samples: usize,
+    /// Rounds for each plan.
+    pub rounds: u32,
+    /// Rounds for the first plan of an episode.
+    pub first_rounds: u32,
+    /// Control steps after which a new plan is made.
+    pub replan: u32,
+    /// Knots of a plan.
+    pub knots: usize,
+    /// How a plan goes from knot to knot.
+    pub interpolation: Interpolation,
+    /// Standard deviation of proposals, as a share of the range of an entry.
+    pub noise: f64,
+    /// The least to which `cem` and `mppi` bring it.
+    pub least_noise: f64,
+    /// Correlation of the noise of neighbouring knots.
+    pub colour: f64,
+    /// The chance of an entry to be changed in a proposal that does not change all.
+    pub part: f64,
+    /// What is left of a plan when the next begins with it.
+    pub decay: f64,
+    /// Plans that `cem` takes the mean of.
+    pub elites: usize,
+    /// By how much of the better half's spread a plan may be worse before `mppi` weights it down by e.
+    pub temperature: f64,
+    /// Imagined control steps for which muscles keep what was asked of them.
+    pub hold: u32,
+    /// Physics steps of the task in one of imagined episodes.
+    pub coarseness: u32,
+    /// What is moved where a plan decides targets.
+    pub targets: Targets,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::of(Preset::Fast)
+    }
+}
+
+/// What is wrong with settings.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SettingsError {
+    /// No TOML, an unknown key, or a value of another kind.
+    #[error("{0}")]
+    Invalid(String),
+    /// A number that makes no sense, or takes for ever.
+    #[error("line {line}: `{key}` is {found}; expected {expected}")]
+    Range {
+        /// Line in the file, from 1; 0 where the key stands in none.
+        line: usize,
+        /// Its name.
+        key: &'static str,
+        /// What it was set to.
+        found: String,
+        /// What it may be.
+        expected: String,
+    },
+}
+
+impl Settings {
+    /// Those of a preset.
+    pub fn of(preset: Preset) -> Self {
+        let fast = Self {
+            preset,
+            space: SpaceChoice::Auto,
+            method: Method::Cem,
+            horizon: 0.6,
+            tail: 0.3,
+            tail_share: 0.0,
+            failure_price: 0.5,
+            samples: 16,
+            rounds: 1,
+            first_rounds: 3,
+            replan: 5,
+            knots: 4,
+            interpolation: Interpolation::Cubic,
+            noise: 0.3,
+            least_noise: 0.08,
+            colour: 0.5,
+            part: 0.3,
+            decay: 0.95,
+            elites: 4,
+            temperature: 0.5,
+            hold: 2,
+            coarseness: 2,
+            targets: Targets::default(),
+        };
+        match preset {
+            Preset::Fast => fast,
+            Preset::Good => Self { samples: 48, horizon: 0.8, ..fast },
+            Preset::Best => Self { samples: 96, rounds: 2, horizon: 1.0, ..fast },
+        }
+    }
+
+    /// Reads a TOML file: keys that it does not set are those of its `preset`, or of `fast`.
+    ///
+    /// # Errors
+    /// No TOML, an unknown key, a value of another kind, or one that makes no sense.
+    pub fn read(text: &str) -> Result<Self, SettingsError> {
+        // The message shows the place in the file.
+        let written: Self = toml::from_str(text).map_err(|error| SettingsError::Invalid(error.to_string()))?;
+        let invalid = |error: &dyn ToString| SettingsError::Invalid(error.to_string());
+        let mut table = toml::Table::try_from(Self::of(written.preset)).map_err(|error| invalid(&error))?;
+        let changes: toml::Table = text.parse().map_err(|error: toml::de::Error| invalid(&error))?;
+        for (key, value) in changes {
+            match (table.get_mut(&key), value) {
+                (Some(toml::Value::Table(inner)), toml::Value::Table(changes)) => inner.extend(changes),
+                (_, value) => drop(table.insert(key, value)),
+            }
+        }
+        let settings: Self = table.try_into().map_err(|error| invalid(&error))?;
+        settings.check(text)?;
+        Ok(settings)
+    }
+
+    /// Whether every number lies where it makes sense.
+    fn check(&self, text: &str) -> Result<(), SettingsError> {
+        let refuse = |key: &'static str, found: String, expected: String| {
+            let is_of = |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+            let line = text.lines().position(is_of).map_or(0, |index| index + 1);
+            Err(SettingsError::Range { line, key, found, expected })
+        };
+        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 14] = [
+            ("horizon", self.horizon, 0.01..=10.0, "s"),
+            ("tail", self.tail, 0.0..=10.0, "s"),
+            ("tail_share", self.tail_share, 0.0..=1.0, ""),
+            ("failure_price", self.failure_price, 0.0..=1000.0, "s"),
+            ("noise", self.noise, 1e-3..=2.0, ""),
+            ("least_noise", self.least_noise, 0.0..=self.noise, ""),
+            ("colour", self.colour, 0.0..=0.999, ""),
+            ("part", self.part, 0.0..=1.0, ""),
+            ("decay", self.decay, 0.0..=1.0, ""),
+            ("temperature", self.temperature, 1e-3..=1e3, ""),
+            ("joint_range", self.targets.joint_range, 0.0..=3.2, "rad"),
+            ("center_of_mass", self.targets.center_of_mass, 0.0..=1.0, "m"),
+            ("root", self.targets.root, 0.0..=3.2, "rad"),
+            ("priority_factor", self.targets.priority_factor, 1.0..=100.0, ""),
+        ];
+        for (key, found, range, unit) in numbers {
+            if !range.contains(&found) {
+                let expected = format!("a number from {} to {} {unit}", range.start(), range.end());
+                return refuse(key, found.to_string(), expected.trim_end().to_owned());
+            }
+        }
+        let counts: [(&'static str, usize, RangeInclusive<usize>); 8] = [
+            ("samples", self.samples, 2..=4096),
+            ("rounds", self.rounds as usize, 1..=100),
+            ("first_rounds", self.first_rounds as usize, 1..=1000),
+            ("replan", self.replan as usize, 1..=1000),
+            ("knots", self.knots, 1..=64),
+            ("elites", self.elites, 1..=self.samples),
+            ("hold", self.hold as usize, 1..=100),
+            ("coarseness", self.coarseness as usize, 1..=10),
+        ];
+        for (key, found, range) in counts {
+            if !range.contains(&found) {
+                return refuse(key, found.to_string(), format!("a whole number from {} to {}", range.start(), range.end()));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,165 @@
+//! What a plan decides: the entries of its action space.
+
+use crate::settings::{SpaceChoice, Targets};
+use msk_program::action::{ActionSpace, ActionTarget, BaseController, Synergy, TrackingOffsets};
+use msk_program::vocabulary::{Group, GroupKind};
+use msk_runtime::action::{ActsOn, Controls};
+use msk_runtime::body::Body;
+use msk_runtime::policy::PolicyContext;
+use std::collections::BTreeMap;
+
+/// How the entries of a plan become actions of an episode.
+#[derive(Debug, Clone)]
+pub(crate) enum Space {
+    /// They are actions of the task's own space.
+    Task,
+    /// They are entries of another space, of which these make actions of muscles.
+    Other(Box<Controls>),
+}
+
+impl Space {
+    /// Of the episode of a context, which has just been reset.
+    ///
+    /// # Errors
+    /// The reason why the body or the task does not have it.
+    pub fn new(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Result<Self, String> {
+        let own = &context.task.action;
+        let space = match choice {
+            SpaceChoice::Auto if own.is_default() => moved(context, targets)?,
+            SpaceChoice::Auto | SpaceChoice::Task => return Ok(Self::Task),
+            SpaceChoice::Targets => moved(context, targets)?,
+            SpaceChoice::Muscles => beside_control(ActionTarget::AllMuscles),
+            SpaceChoice::Synergies => beside_control(families(context)?),
+        };
+        let mut controls = Controls::new(context, space);
+        controls.reset(context).map_err(|error| error.to_string())?;
+        Ok(Self::Other(Box::new(controls)))
+    }
+
+    /// Which entries the actions have that it gives to the episode.
+    pub fn acts_on(&self) -> ActsOn {
+        match self {
+            Self::Task => ActsOn::Task,
+            Self::Other(_) => ActsOn::Muscles,
+        }
+    }
+
+    /// Makes it quick, for imagined episodes.
+    pub fn make_rough(&mut self) {
+        if let Self::Other(controls) = self {
+            controls.make_rough();
+        }
+    }
+
+    /// Entries of a plan.
+    pub fn size(&self, context: &PolicyContext<'_>) -> usize {
+        match self {
+            Self::Task => context.action_size(),
+            Self::Other(controls) => controls.space().size(context.body.muscles.len()),
+        }
+    }
+
+    /// The entry that asks for nothing.
+    pub fn rest(&self, context: &PolicyContext<'_>) -> f64 {
+        match self {
+            Self::Task => context.task.action.rest(),
+            Self::Other(controls) => controls.space().rest(),
+        }
+    }
+
+    /// Writes the action that `entries` ask for.
+    ///
+    /// # Errors
+    /// The reason why there is none.
+    pub fn act(&mut self, context: &PolicyContext<'_>, entries: &[f64], action: &mut [f64]) -> Result<(), String> {
+        match self {
+            Self::Task => action.copy_from_slice(entries),
+            Self::Other(controls) => controls.act(context, entries, action).map_err(|error| error.to_string())?,
+        }
+        Ok(())
+    }
+}
+
+/// The targets of computed muscle control.
+fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<ActionSpace, String> {
+    let joints = if targets.joint_range > 0.0 { joints(context.body, &targets.joints)? } else { Vec::new() };
+    let offsets = TrackingOffsets {
+        joints,
+        range: targets.joint_range,
+        center_of_mass: if context.body.root.free.is_some() { targets.center_of_mass } else { 0.0 },
+        root: if context.body.root.free.is_some() { targets.root } else { 0.0 },
+        priorities: if context.body.root.free.is_some() { libm::log(targets.priority_factor) } else { 0.0 },
+    };
+    if offsets.size() == 0 {
+        return Err("no target is left to be moved: name joints of the body in `targets.joints`".to_owned());
+    }
+    let demonstrated = targets.demonstration && context.task.tests.as_ref().is_some_and(|tests| tests.demonstration().is_some());
+    let residual = demonstrated.then_some(BaseController::Demonstration);
+    Ok(ActionSpace { target: ActionTarget::MuscleControl(offsets), residual, ..ActionSpace::default() })
+}
+
+/// The independent hinges that names of joints and of groups stand for, in the body's order; of a body without any of the usual groups,
+/// all that it has.
+fn joints(body: &Body, names: &[String]) -> Result<Vec<usize>, String> {
+    let is_hinge = |index: &usize| {
+        let joint = &body.joints[*index];
+        joint.independent && !joint.of_scene && joint.kind == msk_physics::model::JointKind::Hinge
+    };
+    let hinges = || (0..body.joints.len()).filter(is_hinge);
+    if names.is_empty() {
+        let usual: Vec<usize> = USUAL.iter().filter_map(|name| group(body, name)).flatten().collect();
+        let found: Vec<usize> = hinges().filter(|index| usual.contains(index)).collect();
+        return Ok(if found.is_empty() { hinges().collect() } else { found });
+    }
+    let mut chosen = Vec::new();
+    for name in names {
+        match (group(body, name), body.joints.iter().position(|joint| joint.name == *name)) {
+            (Some(members), _) => chosen.extend(members),
+            (None, Some(joint)) => chosen.push(joint),
+            (None, None) => {
+                let known: Vec<&str> =
+                    body.groups.iter().filter(|group| of_joints(group)).map(|group| group.name.as_str()).collect();
+                let (name, body, known) = (name, &body.name, known.join(", "));
+                return Err(format!("the body `{body}` has no joint or group of joints `{name}`; its groups are {known}"));
+            }
+        }
+    }
+    Ok(hinges().filter(|index| chosen.contains(index)).collect())
+}
+
+/// What decides how a body with legs and arms stands and moves; fingers and wrists follow.
+const USUAL: [&str; 4] = ["legs", "lumbar", "shoulders", "elbows"];
+
+fn of_joints(group: &Group) -> bool {
+    group.kind == GroupKind::Joints
+}
+
+fn group<'a>(body: &'a Body, name: &str) -> Option<impl Iterator<Item = usize> + use<'a>> {
+    let group = body.groups.iter().find(|group| of_joints(group) && group.name == name)?;
+    Some(group.members.iter().copied())
+}
+
+/// An action space whose actions are added to those of computed muscle control, so that plans begin with a body that stands.
+fn beside_control(target: ActionTarget) -> ActionSpace {
+    ActionSpace { target, residual: Some(BaseController::MuscleControl), ..ActionSpace::default() }
+}
+
+/// The recruitment families of the body's muscles as synergies, those of each side apart, in the order of their first muscles; muscles
+/// of no family are in none.
+fn families(context: &PolicyContext<'_>) -> Result<ActionTarget, String> {
+    let mut places: BTreeMap<String, usize> = BTreeMap::new();
+    let mut synergies: Vec<Synergy> = Vec::new();
+    for (index, muscle) in context.body.muscles.iter().enumerate().filter(|(_, muscle)| !muscle.family.is_empty()) {
+        let side = ["_l", "_r"].into_iter().find(|side| muscle.name.ends_with(side)).unwrap_or_default();
+        let name = format!("{}{side}", muscle.family);
+        let place = *places.entry(name.clone()).or_insert(synergies.len());
+        if place == synergies.len() {
+            synergies.push(Synergy { name, muscles: Vec::new() });
+        }
+        synergies[place].muscles.push(index);
+    }
+    match synergies.is_empty() {
+        true => Err("the body has no recruitment families: plan in `muscles`, or in the task's own `act` block".to_owned()),
+        false => Ok(ActionTarget::Synergies(synergies)),
+    }
+}
