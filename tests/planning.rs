@@ -2,6 +2,7 @@
 
 use super::episodes::episode;
 use msk::plan::{Method, Planner, Preset, Settings, SpaceChoice, Targets};
+use msk::runtime::action::Action;
 use msk::runtime::episode::{Ending, Environment, Episode, EpisodeKey};
 use msk::runtime::policy::{self, ActsOn, Policy};
 use std::sync::atomic::AtomicBool;
@@ -126,7 +127,7 @@ fn a_plan_knows_no_push_that_has_not_begun() {
 
 #[test]
 fn imagined_chance_is_not_that_of_the_episode() {
-    let text = [("observe {", "random luck = uniform(-1 .. 1) redraw when step > 0\n    observe {")];
+    let text = [("observe {", "random luck = uniform(-0.5 .. 0.5) redraw when step > 0\n    observe {")];
     let environment = rewarded("1 guess = luck", &text);
     let engine = environment.engine().clone();
     let mut scratch = engine.scratch();
@@ -204,16 +205,32 @@ fn settings_are_read_and_mistakes_are_shown_with_their_places() {
     for (text, expected) in [
         ("horizont = 1", &["line 1", "unknown field `horizont`", "`horizon`"][..]),
         ("samples = \"many\"", &["line 1", "invalid type"]),
-        ("\nsamples = 0", &["line 2: `samples` is 0; expected a whole number from 2 to 4096"]),
+        ("\nsamples = 0", &["line 2: `samples` is 0; expected a whole number from 3 to 4096"]),
         ("samples = 100000000", &["`samples` is 100000000"]),
         ("horizon = nan", &["line 1: `horizon` is NaN; expected a number from 0.01 to 10 s"]),
         ("noise = inf", &["`noise` is inf"]),
         ("rounds = -1", &["line 1", "invalid value"]),
         ("[targets]\nroot = 9", &["line 2: `root` is 9"]),
         ("preset = \"slow\"", &["unknown variant `slow`, expected one of `fast`, `good`, `best`"]),
-        ("elites = 17", &["`elites` is 17; expected a whole number from 1 to 16"]),
+        ("elites = 0", &["`elites` is 0; expected a whole number from 1 to 4096"]),
     ] {
         let message = read(text).unwrap_err();
         assert!(expected.iter().all(|part| message.contains(part)), "{text}: {message}");
     }
+}
+
+#[test]
+fn what_is_imagined_exactly_is_what_happens() {
+    // A plan that asks for nothing is `cmc`: played without its randoms, the copy goes on like the episode.
+    let mut environment = rewarded(BENT, &[]);
+    let engine = environment.engine().imagining(1).unwrap();
+    let mut imagined = engine.episode();
+    engine.imagine(environment.episode(), "exact", &mut imagined);
+    let mut scratch = engine.scratch();
+    for action in play(&mut environment, policy::create("cmc").unwrap().as_mut(), 10) {
+        let action = Action { acts_on: ActsOn::Muscles, entries: &action };
+        engine.step(&mut imagined, action, &[1.0], &mut scratch).unwrap();
+    }
+    assert!(imagined.state() == environment.state());
+    assert_eq!(imagined.total(), environment.episode().total());
 }

@@ -3,7 +3,8 @@
 use crate::settings::Interpolation;
 use msk_physics::scalar::Real;
 
-/// Knots at equal distances from now to the end of the horizon, each with one value in [-1, 1] for every entry of an action.
+/// Knots at equal distances in time, each with one value in [-1, 1] for every entry of an action. They reach over the horizon, and stay
+/// where they are while it moves on, so that what is left of a plan keeps its values.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Curve {
     /// Knot after knot.
@@ -11,12 +12,14 @@ pub(crate) struct Curve {
     /// Entries of an action.
     pub width: usize,
     pub interpolation: Interpolation,
+    /// Where the present is, in distances of knots after the first one: from 0 to 1.
+    pub now: f64,
 }
 
 impl Curve {
     /// The same value everywhere.
     pub fn constant(value: f64, knots: usize, width: usize, interpolation: Interpolation) -> Self {
-        Self { values: vec![value; knots * width], width, interpolation }
+        Self { values: vec![value; knots * width], width, interpolation, now: 0.0 }
     }
 
     /// Number of knots.
@@ -24,10 +27,15 @@ impl Curve {
         self.values.len().checked_div(self.width).unwrap_or(0)
     }
 
-    /// Writes the values at `share` of the horizon, from 0 to 1; later ones are those of the end.
+    /// Distances of knots in the horizon: the last one is beyond it unless the present is at the first.
+    fn distances(&self) -> f64 {
+        self.knots().saturating_sub(2).max(1) as f64
+    }
+
+    /// Writes the values at `share` of the horizon, from 0 to 1; those after the last knot are its own.
     pub fn at(&self, share: f64, entries: &mut [f64]) {
         let last = self.knots().saturating_sub(1);
-        let place = share.clip(0.0, 1.0) * last as f64;
+        let place = (self.now + share.at_least(0.0) * self.distances()).at_most(last as f64);
         // The place lies between 0 and the number of knots.
         let before = (place.floor() as usize).min(last.saturating_sub(1));
         let part = place - before as f64;
@@ -52,15 +60,23 @@ impl Curve {
         }
     }
 
-    /// The rest of the curve after `share` of the horizon, its end held; every value comes closer to `rest` by the factor `decay`.
-    pub fn shifted(&self, share: f64, rest: f64, decay: f64) -> Self {
-        let mut shifted = self.clone();
-        let last = self.knots().saturating_sub(1).max(1) as f64;
-        for (index, knot) in shifted.values.chunks_mut(self.width.max(1)).enumerate() {
-            self.at(index as f64 / last + share, knot);
-            knot.iter_mut().for_each(|value| *value = rest + decay * (*value - rest));
+    /// Goes on by `share` of the horizon: knots that have passed are dropped, the last one is repeated, closer to `rest` by the
+    /// factor `decay`.
+    pub fn advance(&mut self, share: f64, rest: f64, decay: f64) {
+        self.now += share * self.distances();
+        // A share beyond all knots leaves nothing of them.
+        for _ in 0..self.knots() {
+            if self.now < 1.0 || self.knots() < 2 {
+                break;
+            }
+            self.now -= 1.0;
+            self.values.rotate_left(self.width);
+            let kept = self.values.len() - self.width;
+            let (before, last) = self.values.split_at_mut(kept);
+            let held = &before[kept - self.width..];
+            last.iter_mut().zip(held).for_each(|(last, held)| *last = rest + decay * (held - rest));
         }
-        shifted
+        self.now = self.now.clip(0.0, 1.0);
     }
 }
 
@@ -69,7 +85,7 @@ mod tests {
     use super::*;
 
     fn line(interpolation: Interpolation) -> Curve {
-        Curve { values: vec![0.0, 1.0, 0.3, 0.7, 0.6, 0.4, 0.9, 0.1], width: 2, interpolation }
+        Curve { values: vec![0.0, 1.0, 0.3, 0.7, 0.6, 0.4, 0.9, 0.1], width: 2, interpolation, now: 0.0 }
     }
 
     #[test]
@@ -78,10 +94,10 @@ mod tests {
             let curve = line(interpolation);
             let mut found = [0.0; 2];
             for (index, knot) in curve.values.chunks(2).enumerate() {
-                curve.at(index as f64 / 3.0, &mut found);
+                curve.at(index as f64 / 2.0, &mut found);
                 assert!(found.iter().zip(knot).all(|(found, knot)| (found - knot).abs() < 1e-12), "{found:?} {knot:?}");
             }
-            curve.at(0.5, &mut found);
+            curve.at(0.75, &mut found);
             assert!((found[0] - 0.45).abs() < 1e-12 && (found[1] - 0.55).abs() < 1e-12, "{found:?}");
             curve.at(7.0, &mut found);
             assert_eq!(found, [0.9, 0.1]);
@@ -89,25 +105,37 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_of_a_curve_has_its_values() {
+    fn what_is_left_of_a_curve_keeps_its_values() {
         let curve = line(Interpolation::Linear);
-        let shifted = curve.shifted(0.2, 0.0, 1.0);
-        let [mut now, mut before] = [[0.0; 2]; 2];
-        for knot in 0..4 {
-            let share = f64::from(knot) / 3.0;
-            shifted.at(share, &mut now);
-            curve.at(share + 0.2, &mut before);
-            assert!(now.iter().zip(before).all(|(now, before)| (now - before).abs() < 1e-12));
+        for share in [0.2, 0.5, 0.6, 1.1] {
+            let mut left = curve.clone();
+            left.advance(share, 0.0, 1.0);
+            let [mut now, mut before] = [[0.0; 2]; 2];
+            for further in [0.0, 0.15, 0.3, 0.7, 1.0] {
+                left.at(further, &mut now);
+                curve.at(share + further, &mut before);
+                assert!(now.iter().zip(before).all(|(now, before)| (now - before).abs() < 1e-12), "{share} + {further}");
+            }
         }
-        assert_eq!(curve.shifted(0.0, 0.5, 0.0).values, vec![0.5; 8]);
+    }
+
+    #[test]
+    fn what_comes_after_a_curve_goes_to_rest() {
+        let mut curve = line(Interpolation::Linear);
+        curve.advance(0.5, 0.2, 0.5);
+        assert_eq!(curve.values, [0.3, 0.7, 0.6, 0.4, 0.9, 0.1, 0.55, 0.15]);
+        curve.advance(1e9, 0.2, 0.0);
+        assert_eq!(curve.values, [0.2; 8]);
     }
 
     #[test]
     fn one_knot_is_held() {
-        let curve = Curve::constant(0.4, 1, 3, Interpolation::Cubic);
+        let mut curve = Curve::constant(0.4, 1, 3, Interpolation::Cubic);
         let mut found = [0.0; 3];
         curve.at(0.7, &mut found);
         assert_eq!(found, [0.4; 3]);
-        assert_eq!(curve.shifted(0.5, 0.0, 1.0), curve);
+        curve.advance(0.5, 0.0, 1.0);
+        curve.at(0.7, &mut found);
+        assert_eq!(found, [0.4; 3]);
     }
 }

@@ -20,6 +20,8 @@ pub(crate) struct Extent {
     pub steps: [u32; 2],
     /// Control steps for which muscles keep what the controller of a space has asked for once.
     pub hold: u32,
+    /// Whether controllers share forces out roughly.
+    pub rough: bool,
     /// The entry that asks for nothing.
     pub rest: f64,
 }
@@ -74,7 +76,7 @@ impl Imaginer {
     fn group(&self, present: &Present<'_>, plans: &[Curve], extent: Extent, stop: &AtomicBool) -> Option<Vec<Trace>> {
         let known = self.memory.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut memory = known.unwrap_or_else(|| Memory { scratch: self.engine.group_scratch(WIDTH), lanes: Vec::new() });
-        memory.begin(&self.engine, present, plans);
+        memory.begin(&self.engine, present, plans, extent.rough);
         let played = memory.play(&self.engine, present.context.weights, plans, extent, stop);
         let traces = played.then(|| memory.lanes.iter().take(plans.len()).map(|lane| lane.trace).collect());
         self.memory.lock().unwrap_or_else(PoisonError::into_inner).push(memory);
@@ -83,7 +85,7 @@ impl Imaginer {
 }
 
 impl Memory {
-    fn begin(&mut self, engine: &Engine, present: &Present<'_>, plans: &[Curve]) {
+    fn begin(&mut self, engine: &Engine, present: &Present<'_>, plans: &[Curve], rough: bool) {
         let Present { context, space, name } = present;
         let size = space.acts_on().size(context.task, context.body);
         for (index, plan) in plans.iter().enumerate() {
@@ -95,7 +97,10 @@ impl Memory {
             let lane = &mut self.lanes[index];
             engine.imagine(context.episode, name, &mut lane.episode);
             lane.space.clone_from(space);
-            lane.space.make_rough();
+            if rough {
+                lane.space.make_rough();
+                lane.episode.make_rough();
+            }
             lane.entries.resize(plan.width, 0.0);
             lane.action.resize(size, 0.0);
             lane.rates = None;
@@ -151,10 +156,10 @@ impl Lane {
         weights: &[f64],
         scratch: &msk_runtime::episode::Scratch,
     ) {
-        let Extent { steps: [horizon, _], hold, rest } = extent;
+        let Extent { steps: [horizon, _], hold, rest, .. } = extent;
         let Self { episode, space, entries, action, trace, .. } = self;
         // What looks at the state is worth most of the time that it takes.
-        if matches!(space, Space::Other(_)) && step % hold != 0 {
+        if matches!(space, Space::Other(_)) && !step.is_multiple_of(hold) {
             return;
         }
         if step < horizon {

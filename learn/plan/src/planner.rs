@@ -87,7 +87,7 @@ impl Planning {
             space,
             search: Search::new(rest, width, settings),
             judge: Judge { steps, share: settings.tail_share, price: settings.failure_price * context.task.control_frequency },
-            extent: Extent { steps, hold: settings.hold, rest },
+            extent: Extent { steps, hold: settings.hold, rough: settings.rough, rest },
             planned: None,
             entries: vec![rest; width],
         })
@@ -116,15 +116,16 @@ impl Planning {
         Ok(())
     }
 
-    /// The plans of a round: the present one, none at all, and proposals around the present one.
+    /// The plans of a round: the present one, none at all, the mean of good ones, and proposals around these.
     fn proposals(&self, context: &PolicyContext<'_>, settings: &Settings, round: u32) -> Vec<Curve> {
-        let mean = &self.search.mean;
-        let idle = Curve { values: vec![self.extent.rest; mean.values.len()], ..mean.clone() };
+        let Search { plan, mean, deviation } = &self.search;
+        let idle = Curve { values: vec![self.extent.rest; plan.values.len()], ..plan.clone() };
         let noise = Noise { colour: settings.colour, part: settings.part };
-        let mut plans = vec![mean.clone(), idle];
-        plans.extend((2..settings.samples).map(|index| {
+        let around = [plan, mean, plan, &idle];
+        let mut plans = vec![plan.clone(), idle.clone(), mean.clone()];
+        plans.extend((3..settings.samples).map(|index| {
             let mut stream = Stream::new(context.key, &format!("policy/plan/{}/{round}/{index}", context.step));
-            noise.propose(index, mean, &self.search.deviation, &mut stream)
+            noise.propose(index, around[index % around.len()], deviation, &mut stream)
         }));
         plans
     }
@@ -132,7 +133,7 @@ impl Planning {
     /// Writes the action of the present step.
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), String> {
         let since = context.step - self.planned.unwrap_or(context.step);
-        self.search.mean.at(f64::from(since) / f64::from(self.extent.steps[0]), &mut self.entries);
+        self.search.plan.at(f64::from(since) / f64::from(self.extent.steps[0]), &mut self.entries);
         self.space.act(context, &self.entries, action)
     }
 }

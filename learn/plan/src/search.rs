@@ -4,10 +4,12 @@ use crate::curve::Curve;
 use crate::settings::{Method, Settings};
 use msk_physics::scalar::Real;
 
-/// The present plan and how far proposals are drawn from it.
+/// The plan that is followed, and where others are looked for.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Search {
-    /// The plan.
+    /// The best plan that has been played: the mean of good plans can be a bad one.
+    pub plan: Curve,
+    /// The middle of what good plans have in common.
     pub mean: Curve,
     /// Standard deviation of each of its values.
     pub deviation: Vec<f64>,
@@ -16,13 +18,15 @@ pub(crate) struct Search {
 impl Search {
     /// A plan that asks for `rest`, with the deviation of the settings.
     pub fn new(rest: f64, width: usize, settings: &Settings) -> Self {
-        let mean = Curve::constant(rest, settings.knots, width, settings.interpolation);
-        Self { deviation: vec![settings.noise; mean.values.len()], mean }
+        // One knot more than the horizon has, so that it can move on between them.
+        let mean = Curve::constant(rest, settings.knots + 1, width, settings.interpolation);
+        Self { deviation: vec![settings.noise; mean.values.len()], plan: mean.clone(), mean }
     }
 
     /// Goes on by `share` of the horizon.
     pub fn advance(&mut self, share: f64, rest: f64, settings: &Settings) {
-        self.mean = self.mean.shifted(share, rest, settings.decay);
+        self.plan.advance(share, rest, settings.decay);
+        self.mean.advance(share, rest, settings.decay);
         // What has been learnt of a knot belongs to the time where it was: half of it is forgotten.
         self.deviation.iter_mut().for_each(|deviation| *deviation = 0.5 * (*deviation + settings.noise));
     }
@@ -30,10 +34,11 @@ impl Search {
     /// Takes the values of plans, the first of which is the present one.
     pub fn update(&mut self, plans: &[Curve], values: &[f64], settings: &Settings) {
         let mut order: Vec<usize> = (0..plans.len()).collect();
-        // A plan that faulted in its first step may have no value that can be compared; earlier plans win ties.
+        // Earlier plans win ties.
         order.sort_by(|&a, &b| values[b].total_cmp(&values[a]).then(a.cmp(&b)));
         let elites = &order[..settings.elites.min(order.len())];
         let Some(&best) = order.first() else { return };
+        self.plan.clone_from(&plans[best]);
         match settings.method {
             Method::Predictive => self.mean.clone_from(&plans[best]),
             Method::Cem => self.combine(plans, elites, &vec![1.0; elites.len()], settings),
@@ -51,7 +56,7 @@ impl Search {
             let weighted = || chosen.iter().zip(weights).map(|(&plan, weight)| (plans[plan].values[place], weight / sum));
             *mean = weighted().map(|(value, weight)| weight * value).sum();
             let variance: f64 = weighted().map(|(value, weight)| weight * (value - *mean) * (value - *mean)).sum();
-            let found = libm::sqrt(variance).clip(settings.least_noise, settings.noise);
+            let found = libm::sqrt(variance).at_least(settings.least_noise).at_most(settings.noise);
             *deviation = 0.5 * (*deviation + found);
         }
     }
@@ -78,19 +83,21 @@ mod tests {
         let mut stream = Stream::new(EpisodeKey { seed: 1, episode: 2 }, "search");
         for _ in 0..60 {
             let noise = Noise { colour: 0.5, part: 0.5 };
-            let mut plans = vec![search.mean.clone()];
-            plans.extend((1..24).map(|index| noise.propose(index, &search.mean, &search.deviation, &mut stream)));
+            let mut plans = vec![search.plan.clone(), search.mean.clone()];
+            plans.extend((2..24).map(|index| {
+                noise.propose(index, if index % 2 == 0 { &search.plan } else { &search.mean }, &search.deviation, &mut stream)
+            }));
             let values: Vec<f64> = plans.iter().map(value).collect();
             search.update(&plans, &values, &settings);
         }
-        -value(&search.mean)
+        -value(&search.plan)
     }
 
     #[test]
     fn every_method_finds_the_top_of_a_hill() {
         for method in [Method::Predictive, Method::Cem, Method::Mppi] {
             let rest = found(method);
-            assert!(rest < 0.12, "{method:?}: {rest} of 3");
+            assert!(rest < 0.12, "{method:?}: {rest} of 4");
         }
     }
 
@@ -98,10 +105,10 @@ mod tests {
     fn predictive_sampling_keeps_the_present_plan_unless_another_is_better() {
         let settings = Settings { method: Method::Predictive, ..Settings::default() };
         let mut search = Search::new(0.0, 2, &settings);
-        let plans = [search.mean.clone(), Search::new(0.5, 2, &settings).mean];
+        let plans = [search.plan.clone(), Search::new(0.5, 2, &settings).mean];
         search.update(&plans, &[1.0, 1.0], &settings);
-        assert_eq!(search.mean, plans[0]);
+        assert_eq!(search.plan, plans[0]);
         search.update(&plans, &[1.0, 1.1], &settings);
-        assert_eq!(search.mean, plans[1]);
+        assert_eq!(search.plan, plans[1]);
     }
 }

@@ -109,7 +109,7 @@ pub struct Settings {
     pub first_rounds: u32,
     /// Control steps after which a new plan is made.
     pub replan: u32,
-    /// Knots of a plan.
+    /// Knots over the horizon.
     pub knots: usize,
     /// How a plan goes from knot to knot.
     pub interpolation: Interpolation,
@@ -121,7 +121,7 @@ pub struct Settings {
     pub colour: f64,
     /// The chance of an entry to be changed in a proposal that does not change all.
     pub part: f64,
-    /// What is left of a plan when the next begins with it.
+    /// What is left of a plan after its end.
     pub decay: f64,
     /// Plans that `cem` takes the mean of.
     pub elites: usize,
@@ -129,6 +129,8 @@ pub struct Settings {
     pub temperature: f64,
     /// Imagined control steps for which muscles keep what was asked of them.
     pub hold: u32,
+    /// Whether computed muscle control shares forces out roughly in imagined episodes, in less time.
+    pub rough: bool,
     /// Physics steps of the task in one of imagined episodes.
     pub coarseness: u32,
     /// What is moved where a plan decides targets.
@@ -150,7 +152,7 @@ pub enum SettingsError {
     /// A number that makes no sense, or takes for ever.
     #[error("line {line}: `{key}` is {found}; expected {expected}")]
     Range {
-        /// Line in the file, from 1; 0 where the key stands in none.
+        /// Line in the file, from 1.
         line: usize,
         /// Its name.
         key: &'static str,
@@ -177,16 +179,17 @@ impl Settings {
             first_rounds: 3,
             replan: 5,
             knots: 4,
-            interpolation: Interpolation::Cubic,
+            interpolation: Interpolation::Linear,
             noise: 0.3,
             least_noise: 0.08,
             colour: 0.5,
             part: 0.3,
-            decay: 0.95,
+            decay: 0.8,
             elites: 4,
             temperature: 0.5,
             hold: 2,
-            coarseness: 2,
+            rough: true,
+            coarseness: 5,
             targets: Targets::default(),
         };
         match preset {
@@ -230,7 +233,7 @@ impl Settings {
             ("tail_share", self.tail_share, 0.0..=1.0, ""),
             ("failure_price", self.failure_price, 0.0..=1000.0, "s"),
             ("noise", self.noise, 1e-3..=2.0, ""),
-            ("least_noise", self.least_noise, 0.0..=self.noise, ""),
+            ("least_noise", self.least_noise, 0.0..=2.0, ""),
             ("colour", self.colour, 0.0..=0.999, ""),
             ("part", self.part, 0.0..=1.0, ""),
             ("decay", self.decay, 0.0..=1.0, ""),
@@ -247,12 +250,12 @@ impl Settings {
             }
         }
         let counts: [(&'static str, usize, RangeInclusive<usize>); 8] = [
-            ("samples", self.samples, 2..=4096),
+            ("samples", self.samples, 3..=4096),
             ("rounds", self.rounds as usize, 1..=100),
             ("first_rounds", self.first_rounds as usize, 1..=1000),
             ("replan", self.replan as usize, 1..=1000),
-            ("knots", self.knots, 1..=64),
-            ("elites", self.elites, 1..=self.samples),
+            ("knots", self.knots, 2..=64),
+            ("elites", self.elites, 1..=4096),
             ("hold", self.hold as usize, 1..=100),
             ("coarseness", self.coarseness as usize, 1..=10),
         ];

@@ -61,7 +61,7 @@ impl Controls {
         Ok(())
     }
 
-    /// Lets computed muscle control share forces out roughly from now on, in a fraction of the time: for imagined episodes.
+    /// Lets computed muscle control share forces out roughly from now on, in less time: for imagined episodes.
     pub fn make_rough(&mut self) {
         self.state.make_rough();
     }

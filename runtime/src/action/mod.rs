@@ -141,7 +141,7 @@ impl ActionState {
         self.tracker.as_mut().map_or(Ok(()), |tracker| tracker.reset(moment))
     }
 
-    /// Lets its controller act roughly from now on, in a fraction of the time: for imagined episodes.
+    /// Lets its controller act roughly from now on, in less time: for imagined episodes.
     pub fn make_rough(&mut self) {
         if let Some(tracker) = &mut self.tracker {
             tracker.make_rough();

@@ -59,8 +59,8 @@ pub(super) struct Effort {
 impl Effort {
     /// For what is acted on.
     pub const EXACT: Self = Self { tolerance: 1e-7, iterations: 80, halvings: 40 };
-    /// For what is only imagined: muscles differ from the answer by less than plans from each other.
-    pub const ROUGH: Self = Self { tolerance: 1e-3, iterations: 8, halvings: 9 };
+    /// For what is only imagined. A line search of fewer halvings does not converge, and muscles then differ by more than plans do.
+    pub const ROUGH: Self = Self { tolerance: 1e-4, iterations: 40, halvings: 40 };
 }
 
 impl Allocation {

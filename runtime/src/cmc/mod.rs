@@ -193,7 +193,7 @@ impl Controller {
         self.course = follower.map(|follower| (follower, since));
     }
 
-    /// Shares forces out roughly from now on, in a fraction of the time.
+    /// Shares forces out roughly from now on, in less time.
     fn make_rough(&mut self) {
         self.allocation.set_effort(Effort::ROUGH);
     }

@@ -64,7 +64,7 @@ impl Tracker {
         Ok(())
     }
 
-    /// Shares forces out roughly from now on, in a fraction of the time: for imagined episodes.
+    /// Shares forces out roughly from now on, in less time: for imagined episodes.
     pub fn make_rough(&mut self) {
         if let Some(controller) = &mut self.controller {
             controller.make_rough();

@@ -28,13 +28,12 @@ impl Engine {
     }
 
     /// Makes `imagined` a copy of `present` that does not know the future. Randoms that are drawn later come from streams that `name`
-    /// distinguishes, and computed muscle control of the task's action space shares forces out roughly.
+    /// distinguishes.
     pub fn imagine(&self, present: &Episode, name: &str, imagined: &mut Episode) {
         imagined.clone_from(present);
         let now = present.steps();
         imagined.pushes.iter_mut().chain(&mut imagined.disturbances).for_each(|push| *push = begun(push, now));
         let EpisodeKey { seed, episode } = present.key;
-        imagined.action.make_rough();
         imagined.streams = Streams::imagined(EpisodeKey { seed, episode }, name, &self.task.randoms);
     }
 }
@@ -45,7 +44,15 @@ fn begun(push: &Disturbance, now: u32) -> Disturbance {
     // One that begins anew does so in the future.
     let since = if push.every > 0 { now.saturating_sub(push.start) % push.every } else { now.saturating_sub(push.start) };
     let (start, steps) = if acts { (now, push.steps - since) } else { (0, 0) };
-    Disturbance { start, steps, every: 0, ..push.clone() }
+    Disturbance { start, steps, every: 0, ..*push }
+}
+
+impl Episode {
+    /// Lets computed muscle control of its action space, if it has that, share forces out roughly from now on, in less
+    /// time.
+    pub fn make_rough(&mut self) {
+        self.action.make_rough();
+    }
 }
 
 impl GroupScratch {
