@@ -55,8 +55,8 @@ const BENT: &str = "1 bent = exp(-4 rad^-2 * (elbow_flexion_r.q - 1 rad)^2)";
 #[test]
 fn a_plan_does_what_the_reward_asks_for() {
     let mut environment = rewarded(BENT, &[]);
-    let settings =
-        Settings { targets: Targets { joints: vec!["elbows".into()], joint_range: 1.2, ..Targets::default() }, ..quick() };
+    let targets = Targets { joints: vec!["elbows".into()], joint_range: 1.2, ..Targets::default() };
+    let settings = Settings { targets, samples: 16, horizon: 0.3, ..quick() };
     planned(&mut environment, &settings, 40);
     let bent = environment.episode().total();
     environment.reset(KEY);
@@ -155,8 +155,7 @@ fn falling_is_dearer_than_whatever_it_earns() {
     // Sinking earns a lot, until the episode ends at once.
     let reward = "100 sink = exp(-10 m^-1 * pelvis.height)";
     let mut environment = rewarded(reward, &[("early when step > 100", "low when pelvis.height < 0.85 m")]);
-    let settings = Settings { horizon: 0.3, samples: 16, ..quick() };
-    planned(&mut environment, &settings, 60);
+    planned(&mut environment, &quick(), 40);
     assert_eq!(environment.ending(), None, "after {} steps", environment.steps());
     play_zero(&mut environment);
     assert!(matches!(environment.ending(), Some(Ending::Terminated(_))));

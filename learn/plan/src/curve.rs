@@ -88,6 +88,10 @@ mod tests {
         Curve { values: vec![0.0, 1.0, 0.3, 0.7, 0.6, 0.4, 0.9, 0.1], width: 2, interpolation, now: 0.0 }
     }
 
+    fn close(found: &[f64], expected: &[f64]) -> bool {
+        found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12)
+    }
+
     #[test]
     fn a_curve_goes_through_its_knots_and_a_line_stays_one() {
         for interpolation in [Interpolation::Linear, Interpolation::Cubic] {
@@ -100,7 +104,7 @@ mod tests {
             curve.at(0.75, &mut found);
             assert!((found[0] - 0.45).abs() < 1e-12 && (found[1] - 0.55).abs() < 1e-12, "{found:?}");
             curve.at(7.0, &mut found);
-            assert_eq!(found, [0.9, 0.1]);
+            assert!(close(&found, &[0.9, 0.1]), "{found:?}");
         }
     }
 
@@ -123,7 +127,7 @@ mod tests {
     fn what_comes_after_a_curve_goes_to_rest() {
         let mut curve = line(Interpolation::Linear);
         curve.advance(0.5, 0.2, 0.5);
-        assert_eq!(curve.values, [0.3, 0.7, 0.6, 0.4, 0.9, 0.1, 0.55, 0.15]);
+        assert!(close(&curve.values, &[0.3, 0.7, 0.6, 0.4, 0.9, 0.1, 0.55, 0.15]), "{:?}", curve.values);
         curve.advance(1e9, 0.2, 0.0);
         assert_eq!(curve.values, [0.2; 8]);
     }

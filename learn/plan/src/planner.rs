@@ -121,7 +121,7 @@ impl Planning {
         let Search { plan, mean, deviation } = &self.search;
         let idle = Curve { values: vec![self.extent.rest; plan.values.len()], ..plan.clone() };
         let noise = Noise { colour: settings.colour, part: settings.part };
-        let around = [plan, mean, plan, &idle];
+        let around = [plan, mean, plan, mean, plan, mean, plan, &idle];
         let mut plans = vec![plan.clone(), idle.clone(), mean.clone()];
         plans.extend((3..settings.samples).map(|index| {
             let mut stream = Stream::new(context.key, &format!("policy/plan/{}/{round}/{index}", context.step));

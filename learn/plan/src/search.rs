@@ -41,7 +41,7 @@ impl Search {
         self.plan.clone_from(&plans[best]);
         match settings.method {
             Method::Predictive => self.mean.clone_from(&plans[best]),
-            Method::Cem => self.combine(plans, elites, &vec![1.0; elites.len()], settings),
+            Method::Cem => self.combine(plans, elites, &by_rank(elites.len()), settings),
             Method::Mppi => {
                 let weights = weights(&order, values, settings.temperature);
                 self.combine(plans, &order, &weights, settings);
@@ -60,6 +60,11 @@ impl Search {
             *deviation = 0.5 * (*deviation + found);
         }
     }
+}
+
+/// Weights of so many plans in their order, as Hansen and Ostermeier (2001) have them: the first counts most.
+fn by_rank(count: usize) -> Vec<f64> {
+    (0..count).map(|rank| libm::log(count as f64 + 0.5) - libm::log(rank as f64 + 1.0)).collect()
 }
 
 /// Weights of plans in their order: exponential in what they are worth less than the best, in units of how far the better half spreads.
