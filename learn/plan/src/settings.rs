@@ -171,13 +171,13 @@ impl Settings {
             space: SpaceChoice::Auto,
             method: Method::Cem,
             horizon: 0.6,
-            tail: 0.3,
+            tail: 0.2,
             tail_share: 0.0,
             failure_price: 0.5,
             samples: 16,
             rounds: 1,
             first_rounds: 3,
-            replan: 5,
+            replan: 10,
             knots: 4,
             interpolation: Interpolation::Linear,
             noise: 0.3,
@@ -194,8 +194,8 @@ impl Settings {
         };
         match preset {
             Preset::Fast => fast,
-            Preset::Good => Self { samples: 48, horizon: 0.8, ..fast },
-            Preset::Best => Self { samples: 96, rounds: 2, horizon: 1.0, ..fast },
+            Preset::Good => Self { samples: 48, horizon: 0.8, tail: 0.3, replan: 5, ..fast },
+            Preset::Best => Self { samples: 96, rounds: 2, horizon: 1.0, tail: 0.5, replan: 5, ..fast },
         }
     }
 
