@@ -48,7 +48,7 @@ pub(in crate::check) struct FieldNumber<'a> {
     pub value: f64,
     pub bounds: Bounds,
     pub dimension: Dimension,
-    /// Where it is drawn.
+    /// Its formula, where it is drawn.
     pub drawn: Option<&'a Expr>,
 }
 
