@@ -124,7 +124,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
                 infos |= {"final_obs": self._native.final_observations(), "_final_obs": ended}
                 if self.task.critic:
-                    infos |= {"final_critic_obs": self._native.final_critic_observations(), "_final_critic_obs": ended.copy()}
+                    infos |= {
+                        "final_critic_obs": self._native.final_critic_observations(),
+                        "_final_critic_obs": ended.copy(),
+                    }
                 infos |= {"final_info": endings, "_final_info": ended.copy()}
             else:
                 infos |= {name: value for name, value in endings.items() if name.lstrip("_") in _AT_END}
