@@ -1,4 +1,4 @@
-//! The policy that plans: it does what the reward asks for, knows no future, and has the same bits whoever helps it.
+//! The policy that plans: it does what the reward asks for, knows no future, and has the same bits on any number of threads.
 
 use super::episodes::episode;
 use msk::plan::{Method, Planner, Preset, Settings, SpaceChoice, Targets};

@@ -287,23 +287,6 @@ impl<'a> Checker<'a> {
         Err(self.report(diagnostic.help("delay fewer numbers, or by a shorter time")))
     }
 
-    /// Tries a check whose failure is none of the text's: all that it reported and learned of names is taken back, so that
-    /// the next check of these names reports it.
-    pub(crate) fn attempt<T>(&mut self, check: impl FnOnce(&mut Self) -> Checked<T>) -> Option<T> {
-        let (before, memo, spent) = (self.diagnostics.len(), self.memo.clone(), self.spent);
-        let (mark, formulas) = (self.hir.mark(), self.formulas.clone());
-        let ends = (self.ends.clone(), self.finishes.clone());
-        let result = check(self);
-        if result.is_err() {
-            self.diagnostics.truncate(before);
-            (self.memo, self.spent) = (memo, spent);
-            self.formulas = formulas;
-            self.hir.rewind(mark);
-            (self.ends, self.finishes) = ends;
-        }
-        result.ok()
-    }
-
     /// Records what a name at `span` of the present file stands for.
     pub(crate) fn resolved(&mut self, span: Span, resolution: Resolution) {
         self.hir.resolved(self.place.file, span, resolution);

@@ -60,22 +60,20 @@ impl<'a> Checker<'a> {
         let mut channels = Vec::new();
         let mut failures = Failures::default();
         self.in_mode(ReadMode { after: true, ..self.mode }, |checker| {
-            for placed in statements {
-                if let TaskStatement::Observe(block) = &placed.statement {
+            for critic in [false, true] {
+                let first = channels.len();
+                for placed in statements {
+                    let block = match &placed.statement {
+                        TaskStatement::Observe(block) if !critic => block,
+                        TaskStatement::Critic(block) if critic => block,
+                        _ => continue,
+                    };
                     let found =
                         checker.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &[], &mut channels));
                     failures.catch(found);
                 }
+                channels[first..].iter_mut().for_each(|channel| channel.critic = critic);
             }
-            let observed = channels.len();
-            for placed in statements {
-                if let TaskStatement::Critic(block) = &placed.statement {
-                    let found =
-                        checker.in_file(placed.file, |checker| checker.channels(&block.entries, texts, None, &[], &mut channels));
-                    failures.catch(found);
-                }
-            }
-            channels[observed..].iter_mut().for_each(|channel| channel.critic = true);
         });
         failures.or(channels)
     }

@@ -2,6 +2,7 @@
 
 use crate::planner::Planner;
 use crate::settings::{Preset, Settings};
+use msk_program::digest::hexadecimal;
 use msk_runtime::policy::{Policy, PolicyError, PolicyMaker, PolicySource};
 use msk_storage::read_file;
 use sha2::{Digest, Sha256};
@@ -57,6 +58,6 @@ fn read(path: &str) -> Result<(String, Settings), PolicyError> {
         .map_err(|error| unreadable(format!("{error}; `plan` takes one of {} or a file of settings", presets())))?;
     let text = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
     let settings = Settings::read(&text).map_err(|error| unreadable(error.to_string()))?;
-    let digest: String = Sha256::digest(text.as_bytes()).iter().take(4).map(|byte| format!("{byte:02x}")).collect();
+    let digest = hexadecimal(&Sha256::digest(text.as_bytes())[..4]);
     Ok((format!("plan {path} ({digest})"), settings))
 }

@@ -1,7 +1,7 @@
 //! What an imagined episode is worth.
 //!
 //! The reward of the horizon counts in full, that of the tail by a share. Failing is priced in steps of the largest reward in sight:
-//! within the horizon it costs more than all reward that could be had there, and the more the earlier, so that failing never pays and
+//! within the horizon it costs more than all reward that could be had there, and the more the earlier, so that failing is never best and
 //! rounds in which everything fails still prefer what fails late. In the tail, which has no plan and may yet be saved by one, the
 //! price falls to nothing towards its end. A success termination and the end of time are no failures.
 

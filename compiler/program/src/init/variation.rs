@@ -41,10 +41,3 @@ pub struct Friction {
     /// Coefficient, not negative.
     pub sliding: f64,
 }
-
-impl Variation {
-    /// Whether every episode has the body and the scene of the model.
-    pub fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
-}

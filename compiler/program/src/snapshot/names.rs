@@ -3,7 +3,7 @@
 
 use crate::frame::{Origin, Query, Sensor, Subject};
 use crate::graph::text::Labels;
-use crate::init::{Friction, Scaling};
+use crate::init::Scaling;
 use crate::scene::Part;
 use crate::task::{CompiledTask, DisturbanceSetting, Phase, Setting};
 use crate::vocabulary::Vocabulary;
@@ -149,6 +149,7 @@ pub fn setting(task: &CompiledTask, setting: Setting) -> String {
     const AXES: [&str; 3] = ["x", "y", "z"];
     const PARTS: [&str; 4] = ["w", "x", "y", "z"];
     let axis = |axis: usize| AXES.get(axis).copied().unwrap_or("?");
+    let variation = &task.init.variation;
     let object = |index: usize| {
         let known = task.init.objects.get(index).and_then(|start| task.scene.objects.get(start.object));
         known.map_or_else(|| index.to_string(), |object| object.name.clone())
@@ -167,50 +168,42 @@ pub fn setting(task: &CompiledTask, setting: Setting) -> String {
         }
         Setting::ObjectVelocity(of, index) => format!("{}.velocity.{}", object(of), axis(index)),
         Setting::ObjectSpin(of, index) => format!("{}.spin.{}", object(of), axis(index)),
-        Setting::Strength(row) => strength_of(task, row),
-        Setting::SegmentMass(row) => mass_of(task, row),
+        Setting::Strength(row) => {
+            let muscles = &task.vocabulary.muscles;
+            let name = |muscle: usize| muscles.get(muscle).map(|muscle| muscle.name.as_str());
+            scaled("strength", variation.strengths.get(row), muscles.len(), name)
+        }
+        Setting::SegmentMass(row) => {
+            let landmarks = &task.vocabulary.landmarks;
+            let own = landmarks.iter().filter(|landmark| !landmark.of_scene).count();
+            let name = |landmark: usize| landmarks.get(landmark).map(|landmark| landmark.name.as_str());
+            scaled("mass", variation.segments.get(row), own, name)
+        }
         Setting::ObjectMass(row) => {
-            let known = task.init.variation.masses.get(row).and_then(|known| task.scene.objects.get(known.object));
+            let known = variation.masses.get(row).and_then(|known| task.scene.objects.get(known.object));
             known.map_or_else(|| row.to_string(), |object| format!("{}.mass", object.name))
         }
         Setting::Friction(row) => {
-            task.init.variation.frictions.get(row).map_or_else(|| row.to_string(), |known| friction_of(task, known))
+            let object = variation.frictions.get(row).and_then(|known| task.scene.objects.get(known.object?));
+            format!("{}.friction", object.map_or("ground", |object| &object.name))
         }
     }
 }
 
-/// Of which muscles a row of [`Variation::strengths`] is the factor: `strength of soleus_l, soleus_r`.
-///
-/// [`Variation::strengths`]: crate::init::Variation::strengths
-pub fn strength_of(task: &CompiledTask, row: usize) -> String {
-    let muscles = &task.vocabulary.muscles;
-    let name = |muscle: usize| muscles.get(muscle).map(|muscle| muscle.name.as_str());
-    scaled("strength", task.init.variation.strengths.get(row), muscles.len(), &name)
-}
-
-/// The same for masses of segments.
-pub fn mass_of(task: &CompiledTask, row: usize) -> String {
-    let landmarks = &task.vocabulary.landmarks;
-    let own = landmarks.iter().filter(|landmark| !landmark.of_scene).count();
-    let name = |landmark: usize| landmarks.get(landmark).map(|landmark| landmark.name.as_str());
-    scaled("mass", task.init.variation.segments.get(row), own, &name)
-}
-
-/// `ground.friction`, `ball.friction`.
-pub fn friction_of(task: &CompiledTask, friction: &Friction) -> String {
-    let object = friction.object.and_then(|object| task.scene.objects.get(object));
-    object.map_or_else(|| "ground.friction".to_owned(), |object| format!("{}.friction", object.name))
-}
-
-fn scaled<'a>(what: &str, scaling: Option<&Scaling>, all: usize, name: &dyn Fn(usize) -> Option<&'a str>) -> String {
+/// What a row of factors scales: `strength of soleus_l, soleus_r`; all that could be is said to be.
+fn scaled<'a>(what: &str, scaling: Option<&Scaling>, all: usize, name: impl Fn(usize) -> Option<&'a str>) -> String {
     let members = scaling.map_or(&[][..], |scaling| &scaling.members);
-    if members.len() == all {
-        return format!("{what} of all");
+    match members.len() == all {
+        true => format!("{what} of all"),
+        false => format!("{what} of {}", runs(members, |member| name(member).unwrap_or("?").to_owned())),
     }
-    let name = |member: &usize| name(*member).unwrap_or("?");
+}
+
+/// Names of members of a list, neighbours in it joined.
+pub(super) fn runs(members: &[usize], name: impl Fn(usize) -> String) -> String {
     let runs = members.chunk_by(|a, b| *b == a + 1).map(|run| match run {
-        [first, .., last] if run.len() > 3 => format!("{} to {} ({})", name(first), name(last), run.len()),
-        run => run.iter().map(name).collect::<Vec<_>>().join(", "),
+        [first, .., last] if run.len() > 3 => format!("{} to {} ({})", name(*first), name(*last), run.len()),
+        _ => run.iter().map(|member| name(*member)).collect::<Vec<_>>().join(", "),
     });
-    format!("{what} of {}", runs.collect::<Vec<_>>().join(", "))
+    runs.collect::<Vec<_>>().join(", ")
 }

@@ -7,7 +7,7 @@ use crate::graph::text::values;
 use crate::init::{Scaling, Variation};
 use crate::numbers::exact;
 use crate::scene::{Object, Parent};
-use crate::task::{CompiledTask, Spread};
+use crate::task::{CompiledTask, Setting, Spread};
 
 /// Longest list of numbers that is written out.
 const LONGEST: usize = 300;
@@ -190,30 +190,19 @@ impl CompiledTask {
             None => exact(scaling.factor),
             Some([low, high]) => format!("each uniform {low:?}..{high:?}"),
         };
-        for (row, scaling) in strengths.iter().enumerate() {
-            section = section.field(&names::strength_of(self, row), scale(scaling));
-        }
-        for (row, scaling) in segments.iter().enumerate() {
-            section = section.field(&names::mass_of(self, row), scale(scaling));
-        }
-        for known in masses {
-            let name = self.scene.objects.get(known.object).map_or_else(String::new, |object| object.name.clone());
-            section = section.field(&format!("{name}.mass"), format!("{:?} kg", known.mass));
-        }
-        for known in frictions {
-            section = section.field(&names::friction_of(self, known), exact(known.sliding));
+        let strengths = strengths.iter().enumerate().map(|(row, scaling)| (Setting::Strength(row), scale(scaling)));
+        let segments = segments.iter().enumerate().map(|(row, scaling)| (Setting::SegmentMass(row), scale(scaling)));
+        let masses = masses.iter().enumerate().map(|(row, known)| (Setting::ObjectMass(row), format!("{:?} kg", known.mass)));
+        let frictions = frictions.iter().enumerate().map(|(row, known)| (Setting::Friction(row), exact(known.sliding)));
+        for (setting, value) in strengths.chain(segments).chain(masses).chain(frictions) {
+            section = section.field(&names::setting(self, setting), value);
         }
         (!section.fields.is_empty()).then_some(section)
     }
 
     /// Names of joints, neighbours in the list joined.
     fn joint_runs(&self, joints: &[usize]) -> String {
-        let name = |index: &usize| names::joint(&self.vocabulary, *index);
-        let runs = joints.chunk_by(|a, b| *b == a + 1).map(|run| match run {
-            [first, .., last] if run.len() > 3 => format!("{} to {} ({})", name(first), name(last), run.len()),
-            _ => run.iter().map(name).collect::<Vec<_>>().join(", "),
-        });
-        runs.collect::<Vec<_>>().join(", ")
+        names::runs(joints, |index| names::joint(&self.vocabulary, index))
     }
 }
 

@@ -16,13 +16,11 @@ impl<'a> Checker<'a> {
             ScaledQuantity::Strength => self.scaled_muscles(&scaling.target)?,
             ScaledQuantity::Mass => self.scaled_segments(&scaling.target)?,
         };
-        let variation = &mut initial.init.variation;
-        let (rows, setting): (_, fn(usize) -> Setting) = match scaling.quantity {
-            ScaledQuantity::Strength => (&mut variation.strengths, Setting::Strength),
-            ScaledQuantity::Mass => (&mut variation.segments, Setting::SegmentMass),
+        let variation = &initial.init.variation;
+        let setting = match scaling.quantity {
+            ScaledQuantity::Strength => Setting::Strength(variation.strengths.len()),
+            ScaledQuantity::Mass => Setting::SegmentMass(variation.segments.len()),
         };
-        let row = rows.len();
-        rows.push(init::Scaling { members, factor: 1.0, each: None });
         let wanted_by = format!("`{}`", scaling.quantity.word());
         let wrong = |value: f64| match scaling.quantity {
             ScaledQuantity::Strength => (value < 0.0).then_some("is negative"),
@@ -35,7 +33,7 @@ impl<'a> Checker<'a> {
                 let number = self.field_number(&scaling.factor, Dimension::NONE, &wanted_by)?;
                 self.must_be_within(&number, wrong, &wanted_by, span)?;
                 if number.drawn.is_some() {
-                    self.begin_number(&scaling.factor, Dimension::NONE, &wanted_by, setting(row), initial)?;
+                    self.begin_number(&scaling.factor, Dimension::NONE, &wanted_by, setting, initial)?;
                 }
                 (number.value, None)
             }
@@ -45,7 +43,7 @@ impl<'a> Checker<'a> {
             ScaledQuantity::Strength => &mut variation.strengths,
             ScaledQuantity::Mass => &mut variation.segments,
         };
-        rows.iter_mut().skip(row).for_each(|scaling| (scaling.factor, scaling.each) = (factor, each));
+        rows.push(init::Scaling { members, factor, each });
         Ok(())
     }
 

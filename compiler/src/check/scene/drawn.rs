@@ -76,12 +76,13 @@ impl<'a> Checker<'a> {
         dimension: Dimension,
         wanted_by: &str,
     ) -> Checked<FieldNumber<'a>> {
-        let node = self.attempt(|checker| checker.number_of(expr, dimension, wanted_by)).map(|data| data.node);
-        let Some(node) = node.filter(|node| self.graph.constant_value(*node).is_none()) else {
-            return Ok(FieldNumber::known(self.fixed_number(expr, dimension, wanted_by)?, dimension));
-        };
-        self.must_be_drawn(node, expr.span, wanted_by)?;
-        let bounds = self.bounds_of_draw(node);
+        let data = self.data(expr)?;
+        let fits = data.kind.is_one_number() && data.kind.dimension() == Some(dimension);
+        if !fits || self.graph.constant_value(data.node).is_some() {
+            return Ok(FieldNumber::known(self.known_number(&data, expr, dimension, wanted_by)?, dimension));
+        }
+        self.must_be_drawn(data.node, expr.span, wanted_by)?;
+        let bounds = self.bounds_of_draw(data.node);
         if !(bounds.low.is_finite() && bounds.high.is_finite()) {
             let message = format!("{wanted_by} is drawn without bounds");
             let diagnostic = self
@@ -92,25 +93,29 @@ impl<'a> Checker<'a> {
         Ok(FieldNumber { value: 0.5 * bounds.low + 0.5 * bounds.high, bounds, dimension, drawn: Some(expr) })
     }
 
-    /// Numbers from the middle of what may be drawn, if they are drawn; `None` where they are known, or wrong.
-    pub(super) fn bracket_of_draws<const SIZE: usize>(
+    /// Components that are known while compiling, or those from the middle of what may be drawn; and whether they are drawn.
+    pub(super) fn field_bracket<const SIZE: usize>(
         &mut self,
         expr: &'a Expr,
         dimension: Dimension,
         wanted_by: &str,
-    ) -> Checked<Option<[f64; SIZE]>> {
-        let data = self.attempt(|checker| match checker.value(expr)? {
-            Value::Typed(data) => checker.must_be_bracket(&data, SIZE, dimension, expr.span, wanted_by).map(|()| data),
-            other => Err(checker.not_numbers(&other, expr.span)),
-        });
-        let Some(data) = data.filter(|data| self.graph.constant_lanes(data.node).is_none()) else { return Ok(None) };
+    ) -> Checked<([f64; SIZE], bool)> {
+        let data = match self.value(expr)? {
+            Value::Typed(data) => data,
+            other => return Err(self.not_numbers(&other, expr.span)),
+        };
+        self.must_be_bracket(&data, SIZE, dimension, expr.span, wanted_by)?;
+        if self.graph.constant_lanes(data.node).is_some() {
+            return Ok((self.known_bracket(&data, expr.span, wanted_by)?, false));
+        }
         self.must_be_drawn(data.node, expr.span, wanted_by)?;
-        Ok(Some(core::array::from_fn(|lane| {
+        let middles = core::array::from_fn(|lane| {
             let lane = self.graph.select([lane], data.node);
             let Bounds { low, high } = self.bounds_of_draw(lane);
             let middle = 0.5 * low + 0.5 * high;
             if middle.is_finite() { middle } else { 0.0 }
-        })))
+        });
+        Ok((middles, true))
     }
 
     /// Between which numbers a draw lies: of one number.

@@ -107,6 +107,11 @@ impl<'a> Checker<'a> {
     /// A number of this dimension that is known while compiling.
     pub(crate) fn fixed_number(&mut self, expr: &'a Expr, dimension: Dimension, wanted_by: &str) -> Checked<f64> {
         let data = self.data(expr)?;
+        self.known_number(&data, expr, dimension, wanted_by)
+    }
+
+    /// The number that `data`, the value of `expr`, is known to be.
+    pub(super) fn known_number(&mut self, data: &TypedValue, expr: &Expr, dimension: Dimension, wanted_by: &str) -> Checked<f64> {
         let found = data.kind.dimension().filter(|_| data.kind.is_one_number());
         if found != Some(dimension) && !(data.is_zero() && data.kind.is_one_number()) {
             let diagnostic = self
@@ -196,10 +201,20 @@ impl<'a> Checker<'a> {
             other => return Err(self.not_numbers(&other, expr.span)),
         };
         self.must_be_bracket(&data, SIZE, dimension, expr.span, wanted_by)?;
-        let Some(lanes) = self.graph.constant_lanes(data.node) else { return Err(self.must_be_known(expr.span, wanted_by)) };
+        self.known_bracket(&data, expr.span, wanted_by)
+    }
+
+    /// The components that a bracket of as many numbers is known to have.
+    pub(super) fn known_bracket<const SIZE: usize>(
+        &mut self,
+        data: &TypedValue,
+        span: Span,
+        wanted_by: &str,
+    ) -> Checked<[f64; SIZE]> {
+        let Some(lanes) = self.graph.constant_lanes(data.node) else { return Err(self.must_be_known(span, wanted_by)) };
         match <[f64; SIZE]>::try_from(lanes) {
             Ok(values) if values.iter().all(|value| value.is_finite()) => Ok(values),
-            _ => Err(self.error(codes::types::WRONG_TYPE, expr.span, format!("{wanted_by} takes {SIZE} finite numbers"))),
+            _ => Err(self.error(codes::types::WRONG_TYPE, span, format!("{wanted_by} takes {SIZE} finite numbers"))),
         }
     }
 

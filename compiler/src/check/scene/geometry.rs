@@ -196,9 +196,7 @@ impl<'a> Checker<'a> {
 
     /// Whether a landmark is an object that nothing can move.
     pub(crate) fn stands_still(&self, landmark: usize) -> bool {
-        let first = self.vocabulary.landmarks.iter().position(|landmark| landmark.of_scene);
-        first.zip(self.scene).is_some_and(|(first, scene)| {
-            landmark.checked_sub(first).and_then(|object| scene.fixed.get(object)).copied().unwrap_or(false)
-        })
+        let object = self.object_of(landmark).zip(self.scene);
+        object.is_some_and(|(object, scene)| scene.fixed.get(object).copied().unwrap_or(false))
     }
 }

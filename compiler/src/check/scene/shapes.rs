@@ -62,12 +62,10 @@ impl<'a> Checker<'a> {
     fn place_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 3], Option<Draw<'a>>)> {
         let Some(field) = fields.get("at") else { return Ok(([0.0; 3], None)) };
         let expr = self.field_value(field)?;
-        Ok(match self.bracket_of_draws(expr, Dimension::LENGTH, "`at`")? {
-            // A free thing has no place in the model.
-            Some(_) if fields.get("free").is_some() => ([0.0; 3], Some((SceneField::Place, expr))),
-            Some(place) => (place, Some((SceneField::Place, expr))),
-            None => (self.fixed_bracket(expr, Dimension::LENGTH, "`at`")?, None),
-        })
+        let (place, drawn) = self.field_bracket(expr, Dimension::LENGTH, "`at`")?;
+        // A free thing whose place is drawn has none in the model.
+        let nowhere = drawn && fields.get("free").is_some();
+        Ok((if nowhere { [0.0; 3] } else { place }, drawn.then_some((SceneField::Place, expr))))
     }
 
     fn orientation_of(&mut self, fields: &Fields<'a>) -> Checked<([f64; 4], Option<Draw<'a>>)> {
