@@ -298,7 +298,7 @@ fn the_reward_can_be_read_by_terms_and_reweighted_without_compiling() {
     assert_eq!(episode.reward().term("upside"), None);
     let before = episode.snapshot();
     episode.reset(KEY);
-    episode.weights_mut()[0] = 20.0;
+    episode.set_weight(0, 20.0);
     advance(&mut episode, 1);
     assert_eq!(episode.reward().term("upright").unwrap().weight, 20.0);
     episode.restore(&before);
@@ -321,7 +321,7 @@ fn new_weights_in_between_change_the_pay_and_not_the_motion() {
     changed.reset(KEY);
     advance(&mut plain, 4);
     advance(&mut changed, 4);
-    changed.weights_mut()[0] = 7.5;
+    changed.set_weight(0, 7.5);
     let middle = changed.snapshot();
     advance(&mut plain, 5);
     advance(&mut changed, 5);

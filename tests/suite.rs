@@ -29,5 +29,6 @@ mod task_snapshots;
 mod task_tests;
 mod tasks;
 mod together;
+mod training;
 mod vector;
 mod vocabulary_fixture;

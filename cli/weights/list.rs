@@ -2,7 +2,7 @@
 
 use super::Opened;
 use crate::error::Error;
-use msk::compiler::weights::written;
+use msk::compiler::weights::{Entry, written};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -29,14 +29,16 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         return Err(opened.none());
     }
     if args.json {
-        let entry = |entry: &msk::compiler::weights::Entry| serde_json::json!({ "task": entry.task, "term": entry.term, "weight": entry.value, "bounds": entry.bounds });
+        let entry = |entry: &Entry| serde_json::json!({ "task": entry.task, "term": entry.term, "from": entry.from, "weight": entry.value, "bounds": entry.bounds });
         writeln!(out, "{}", serde_json::Value::from(entries.iter().map(entry).collect::<Vec<_>>()))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let rows: Vec<[String; 3]> = entries
-        .iter()
-        .map(|entry| [format!("{}.{}", entry.task, entry.term), written(entry.value), entry.bounds.described(entry.value)])
-        .collect();
+    let row = |entry: &Entry| {
+        let from = entry.from.map_or_else(String::new, |from| format!("{} -> ", written(from)));
+        let weight = format!("{from}{}", written(entry.value));
+        [format!("{}.{}", entry.task, entry.term), weight, entry.bounds.described(entry.value)]
+    };
+    let rows: Vec<[String; 3]> = entries.iter().map(row).collect();
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let (term, weight) = (width(0), width(1));
     for row in &rows {

@@ -118,6 +118,16 @@ fn every_kind_of_change_is_reported_in_words() {
 }
 
 #[test]
+fn the_schedule_of_a_weight_is_part_of_what_a_task_means() {
+    let [early, late] = ["20 -> 10 over 30 %", "20 -> 10 over 20 % .. 50 %"]
+        .map(|weight| BEFORE.replace("10 (5..20) tall", &format!("{weight} (5..20) tall")));
+    assert_ne!(hash(BEFORE), hash(&early));
+    assert_ne!(hash(&early), hash(&late));
+    insta::assert_snapshot!(between(&early, &late));
+    insta::assert_snapshot!(between(BEFORE, &early));
+}
+
+#[test]
 fn a_name_that_means_something_else_is_reported_as_it_is_typed() {
     let ends = "fallen when com.height < 0.8 m";
     let before = format!(

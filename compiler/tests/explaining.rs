@@ -40,6 +40,17 @@ fn the_account_is_stable_data() {
 }
 
 #[test]
+fn a_scheduled_weight_is_explained_with_its_training() {
+    let source = complete("reward { 20 -> 10 over 20 % .. 50 % (5..20) tall = pelvis.height / 1 m }");
+    let shown = text(&compiled(&source), &Options::default());
+    assert!(shown.contains("\n  20 -> 10 over 20 % .. 50 % (5..20) tall\n"), "{shown}");
+    let tables = latex(&[report_of(&source)]);
+    assert!(tables.contains("$20$ $\\to$ $10$ over 20 \\% .. 50 \\%"), "{tables}");
+    let page = html("Tasks", &[report_of(&source)]);
+    assert!(page.contains("20 → 10<br><span class=\"soft\">over 20 % .. 50 %</span>"), "{page}");
+}
+
+#[test]
 fn tables_have_the_layout_of_the_paper() {
     insta::assert_snapshot!("tables", latex(&[report_of(STAND), report_of(CATCH)]));
 }

@@ -55,6 +55,12 @@ fn sides_words_of_logic_and_functions_are_taken_for_others() {
 }
 
 #[test]
+fn of_a_scheduled_weight_the_last_one_is_mutated() {
+    let text = "task small {\n    reward { 8 -> 4 over 30 % (2..9) tall = b }\n}\n";
+    assert_eq!(changes(text), ["weight: 4 -> -4", "weight: 4 -> 2", "weight: 4 -> 5", "weight: 4 -> 8"]);
+}
+
+#[test]
 fn whole_numbers_stay_whole_and_nought_stays() {
     assert_eq!(changes(&end("a > 0")), ["comparison: > -> <"]);
     assert_eq!(changes(&end("a > 30")), ["comparison: > -> <", "number: 30 -> 15", "number: 30 -> 33", "number: 30 -> 60"]);

@@ -36,6 +36,18 @@ fn weights_are_listed_with_their_bounds() {
 }
 
 #[test]
+fn of_a_scheduled_weight_the_last_one_is_edited() {
+    let text = "task a { reward {\n 1e1 -> 5.0 over 20 % .. 50 % (1..20) pose = 1\n 3 -> 0 over 1 off = 1\n } }";
+    let listed = weights(text);
+    let found: Vec<_> = listed.entries.iter().map(|entry| (entry.from, entry.value, entry.digits.as_str())).collect();
+    assert_eq!(found, [(Some(10.0), 5.0, "5.0"), (Some(3.0), 0.0, "0")]);
+    let (edited, _) = listed.edit(text, &[edit("pose", 10.0)]).unwrap();
+    assert_eq!(edited, text.replace("5.0", "10"));
+    let refused = listed.edit(text, &[edit("pose", 21.0), edit("off", 3.0)]).unwrap_err().to_string();
+    assert_eq!(refused, "a.pose cannot be 21: it is 5 and may be 1..20\na.off cannot be 3: it is 0 and must stay 0");
+}
+
+#[test]
 fn an_edit_changes_digits_and_nothing_else() {
     let (edited, changes) = weights(TEXT).edit(TEXT, &[edit("a.pose", 11.5), edit("jump", 4.0), edit("effort", -0.5)]).unwrap();
     assert_eq!(edited, TEXT.replace(" 10   pose", " 11.5   pose").replace("3 (1 .. 4)\tjump", "4 (1 .. 4)\tjump"));

@@ -83,8 +83,11 @@ fn term(whole: &Inspection, file: FileId, path: &Path, byte: usize) -> Option<(S
             let docs = found.docs.as_ref().map_or("", |docs| docs.text.as_str());
             let share = share(term.weight.abs() / total);
             let per = if reward.per_second { "per second" } else { "per control step" };
-            let markdown =
-                format!("`{}`: a term of the reward\n\nWeight {}, {share} of all, {per}.\n\n{docs}", term.name, term.weight);
+            let training = term.schedule.map_or_else(String::new, |schedule| format!(", in a training {schedule}"));
+            let markdown = format!(
+                "`{}`: a term of the reward\n\nWeight {}, {share} of all, {per}{training}.\n\n{docs}",
+                term.name, term.weight
+            );
             return Some((found.name.span, markdown.trim_end().to_owned()));
         }
     }

@@ -75,7 +75,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self.observation_space, self.action_space = spaces(self.task, dtype)
         single = self.observation_space.dtype == np.float32
         self._native = _native.Environment(self.task._native, clip_actions, single)
-        #: Weights in force, by term; assign to change them.
+        #: Weights, by term; assign to change them.
         self.weights = LiveWeights(self._native, self.task)
         self._describe = Describer(self.task)
         self._begun = False
@@ -135,6 +135,20 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     def draw(self, caption: str = "") -> Picture:
         """The present state as a picture, from the side and from in front: SVG, which notebooks show."""
         return Picture(self._native.draw(caption))
+
+    @property
+    def progress(self) -> float:
+        """Share of a training that has passed, 0 to 1, which scheduled weights (``10 -> 5 over 30 %``) follow; 1 unless it is set, as
+        tasks are judged. A learner assigns it: ``env.unwrapped.progress = steps / budget`` holds from the next step on.
+
+        Raises:
+            ValueError: assigned what is no number from 0 to 1.
+        """
+        return self._native.progress()
+
+    @progress.setter
+    def progress(self, progress: float) -> None:
+        self._native.set_progress(float(progress))
 
     @property
     def critic_observation(self) -> NDArray[Any]:

@@ -58,6 +58,8 @@ class Term:
     range: tuple[float, float] | None
     #: As written.
     formula: str
+    #: First weight, and the shares of a training between which it changes to ``weight``; None where it does not.
+    schedule: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -110,8 +112,8 @@ class Task:
         self.critic: tuple[Channel, ...] = tuple(Channel(*part) for part in native.critic)
         self.metrics: tuple[Channel, ...] = tuple(Channel(*part) for part in native.metrics)
         self.terms: tuple[Term, ...] = tuple(
-            Term(name, weight, None if low is None or high is None else (low, high), formula)
-            for name, weight, low, high, formula in native.terms
+            Term(name, weight, None if low is None or high is None else (low, high), formula, schedule)
+            for name, weight, low, high, formula, schedule in native.terms
         )
         #: Conditions that end an episode as a failure.
         self.terminations: tuple[str, ...] = tuple(native.terminations)

@@ -73,7 +73,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             clip_actions,
             self.single_observation_space.dtype == np.float32,
         )
-        #: Weights in force in all episodes, by term; assign to change them.
+        #: Weights in all episodes, by term; assign to change them.
         self.weights = LiveWeights(self._native, self.task)
         self._describe = Describer(self.task)
         self._begun = False
@@ -184,6 +184,20 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         if mask.shape != (self.num_envs,) or not mask.any():
             raise ValueError(f"`reset_mask` must have the shape ({self.num_envs},) and choose a slot, found {mask}")
         return mask
+
+    @property
+    def progress(self) -> float:
+        """Share of a training that has passed, 0 to 1, which scheduled weights (``10 -> 5 over 30 %``) follow; 1 unless it is set, as
+        tasks are judged. It is that of all slots. A learner assigns it: ``env.unwrapped.progress = steps / budget`` holds from the next step on.
+
+        Raises:
+            ValueError: assigned what is no number from 0 to 1.
+        """
+        return self._native.progress()
+
+    @progress.setter
+    def progress(self, progress: float) -> None:
+        self._native.set_progress(float(progress))
 
     @property
     def critic_observations(self) -> NDArray[Any]:

@@ -9,12 +9,13 @@ from .tasks import Task
 
 
 class _Weighted(Protocol):
-    def weights(self) -> list[float]: ...
+    def last_weights(self) -> list[float]: ...
     def set_weight(self, index: int, value: float, /) -> None: ...
 
 
 class LiveWeights(Mapping[str, float]):
-    """The weights in force, by term. ``env.weights["upright"] = 7`` holds from the next step on; nothing is compiled anew.
+    """The weights, by term. ``env.weights["upright"] = 7`` holds from the next step on; nothing is compiled anew. Of a weight that is
+    scheduled over a training (``10 -> 5 over 30 %``) it is the last one, whatever the ``progress`` of the environment.
 
     In a vector environment they are those of all its episodes.
     """
@@ -25,20 +26,20 @@ class LiveWeights(Mapping[str, float]):
         self._task = task.name
 
     def __getitem__(self, term: str) -> float:
-        return self._native.weights()[self._place(term)]
+        return self._native.last_weights()[self._place(term)]
 
     def __setitem__(self, term: str, value: float) -> None:
         self._native.set_weight(self._place(term), float(value))
 
     def update(self, weights: Mapping[str, float]) -> None:
         """Sets several: all of them, or none if one is not allowed."""
-        before = self._native.weights()
+        before = self._native.last_weights()
         try:
             for term, value in weights.items():
                 self[term] = value
         except (KeyError, ValueError, TypeError):
             for index, value in enumerate(before):
-                if self._native.weights()[index] != value:
+                if self._native.last_weights()[index] != value:
                     self._native.set_weight(index, value)
             raise
 
@@ -56,4 +57,4 @@ class LiveWeights(Mapping[str, float]):
         return len(self._index)
 
     def __repr__(self) -> str:
-        return f"LiveWeights({dict(zip(self._index, self._native.weights(), strict=True))})"
+        return f"LiveWeights({dict(zip(self._index, self._native.last_weights(), strict=True))})"

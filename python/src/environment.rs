@@ -122,11 +122,22 @@ impl Environment {
         Ok(self.inner.get()?.weights().to_vec())
     }
 
+    fn last_weights(&self) -> PyResult<Vec<f64>> {
+        Ok(self.inner.get()?.last_weights().to_vec())
+    }
+
     fn set_weight(&mut self, index: usize, value: f64) -> PyResult<()> {
         self.task.get().check_weight(index, value)?;
-        let weights = self.inner.get_mut()?.weights_mut();
-        *weights.get_mut(index).ok_or_else(|| PyValueError::new_err("there is no such term"))? = value;
+        self.inner.get_mut()?.set_weight(index, value);
         Ok(())
+    }
+
+    fn progress(&self) -> PyResult<f64> {
+        Ok(self.inner.get()?.progress())
+    }
+
+    fn set_progress(&mut self, progress: f64) -> PyResult<()> {
+        self.inner.get_mut()?.set_progress(progress).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
     fn snapshot(&self) -> PyResult<Snapshot> {

@@ -4,7 +4,7 @@ use crate::guard::detached;
 use msk_compiler::explain::{self, Options};
 use msk_program::numbers::for_people;
 use msk_program::task::{Channel, CompiledTask, Origin};
-use msk_program::weights::Bounds;
+use msk_program::weights::{Bounds, Schedule};
 use msk_runtime::episode::{Engine, Environment, EpisodeError};
 use msk_runtime::library::BoundBody;
 use pyo3::exceptions::{PyKeyError, PyValueError};
@@ -21,7 +21,7 @@ pub struct Task {
 }
 
 /// (name, weight, lowest, highest, formula) of a term.
-type TermData = (String, f64, Option<f64>, Option<f64>, String);
+type TermData = (String, f64, Option<f64>, Option<f64>, String, Option<(f64, f64, f64)>);
 
 impl Task {
     /// The task on its body.
@@ -133,7 +133,8 @@ impl Task {
         parts(&self.task().metrics)
     }
 
-    /// (name, weight, lowest, highest, formula) of each term; no bounds where the weight is free, equal ones where it is fixed.
+    /// (name, weight, lowest, highest, formula, schedule) of each term; no bounds where the weight is free, equal ones where it is fixed;
+    /// the schedule is (first weight, begin, end).
     #[getter]
     fn terms(&self) -> Vec<TermData> {
         let bounds = |index: usize, weight: f64| match self.task().weight_bounds(index) {
@@ -144,7 +145,8 @@ impl Task {
         let terms = self.task().terms.iter().enumerate();
         let described = terms.map(|(index, term)| {
             let (low, high) = bounds(index, term.written);
-            (term.name.clone(), term.weight, low, high, term.source.clone())
+            let schedule = term.schedule.map(|Schedule { from, begin, end }| (from, begin, end));
+            (term.name.clone(), term.weight, low, high, term.source.clone(), schedule)
         });
         described.collect()
     }

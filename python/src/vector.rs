@@ -143,16 +143,26 @@ impl VectorEnvironment {
         Ok(self.inner.get()?.weights(0).unwrap_or_default().to_vec())
     }
 
+    fn last_weights(&self) -> PyResult<Vec<f64>> {
+        Ok(self.inner.get()?.last_weights(0).unwrap_or_default().to_vec())
+    }
+
     /// Sets the weight of a term in all slots.
     fn set_weight(&mut self, index: usize, value: f64) -> PyResult<()> {
         self.task.get().check_weight(index, value)?;
         let inner = self.inner.get_mut()?;
         for slot in 0..self.count {
-            if let Some(weight) = inner.weights_mut(slot).and_then(|weights| weights.get_mut(index)) {
-                *weight = value;
-            }
+            inner.set_weight(slot, index, value);
         }
         Ok(())
+    }
+
+    fn progress(&self) -> PyResult<f64> {
+        Ok(self.inner.get()?.progress())
+    }
+
+    fn set_progress(&mut self, progress: f64) -> PyResult<()> {
+        self.inner.get_mut()?.set_progress(progress).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
     fn snapshot(&self) -> PyResult<Snapshot> {

@@ -274,6 +274,26 @@ def test_weights_change_while_it_runs(long: msk.Env):
     assert dict(long.weights) == {"upright": 4.0, "change": 3.0}
 
 
+def test_scheduled_weights_follow_the_progress_of_a_training():
+    task = short(("2 (1..4)  upright", "4 -> 2 over 50 % (1..4) upright"))
+    assert (task.terms[0].weight, task.terms[0].schedule, task.terms[1].schedule) == (2.0, (4.0, 0.0, 0.5), None)
+    env = gymnasium.wrappers.TimeLimit(msk.make(task), 5)
+    assert env.unwrapped.progress == 1.0
+    for progress, weight in ((0.0, 4.0), (0.25, 3.0), (0.5, 2.0), (1, 2.0)):
+        env.unwrapped.progress = progress
+        env.reset(seed=0)
+        *_, info = env.step(np.zeros(416, np.float32))
+        assert info["contributions"]["upright"] == weight * info["terms"]["upright"]
+    env.unwrapped.progress = 0.0
+    env.unwrapped.weights["upright"] = 1
+    assert env.unwrapped.weights["upright"] == 1.0, "the last weight"
+    *_, info = env.step(np.zeros(416, np.float32))
+    assert info["contributions"]["upright"] == 4 * info["terms"]["upright"]
+    for wrong in (-0.1, 1.1, float("nan")):
+        with pytest.raises(ValueError, match="a number from 0 to 1"):
+            env.unwrapped.progress = wrong
+
+
 def test_rendering(task: msk.Task):
     env = msk.make(task, render_mode="ansi")
     env.reset(seed=0)

@@ -159,6 +159,17 @@ def test_weights_are_those_of_all_slots():
     assert np.allclose(contributions["upright"] + contributions["change"], rewards)
 
 
+def test_the_progress_of_a_training_is_that_of_all_slots():
+    envs = msk.make_vec(short(CALM, ("2 (1..4)  upright", "4 -> 2 over 50 % (1..4) upright")), SLOTS, threads=1)
+    envs.reset(seed=0)
+    envs.progress = 0.25
+    assert envs.progress == 0.25
+    *_, infos = envs.step(actions(envs.task, SLOTS))
+    assert np.array_equal(infos["contributions"]["upright"], 3 * infos["terms"]["upright"])
+    with pytest.raises(ValueError, match="a number from 0 to 1, found 3"):
+        envs.progress = 3
+
+
 def test_wrong_numbers_of_environments(task: msk.Task):
     for settings in ({"num_envs": 0}, {"num_envs": 2, "threads": 0}):
         with pytest.raises(ValueError, match="at least one environment and one thread"):

@@ -324,7 +324,7 @@ impl CompiledTask {
         self.phases.iter().map(|phase| phase.name.as_str()).collect()
     }
 
-    /// The weights in force, one for each term.
+    /// The weights in force, one for each term: those of the end of a training.
     pub fn weights(&self) -> Vec<f64> {
         self.terms.iter().map(|term| term.weight).collect()
     }

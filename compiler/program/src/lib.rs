@@ -33,6 +33,7 @@ pub mod numbers;
 pub mod plain;
 pub mod quantity;
 pub mod scene;
+pub mod schedule;
 pub mod script;
 pub mod snapshot;
 pub mod source;

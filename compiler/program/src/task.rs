@@ -16,6 +16,7 @@ use crate::init::Start;
 use crate::motion::Motion;
 use crate::numbers::for_people;
 use crate::scene::SceneDescription;
+use crate::schedule::Schedule;
 use crate::source::Places;
 use crate::vocabulary::Vocabulary;
 use serde::{Deserialize, Serialize};
@@ -156,8 +157,10 @@ pub struct Channel {
 pub struct Term {
     /// Label.
     pub name: String,
-    /// Weight in force.
+    /// Weight in force; of a scheduled one that of the end of a training.
     pub weight: f64,
+    /// How the weight changes during a training.
+    pub schedule: Option<Schedule>,
     /// Weight in the source.
     pub written: f64,
     /// Where the weight in force comes from.

@@ -102,7 +102,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn constant_number(&mut self, expr: &'a Expr, wanted: &str) -> Checked<(f64, Dimension)> {
+    pub(super) fn constant_number(&mut self, expr: &'a Expr, wanted: &str) -> Checked<(f64, Dimension)> {
         let data = self.data(expr)?;
         let dimension = data.kind.dimension().filter(|_| data.kind.is_one_number());
         match (self.graph.constant_value(data.node), dimension) {

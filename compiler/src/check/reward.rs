@@ -11,13 +11,15 @@ use crate::graph::{NodeId, events};
 use crate::hir::{ExprId, Resolution};
 use crate::numbers::{distinguished, exact, for_people};
 use crate::syntax::tree::{Bounds, Docs, Expr, Reward, TaskStatement, Term};
-use crate::weights::{LARGEST, may_be};
+use crate::weights::{LARGEST, Schedule, may_be};
 
 /// A term that the graph computes.
 #[derive(Debug, Clone)]
 pub(crate) struct RewardTerm<'a> {
     pub name: String,
+    /// At the end of a training.
     pub weight: f64,
+    pub schedule: Option<Schedule>,
     /// Where the weight stands, which may be in another file than the formula.
     pub weight_at: (FileId, Span),
     pub range: Option<[f64; 2]>,
@@ -78,7 +80,8 @@ impl<'a> Checker<'a> {
         };
         let expr = self.hir.next();
         let data = self.data(formula).and_then(|data| self.must_be_payable(data, formula, &term.name.text));
-        let ((weight, range, fixed), mut data) = (weight?, data?);
+        let schedule = self.schedule(term);
+        let ((weight, range, fixed), schedule, mut data) = (weight?, schedule?, data?);
         if let Some(value) = self.graph.constant_value(data.node).filter(|value| !value.is_finite()) {
             let message = format!("the term `{}` is {} in every state", term.name.text, for_people(value));
             let diagnostic = self.diagnostic(codes::tasks::NOT_FINITE, formula.span, message);
@@ -92,6 +95,7 @@ impl<'a> Checker<'a> {
         Ok(RewardTerm {
             name: term.name.text.clone(),
             weight,
+            schedule,
             weight_at: term.weight.as_ref().map_or((self.place.file, term.name.span), |weight| (weight.file, weight.span)),
             range,
             fixed,
@@ -176,6 +180,64 @@ impl<'a> Checker<'a> {
                 Err(self.report(diagnostic))
             }
         }
+    }
+
+    /// How the weight of a term changes during a training.
+    fn schedule(&mut self, term: &'a Term) -> Checked<Option<Schedule>> {
+        let Some(weight) = &term.weight else { return Ok(None) };
+        let Some(schedule) = &weight.schedule else { return Ok(None) };
+        let wrong = |at, message: &str| Diagnostic::new(codes::tasks::SCHEDULE, weight.file, at, message);
+        if !may_be(schedule.from) {
+            let most = for_people(LARGEST);
+            let diagnostic = wrong(schedule.from_span, "the first weight is too large");
+            return Err(self.report(diagnostic.expected(format!("a number from -{most} to {most}"))));
+        }
+        match weight.bounds {
+            Bounds::Range { low, high, span } if !(low..=high).contains(&schedule.from) => {
+                let shown = distinguished(&[low, high, schedule.from]);
+                let diagnostic = wrong(schedule.from_span, "the first weight is outside of the range of the term");
+                let diagnostic = diagnostic.expected(format!("{} .. {}", shown[0], shown[1])).found(&*shown[2]);
+                return Err(self.report(diagnostic.label(weight.file, span, "the range")));
+            }
+            Bounds::Free | Bounds::Fixed(_) if schedule.from * weight.value < 0.0 => {
+                let diagnostic = wrong(schedule.from_span, "the weight changes its sign: a reward becomes a cost");
+                let diagnostic = diagnostic.expected("two weights of one sign").found(format!(
+                    "{} and {}",
+                    for_people(schedule.from),
+                    for_people(weight.value)
+                ));
+                return Err(
+                    self.report(diagnostic.help("give it a range that has both, if that is meant: `1 -> -1 over 30 % (-1..1)`"))
+                );
+            }
+            _ => {}
+        }
+        let begin = schedule.begin.as_ref().map_or(Ok(0.0), |share| self.share(share, weight.file));
+        let (begin, end) = (begin?, self.share(&schedule.end, weight.file)?);
+        if begin >= end {
+            let at = schedule.begin.as_ref().map_or(schedule.end.span, |first| first.span.to(schedule.end.span));
+            let diagnostic = wrong(at, "the weight has no share of the training in which to change");
+            let diagnostic = diagnostic.expected("two shares, the first below the second").found(format!(
+                "{} % and {} %",
+                for_people(100.0 * begin),
+                for_people(100.0 * end)
+            ));
+            return Err(self.report(diagnostic));
+        }
+        Ok(Some(Schedule { from: schedule.from, begin, end }))
+    }
+
+    /// A share of a training, 0 to 1.
+    fn share(&mut self, share: &'a Expr, file: FileId) -> Checked<f64> {
+        self.in_file(file, |checker| {
+            let (value, dimension) = checker.constant_number(share, "a share of a training is a constant number")?;
+            if dimension.is_none() && (0.0..=1.0).contains(&value) {
+                return Ok(value);
+            }
+            let found = if dimension.is_none() { format!("{} %", for_people(100.0 * value)) } else { dimension.described() };
+            let diagnostic = checker.diagnostic(codes::tasks::SCHEDULE, share.span, "this is not a share of a training");
+            Err(checker.report(diagnostic.expected("0 % .. 100 %").found(found)))
+        })
     }
 
     /// A term is one plain number; conditions count 0 or 1.

@@ -97,6 +97,7 @@ fn phase_report(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport
         TermReport {
             name: term.name.clone(),
             weight: term.weight,
+            schedule: term.schedule,
             weight_in_source: term.written,
             weight_from: term.origin.to_string(),
             weight_range: term.weight_range,

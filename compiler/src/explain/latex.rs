@@ -80,6 +80,17 @@ fn weight(value: f64) -> String {
     }
 }
 
+/// The weight of a term, or the two between which it changes.
+fn weights(term: &TermReport) -> String {
+    match &term.schedule {
+        None => weight(term.weight),
+        Some(schedule) => {
+            let shares = latex_words(&schedule.shares());
+            format!("{} $\\to$ {} {shares}", weight(schedule.from), weight(term.weight))
+        }
+    }
+}
+
 fn rewards(tasks: &[(usize, &TaskReport)], part: &str, family: &str, text: &mut String) {
     let label = format!("rewards_{}", if family.is_empty() { "tasks" } else { family });
     let columns = [("Task", "28mm"), ("Term", "34mm"), ("Formula", "165mm"), ("Weight", "20mm")];
@@ -100,8 +111,7 @@ fn rewards(tasks: &[(usize, &TaskReport)], part: &str, family: &str, text: &mut 
             for term in &phase.terms {
                 let name = term.name.rsplit('.').next().unwrap_or(&term.name);
                 let rate = if term.per_second { " per second" } else { "" };
-                let _ =
-                    writeln!(text, "{heading} & {}{rate} & {} & {} \\\\", title(name), math(&term.formula), weight(term.weight));
+                let _ = writeln!(text, "{heading} & {}{rate} & {} & {} \\\\", title(name), math(&term.formula), weights(term));
                 heading.clear();
             }
             where_rows(phase, text);

@@ -3,6 +3,7 @@
 use super::action::ActionReport;
 use crate::numbers::for_people;
 use crate::task::{Parameter, RandomValue};
+use crate::weights::Schedule;
 use serde::Serialize;
 
 /// Number of the form of an [`TaskReport`] as JSON.
@@ -279,6 +280,8 @@ pub struct TermReport {
     pub name: String,
     /// Its weight: multiplied by its value it contributes to the reward of every control step.
     pub weight: f64,
+    /// How the weight changes during a training, whose last weight is `weight`; `null` if it does not.
+    pub schedule: Option<Schedule>,
     /// Its weight in the source.
     pub weight_in_source: f64,
     /// Where the weight comes from: `the source`, a weights file, or `the command line`.

@@ -170,7 +170,12 @@ fn explain_term(term: &TermReport, text: &mut String) {
         true => String::new(),
         false => format!("   (weight from {}; {} in the source)", term.weight_from, for_people(term.weight_in_source)),
     };
-    let _ = writeln!(text, "\n  {:>7}{bounds} {}{from}", for_people(term.weight), term.name);
+    let weight = for_people(term.weight);
+    let weight = match &term.schedule {
+        None => weight,
+        Some(schedule) => format!("{} -> {weight} {}", for_people(schedule.from), schedule.shares()),
+    };
+    let _ = writeln!(text, "\n  {weight:>7}{bounds} {}{from}", term.name);
     let _ = writeln!(text, "          = {}{}", term.formula.text, if term.per_second { ", per second" } else { "" });
     if !term.docs.is_empty() {
         let _ = writeln!(text, "          {}", term.docs);

@@ -175,13 +175,18 @@ impl<'a> Visitor<'a> for Marks {
     fn term(&mut self, term: &'a Term) {
         let group = Group::Block(self.block);
         if let Some(weight) = &term.weight {
-            self.columns.insert(weight.span.start as usize, Column { group, number: 0, decimal: true });
+            let first = weight.schedule.as_ref().map_or(weight.span, |schedule| schedule.from_span);
+            self.columns.insert(first.start as usize, Column { group, number: 0, decimal: true });
+            if let Some(schedule) = &weight.schedule {
+                self.begin(schedule.span, group, 1);
+                schedule.begin.iter().chain([&schedule.end]).for_each(|share| self.expression(share));
+            }
             if let Bounds::Fixed(span) | Bounds::Range { span, .. } = weight.bounds {
-                self.begin(span, group, 1);
+                self.begin(span, group, 2);
             }
         }
-        self.begin(term.name.span, group, 2);
-        self.begin_after(term.name.span, group, 3);
+        self.begin(term.name.span, group, 3);
+        self.begin_after(term.name.span, group, 4);
         term.formula.iter().for_each(|formula| self.expression(formula));
     }
 

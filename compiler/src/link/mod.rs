@@ -273,6 +273,7 @@ impl Whole {
             self.terms.push(Term {
                 name: labelled(self.several, phase, &term.name),
                 weight: term.weight,
+                schedule: term.schedule,
                 written: term.weight,
                 origin: crate::task::Origin::Source,
                 weight_range: term.range,

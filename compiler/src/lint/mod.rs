@@ -123,6 +123,10 @@ fn at(code: &'static Code, term: &RewardTerm<'_>, message: String) -> Diagnostic
 fn suggest_weight(diagnostic: Diagnostic, term: &RewardTerm<'_>, weight: f64) -> Diagnostic {
     let (written, (file, span)) = (exact(weight), term.weight_at);
     let diagnostic = if file == term.file { diagnostic } else { diagnostic.label(file, span, "the weight") };
+    if term.schedule.is_some() {
+        // Both ends have the sign, and one is not changed without the other.
+        return diagnostic;
+    }
     diagnostic.suggest_at(format!("write the weight `{written}`"), term.weight_at, written)
 }
 

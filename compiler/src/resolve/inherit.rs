@@ -416,15 +416,19 @@ fn allowed(row: &Placed) -> Vec<AllowedAbove> {
 fn narrowed(weight: &Weight, old: &Term, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Checked<Weight> {
     let mut new = weight.clone();
     if let (Bounds::Free, Some(old)) = (&weight.bounds, &old.weight) {
+        let first = weight.schedule.as_ref().map(|schedule| (schedule.from, schedule.from_span));
+        let outside = |low: f64, high: f64| {
+            let mut numbers = first.into_iter().chain([(weight.value, weight.span)]);
+            numbers.find(|(number, _)| !(low..=high).contains(number))
+        };
         if let Bounds::Range { low, high, .. } = old.bounds
-            && !(low..=high).contains(&weight.value)
+            && let Some((number, at)) = outside(low, high)
         {
-            let shown = distinguished(&[low, high, weight.value]);
-            let diagnostic =
-                Diagnostic::new(codes::tasks::WEIGHT, file, weight.span, "this weight is outside of the range of the term")
-                    .expected(format!("{} .. {}", shown[0], shown[1]))
-                    .found(&*shown[2])
-                    .help("a new range can be given after the weight: `40 (5..50) name`");
+            let shown = distinguished(&[low, high, number]);
+            let diagnostic = Diagnostic::new(codes::tasks::WEIGHT, file, at, "this weight is outside of the range of the term")
+                .expected(format!("{} .. {}", shown[0], shown[1]))
+                .found(&*shown[2])
+                .help("a new range can be given after the weight: `40 (5..50) name`");
             return Err(diagnostic.report(diagnostics));
         }
         new.bounds = old.bounds.clone();

@@ -370,6 +370,7 @@ fn in_word(rule: Rule) -> Option<String> {
         Rule::word => "a field",
         Rule::text => "a string in quotes",
         Rule::number | Rule::signed_number | Rule::weight | Rule::digits => "a number",
+        Rule::share => "a share of a training such as `30 %`",
         Rule::expression | Rule::chain | Rule::postfixed | Rule::if_then_else | Rule::argument | Rule::side => "a value",
         Rule::exponent => "an exponent",
         Rule::unit | Rule::unit_power | Rule::unit_word => "a unit",

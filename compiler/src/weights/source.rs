@@ -14,8 +14,10 @@ pub struct Entry {
     pub task: String,
     /// Its term.
     pub term: String,
-    /// Its value.
+    /// Its value; of a scheduled weight the last one, which alone is edited.
     pub value: f64,
+    /// The first value of a scheduled weight.
+    pub from: Option<f64>,
     /// Its sign and digits as they stand in the text.
     pub digits: String,
     /// What a tuner may do with it.
@@ -180,6 +182,7 @@ fn weights_of<'a>(task: &'a Task, text: &'a str) -> impl Iterator<Item = Entry> 
             task: task.name.text.clone(),
             term: term.name.text.clone(),
             value: weight.value,
+            from: weight.schedule.as_ref().map(|schedule| schedule.from),
             digits: weight.span.of(text).to_owned(),
             bounds,
             span: weight.span,

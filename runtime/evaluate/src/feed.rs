@@ -24,8 +24,8 @@ pub struct Fed {
 impl Fed {
     /// Uses these weights for the reward of the next episode.
     pub fn apply(&self, episode: &mut Environment) {
-        for (weight, fed) in episode.weights_mut().iter_mut().zip(&self.weights) {
-            *weight = *fed;
+        for (term, weight) in self.weights.iter().enumerate() {
+            episode.set_weight(term, *weight);
         }
     }
 

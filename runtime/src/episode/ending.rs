@@ -124,6 +124,12 @@ pub enum EpisodeError {
         /// Weights given.
         found: usize,
     },
+    /// The progress of a training is no share of it.
+    #[error("the progress of a training is a number from 0 to 1, found {found}")]
+    Progress {
+        /// What was given.
+        found: f64,
+    },
     /// The episode was not begun by this engine, or the scratch is not of its making: their numbers mean other things here.
     #[error("the {what} does not belong to this engine: {remedy}")]
     Foreign {

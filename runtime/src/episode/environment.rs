@@ -1,6 +1,6 @@
 //! One episode after the other, with everything that playing it takes.
 
-use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Player, Scratch, StartReport};
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Player, Scratch, StartReport, Weights};
 use crate::action::Action;
 use crate::body::Body;
 use crate::condition::{Compartments, Fatigue};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct Environment {
     pub(super) engine: Engine,
-    pub(super) weights: Vec<f64>,
+    pub(super) weights: Weights,
     pub(super) episode: Episode,
     pub(super) scratch: Scratch,
 }
@@ -51,7 +51,7 @@ impl Reward<'_> {
     pub fn term(&self, name: &str) -> Option<TermReward> {
         let index = self.environment.engine.task.terms.iter().position(|term| term.name == name)?;
         let value = *self.environment.episode.report.terms.get(index)?;
-        Some(TermReward { value, weight: self.environment.weights[index] })
+        Some(TermReward { value, weight: self.environment.weights()[index] })
     }
 }
 
@@ -75,7 +75,7 @@ impl Environment {
 
     /// Episode 0 of seed 0, reset.
     pub fn of(engine: Engine) -> Self {
-        let (episode, scratch, weights) = (engine.episode(), engine.scratch(), engine.task.weights());
+        let (episode, scratch, weights) = (engine.episode(), engine.scratch(), Weights::of(&engine.task));
         let mut environment = Self { engine, weights, episode, scratch };
         environment.reset(EpisodeKey::default());
         environment
@@ -95,7 +95,7 @@ impl Environment {
     }
 
     pub(super) fn player(&mut self) -> Player<'_> {
-        self.engine.player(&mut self.episode, &self.weights, &mut self.scratch)
+        self.engine.player(&mut self.episode, self.weights.in_force(), &mut self.scratch)
     }
 
     /// Begins the episode `key`. An initial state from which the physics cannot start ends it at once, with a fault.
@@ -237,14 +237,33 @@ impl Environment {
         Reward { environment: self }
     }
 
-    /// The weights in force, one per term.
+    /// The weights in force, one per term: at the present [progress](Self::set_progress) of a training.
     pub fn weights(&self) -> &[f64] {
-        &self.weights
+        self.weights.in_force()
     }
 
-    /// The weights in force, one per term; changing them never recompiles.
-    pub fn weights_mut(&mut self) -> &mut [f64] {
-        &mut self.weights
+    /// The weights of the end of a training, one per term. They differ from those in force only where a weight is scheduled.
+    pub fn last_weights(&self) -> &[f64] {
+        self.weights.last()
+    }
+
+    /// Sets the weight of a term, of a scheduled one the last weight, from the next step on; nothing is compiled anew. A term that does
+    /// not exist is left out.
+    pub fn set_weight(&mut self, term: usize, weight: f64) {
+        self.weights.set(&self.engine.task, term, weight);
+    }
+
+    /// The share of a training that has passed, 0 to 1: 1 unless it is set.
+    pub fn progress(&self) -> f64 {
+        self.weights.progress()
+    }
+
+    /// Gives every scheduled weight the value that it has at a share of the training, 0 to 1, from the next step on.
+    ///
+    /// # Errors
+    /// What is no number from 0 to 1.
+    pub fn set_progress(&mut self, progress: f64) -> Result<(), EpisodeError> {
+        self.weights.set_progress(&self.engine.task, progress)
     }
 
     /// How the episode has ended, if it has.
@@ -266,6 +285,6 @@ impl Environment {
 
     /// What a policy may look at.
     pub fn context(&self) -> PolicyContext<'_> {
-        self.engine.context(&self.episode, &self.weights, &self.scratch)
+        self.engine.context(&self.episode, self.weights.in_force(), &self.scratch)
     }
 }

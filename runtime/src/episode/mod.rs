@@ -26,6 +26,7 @@ mod streams;
 mod together;
 mod variation;
 mod vector;
+mod weights;
 
 pub use crate::action::{REST, excitation};
 pub use ending::{Ending, EpisodeError, Fault};
@@ -44,6 +45,7 @@ use msk_program::task::{Disturbance, StepReport, TaskState};
 use player::Player;
 use serde::{Deserialize, Serialize};
 use streams::Streams;
+use weights::Weights;
 
 /// Everything that changes over an episode: plain data, from which it continues bit for bit. One that was read by serde is checked by
 /// [`Engine::accepts`] before it is played.

@@ -136,6 +136,7 @@ impl CompiledTask {
         }
         for (place, (term, &node)) in self.terms[phase.terms.clone()].iter().zip(&outputs.terms).enumerate() {
             let mut section = Section::new("term", &term.name).field("weight", exact(term.weight));
+            section = term.schedule.iter().fold(section, |section, schedule| section.field("schedule", schedule));
             match (term.fixed, term.weight_range) {
                 (true, _) => section = section.field("range", "fixed"),
                 (_, Some([low, high])) => section = section.field("range", format!("{}..{}", exact(low), exact(high))),

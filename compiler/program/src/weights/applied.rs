@@ -2,7 +2,7 @@
 
 use super::{Bounds, Problem, Refused};
 use crate::nearest::nearest;
-use crate::task::{CompiledTask, Origin};
+use crate::task::{CompiledTask, Origin, Term};
 
 impl CompiledTask {
     /// What a tuner may do with the weight of a term.
@@ -47,6 +47,13 @@ impl CompiledTask {
         let Some(known) = self.terms.get(term) else { return Ok(()) };
         let bounds = self.weight_bounds(term);
         Problem::of(&known.name, wished, (&self.name, &known.name), known.written, bounds).map_or(Ok(()), Err)
+    }
+
+    /// The weights of a moment of a training, one for each term: `progress` is the share of it that has passed, 0 to 1, and `last`
+    /// are the weights of its end.
+    pub fn scheduled_weights(&self, progress: f64, last: &[f64]) -> Vec<f64> {
+        let at = |(term, last): (&Term, &f64)| term.schedule.map_or(*last, |schedule| schedule.at(progress, *last));
+        self.terms.iter().zip(last).map(at).collect()
     }
 
     /// The same task with other weights: (term, weight). Its hash stays that of its source.

@@ -8,6 +8,7 @@ mod change;
 pub mod rules;
 
 pub use crate::numbers::exact as written;
+pub use crate::schedule::Schedule;
 pub use change::{Change, Problem, Refused};
 
 /// Largest size of a weight: the reward of a step then stays a number that sums and tables can hold.

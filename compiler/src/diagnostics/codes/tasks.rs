@@ -73,4 +73,13 @@ codes! {
         example: "reward { 1 a = torso.up.z }",
         fix: "reward { 1 a = torso.up.z }",
     }
+    SCHEDULE = "E0413" {
+        title: "a weight schedule that does not hold",
+        explanation: "`10 -> 5 over 30 %` changes a weight from 10 to 5 over the first 30 % of a training, `over 20 % .. 50 %` \
+            between two shares of it. Shares are from 0 % to 100 %, the first below the second. Both weights are within the \
+            range; without one they have the same sign, or one is 0: a reward does not become a cost. `run`, `eval` and `test` \
+            use the last weight.",
+        example: "reward { 10 -> 5 over 130 % a = com.height / 1 m }",
+        fix: "reward { 10 -> 5 over 30 % a = com.height / 1 m }",
+    }
 }

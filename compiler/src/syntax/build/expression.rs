@@ -84,7 +84,7 @@ impl Builder<'_> {
         Expr { kind: ExprKind::Error(reported), span }
     }
 
-    fn atom(&mut self, pair: &Pair<'_>) -> Expr {
+    pub(super) fn atom(&mut self, pair: &Pair<'_>) -> Expr {
         let span = self.span(pair);
         let kind = match pair.as_rule() {
             Rule::quantity => ExprKind::Number(self.quantity(pair)),

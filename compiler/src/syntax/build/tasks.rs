@@ -1,10 +1,11 @@
 //! Tasks, sequences, and their statements but for scene, initial state and tests.
 
 use super::{Builder, part, parts};
+use crate::diagnostics::Span;
 use crate::syntax::grammar::{Pair, Rule};
 use crate::syntax::tree::{
-    Block, BodyEdit, BodyUse, Bounds, Channel, ChannelSetting, Clock, Ends, Entry, Phase, Random, Reason, Reference, Reward,
-    Sequence, StateDeclaration, Task, TaskParameter, TaskStatement, Term, Update, Weight,
+    Block, BodyEdit, BodyUse, Bounds, Channel, ChannelSetting, Clock, Ends, Entry, Expr, Phase, Random, Reason, Reference,
+    Reward, Schedule, Sequence, StateDeclaration, Task, TaskParameter, TaskStatement, Term, Update, Weight,
 };
 
 impl Builder<'_> {
@@ -167,8 +168,12 @@ impl Builder<'_> {
     }
 
     fn weight(&mut self, pair: &Pair<'_>) -> Weight {
-        let value = part(pair, Rule::signed_number);
-        let (value, span) = value.map(|value| self.signed_number(&value)).unwrap_or_default();
+        let first = part(pair, Rule::signed_number);
+        let first = first.map(|value| self.signed_number(&value)).unwrap_or_default();
+        let schedule = part(pair, Rule::schedule);
+        let last = schedule.as_ref().and_then(|schedule| part(schedule, Rule::signed_number));
+        let (value, span) = last.map_or(first, |last| self.signed_number(&last));
+        let schedule = schedule.map(|schedule| self.schedule(&schedule, first));
         let bounds = if let Some(fixed) = part(pair, Rule::fixed) {
             Bounds::Fixed(self.span(&fixed))
         } else if let Some(range) = part(pair, Rule::weight_range) {
@@ -178,10 +183,17 @@ impl Builder<'_> {
         } else {
             Bounds::Free
         };
-        Weight { value, span, file: self.file, bounds }
+        Weight { schedule, value, span, file: self.file, bounds }
     }
 
-    fn signed_number(&mut self, pair: &Pair<'_>) -> (f64, crate::diagnostics::Span) {
+    fn schedule(&mut self, pair: &Pair<'_>, (from, from_span): (f64, Span)) -> Schedule {
+        let shares = parts(pair, Rule::share).flat_map(Pair::into_inner);
+        let mut shares: Vec<Expr> = shares.map(|share| self.atom(&share)).collect();
+        let end = shares.pop().unwrap_or_else(|| self.missing());
+        Schedule { from, from_span, begin: shares.pop(), end, span: self.span(pair) }
+    }
+
+    fn signed_number(&mut self, pair: &Pair<'_>) -> (f64, Span) {
         let sign = if part(pair, Rule::minus).is_some() { -1.0 } else { 1.0 };
         let value = part(pair, Rule::number).map_or(0.0, |number| self.number(&number).0);
         (sign * value, self.span(pair))

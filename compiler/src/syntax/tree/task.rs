@@ -297,10 +297,12 @@ pub struct Term {
     pub span: Span,
 }
 
-/// The weight of a term: `15 (5..30)`, `-0.01`, `5 (fixed)`
+/// The weight of a term: `15 (5..30)`, `-0.01`, `5 (fixed)`, `10 -> 5 over 30 %`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weight {
-    /// With its sign.
+    /// How it comes to be what it is at the end of a training.
+    pub schedule: Option<Schedule>,
+    /// With its sign; of a scheduled weight the last one.
     pub value: f64,
     /// The sign and the digits, for edits that change nothing else.
     pub span: Span,
@@ -308,6 +310,21 @@ pub struct Weight {
     pub file: FileId,
     /// What a tuner may do.
     pub bounds: Bounds,
+}
+
+/// How a weight changes during a training: `10 -> ... over 20 % .. 50 %`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Schedule {
+    /// The weight at the beginning, with its sign.
+    pub from: f64,
+    /// The sign and the digits of that.
+    pub from_span: Span,
+    /// The share of the training until which it stays; the beginning if left out.
+    pub begin: Option<Expr>,
+    /// The share from which it is the last one.
+    pub end: Expr,
+    /// From the arrow to the last share.
+    pub span: Span,
 }
 
 /// What a tuner may do with a weight.

@@ -21,6 +21,8 @@ pub trait Visitor<'a> {
     }
     /// A reward term.
     fn term(&mut self, term: &'a Term) {
+        let schedule = term.weight.iter().flat_map(|weight| &weight.schedule);
+        schedule.flat_map(|schedule| schedule.begin.iter().chain([&schedule.end])).for_each(|share| self.expression(share));
         term.formula.iter().for_each(|formula| self.expression(formula));
     }
     /// A reason of an end.

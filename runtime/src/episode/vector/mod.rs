@@ -4,7 +4,7 @@ mod step;
 
 pub use step::{EpisodeEnd, VectorStep, single_precision};
 
-use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Member};
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Member, Weights};
 use crate::action::Action;
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
@@ -66,7 +66,7 @@ struct Slot {
     episode: Episode,
     /// Of the forward pass of the episode's state, if that is known.
     rates: Option<Rates>,
-    weights: Vec<f64>,
+    weights: Weights,
     /// The key of the next episode.
     next: EpisodeKey,
     /// Of the last step.
@@ -91,7 +91,7 @@ impl VectorEnvironment {
         let slot = Slot {
             episode: engine.episode(),
             rates: None,
-            weights: engine.task().weights(),
+            weights: Weights::of(engine.task()),
             next: EpisodeKey::default(),
             outcome: Outcome::default(),
         };
@@ -195,7 +195,7 @@ impl VectorEnvironment {
                 let action = Action::from(&actions[width * place..width * (place + 1)]);
                 // An episode of another task that was restored here stays as it is.
                 let takes_part = goes_on[lane] && engine.made(episode);
-                takes_part.then_some(Member { engine, episode, rates, weights, action })
+                takes_part.then_some(Member { engine, episode, rates, weights: weights.in_force(), action })
             }));
             for (lane, slot) in slots.iter_mut().enumerate().filter(|(lane, _)| goes_on[*lane]) {
                 slot.outcome.reward = slot.episode.report.reward;
@@ -279,14 +279,37 @@ impl VectorEnvironment {
         }
     }
 
-    /// The weights that reward the episode in a slot, one per term; `None` for a slot that does not exist.
+    /// The weights that reward the episode in a slot, one per term: at the present [progress](Self::set_progress) of a training; `None`
+    /// for a slot that does not exist.
     pub fn weights(&self, slot: usize) -> Option<&[f64]> {
-        self.slots.get(slot).map(|slot| slot.weights.as_slice())
+        self.slots.get(slot).map(|slot| slot.weights.in_force())
     }
 
-    /// The weights that reward the episode in a slot, one per term; `None` for a slot that does not exist.
-    pub fn weights_mut(&mut self, slot: usize) -> Option<&mut [f64]> {
-        self.slots.get_mut(slot).map(|slot| slot.weights.as_mut_slice())
+    /// The same at the end of a training.
+    pub fn last_weights(&self, slot: usize) -> Option<&[f64]> {
+        self.slots.get(slot).map(|slot| slot.weights.last())
+    }
+
+    /// Sets the weight of a term in a slot, of a scheduled one the last weight, from the next step on; a slot or term that does not exist
+    /// is left out.
+    pub fn set_weight(&mut self, slot: usize, term: usize, weight: f64) {
+        if let Some(slot) = self.slots.get_mut(slot) {
+            slot.weights.set(&self.engine.task, term, weight);
+        }
+    }
+
+    /// The share of a training that has passed, 0 to 1: 1 unless it is set.
+    pub fn progress(&self) -> f64 {
+        // There is always a slot, and all have the same.
+        self.slots.first().map_or(1.0, |slot| slot.weights.progress())
+    }
+
+    /// Gives every scheduled weight, in all slots, the value that it has at a share of the training, 0 to 1, from the next step on.
+    ///
+    /// # Errors
+    /// What is no number from 0 to 1.
+    pub fn set_progress(&mut self, progress: f64) -> Result<(), EpisodeError> {
+        self.slots.iter_mut().try_for_each(|slot| slot.weights.set_progress(&self.engine.task, progress))
     }
 
     /// Puts an episode of the same task into a slot; a slot that does not exist is left out. The arrays of the last step stay as they
