@@ -1,7 +1,8 @@
 //! MSK: a declarative, statically typed language for full-body motor-control tasks, with its muscle simulator and evaluator.
 //!
 //! This facade re-exports the crates a user meets: the [`compiler`] (text to compiled tasks), the [`physics`] (models, steps),
-//! the [`runtime`] (bodies, episodes, policies), [`evaluate`] (evaluations, tests of tasks), [`draw`] (pictures), and [`tuning`] (weights that change while tasks run).
+//! the [`runtime`] (bodies, episodes, policies), [`evaluate`] (evaluations, tests of tasks), [`draw`] (pictures), [`view`] (episodes as
+//! pages) and [`tuning`] (weights that change while tasks run).
 
 // Results agree between machines to the bit: see `clippy.toml`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -13,6 +14,7 @@ pub use msk_physics as physics;
 pub use msk_plan as plan;
 pub use msk_runtime as runtime;
 pub use msk_tuning as tuning;
+pub use msk_view as view;
 
 #[cfg(feature = "insta")]
 pub mod testing;

@@ -16,6 +16,7 @@ mod explain;
 mod exploit;
 mod fmt;
 mod help;
+mod html;
 mod interrupt;
 mod levels;
 mod lsp;

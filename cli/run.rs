@@ -2,6 +2,7 @@
 
 use crate::condition::Condition;
 use crate::error::{Context, Error};
+use crate::html;
 use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
 use crate::policies::{Limits, Recorder};
@@ -9,11 +10,13 @@ use crate::progress;
 use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
 use msk::evaluate::{
-    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Summary, Trial, play, play_to_horizon, replay, report,
+    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Summary, Trial, play_to_horizon, play_watched, replay_watched,
+    report,
 };
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::inspect::StateFile;
 use msk::runtime::policy::{Policy, PolicyError};
+use msk::view::Caption;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -50,6 +53,10 @@ pub struct Args {
     /// Write the final state to this file, for `msk draw --state`
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
+    /// Write the episode to this file as a page for a browser: the moving body with its muscles, reward terms and signals. It works
+    /// without a network
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     /// Continue up to the horizon, ignoring terminations, and print when the episode would have ended, faults of the
     /// physics, and the largest penetration
     #[arg(long, conflicts_with_all = ["json", "replay", "weights", "weight"])]
@@ -83,8 +90,13 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if args.ignore_terminations {
         return to_horizon(&args, &trial, &mut episode, key, &mut policy);
     }
+    let mut film = html::Film::of(&episode, &trial, args.html.is_some())?;
     let steps = progress::steps(trial.task.horizon);
-    let played = play(&trial, &mut episode, key, &mut policy, interrupt.stop(), || steps.inc(1));
+    let mut watch = |episode: &Environment| {
+        steps.set_position(episode.steps().into());
+        film.look(episode);
+    };
+    let played = play_watched(&trial, &mut episode, key, &mut policy, interrupt.stop(), &mut watch);
     steps.finish_and_clear();
     let record = match played {
         Ok(Some(record)) => record,
@@ -95,6 +107,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         policy.write(path)?;
     }
     write_state(&args, &episode)?;
+    film.write(args.html.as_deref(), html::caption(&record))?;
     let mut out = io::stdout().lock();
     if args.json {
         serde_json::to_writer(&mut out, &record)?;
@@ -131,7 +144,8 @@ fn to_horizon(
     key: EpisodeKey,
     policy: &mut dyn Policy,
 ) -> Result<ExitCode, Error> {
-    let found = play_to_horizon(episode, key, policy)?;
+    let mut film = html::Film::of(episode, trial, args.html.is_some())?;
+    let found = play_to_horizon(episode, key, policy, &mut |episode| film.look(episode))?;
     write_state(args, episode)?;
     let task = &trial.task;
     let first = match &found.first {
@@ -140,6 +154,15 @@ fn to_horizon(
     };
     let fault = found.fault.map_or("no fault".to_owned(), |fault| format!("stopped by a fault: {fault}"));
     let (steps, deepest, fastest) = (found.steps, 1e3 * found.deepest, found.fastest);
+    let caption = Caption {
+        task: task.name.clone(),
+        policy: args.policy.clone(),
+        episode: Some([key.seed, key.episode]),
+        outcome: format!("{first}; continued to the horizon"),
+        condition: html::condition(trial),
+        ..Caption::default()
+    };
+    film.write(args.html.as_deref(), caption)?;
     let summary = format!("{first}; continued to {steps} steps of {}, {fault}", task.horizon);
     let mut out = io::stdout().lock();
     writeln!(
@@ -158,7 +181,10 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
         let message = format!("`{}` contains no episode {} of task `{}`", folder.display(), args.episode, trial.task.name);
         return Err(Error::new(message).hint("select one with --episode; the journal is episodes.jsonl"));
     };
-    let played = replay(trial, record)?;
+    let episode = trial.episode()?;
+    let mut film = html::Film::of(&episode, trial, args.html.is_some())?;
+    let played = replay_watched(trial, record, &mut |episode| film.look(episode))?;
+    film.write(args.html.as_deref(), html::caption(&played))?;
     let mut out = io::stdout().lock();
     if args.json {
         serde_json::to_writer(&mut out, &played)?;
@@ -182,10 +208,9 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
     Err(Error::new(message).hint("it was made by another version of the program, or on a machine with different arithmetic"))
 }
 
-/// What ran and how it ended.
-fn headline(record: &EpisodeRecord, time: f64) -> String {
-    let EpisodeRecord { task, policy, seed, episode, steps, .. } = record;
-    let end = match &record.fault {
+/// How an episode ended.
+pub fn ending(record: &EpisodeRecord) -> String {
+    match &record.fault {
         Some(fault) => format!("stopped by a fault: {fault}"),
         None if record.truncated && !record.awaited.is_empty() => {
             format!("reached the horizon in {}, which never held,", record.awaited)
@@ -193,6 +218,12 @@ fn headline(record: &EpisodeRecord, time: f64) -> String {
         None if record.truncated => "reached the horizon".into(),
         None if record.terminated_by.is_empty() => format!("finished by {}", record.finished_by.join(" and ")),
         None => format!("ended by {}", record.ended_by()),
-    };
+    }
+}
+
+/// What ran and how it ended.
+fn headline(record: &EpisodeRecord, time: f64) -> String {
+    let EpisodeRecord { task, policy, seed, episode, steps, .. } = record;
+    let end = ending(record);
     format!("{task}, policy {policy}, seed {seed}, episode {episode}: {end} after {steps} steps ({time:.2} s)")
 }

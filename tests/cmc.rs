@@ -103,7 +103,7 @@ fn physics_goes_on_past_the_ends_of_a_task() {
     let trial = trial("reach");
     let mut policy = policy::create("zero").unwrap();
     let mut episode = trial.episode().unwrap();
-    let found = evaluate::play_to_horizon(&mut episode, EpisodeKey::default(), policy.as_mut()).unwrap();
+    let found = evaluate::play_to_horizon(&mut episode, EpisodeKey::default(), policy.as_mut(), &mut |_| {}).unwrap();
     assert!(found.first.as_ref().is_some_and(|(steps, _)| *steps < 200), "{found:?}");
     assert_eq!((found.steps, &found.fault), (trial.task.horizon, &None));
     assert!(found.deepest < 0.02 && found.fastest < 6.0, "{found:?}");

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::fs;
 
 /// Each crate of the workspace with all crates of the workspace that it may name, dependencies of its tests aside.
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 13] = [
     ("msk-storage", &[]),
     ("msk-physics", &["msk-storage"]),
     ("msk-program", &[]),
@@ -17,6 +17,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
     ("msk-plan", &["msk-physics", "msk-program", "msk-runtime", "msk-storage"]),
     ("msk-evaluate", &["msk-compiler", "msk-physics", "msk-program", "msk-runtime", "msk-storage"]),
     ("msk-draw", &["msk-physics", "msk-program", "msk-runtime"]),
+    ("msk-view", &["msk-physics", "msk-program", "msk-runtime"]),
     ("msk-tuning", &["msk-compiler", "msk-evaluate", "msk-physics", "msk-runtime", "msk-storage"]),
     ("msk-lsp", &["msk-compiler"]),
     ("msk-mcp", &["msk-compiler", "msk-evaluate", "msk-physics", "msk-runtime", "msk-storage", "msk-tuning"]),
@@ -33,6 +34,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
             "msk-runtime",
             "msk-storage",
             "msk-tuning",
+            "msk-view",
         ],
     ),
 ];

@@ -72,6 +72,21 @@ fn a_file_with_several_tasks_is_not_one_task() {
 }
 
 #[test]
+fn an_episode_is_a_page_and_the_same_one_every_time() {
+    let project = Project::lean();
+    for page in ["first.html", "second.html"] {
+        project.msk(&["run", "lean", "--policy", "random", "--seed", "3", "--html", page]).succeeded();
+    }
+    let page = project.read("first.html");
+    assert_eq!(page, project.read("second.html"));
+    assert!(page.starts_with("<!doctype html>") && page.contains("<title>lean, random</title>"));
+    project.msk(&["run", "lean", "--ignore-terminations", "--policy", "zero", "--html", "on.html"]).succeeded();
+    assert_ne!(page, project.read("on.html"));
+    let refused = project.msk(&["run", "lean", "--policy", "zero", "--html", "nowhere/page.html"]);
+    refused.failed(1, &["cannot write `nowhere/page.html`"]);
+}
+
+#[test]
 fn the_state_at_the_end_can_be_drawn() {
     let project = Project::lean();
     project.msk(&["run", "lean", "--policy", "random", "--state", "end.json"]).succeeded();

@@ -1,6 +1,6 @@
 //! Weights that may change while an evaluation runs, and playing an episode again as it was.
 
-use super::{ByTerm, EpisodeRecord, EvaluationError, Trial, play};
+use super::{ByTerm, EpisodeRecord, EvaluationError, Trial, play_watched};
 use msk_program::task::CompiledTask;
 use msk_runtime::episode::{Environment, EpisodeKey};
 use msk_runtime::policy;
@@ -61,6 +61,18 @@ pub enum ReplayError {
 /// # Errors
 /// A trial that is not the record's, or a policy that cannot act.
 pub fn replay(trial: &Trial, record: &EpisodeRecord) -> Result<EpisodeRecord, ReplayError> {
+    replay_watched(trial, record, &mut |_| {})
+}
+
+/// [`replay`] with a look at the environment after its reset and after every control step.
+///
+/// # Errors
+/// Those of [`replay`].
+pub fn replay_watched(
+    trial: &Trial,
+    record: &EpisodeRecord,
+    watch: &mut dyn FnMut(&Environment),
+) -> Result<EpisodeRecord, ReplayError> {
     let same = |what: &'static str, there: &str, here: &str| match there == here {
         true => Ok(()),
         false => Err(ReplayError::Other { what, there: there.to_owned(), here: here.to_owned() }),
@@ -81,7 +93,7 @@ pub fn replay(trial: &Trial, record: &EpisodeRecord) -> Result<EpisodeRecord, Re
     }
     let mut policy = policy::create(&record.policy).map_err(EvaluationError::from)?;
     let key = EpisodeKey { seed: record.seed, episode: record.episode };
-    let played = play(trial, &mut episode, key, policy.as_mut(), &AtomicBool::new(false), || {})?;
+    let played = play_watched(trial, &mut episode, key, policy.as_mut(), &AtomicBool::new(false), watch)?;
     // It is never interrupted.
     let mut again = played.unwrap_or_else(|| record.clone());
     if live {

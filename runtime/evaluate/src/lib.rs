@@ -28,7 +28,7 @@ pub mod testing;
 mod to_horizon;
 mod worker;
 
-pub use feed::{Fed, Feed, ReplayError, replay};
+pub use feed::{Fed, Feed, ReplayError, replay, replay_watched};
 pub use journal::{Journal, JournalError};
 pub use record::{ByTerm, EpisodeRecord};
 pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
@@ -174,16 +174,37 @@ pub fn play(
     stop: &AtomicBool,
     stepped: impl Fn(),
 ) -> Result<Option<EpisodeRecord>, EvaluationError> {
+    let mut watch = |environment: &Environment| {
+        if environment.steps() > 0 {
+            stepped();
+        }
+    };
+    play_watched(trial, episode, key, policy, stop, &mut watch)
+}
+
+/// [`play`] with a look at the environment after its reset and after every control step.
+///
+/// # Errors
+/// The policy cannot act.
+pub fn play_watched(
+    trial: &Trial,
+    episode: &mut Environment,
+    key: EpisodeKey,
+    policy: &mut dyn Policy,
+    stop: &AtomicBool,
+    watch: &mut dyn FnMut(&Environment),
+) -> Result<Option<EpisodeRecord>, EvaluationError> {
     let start = Instant::now();
     let mut rollout = Rollout::reset(episode, key, policy)?;
     let mut tally = Tally::new(&trial.task);
+    watch(rollout.episode);
     while rollout.episode.ending().is_none() {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
         rollout.step::<EvaluationError>()?;
         tally.add(rollout.episode.episode());
-        stepped();
+        watch(rollout.episode);
     }
     Ok(Some(tally.record(trial, episode.episode(), policy.name(), start.elapsed().as_secs_f64())))
 }

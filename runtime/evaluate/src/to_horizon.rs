@@ -21,7 +21,8 @@ pub struct ToHorizon {
     pub fastest: f64,
 }
 
-/// Plays the episode `key` up to its horizon or to a fault, whatever ends the task has for it.
+/// Plays the episode `key` up to its horizon or to a fault, whatever ends the task has for it. `watch` looks at the environment after
+/// its reset and after every control step.
 ///
 /// # Errors
 /// The policy cannot act.
@@ -29,12 +30,15 @@ pub fn play_to_horizon(
     episode: &mut Environment,
     key: EpisodeKey,
     policy: &mut dyn Policy,
+    watch: &mut dyn FnMut(&Environment),
 ) -> Result<ToHorizon, EvaluationError> {
     let mut rollout = Rollout::reset(episode, key, policy)?;
     let mut found = ToHorizon { first: None, steps: 0, fault: None, deepest: 0.0, fastest: 0.0 };
+    watch(rollout.episode);
     while rollout.episode.ignore_termination() {
         rollout.step::<EvaluationError>()?;
         found.look(rollout.episode);
+        watch(rollout.episode);
     }
     found.steps = episode.steps();
     if let Some(Ending::Fault(fault)) = episode.ending() {

@@ -1,0 +1,82 @@
+//! `--html`: episodes as pages for a browser.
+
+use crate::error::{Context, Error};
+use crate::run::ending;
+use msk::evaluate::{EpisodeRecord, Trial};
+use msk::runtime::episode::Environment;
+use msk::view::{Caption, Recorder, Recording, page};
+use std::fs;
+use std::path::Path;
+
+/// An episode that is recorded, or one that is not.
+pub struct Film {
+    recorder: Option<Recorder>,
+}
+
+impl Film {
+    /// For the next episode of an environment, if it is `wanted`.
+    ///
+    /// # Errors
+    /// A condition of the muscles that the body cannot have.
+    pub fn of(episode: &Environment, trial: &Trial, wanted: bool) -> Result<Self, Error> {
+        if !wanted {
+            return Ok(Self { recorder: None });
+        }
+        let strengths = trial.body.condition.strengths(&trial.body.body)?;
+        Ok(Self { recorder: Some(Recorder::new(episode, &strengths)) })
+    }
+
+    /// Keeps what the environment shows.
+    pub fn look(&mut self, episode: &Environment) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.look(episode);
+        }
+    }
+
+    /// What was recorded; `None` if nothing was to be.
+    ///
+    /// # Errors
+    /// There is nothing to show.
+    pub fn finish(self, caption: Caption) -> Result<Option<Recording>, Error> {
+        Ok(self.recorder.map(|recorder| recorder.finish(caption)).transpose()?)
+    }
+
+    /// Writes what was recorded to `path`.
+    ///
+    /// # Errors
+    /// There is nothing to show, or the file cannot be written.
+    pub fn write(self, path: Option<&Path>, caption: Caption) -> Result<(), Error> {
+        let title = format!("{}, {}", caption.task, caption.policy);
+        match (self.finish(caption)?, path) {
+            (Some(recording), Some(path)) => write(path, &title, &[recording]),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Writes a page.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(path: &Path, title: &str, recordings: &[Recording]) -> Result<(), Error> {
+    fs::write(path, page(title, recordings)?).context(|| format!("cannot write `{}`", path.display()))
+}
+
+/// What stands above the recording of an episode.
+pub fn caption(record: &EpisodeRecord) -> Caption {
+    Caption {
+        task: record.task.clone(),
+        policy: record.policy.clone(),
+        episode: Some([record.seed, record.episode]),
+        outcome: ending(record),
+        success: Some(record.success),
+        total: Some(record.total),
+        condition: if record.condition.is_none() { String::new() } else { record.condition.to_string() },
+    }
+}
+
+/// The condition of a trial's muscles in words; empty if there is nothing to declare.
+pub fn condition(trial: &Trial) -> String {
+    let condition = &trial.body.condition;
+    if condition.is_none() { String::new() } else { condition.to_string() }
+}

@@ -1,0 +1,265 @@
+"""Pages of episodes in a real browser: what they show, how they are used, and that they agree with the simulator.
+
+Usage: checks.py MSK [--update]: `MSK` is the program; `--update` writes the reference pictures anew.
+"""
+
+import base64
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+
+import picture
+from driver import Browser, Failure
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+WINDOW = (1280, 800)
+# Task, policy, seed, and the time and view of the reference picture.
+PAGES = {
+    "stand": ("stand", "cmc", "t=0.5&view=three-quarter&only"),
+    "squat": ("squat", "demonstration", "t=1&view=right&theme=dark&only"),
+    "walk": ("walk", "cmc", "t=0.6&view=front&only"),
+}
+# Software rendering is the same everywhere but for the edges of shapes.
+MEAN, SHARE = 2.5, 0.01
+
+
+def expect(what, found, wanted):
+    if found != wanted:
+        raise Failure(f"{what}: expected {wanted!r}, found {found!r}")
+
+
+def near(what, found, wanted, tolerance):
+    if not abs(found - wanted) <= tolerance:
+        raise Failure(f"{what}: expected {wanted:.6g} within {tolerance:.2g}, found {found:.6g}")
+
+
+def make(program, folder):
+    """Plays the episodes; gives their pages, and the last state of the first."""
+    pages = {}
+    for name, (task, policy, _) in PAGES.items():
+        pages[name] = folder / f"{name}.html"
+        state = folder / f"{name}.json"
+        command = [program, "run", task, "--policy", policy, "--html", pages[name], "--state", state]
+        subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    forward = [program, "physics", "forward", "--state", folder / "stand.json", "--moment-arms"]
+    report = subprocess.run(forward, cwd=ROOT, check=True, stdout=subprocess.PIPE)
+    return pages, json.loads(report.stdout)
+
+
+def opens_quickly(browser, pages):
+    for name, page in pages.items():
+        browser.open(page, "t=0")
+        first = int(browser.evaluate("document.documentElement.dataset.ready"))
+        print(f"  {name}: {page.stat().st_size / 1000:.0f} kB, {rate(page) / 1000:.1f} kB per second, first picture after {first} ms")
+
+
+def rate(page):
+    """Bytes of a page per second of motion: what is left without the program and the description of the model."""
+    text = page.read_text().rsplit('id="recording">', 1)[1].split("<", 1)[0]
+    contents = zlib.decompress(base64.b64decode(text), -15)
+    length = int.from_bytes(contents[:4], "little")
+    recording = json.loads(contents[4 : 4 + length])["recordings"][0]
+    seconds = max(recording["frames"] - 1, 1) * recording["period"] * max(1, math.ceil(1 / recording["period"] / 60))
+    return (len(text) - len(zlib.compress(contents[: 4 + length], 9)) * 4 / 3) / seconds
+
+
+def reference_pictures(browser, pages, update):
+    browser.size(640, 640)
+    for name, (_, _, fragment) in PAGES.items():
+        browser.open(pages[name], fragment)
+        found, path = browser.screenshot(0.5), HERE / f"{name}.png"
+        if update:
+            path.write_bytes(found)
+            continue
+        mean, share = picture.differences(found, path.read_bytes())
+        print(f"  {name}: mean difference {mean:.2f} of 255, {100 * share:.2f} % of the bytes differ")
+        if mean > MEAN or share > SHARE:
+            other = pathlib.Path(tempfile.gettempdir()) / f"msk-{name}.png"
+            other.write_bytes(found)
+            raise Failure(f"the picture of {name} is another: see {other}; `.ci/browser --update` accepts it")
+    browser.size(*WINDOW)
+
+
+def agrees_with_the_simulator(browser, pages, report):
+    """Bodies, lengths of muscles and moment arms in the last frame are those of the simulator."""
+    browser.open(pages["stand"], "t=1000")
+    place = "viewer.stages[0].pose.position.flat()"
+    worst = max(abs(a - b) for a, b in zip(browser.evaluate(place), report["xpos"]))
+    near("largest error of a body's position, m", worst, 0, 2e-4)
+    lengths = browser.evaluate("Array.from(viewer.stages[0].tubes.lengths)")
+    worst = max(abs(a - b) for a, b in zip(lengths, report["actuator_length"]))
+    near("largest error of a muscle's length, m", worst, 0, 1e-3)
+    script = """viewer.recordings[0].anatomy.muscles.map((_, muscle) => {
+        const stage = viewer.stages[0];
+        const { branches } = pathOf(stage.recording, stage.pose, muscle, stage.moment);
+        return momentArms(stage.recording, stage.pose, branches).map(({ at, arm }) => [at, arm]);
+    })"""
+    dofs = dict(zip(report["names"]["jnt_qposadr"], report["names"]["jnt_dofadr"]))
+    width, worst = report["model"]["nv"], 0.0
+    for muscle, arms in enumerate(browser.evaluate(module(script))):
+        for at, arm in arms:
+            worst = max(worst, abs(arm + report["actuator_moment"][muscle * width + dofs[at]]))
+    near("largest error of a moment arm, m", worst, 0, 1e-3)
+
+
+def module(script):
+    """Functions of the page's module are reached through the viewer."""
+    return f"((pathOf, momentArms) => {script})(viewer.parts.pathOf, viewer.parts.momentArms)"
+
+
+def keyboard(browser, pages):
+    browser.open(pages["stand"], "play=0&t=0")
+    step = browser.evaluate("viewer.player.frames[1]")
+    clock = lambda: browser.evaluate("viewer.player.time")
+    for key, shift, wanted in [("ArrowRight", False, step), ("ArrowRight", True, step + 0.5), ("ArrowLeft", False, 0.5), ("Home", False, 0.0)]:
+        browser.key(key, shift)
+        near(f"time after {key}", clock(), wanted, 1e-6)
+    browser.key("End")
+    near("time at the end", clock(), browser.evaluate("viewer.player.duration"), 1e-9)
+    browser.key(" ")
+    browser.until("viewer.player.playing && viewer.player.time > 0 && viewer.player.time < 5")
+    browser.key(" ")
+    expect("playing after the second space", browser.evaluate("viewer.player.playing"), False)
+    for key, state in [("m", "viewer.show.muscles"), ("b", "viewer.show.bones"), ("c", "viewer.show.contacts"), ("f", "viewer.show.follow")]:
+        before = browser.evaluate(state)
+        browser.key(key)
+        expect(f"{state} after {key}", browser.evaluate(state), not before)
+    before = browser.evaluate("[viewer.camera.yaw, viewer.camera.distance, viewer.themeName, viewer.by]")
+    for key in "a+tg":
+        browser.key(key)
+    after = browser.evaluate("[viewer.camera.yaw, viewer.camera.distance, viewer.themeName, viewer.by]")
+    if any(one == two for one, two in zip(before, after)):
+        raise Failure(f"A, +, T and G change view, distance, theme and colouring: {before} became {after}")
+    browser.key("n")
+    expect("muscle after N", browser.evaluate("viewer.chosen"), 0)
+    facts = browser.evaluate("document.getElementById('muscle-facts').textContent")
+    if "Moment arm" not in facts or "Fibre" not in facts:
+        raise Failure(f"the facts of a muscle have no moment arms: {facts!r}")
+    browser.key("x")
+    expect("rows of the first family", browser.evaluate("viewer.panels.rows.every(({ muscles }) => muscles.length === 1)"), True)
+    browser.key("Escape")
+    expect("chosen after Escape", browser.evaluate("[viewer.chosen, viewer.family]"), [-1, -1])
+    browser.key("?")
+    expect("list of keys", browser.evaluate("document.getElementById('keys').open"), True)
+    browser.key("Escape")
+    expect("list of keys after Escape", browser.evaluate("document.getElementById('keys').open"), False)
+
+
+def pointer(browser, pages):
+    """Scrubbing on the slider and on a chart, turning, choosing a muscle."""
+    browser.open(pages["stand"], "play=0&t=0")
+    duration = browser.evaluate("viewer.player.duration")
+    for name, left in [("time", 0), ("terms", 0), ("families", 128)]:
+        box = browser.evaluate(f"(({{ x, y, width, height }}) => [x, y, width, height])(document.getElementById('{name}').getBoundingClientRect())")
+        x = lambda share: box[0] + left + share * (box[2] - left)
+        browser.mouse((x(0.2), box[1] + box[3] / 2), (x(0.5), box[1] + box[3] / 2))
+        near(f"time after half of {name}", browser.evaluate("viewer.player.time"), duration / 2, 0.03 * duration)
+    yaw = browser.evaluate("viewer.camera.yaw")
+    browser.mouse((300, 300), (360, 300))
+    if browser.evaluate("viewer.camera.yaw") == yaw:
+        raise Failure("a drag over the picture does not turn the view")
+    browser.key("1")
+    # The soleus is seen from behind.
+    browser.key("4")
+    browser.mouse(*[browser.evaluate("viewer.screenPlace('soleus_r')")])
+    name = browser.evaluate("viewer.shown[0].anatomy.muscles[viewer.chosen]?.name")
+    if not name:
+        raise Failure("a click on a muscle chooses none")
+    print(f"  a click at the middle of soleus_r chooses {name}")
+
+
+def sizes(browser, pages):
+    browser.open(pages["stand"], "t=0.5")
+    for width, height in [(390, 780), (1024, 600), WINDOW]:
+        browser.size(width, height)
+        browser.settle()
+        browser.settle()
+        found = browser.evaluate("[document.documentElement.scrollWidth, viewer.renderer.canvas.width / viewer.renderer.canvas.clientWidth, viewer.renderer.canvas.clientHeight]")
+        if found[0] > width or abs(found[1] - 1) > 0.02 or found[2] < 150:
+            raise Failure(f"at {width} x {height}: scroll width, pixels per width, height of the picture are {found}")
+
+
+def preferences(browser, pages):
+    browser.prefer(prefers_color_scheme="dark", prefers_reduced_motion="reduce")
+    browser.open(pages["stand"])
+    expect("theme where dark is preferred", browser.evaluate("viewer.themeName"), "dark")
+    expect("playing where motion is to be reduced", browser.evaluate("viewer.player.playing"), False)
+    browser.prefer(prefers_color_scheme="light", prefers_reduced_motion="no-preference")
+    browser.open(pages["stand"])
+    expect("theme where light is preferred", browser.evaluate("viewer.themeName"), "light")
+    browser.until("viewer.player.playing")
+
+
+def accessible(browser, pages):
+    """Every control has a name, and text stands out from what is behind it (WCAG 2.2, 1.4.3: 4.5 to 1)."""
+    browser.open(pages["walk"], "t=0.5&muscle=soleus_r")
+    nodes = browser.command("Accessibility.getFullAXTree")["nodes"]
+    for node in nodes:
+        role = node.get("role", {}).get("value")
+        if role in ("button", "slider", "combobox", "checkbox", "image", "region") and not node.get("ignored"):
+            if not node.get("name", {}).get("value"):
+                raise Failure(f"a {role} has no name: {node.get('properties')}")
+    luminance = """(name) => { const probe = document.createElement("i"); probe.style.color = `var(--${name})`; document.body.append(probe);
+        const parts = getComputedStyle(probe).color.match(/[\\d.]+/g).slice(0, 3).map(Number); probe.remove();
+        const [r, g, b] = parts.map((v) => v / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b; }"""
+    for theme in ("light", "dark"):
+        browser.evaluate(f"viewer.setTheme('{theme}')")
+        for text, behind in [("ink", "panel"), ("ink", "sky"), ("quiet", "panel"), ("quiet", "sky"), ("accent", "panel")]:
+            one, two = (browser.evaluate(f"({luminance})('{name}')") for name in (text, behind))
+            ratio = (max(one, two) + 0.05) / (min(one, two) + 0.05)
+            if ratio < 4.5:
+                raise Failure(f"{text} on {behind} in {theme}: contrast {ratio:.2f}, expected 4.5")
+
+
+def side_by_side(browser, pages):
+    """A second page opened from a file stands beside the first, on the same clock."""
+    browser.open(pages["walk"], "t=0.5")
+    root = browser.command("DOM.getDocument")["root"]["nodeId"]
+    node = browser.command("DOM.querySelector", {"nodeId": root, "selector": "#file"})["nodeId"]
+    browser.command("DOM.setFileInputFiles", {"nodeId": node, "files": [str(pages["stand"])]})
+    browser.until("viewer.stages.length === 2")
+    browser.settle()
+    expect("titles", browser.evaluate("[...document.querySelectorAll('#captions h1')].map((title) => title.textContent)"), ["walk, cmc", "stand, cmc"])
+    near("length of the clock", browser.evaluate("viewer.player.duration"), 10, 1e-6)
+    browser.key("End")
+    browser.evaluate("document.getElementById('choices').querySelectorAll('select')[1].focus()")
+
+
+def main():
+    program, update = pathlib.Path(sys.argv[1]).resolve(), "--update" in sys.argv
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="msk-pages-") as folder, Browser() as browser:
+        pages, report = make(program, pathlib.Path(folder))
+        browser.size(*WINDOW)
+        checks = [
+            (opens_quickly, pages),
+            (reference_pictures, pages, update),
+            (agrees_with_the_simulator, pages, report),
+            (keyboard, pages),
+            (pointer, pages),
+            (sizes, pages),
+            (preferences, pages),
+            (accessible, pages),
+            (side_by_side, pages),
+        ]
+        for check, *arguments in checks:
+            print(check.__name__.replace("_", " "), flush=True)
+            check(browser, *arguments)
+            errors = browser.errors()
+            if errors:
+                raise Failure("the page complains:\n" + "\n".join(errors))
+    print(f"{len(checks)} checks of {len(PAGES)} pages in {time.monotonic() - began:.0f} s")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except Failure as failure:
+        sys.exit(f"error: {failure}")
