@@ -208,7 +208,7 @@ fn a_draw_of_a_test_that_no_scene_can_have_is_a_fault() {
     let Some(Ending::Fault(fault @ Fault::Variation { value: -1.0, .. })) = environment.ending() else {
         panic!("{:?}", environment.ending());
     };
-    assert_eq!(fault.to_string(), "a mass of this episode is -1");
+    assert_eq!(fault.to_string(), "the mass of `pack` of this episode is -1; expected a number above 0");
 }
 
 /// The simulator by itself: the acceleration of a falling body does not depend on its mass, that of a pushed one does.

@@ -1,7 +1,7 @@
-//! What a learner sets while it trains: how far it is, which scheduled weights follow.
+//! What a learner sets while it trains: how far it is, which scheduled weights follow, and the parameters of episodes.
 
 use crate::episodes::episode;
-use msk::runtime::episode::{Environment, EpisodeError, EpisodeKey, VectorEnvironment};
+use msk::runtime::episode::{Ending, Environment, EpisodeError, EpisodeKey, Fault, VectorEnvironment};
 use std::num::NonZeroUsize;
 
 const KEY: EpisodeKey = EpisodeKey { seed: 4, episode: 2 };
@@ -69,4 +69,138 @@ fn all_slots_of_a_vector_have_the_same_progress() {
     assert_eq!(rewards, [stepped(&mut alone).0; 3]);
     assert!(vector.set_progress(2.0).is_err());
     assert_eq!(vector.progress(), 0.1);
+}
+
+/// A speed and a load that episodes may have of their own, and a constant.
+const OPEN: &[(&str, &str)] = &[
+    (
+        "    init {\n        pose neutral\n        root { height on ground, velocity [0.2 m/s, 0, 0] }",
+        "    params {
+        speed = 0.5 m/s (0.1..2 m/s) per episode
+        load  = 5 kg (1..20 kg) per episode
+        laps  = 2 (1..4) per episode
+        lean  = 5 deg (0..20 deg)
+    }
+    random there = uniform(0.5 m .. speed * 1 s + 1 m)
+    scene { ground; box pack on torso { size [15 cm, 30 cm, 40 cm], at [-20 cm, 0, 0], mass load, solid false } }
+    init {
+        pose neutral { lumbar_extension = lean }
+        root { height on ground, velocity [speed, 0, 0] }",
+    ),
+    ("observe {", "observe { speed; pack.mass; laps; there;"),
+];
+
+/// The first numbers of the observation: speed, mass, count, and what is drawn.
+fn seen(environment: &Environment) -> [f64; 4] {
+    core::array::from_fn(|index| environment.observation()[index])
+}
+
+#[test]
+fn parameters_change_from_episode_to_episode_without_compiling() {
+    let mut environment = episode(OPEN);
+    environment.reset(KEY);
+    let [speed, mass, count, there] = seen(&environment);
+    assert_eq!([speed, mass, count], [0.5, 5.0, 2.0], "as in the text");
+    assert_eq!(environment.parameters()[..3], [0.5, 5.0, 2.0]);
+    environment.set_parameter("speed", 1.5).unwrap();
+    environment.set_parameter("load", 12.0).unwrap();
+    assert_eq!(seen(&environment), [speed, mass, count, there], "from the next reset on");
+    environment.reset(KEY);
+    let [fast, heavy, same, farther] = seen(&environment);
+    assert_eq!([fast, heavy, same], [1.5, 12.0, 2.0]);
+    assert_eq!(environment.episode().parameters()[..3], [1.5, 12.0, 2.0]);
+    // The same random number, of a wider range.
+    assert!(((farther - 0.5) / 2.0 - (there - 0.5)).abs() < 1e-12, "{there} {farther}");
+    assert!(environment.state().velocity[0] > 1.0);
+    // They hold until others are set, and an episode is the same with them, whatever was played before.
+    let begun = environment.snapshot();
+    environment.set_parameter("speed", 0.2).unwrap();
+    environment.reset(EpisodeKey { seed: 1, episode: 1 });
+    environment.set_parameter("speed", 1.5).unwrap();
+    environment.reset(KEY);
+    assert!(environment.snapshot() == begun);
+}
+
+#[test]
+fn a_task_compiled_with_a_value_plays_as_one_that_is_given_it() {
+    let mut given = episode(OPEN);
+    let text = OPEN[0].1.replace("speed = 0.5 m/s", "speed = 1.5 m/s").replace("load  = 5 kg", "load  = 12 kg");
+    let mut compiled = episode(&[(OPEN[0].0, text.as_str()), OPEN[1]]);
+    given.set_parameter("speed", 1.5).unwrap();
+    given.set_parameter("load", 12.0).unwrap();
+    let action = vec![-0.8; given.engine().action_size()];
+    let [first, second] = [&mut given, &mut compiled].map(|environment| {
+        environment.reset(KEY);
+        (0..5).for_each(|_| environment.step(&action[..]).map(|_| ()).unwrap());
+        (environment.state().clone(), environment.observation().to_vec(), environment.reward().total())
+    });
+    assert!(first == second);
+}
+
+#[test]
+fn what_an_episode_cannot_have_is_refused_with_its_reason() {
+    let mut environment = episode(OPEN);
+    let mut refused = |name: &str, value: f64| environment.set_parameter(name, value).unwrap_err().to_string();
+    assert_eq!(refused("sped", 1.0), "the task `balance` has no parameter `sped`; did you mean `speed`?");
+    assert_eq!(refused("mass", 1.0), "the task `balance` has no parameter `mass`; per episode it has speed, load, laps");
+    assert_eq!(
+        refused("lean", 0.1),
+        "the parameter `lean` is a constant of the compiled task: compile the task again with another value, or declare it `per episode`"
+    );
+    assert_eq!(refused("speed", 3.0), "the parameter `speed` is 3; expected a number from 0.1 to 2, in SI units");
+    assert_eq!(refused("load", f64::NAN), "the parameter `load` is NaN; expected a number from 1 to 20, in SI units");
+    assert_eq!(refused("laps", 2.5), "the parameter `laps` is 2.5; expected a whole number from 1 to 4, in SI units");
+    let none = episode(&[]).set_parameter("speed", 1.0).unwrap_err().to_string();
+    assert_eq!(none, "the task `balance` has no parameter `speed`; no parameter of it is declared `per episode`");
+    // Values that come from elsewhere end the episode, and no other.
+    let engine = environment.engine().clone();
+    let (mut played, mut scratch) = (engine.episode(), engine.scratch());
+    for (values, wrong) in [(vec![1.0], "1 values of parameters"), (vec![0.5, 30.0, 2.0, 0.0], "`load` is 30")] {
+        engine.reset_with(KEY, &values, &mut played, &mut scratch);
+        let Some(Ending::Fault(fault @ Fault::Parameter(_))) = played.ending() else { panic!("{:?}", played.ending()) };
+        assert!(fault.to_string().contains(wrong), "{fault}");
+    }
+    engine.reset(KEY, &mut played, &mut scratch);
+    assert_eq!(played.ending(), None);
+}
+
+#[test]
+fn the_slots_of_a_vector_have_parameters_of_their_own() {
+    let mut alone = episode(OPEN);
+    let (count, one) = (NonZeroUsize::new(3).unwrap(), NonZeroUsize::MIN);
+    let mut vector = VectorEnvironment::new(alone.engine().clone(), count, one).unwrap();
+    let speeds = [0.3, 0.9, 1.8];
+    for (slot, speed) in speeds.into_iter().enumerate() {
+        vector.set_parameter(slot, "speed", speed).unwrap();
+        assert_eq!(vector.parameters(slot).unwrap()[0], speed);
+    }
+    vector.reset_to(&[Some(KEY); 3]);
+    let action = vec![-0.8; 3 * alone.engine().action_size()];
+    let step = (0..4).map(|_| vector.step(&action).unwrap().clone()).last().unwrap();
+    for (slot, speed) in speeds.into_iter().enumerate() {
+        alone.set_parameter("speed", speed).unwrap();
+        alone.reset(KEY);
+        (0..4).for_each(|_| alone.step(&action[..alone.engine().action_size()]).map(|_| ()).unwrap());
+        let width = alone.observation().len();
+        assert_eq!(step.observations[width * slot..width * (slot + 1)], *alone.observation());
+    }
+}
+
+#[test]
+fn an_episode_goes_on_with_its_parameters_after_it_was_written() {
+    let mut environment = episode(OPEN);
+    environment.set_parameter("load", 12.0).unwrap();
+    environment.reset(KEY);
+    let text = serde_json::to_string(&environment.snapshot()).unwrap();
+    let mut other = episode(OPEN);
+    let read = serde_json::from_str(&text).unwrap();
+    assert!(other.engine().accepts(&read));
+    other.restore(&read);
+    let action = vec![-0.8; environment.engine().action_size()];
+    for environment in [&mut environment, &mut other] {
+        (0..4).for_each(|_| environment.step(&action[..]).map(|_| ()).unwrap());
+    }
+    assert!(environment.snapshot() == other.snapshot());
+    let wrong = serde_json::from_str(&text.replace("12.0", "120.0")).unwrap();
+    assert!(!other.engine().accepts(&wrong), "a parameter outside of its range");
 }

@@ -128,6 +128,15 @@ fn the_schedule_of_a_weight_is_part_of_what_a_task_means() {
 }
 
 #[test]
+fn whether_a_parameter_changes_from_episode_to_episode_is_part_of_what_a_task_means() {
+    let with = |clause: &str| BEFORE.replace("let low = 0.8 m", &format!("params {{ low = 0.8 m (0.5..0.9 m) {clause} }}"));
+    let [fixed, open] = [with(""), with("per episode")];
+    assert_ne!(hash(&fixed), hash(&open));
+    insta::assert_snapshot!(between(&fixed, &open));
+    assert_ne!(hash(&open), hash(&open.replace("0.9 m", "1 m")));
+}
+
+#[test]
 fn a_name_that_means_something_else_is_reported_as_it_is_typed() {
     let ends = "fallen when com.height < 0.8 m";
     let before = format!(

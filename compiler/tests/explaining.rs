@@ -51,6 +51,19 @@ fn a_scheduled_weight_is_explained_with_its_training() {
 }
 
 #[test]
+fn a_parameter_of_an_episode_is_explained_as_one() {
+    let source = complete(
+        "params { low = 0.8 m (0.5..0.9 m) per episode }\nmetrics { low }\nrandom far = uniform(0 m .. 1 m)\nreward { 1 a = pelvis.height / (low + far) }",
+    );
+    let shown = text(&compiled(&source), &Options::default());
+    assert!(shown.contains("\n  low = 0.8 m, 0.5 .. 0.9 m, per episode\n"), "{shown}");
+    assert!(shown.contains("\nDrawn for each episode\n  far = uniform(0 m .. 1 m)\n"), "{shown}");
+    let data = serde_json::to_value(report_of(&source)).unwrap();
+    assert_eq!(data["parameters"][0]["per_episode"], true);
+    assert_eq!(data["randoms"].as_array().unwrap().len(), 1);
+}
+
+#[test]
 fn tables_have_the_layout_of_the_paper() {
     insta::assert_snapshot!("tables", latex(&[report_of(STAND), report_of(CATCH)]));
 }

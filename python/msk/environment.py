@@ -42,7 +42,9 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
       Of every step and reset: ``seed`` and ``episode_index``, which are all that chance depends on.
 
     ``reset(seed=s)`` begins episode 0 of the seed, each ``reset()`` after it the next one. ``options`` may hold ``episode_index``,
-    and ``state``: arrays as in :attr:`state`, which replace those of the present state.
+    ``state``: arrays as in :attr:`state`, which replace those of the present state, and ``params``: values of parameters that the task
+    declares ``per episode``, in the units in which they are written. They hold until others are given, and ``info["params"]`` of a
+    reset has all that were.
 
     An environment starts no thread, and may be forked, or made in a spawned process.
 
@@ -78,6 +80,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         #: Weights, by term; assign to change them.
         self.weights = LiveWeights(self._native, self.task)
         self._describe = Describer(self.task)
+        self._params: dict[str, float] = {}
         self._begun = False
 
     def reset(
@@ -86,12 +89,13 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """Begins an episode: see the class.
 
         Raises:
-            ValueError: a seed, episode or state that cannot be.
+            ValueError: a seed, episode, state or parameter that cannot be.
             RuntimeError: the physics cannot start from the initial state.
         """
         super().reset(seed=seed)
         options = dict(options or {})
         state = options.pop("state", None)
+        params = {name: float(value) for name, value in dict(options.pop("params", {})).items()}
         if seed is not None:
             key = (checked_seed(seed), 0)
         elif not self._begun:
@@ -100,13 +104,16 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             key = (self._native.key()[0], self._native.key()[1] + 1)
         key = (key[0], options.pop("episode_index", key[1]))
         if options:
-            raise ValueError(f"unknown options {sorted(options)}: expected `episode_index`, `state`")
+            raise ValueError(f"unknown options {sorted(options)}: expected `episode_index`, `params`, `state`")
+        if params:
+            self._native.set_parameters(list(params.items()))
+            self._params |= params
         self._begun = True
         if state is None:
             observation = self._native.reset(*key)
         else:
             observation = self._native.reset_to(*key, dict(state))
-        return observation, identity(key)
+        return observation, identity(key) | ({"params": dict(self._params)} if self._params else {})
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[Any], SupportsFloat, bool, bool, dict[str, Any]]:
         """Takes one control step of ``1 / task.control_frequency`` seconds.

@@ -70,6 +70,10 @@ class Parameter:
     #: In SI units.
     value: float
     unit: str
+    #: What it may be, in SI units; None without bounds.
+    range: tuple[float, float] | None = None
+    #: Whether it may be set for every episode, ``reset(options={"params": {...}})``; else it is a constant of the compiled task.
+    per_episode: bool = False
 
 
 class Explanation(str):

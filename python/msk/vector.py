@@ -24,6 +24,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
     * Observations: shape ``(num_envs, task.observation_size)``; actions: ``(num_envs, len(task.actions))``; rewards and flags:
       ``(num_envs,)``.
     * ``reset(seed=s)`` begins episode 0 of the seeds s, s + 1, ...; a list gives each slot its own.
+    * ``reset(options={"params": {...}})`` sets parameters as in :class:`Env`: numbers, or arrays of shape ``(num_envs,)``.
     * ``infos`` holds the entries of :class:`Env`'s ``info`` as arrays, each with a mask ``_key``.
     * Autoreset, as ``metadata["autoreset_mode"]`` declares: with ``SAME_STEP`` (default) the observation after an end is the first of
       the next episode, ``infos["final_obs"]`` holds the last ones, an array of shape ``(num_envs, task.observation_size)`` with the
@@ -76,6 +77,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         #: Weights in all episodes, by term; assign to change them.
         self.weights = LiveWeights(self._native, self.task)
         self._describe = Describer(self.task)
+        self._params: dict[str, tuple[NDArray[Any], NDArray[np.bool_]]] = {}
         self._begun = False
 
     def reset(
@@ -86,15 +88,18 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         Without a seed the next episode of the seed that the slot had begins.
 
         Raises:
-            ValueError: a wrong number of seeds, or a mask that chooses nothing.
+            ValueError: a wrong number of seeds, a mask that chooses nothing, or a parameter that cannot be.
         """
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else int(seed))
         seeds = self._seeds(seed)
         options = dict(options or {})
         mask = self._mask(options.pop("reset_mask", None))
+        params = dict(options.pop("params", {}))
         if options:
-            raise ValueError(f"unknown options {sorted(options)}: expected `reset_mask`")
+            raise ValueError(f"unknown options {sorted(options)}: expected `params`, `reset_mask`")
+        if params:
+            self._set_parameters(params, mask)
         following = self._native.next_keys()
         keys = [(first, 0) if first is not None else after for first, after in zip(seeds, following, strict=True)]
         chosen = [key if begins else None for key, begins in zip(keys, mask, strict=True)]
@@ -104,7 +109,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             if mask[slot] and end is not None:
                 first, index = keys[slot]
                 raise RuntimeError(f"episode {index} of seed {first} cannot begin in slot {slot}: {end[1]}")
-        return observations, self._identities(mask)
+        return observations, self._identities(mask) | self._parameters()
 
     def step(
         self, actions: NDArray[Any]
@@ -164,6 +169,24 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
     def _identities(self, mask: NDArray[np.bool_]) -> dict[str, Any]:
         seeds, indices = np.array(self._native.keys(), dtype=np.int64).T.copy()
         return _masked({"seed": np.where(mask, seeds, 0), "episode_index": np.where(mask, indices, 0)}, mask)
+
+    def _set_parameters(self, params: dict[str, Any], mask: NDArray[np.bool_]) -> None:
+        """Sets parameters in the slots of the mask: a number for all of them, or an array with one for each slot."""
+        shape = (self.num_envs,)
+        rows = {name: np.broadcast_to(np.asarray(value, np.float64), shape) for name, value in params.items()}
+        self._native.set_parameters([(name, row.tolist()) for name, row in rows.items()], mask.tolist())
+        for name, row in rows.items():
+            before, known = self._params.get(name, (np.zeros(shape), np.zeros(shape, np.bool_)))
+            self._params[name] = (np.where(mask, row, before), known | mask)
+
+    def _parameters(self) -> dict[str, Any]:
+        """The parameters that were given, with masks of the slots for which they were."""
+        if not self._params:
+            return {}
+        infos: dict[str, Any] = {}
+        for name, (row, known) in self._params.items():
+            infos |= {name: row.copy(), f"_{name}": known.copy()}
+        return {"params": infos, "_params": np.any([known for _, known in self._params.values()], axis=0)}
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
         if seed is None:

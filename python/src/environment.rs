@@ -132,6 +132,16 @@ impl Environment {
         Ok(())
     }
 
+    /// Sets parameters, in the units in which they are written, from the next reset on: all of them or none.
+    fn set_parameters(&mut self, values: Vec<(String, f64)>) -> PyResult<()> {
+        let values = self.task.get().checked_parameters(values)?;
+        let inner = self.inner.get_mut()?;
+        values
+            .iter()
+            .try_for_each(|(name, value)| inner.set_parameter(name, *value))
+            .map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
     fn progress(&self) -> PyResult<f64> {
         Ok(self.inner.get()?.progress())
     }

@@ -3,7 +3,7 @@
 use crate::guard::detached;
 use msk_compiler::explain::{self, Options};
 use msk_program::numbers::for_people;
-use msk_program::task::{Channel, CompiledTask, Origin};
+use msk_program::task::{Channel, CompiledTask, Origin, Parameter};
 use msk_program::weights::{Bounds, Schedule};
 use msk_runtime::episode::{Engine, Environment, EpisodeError};
 use msk_runtime::library::BoundBody;
@@ -23,7 +23,21 @@ pub struct Task {
 /// (name, weight, lowest, highest, formula) of a term.
 type TermData = (String, f64, Option<f64>, Option<f64>, String, Option<(f64, f64, f64)>);
 
+/// Of a parameter: see [`Task::parameters`].
+type ParameterData = (String, f64, String, Option<(f64, f64)>, bool);
+
 impl Task {
+    /// Parameters of an episode in SI units, which are given in the units in which they are written.
+    pub fn checked_parameters(&self, values: Vec<(String, f64)>) -> PyResult<Vec<(String, f64)>> {
+        let checked = |(name, value): (String, f64)| {
+            let known = self.task().parameters.iter().find(|known| known.name == name);
+            let value = known.map_or(value, |known| value * known.scale);
+            self.task().check_parameter(&name, value).map_err(|error| PyValueError::new_err(error.to_string()))?;
+            Ok((name, value))
+        };
+        values.into_iter().map(checked).collect()
+    }
+
     /// The task on its body.
     ///
     /// # Errors
@@ -161,11 +175,13 @@ impl Task {
         self.task().finishes.clone()
     }
 
-    /// (name, value in SI units, unit) of each parameter.
+    /// (name, value in SI units, unit, lowest and highest value in SI units, whether it may be set for every episode) of each parameter.
     #[getter]
-    fn parameters(&self) -> Vec<(String, f64, String)> {
-        let described =
-            |parameter: &msk_program::task::Parameter| (parameter.name.clone(), parameter.value, parameter.unit.clone());
+    fn parameters(&self) -> Vec<ParameterData> {
+        let described = |parameter: &Parameter| {
+            let Parameter { name, value, unit, range, per_episode, .. } = parameter.clone();
+            (name, value, unit, range.map(|[low, high]| (low, high)), per_episode)
+        };
         self.task().parameters.iter().map(described).collect()
     }
 

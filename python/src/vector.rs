@@ -157,6 +157,25 @@ impl VectorEnvironment {
         Ok(())
     }
 
+    /// Sets parameters, in the units in which they are written, for the episodes that begin from now on in the slots of the mask: a
+    /// value for each slot. All of them are set or none.
+    fn set_parameters(&mut self, values: Vec<(String, Vec<f64>)>, mask: Vec<bool>) -> PyResult<()> {
+        let mut checked = Vec::new();
+        for (name, values) in values {
+            if values.len() != self.count {
+                let message = format!("`{name}` has {} values for {} slots", values.len(), self.count);
+                return Err(PyValueError::new_err(message));
+            }
+            for (slot, value) in values.into_iter().enumerate().filter(|(slot, _)| mask.get(*slot) == Some(&true)) {
+                let own = self.task.get().checked_parameters(vec![(name.clone(), value)])?;
+                checked.extend(own.into_iter().map(|(name, value)| (slot, name, value)));
+            }
+        }
+        let inner = self.inner.get_mut()?;
+        let set = checked.iter().try_for_each(|(slot, name, value)| inner.set_parameter(*slot, name, *value));
+        set.map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
     fn progress(&self) -> PyResult<f64> {
         Ok(self.inner.get()?.progress())
     }

@@ -294,6 +294,46 @@ def test_scheduled_weights_follow_the_progress_of_a_training():
             env.unwrapped.progress = wrong
 
 
+PARAMS = (
+    "    init {",
+    "    params { pace = 50 cm/s (10..200 cm/s) per episode; lean = 5 deg (0..20 deg) }\n    init {",
+)
+"""The change that gives the short task a parameter per episode, and a constant one."""
+READ = ("observe {", "observe { pace; lean;")
+
+
+def test_parameters_change_from_episode_to_episode():
+    task = short(PARAMS, READ, CALM)
+    pace, lean = task.parameters
+    assert (pace.value, pace.unit, pace.range, pace.per_episode) == (0.5, "m/s", (0.1, 2.0), True)
+    assert not lean.per_episode
+    env = msk.make(task, dtype=np.float64)
+    observation, info = env.reset(seed=0)
+    assert observation[0] == 0.5
+    assert "params" not in info
+    observation, info = env.reset(seed=0, options={"params": {"pace": 150}})
+    assert observation[0] == 1.5
+    assert info["params"] == {"pace": 150.0}
+    observation, info = env.reset()
+    assert observation[0] == 1.5, "until another is given"
+    for params, message in (
+        ({"pce": 1}, "no parameter `pce`; did you mean `pace`"),
+        ({"lean": 3}, "`lean` is a constant of the compiled task"),
+        ({"pace": 300}, "`pace` is 3; expected a number from 0.1 to 2, in SI units"),
+        ({"pace": 20, "lean": 1}, "`lean` is a constant"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            env.reset(options={"params": params})
+    observation, _ = env.reset()
+    assert observation[0] == 1.5, "all of them or none"
+    # A task that was compiled with the value plays the same.
+    given = msk.make(task, dtype=np.float64)
+    given.reset(seed=3, options={"params": {"pace": 120}})
+    compiled = msk.make(short(PARAMS, READ, CALM, params={"pace": 120}), dtype=np.float64)
+    compiled.reset(seed=3)
+    assert all(np.array_equal(a[0], b[0]) and a[1] == b[1] for a, b in zip(play(given, 5), play(compiled, 5), strict=True))
+
+
 def test_rendering(task: msk.Task):
     env = msk.make(task, render_mode="ansi")
     env.reset(seed=0)

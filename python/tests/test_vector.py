@@ -170,6 +170,24 @@ def test_the_progress_of_a_training_is_that_of_all_slots():
         envs.progress = 3
 
 
+def test_slots_have_parameters_of_their_own():
+    change = "    params { pace = 50 cm/s (10..200 cm/s) per episode }\n    init {"
+    envs = msk.make_vec(short(CALM, ("    init {", change), ("observe {", "observe { pace;")), 3, threads=1, dtype=np.float64)
+    observations, infos = envs.reset(seed=0)
+    assert "params" not in infos
+    observations, infos = envs.reset(options={"params": {"pace": np.array([20, 60, 180])}})
+    assert np.allclose(observations[:, 0], [0.2, 0.6, 1.8])
+    assert np.array_equal(infos["params"]["pace"], [20, 60, 180])
+    mask = np.array([True, False, False])
+    observations, infos = envs.reset(options={"params": {"pace": 100}, "reset_mask": mask})
+    assert np.allclose(observations[:, 0], [1.0, 0.6, 1.8])
+    assert np.array_equal(infos["params"]["pace"], [100, 60, 180])
+    with pytest.raises(ValueError, match="`pace` is 9"):
+        envs.reset(options={"params": {"pace": 900}})
+    with pytest.raises(ValueError, match="broadcast"):
+        envs.reset(options={"params": {"pace": [1, 2]}})
+
+
 def test_wrong_numbers_of_environments(task: msk.Task):
     for settings in ({"num_envs": 0}, {"num_envs": 2, "threads": 0}):
         with pytest.raises(ValueError, match="at least one environment and one thread"):

@@ -58,6 +58,7 @@ impl CompiledTask {
     ) -> Result<(), TaskFault> {
         (state.step, state.phase, state.began) = (0, 0, 0);
         state.successes.clear();
+        self.check_parameters(&state.parameters)?;
         self.enter(draws, state, given)
     }
 
@@ -65,8 +66,9 @@ impl CompiledTask {
     /// draw's place and its value.
     fn enter(&self, draws: &mut dyn Draws, state: &mut TaskState, kept: &[(usize, Vec<f64>)]) -> Result<(), TaskFault> {
         let phase = self.phase(state);
+        let kept = self.with_parameters(phase, state, kept);
         phase.program.prepare(&state.successes, &mut state.record);
-        for (draw, value) in kept {
+        for (draw, value) in &kept {
             phase.program.keep(*draw, value, &mut state.record);
         }
         let is_kept = |draw: usize| kept.iter().any(|(known, _)| *known == draw);
@@ -85,6 +87,7 @@ impl CompiledTask {
         let phase = self.phases.get(state.phase as usize);
         phase.is_some_and(|phase| state.record.len() == phase.program.record.len())
             && state.successes.len() == state.phase as usize
+            && self.check_parameters(&state.parameters).is_ok()
             && state.began <= state.step
     }
 
@@ -201,7 +204,8 @@ impl CompiledTask {
         kept: &[(usize, Vec<f64>)],
     ) -> Result<(), TaskFault> {
         let phase = self.phase(state);
-        let is_kept = |draw: usize| kept.iter().any(|(known, _)| *known == draw);
+        let is_parameter = |draw: usize| phase.streams.get(draw).is_some_and(|&stream| self.randoms[stream].parameter.is_some());
+        let is_kept = |draw: usize| is_parameter(draw) || kept.iter().any(|(known, _)| *known == draw);
         let mut source = source(phase, draws);
         let drawn = phase.program.reset(frame, &mut state.record, &is_kept, &mut source);
         drawn.map_err(|none| self.not_drawn(phase, none, state))

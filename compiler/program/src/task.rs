@@ -3,9 +3,11 @@
 //! A [`CompiledTask`] is immutable and shared between episodes and threads; what changes over an episode is in a
 //! [`TaskState`], plain data that can be snapshot and restored bit for bit.
 
+mod parameters;
 mod phase;
 mod tested;
 
+pub use parameters::ParameterError;
 pub use phase::{Phase, PhaseParts};
 pub use tested::TaskTests;
 
@@ -72,7 +74,8 @@ pub struct CompiledTask {
     pub metrics: Vec<Channel>,
     /// What chance decides: each has a stream of its own.
     pub randoms: Vec<RandomValue>,
-    /// Numbers that were open when the task was compiled, with the values that it was compiled for.
+    /// Numbers that were open when the task was compiled, with the values that it was compiled for, or that episodes have unless others
+    /// are given.
     pub parameters: Vec<Parameter>,
     /// Motions that its references follow.
     pub motions: Vec<FollowedMotion>,
@@ -99,6 +102,9 @@ pub struct RandomValue {
     pub accept: String,
     /// When it is drawn anew, as written; empty if never.
     pub redraw: String,
+    /// The parameter, by its place in the task, that a caller sets for every episode and that is never drawn.
+    #[serde(skip)]
+    pub parameter: Option<usize>,
 }
 
 /// A motion that a `reference` follows.
@@ -114,7 +120,7 @@ pub struct FollowedMotion {
     pub phase: usize,
 }
 
-/// A number that may be set from outside, where the task is compiled, as the report of a task has it.
+/// A number that may be set from outside, where the task is compiled or for every episode, as the report of a task has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
     /// Its name.
@@ -127,6 +133,14 @@ pub struct Parameter {
     pub range: Option<[f64; 2]>,
     /// Unit, as printed; empty for plain numbers.
     pub unit: String,
+    /// Whether a caller may set it for every episode; else it is a constant of the compiled task.
+    pub per_episode: bool,
+    /// In SI units, what 1 is of the unit in which it is written.
+    #[serde(skip)]
+    pub scale: f64,
+    /// Whether it is a whole number.
+    #[serde(skip)]
+    pub whole: bool,
 }
 
 impl CompiledTask {
@@ -229,6 +243,8 @@ pub struct TaskState {
     pub phase: u32,
     /// At which step it began.
     pub began: u32,
+    /// The values of all parameters for this episode, in SI units and the task's order; those of the task where it is empty.
+    pub parameters: Vec<f64>,
     /// Whether the phases before it had succeeded when they ended.
     pub successes: Vec<bool>,
     /// Constants, cells of operators, states and randoms, and what this step's formulas share.
@@ -274,4 +290,7 @@ pub enum TaskFault {
     /// A random could not be drawn.
     #[error(transparent)]
     Draw(#[from] NotDrawn),
+    /// A parameter has a value that the task does not accept.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
 }

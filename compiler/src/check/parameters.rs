@@ -1,11 +1,14 @@
-//! `params`: numbers that may be set from outside, where a task is compiled.
+//! `params`: numbers that may be set from outside, where a task is compiled or for every episode.
 
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::offered::unit_of;
+use super::random::{KnownRandom, number};
 use super::types::{ElementType, Type};
 use super::value::{LiteralKind, TypedValue, Value};
 use crate::diagnostics::{FileId, Span, codes};
+use crate::graph::NodeId;
+use crate::graph::operation::{Binary, Chance, Operation, Unary};
 use crate::resolve::scope::Place;
 use crate::spoken::{self, SpokenUnit};
 use crate::syntax::tree::{Expr, ExprKind, TaskParameter, TaskStatement, UnaryOperator};
@@ -81,13 +84,54 @@ impl<'a> Checker<'a> {
                 Ok(value)
             })?;
         }
-        let unit = dimension.to_string();
-        let checked = Parameter { name: parameter.name.text.clone(), value, default, range, unit };
+        let whole = declared.kind == Type::One(ElementType::Int);
+        let node = match (parameter.per_episode, range) {
+            (None, _) => self.graph.constant(value),
+            (Some(_), Some(range)) => self.value_of_episode(&parameter.name.text, range, &declared.kind),
+            (Some(span), None) => {
+                let message = format!("the parameter `{}` changes from episode to episode and has no range", parameter.name.text);
+                let help = "declare what it may be: `speed = 1.3 m/s (0.5..2 m/s) per episode`";
+                let diagnostic = self.diagnostic(codes::tasks::MISSING, span, message).help(help);
+                return Err(self.report(diagnostic));
+            }
+        };
+        let checked = Parameter {
+            name: parameter.name.text.clone(),
+            value,
+            default,
+            range,
+            unit: dimension.to_string(),
+            per_episode: parameter.per_episode.is_some(),
+            scale: unit_of(&parameter.value).unwrap_or(1.0),
+            whole,
+        };
         let _ = file;
-        Ok((
-            Value::Typed(TypedValue { node: self.graph.constant(value), kind: declared.kind, literal: LiteralKind::Plain }),
-            checked,
-        ))
+        Ok((Value::Typed(TypedValue { node, kind: declared.kind, literal: LiteralKind::Plain }), checked))
+    }
+
+    /// The value of a parameter that every episode has of its own: a random that is always given. What bounds it is its range.
+    fn value_of_episode(&mut self, name: &str, [low, high]: [f64; 2], kind: &Type) -> NodeId {
+        if let Some(known) = self.randoms.iter().find(|known| known.parameter.is_some() && known.name == name) {
+            return known.data.node;
+        }
+        let index = self.randoms.len();
+        let u = self.chance(index, Chance::Uniform, 1);
+        let whole = *kind == Type::One(ElementType::Int);
+        let [from, width] = [low, high - low + f64::from(u8::from(whole))].map(|value| self.graph.constant(value));
+        let mut share = self.graph.binary(Binary::Multiply, width, u);
+        if whole {
+            share = self.graph.unary(Unary::Floor, share);
+        }
+        let candidate = self.graph.binary(Binary::Add, from, share);
+        let node = self.graph.add(Operation::Drawn(number(index)), &[candidate]);
+        self.randoms.push(KnownRandom {
+            name: name.to_owned(),
+            data: TypedValue::new(node, kind.clone()),
+            redraw: None,
+            written: Some(["the caller".to_owned(), String::new()]),
+            parameter: Some([low, high]),
+        });
+        node
     }
 
     /// A parameter written as a whole number is one, unless its type is written as another.

@@ -25,6 +25,8 @@ pub(crate) struct KnownRandom {
     pub redraw: Option<NodeId>,
     /// What is drawn and when it is drawn anew, in words, where no statement declares it.
     pub written: Option<[String; 2]>,
+    /// What a parameter may be that a caller sets for every episode, and chance never draws.
+    pub parameter: Option<[f64; 2]>,
 }
 
 impl<'a> Checker<'a> {
@@ -70,7 +72,7 @@ impl<'a> Checker<'a> {
             self.path.pop();
             match drawn {
                 Ok(data) => {
-                    let known = KnownRandom { name: name.clone(), data, redraw: None, written: None };
+                    let known = KnownRandom { name: name.clone(), data, redraw: None, written: None, parameter: None };
                     self.randoms.push(known);
                 }
                 Err(reported) => {
@@ -167,7 +169,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn chance(&mut self, index: usize, chance: Chance, lanes: usize) -> NodeId {
+    pub(super) fn chance(&mut self, index: usize, chance: Chance, lanes: usize) -> NodeId {
         self.graph.add(Operation::Noise(number(index), chance, number(lanes)), &[])
     }
 
@@ -290,6 +292,6 @@ impl<'a> Checker<'a> {
     }
 }
 
-fn number(index: usize) -> u32 {
+pub(super) fn number(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

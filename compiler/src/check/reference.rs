@@ -114,6 +114,7 @@ impl<'a> Checker<'a> {
                 data: TypedValue::new(node, ElementType::PLAIN),
                 redraw: None,
                 written: Some(["uniform(0 .. 1)".to_owned(), String::new()]),
+                parameter: None,
             });
             return Ok(node);
         }

@@ -17,7 +17,7 @@ use crate::motion::Motion;
 use crate::resolve::inherit::{self, Budget, Find, InFile, Placed, WholeTask};
 use crate::resolve::scope::{Globals, Names};
 use crate::resolve::{Texts, written};
-use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, Task, TaskStatement};
+use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, Task, TaskStatement, walk};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
 use crate::work::visit;
@@ -386,9 +386,10 @@ impl Compiler<'_> {
             scopes.push(TaskScope { name, file: unit.file, span, typed: gathered(&all_names), vocabulary: vocabulary.clone() });
         }
         let checked = checked?;
-        let shared = unit.sequence.iter().flatten().filter_map(|placed| match &placed.statement {
-            TaskStatement::Random(random) => Some(random.name.text.clone()),
-            _ => None,
+        let shared = unit.sequence.iter().flatten().flat_map(|placed| match &placed.statement {
+            TaskStatement::Random(random) => vec![random.name.text.clone()],
+            TaskStatement::Params(block) => walk::items(&block.entries).map(|parameter| parameter.name.text.clone()).collect(),
+            _ => Vec::new(),
         });
         let heading = Heading {
             name: &unit.name.text,

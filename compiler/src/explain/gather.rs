@@ -59,7 +59,7 @@ pub fn task_report(task: &CompiledTask, options: &Options<'_>) -> TaskReport {
         action: super::action::action(task),
         parameters: task.parameters.clone(),
         motions: motions(task),
-        randoms: task.randoms.clone(),
+        randoms: task.randoms.iter().filter(|random| random.parameter.is_none()).cloned().collect(),
         scene: scene::scene(task, &init),
         initial_state: scene::initial_state(task, &init),
         disturbances: scene::disturbances(task, &disturbances),

@@ -97,7 +97,8 @@ fn settings(task: &TaskReport) -> Vec<String> {
     let parameters = task.parameters.iter().map(|parameter| {
         let range =
             parameter.range.map_or_else(String::new, |[low, high]| format!(", {} .. {}", for_people(low), for_people(high)));
-        format!("{} = {} {}{range}", parameter.name, for_people(parameter.value), parameter.unit)
+        let per_episode = if parameter.per_episode { ", per episode" } else { "" };
+        format!("{} = {} {}{range}{per_episode}", parameter.name, for_people(parameter.value), parameter.unit)
     });
     let motions = task.motions.iter().map(|motion| format!("{} follows {}", motion.name, motion.in_words()));
     let randoms = task.randoms.iter().map(|random| {

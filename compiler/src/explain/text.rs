@@ -142,7 +142,8 @@ fn settings(report: &TaskReport, text: &mut String) {
         } else {
             format!(", usually {}", for_people(parameter.default))
         };
-        let _ = writeln!(text, "  {} = {}{unit}{range}{set}", parameter.name, for_people(parameter.value));
+        let per_episode = if parameter.per_episode { ", per episode" } else { "" };
+        let _ = writeln!(text, "  {} = {}{unit}{range}{set}{per_episode}", parameter.name, for_people(parameter.value));
     }
     if !report.motions.is_empty() {
         let _ = writeln!(text, "\nFollows");

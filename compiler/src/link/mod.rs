@@ -46,7 +46,7 @@ pub(crate) struct Heading<'a> {
     pub vocabulary: Arc<Vocabulary>,
     /// Success, where a sequence declares it.
     pub success: Option<(&'a Expr, FileId)>,
-    /// Names of the randoms that all phases share.
+    /// Names of the randoms and of the parameters that all phases share.
     pub shared: Vec<String>,
 }
 
@@ -103,6 +103,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
     for (phase, outputs) in phases.into_iter().zip(all_outputs) {
         let CheckedPhase { source, checked, until, definitions } = phase;
         let name = source.task.name.text.clone();
+        whole.parameters(&name, &heading.shared, &checked);
         let streams = whole.randoms(&name, &heading.shared, source, &checked, texts);
         let channels = whole.channels(&name, &checked);
         let own = |list: &mut Vec<String>, names: Vec<String>| {
@@ -122,10 +123,6 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
                 None => Start::Drawn(drawn().unwrap_or(usize::MAX)),
             };
             whole.motions.push(FollowedMotion { name, motion, start, phase: made.len() });
-        }
-        for parameter in &checked.parameters {
-            let parameter_name = labelled(several, &name, &parameter.name);
-            whole.parameters.push(crate::task::Parameter { name: parameter_name, ..parameter.clone() });
         }
         add_places(&mut compiled.places, &checked);
         whole.horizon = whole.horizon.saturating_add(checked.timing.horizon);
@@ -294,6 +291,17 @@ impl Whole {
         first..self.metrics.len()
     }
 
+    /// Adds the parameters of a phase, but for those per episode that all phases share.
+    fn parameters(&mut self, phase: &str, shared: &[String], checked: &CheckedTask<'_>) {
+        for parameter in &checked.parameters {
+            let is_shared = parameter.per_episode && shared.contains(&parameter.name);
+            let name = if is_shared { parameter.name.clone() } else { labelled(self.several, phase, &parameter.name) };
+            if !is_shared || self.parameters.iter().all(|known| known.name != name) {
+                self.parameters.push(crate::task::Parameter { name, ..parameter.clone() });
+            }
+        }
+    }
+
     /// Adds the randoms of a phase, but for those that all phases share; gives their places.
     fn randoms(
         &mut self,
@@ -312,7 +320,8 @@ impl Whole {
                     TaskStatement::Random(declared) if declared.name.text == random.name => Some((declared, placed.file)),
                     _ => None,
                 });
-                let drawn = random_value(name, declared, texts);
+                let of_caller = random.parameter.and_then(|_| self.parameters.iter().position(|known| known.name == name));
+                let drawn = RandomValue { parameter: of_caller, ..random_value(name, declared, texts) };
                 // The start of a reference and the noise of a channel are drawn without a statement of their own.
                 self.randoms.push(match &random.written {
                     Some([source, redraw]) => RandomValue { source: source.clone(), redraw: redraw.clone(), ..drawn },
@@ -328,7 +337,7 @@ impl Whole {
 
 fn random_value(name: String, declared: Option<(&Random, FileId)>, texts: &dyn Texts) -> RandomValue {
     let Some((random, file)) = declared else {
-        return RandomValue { name, source: String::new(), accept: String::new(), redraw: String::new() };
+        return RandomValue { name, source: String::new(), accept: String::new(), redraw: String::new(), parameter: None };
     };
     let clause = |expr: &Option<Expr>| expr.as_ref().map_or_else(String::new, |expr| written(expr, file, texts));
     RandomValue {
@@ -336,6 +345,7 @@ fn random_value(name: String, declared: Option<(&Random, FileId)>, texts: &dyn T
         source: written(&random.distribution, file, texts),
         accept: clause(&random.accept),
         redraw: clause(&random.redraw),
+        parameter: None,
     }
 }
 

@@ -50,6 +50,9 @@ pub enum ReplayError {
         /// Of the trial.
         here: String,
     },
+    /// A parameter of it is not one of the task.
+    #[error("the record has a parameter that the task does not accept: {0}")]
+    Parameter(String),
     /// It cannot be played at all.
     #[error(transparent)]
     Evaluation(#[from] EvaluationError),
@@ -90,6 +93,9 @@ pub fn replay_watched(
         let here = names(trial.task.terms.iter().map(|term| term.name.as_str()).collect());
         same("list of terms", &there, &here)?;
         fed.apply(&mut episode);
+    }
+    for (name, value) in &record.parameters.0 {
+        episode.set_parameter(name, *value).map_err(|error| ReplayError::Parameter(error.to_string()))?;
     }
     let mut policy = policy::create(&record.policy).map_err(EvaluationError::from)?;
     let key = EpisodeKey { seed: record.seed, episode: record.episode };

@@ -69,6 +69,9 @@ pub struct EpisodeRecord {
     /// Those weights.
     #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
     pub weights: ByTerm,
+    /// The parameters that the episode had of its own, in SI units; none if the task declares none `per episode`.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub parameters: ByTerm,
     /// The mean of each metric over the steps at which it was a finite number; of lists and vectors element by element.
     #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
     pub metrics: ByTerm,
@@ -190,6 +193,7 @@ impl Tally {
             saturated: by_term(self.saturated),
             weights_version: String::new(),
             weights: ByTerm::default(),
+            parameters: ByTerm(parameters_of(task, episode)),
             metrics,
             last_metrics,
             task_hash: task.hash.clone(),
@@ -198,6 +202,12 @@ impl Tally {
             wall_time,
         }
     }
+}
+
+/// The parameters of an episode that the task declares `per episode`, in SI units.
+fn parameters_of(task: &CompiledTask, episode: &Episode) -> Vec<(String, f64)> {
+    let values = task.complete_parameters(episode.parameters());
+    task.parameters_per_episode().map(|(place, parameter)| (parameter.name.clone(), values[place])).collect()
 }
 
 /// The names of all numbers that the metrics of a task log: of lists and vectors one for each element.
@@ -295,6 +305,7 @@ mod tests {
             saturated: ByTerm(vec![("pose".into(), 3.0), ("balance".into(), 0.0)]),
             weights_version: "w".into(),
             weights: ByTerm(vec![("pose".into(), 10.0), ("balance".into(), -1.0)]),
+            parameters: ByTerm(vec![("speed".into(), 1.25)]),
             metrics: ByTerm(vec![("lean".into(), 0.25)]),
             last_metrics: ByTerm(vec![("lean".into(), 0.5)]),
             task_hash: "t".into(),

@@ -206,7 +206,7 @@ impl<'a> Worker<'a> {
         };
         let start = Instant::now();
         let key = EpisodeKey { seed: crew.plan.protocol.seed, episode: index };
-        seat.rates = scratch.begin(lane, engine, key, &mut seat.episode);
+        seat.rates = scratch.begin(lane, engine, (key, &[]), &mut seat.episode);
         // An episode that could not begin has nothing that a policy could look at.
         let ready = match seat.episode.ending() {
             None => seat.policy.reset(&engine.context(&seat.episode, &seat.weights, scratch.lane(lane))),

@@ -2,7 +2,7 @@
 
 use crate::cmc::ControlError;
 use msk_physics as physics;
-use msk_program::task::{CompiledTask, NonFiniteTerm, NotDrawn, TaskFault};
+use msk_program::task::{CompiledTask, NonFiniteTerm, NotDrawn, ParameterError, TaskFault};
 use serde::{Deserialize, Serialize};
 
 /// The end of an episode. A failure of the task, the horizon and a fault of the computation are three different things.
@@ -49,13 +49,18 @@ pub enum Fault {
     /// A random none of whose draws fulfilled its condition.
     #[error(transparent)]
     Draw(#[from] NotDrawn),
+    /// A parameter has a value that the task does not accept.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// What was drawn makes a body or scene that cannot be.
-    #[error("a {what} of this episode is {value}")]
+    #[error("{what} of this episode is {value}; expected {expected}")]
     Variation {
-        /// Which number.
+        /// Which number, and of what.
         what: String,
         /// What was drawn.
         value: f64,
+        /// What it may be.
+        expected: String,
     },
     /// The policy gave an action that is not a number.
     #[error("the action for `{entry}` is {value} at step {step}")]
@@ -77,6 +82,7 @@ impl From<TaskFault> for Fault {
         match fault {
             TaskFault::Term(term) => Self::Term(term),
             TaskFault::Draw(draw) => Self::Draw(draw),
+            TaskFault::Parameter(parameter) => Self::Parameter(parameter),
         }
     }
 }

@@ -130,12 +130,19 @@ impl Engine {
     /// Begins the episode `key`. An initial state from which the physics cannot start ends it at once, with a fault.
     /// An episode or scratch of another engine becomes one of this engine.
     pub fn reset(&self, key: EpisodeKey, episode: &mut Episode, scratch: &mut Scratch) {
+        self.reset_with(key, &[], episode, scratch);
+    }
+
+    /// The same with the values of all parameters, in SI units and the task's order, each as [`CompiledTask::check_parameter`] has it;
+    /// with none of them those of the task. Values that the task does not accept end the episode at once, with a fault.
+    pub fn reset_with(&self, key: EpisodeKey, parameters: &[f64], episode: &mut Episode, scratch: &mut Scratch) {
         if !self.made(episode) {
             *episode = self.episode();
         }
         if !self.serves(scratch) {
             *scratch = self.scratch();
         }
+        episode.task.parameters = parameters.to_vec();
         self.player(episode, &[], scratch).reset(key, &[]);
     }
 

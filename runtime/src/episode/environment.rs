@@ -7,7 +7,7 @@ use crate::condition::{Compartments, Fatigue};
 use crate::policy::PolicyContext;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State};
-use msk_program::task::{CompiledTask, Disturbance, StepReport, TaskState};
+use msk_program::task::{CompiledTask, Disturbance, ParameterError, StepReport, TaskState};
 use std::sync::Arc;
 
 /// A task on a body that a policy acts on: an engine, the present episode, the weights that reward it, and scratch.
@@ -15,6 +15,8 @@ use std::sync::Arc;
 pub struct Environment {
     pub(super) engine: Engine,
     pub(super) weights: Weights,
+    /// Those of the next episode, one per parameter; none if they are those of the task.
+    pub(super) parameters: Vec<f64>,
     pub(super) episode: Episode,
     pub(super) scratch: Scratch,
 }
@@ -76,7 +78,7 @@ impl Environment {
     /// Episode 0 of seed 0, reset.
     pub fn of(engine: Engine) -> Self {
         let (episode, scratch, weights) = (engine.episode(), engine.scratch(), Weights::of(&engine.task));
-        let mut environment = Self { engine, weights, episode, scratch };
+        let mut environment = Self { engine, weights, parameters: Vec::new(), episode, scratch };
         environment.reset(EpisodeKey::default());
         environment
     }
@@ -98,15 +100,21 @@ impl Environment {
         self.engine.player(&mut self.episode, self.weights.in_force(), &mut self.scratch)
     }
 
+    /// An episode about to begin, with its parameters.
+    pub(super) fn beginning(&mut self) -> Player<'_> {
+        self.episode.task.parameters.clone_from(&self.parameters);
+        self.player()
+    }
+
     /// Begins the episode `key`. An initial state from which the physics cannot start ends it at once, with a fault.
     pub fn reset(&mut self, key: EpisodeKey) {
-        self.player().reset(key, &[]);
+        self.beginning().reset(key, &[]);
     }
 
     /// The same with randoms that are `given` (place, value) and not drawn. The report holds what the task computes before
     /// anything moves.
     pub fn reset_given(&mut self, key: EpisodeKey, given: &[(usize, Vec<f64>)]) {
-        let mut player = self.player();
+        let mut player = self.beginning();
         player.reset(key, given);
         if player.episode.ending.is_none() {
             player.report();
@@ -122,7 +130,7 @@ impl Environment {
         let Episode { key: own, state, task, streams, .. } = &mut other.episode;
         *own = key;
         *state = State::new(&self.engine.model);
-        *task = TaskState::default();
+        *task = TaskState { parameters: self.parameters.clone(), ..TaskState::default() };
         streams.start(key, &self.engine.task.randoms);
         self.engine.task.begin(streams, task)?;
         other.player().vary()?;
@@ -251,6 +259,19 @@ impl Environment {
     /// not exist is left out.
     pub fn set_weight(&mut self, term: usize, weight: f64) {
         self.weights.set(&self.engine.task, term, weight);
+    }
+
+    /// Sets a parameter that the task declares `per episode`, in SI units, from the next reset on.
+    ///
+    /// # Errors
+    /// No such parameter, one that is a constant of the compiled task, or a value outside of its range.
+    pub fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), ParameterError> {
+        self.engine.task.set_parameter(&mut self.parameters, name, value)
+    }
+
+    /// The parameters of the episodes to come, in SI units and the task's order.
+    pub fn parameters(&self) -> Vec<f64> {
+        self.engine.task.complete_parameters(&self.parameters)
     }
 
     /// The share of a training that has passed, 0 to 1: 1 unless it is set.

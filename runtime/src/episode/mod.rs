@@ -103,6 +103,11 @@ impl Episode {
         &self.state
     }
 
+    /// The values of the task's parameters in this episode, in SI units and the task's order; none if they are those of the task.
+    pub fn parameters(&self) -> &[f64] {
+        &self.task.parameters
+    }
+
     /// The present observation, in the order and units of the task's channels.
     pub fn observation(&self) -> &[f64] {
         &self.observation

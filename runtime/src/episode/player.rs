@@ -34,7 +34,7 @@ impl Player<'_> {
         self.engine.task.report(frame, self.weights, task, report);
     }
 
-    /// Forgets the episode before.
+    /// Forgets the episode before, but for the parameters, which are those of the next.
     pub fn clear(&mut self, key: EpisodeKey) {
         let engine = self.engine;
         let episode = &mut *self.episode;
@@ -43,7 +43,7 @@ impl Player<'_> {
         episode.state = State::new(&engine.model);
         episode.disturbances.clear();
         episode.pushes.clear();
-        episode.task = TaskState::default();
+        episode.task = TaskState { parameters: std::mem::take(&mut episode.task.parameters), ..TaskState::default() };
         episode.memory = sensors::Memory::default();
         episode.compartments = engine.fatigue.as_ref().map(|_| Compartments::new(engine.body.muscles.len()));
         episode.action.clear(&engine.task.action);

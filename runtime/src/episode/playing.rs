@@ -25,7 +25,7 @@ impl Environment {
         prepare: &mut dyn FnMut(&TaskState),
         place: &mut Placing<'_>,
     ) {
-        let mut player = self.player();
+        let mut player = self.beginning();
         player.clear(key);
         if let Err(fault) = player.start_playing(given, prepare, place) {
             player.episode.ending = Some(Ending::Fault(fault));
@@ -35,7 +35,7 @@ impl Environment {
     /// Begins the episode `key` in a state that `put` writes, not in the initial state of the task: everything counts, speeds and
     /// activations, too. A state that the physics or the task refuses ends the episode with a fault.
     pub fn reset_to(&mut self, key: EpisodeKey, put: &mut dyn FnMut(&mut State<f64>)) {
-        let mut player = self.player();
+        let mut player = self.beginning();
         player.clear(key);
         if let Err(fault) = player.start_at(put) {
             player.episode.ending = Some(Ending::Fault(fault));

@@ -64,10 +64,16 @@ impl GroupScratch {
         &self.lanes[lane]
     }
 
-    /// Begins an episode in a lane, and gives the rates of its first state.
-    pub fn begin(&mut self, lane: usize, engine: &Engine, key: EpisodeKey, episode: &mut Episode) -> Option<Rates> {
+    /// Begins an episode in a lane with [parameters](Engine::reset_with), and gives the rates of its first state.
+    pub fn begin(
+        &mut self,
+        lane: usize,
+        engine: &Engine,
+        (key, parameters): (EpisodeKey, &[f64]),
+        episode: &mut Episode,
+    ) -> Option<Rates> {
         let scratch = &mut self.lanes[lane];
-        engine.reset(key, episode, scratch);
+        engine.reset_with(key, parameters, episode, scratch);
         let begun = self.group.is_some() && episode.ending.is_none();
         begun.then(|| Rates::of(&engine.model, &episode.state, &mut scratch.workspace))
     }

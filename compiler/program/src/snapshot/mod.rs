@@ -19,7 +19,7 @@ use crate::formula::Notation;
 use crate::graph::NodeId;
 use crate::graph::text::{Labels, Writer};
 use crate::numbers::exact;
-use crate::task::{CompiledTask, Phase};
+use crate::task::{CompiledTask, Phase, RandomValue};
 use names::Names;
 use section::meant;
 use sha2::{Digest, Sha256};
@@ -84,7 +84,8 @@ impl CompiledTask {
             let section = Section::new("parameter", &parameter.name)
                 .field("value", format!("{} {}", exact(parameter.value), parameter.unit).trim());
             let range = parameter.range.map(|[low, high]| format!("{}..{}", exact(low), exact(high)));
-            sections.push(range.into_iter().fold(section, |section, range| section.field("range", range)));
+            let section = range.into_iter().fold(section, |section, range| section.field("range", range));
+            sections.push(if parameter.per_episode { section.field("changes", "per episode") } else { section });
         }
         for followed in &self.motions {
             let start = followed.start.fixed().map_or("drawn".to_owned(), |start| start.to_string());
@@ -128,7 +129,10 @@ impl CompiledTask {
             write(Section::new("marker", &labelled(name)), None, node, "at");
         }
         for (&stream, draw) in phase.streams.iter().zip(&outputs.draws) {
-            let name = &self.randoms[stream].name;
+            let RandomValue { name, parameter, .. } = &self.randoms[stream];
+            if parameter.is_some() {
+                continue;
+            }
             write(Section::new("random", name), None, draw.value, "is");
             if let Some(redraw) = draw.redraw {
                 write(Section::new("redraw", name), None, redraw, "when");

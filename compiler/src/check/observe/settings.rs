@@ -150,6 +150,7 @@ impl<'a> Checker<'a> {
             data: TypedValue::new(drawn, ElementType::Number(dimension)),
             redraw: Some(always),
             written: Some([source.trim_start_matches("noise ").to_owned(), "every step".to_owned()]),
+            parameter: None,
         });
         let after = self.graph.add(Operation::DrawnAfter(index), &[candidate]);
         seen.node = self.graph.binary(Binary::Add, seen.node, after);

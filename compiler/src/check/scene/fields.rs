@@ -259,7 +259,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn must_be_known(&mut self, span: Span, wanted_by: &str) -> Reported {
         let diagnostic = self
             .diagnostic(codes::types::NOT_CONSTANT, span, format!("{wanted_by} must be a compile-time constant"))
-            .help("allowed are numbers, constants, parameters, and sizes and places of fixed objects of the scene");
+            .help("allowed are numbers, constants, parameters that are not `per episode`, and sizes and places of fixed objects of the scene");
         self.report(diagnostic)
     }
 }

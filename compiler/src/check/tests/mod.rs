@@ -17,6 +17,7 @@ mod situation;
 pub(crate) use reset::over_resets;
 
 use super::context::{Checked, Checker, Failures, Local, ReadMode, Reported};
+use super::dimension::Dimension;
 use super::init::InitialState;
 use super::observe::ObservedChannel;
 use super::reward::RewardTerm;
@@ -29,6 +30,7 @@ use crate::graph::operation::{Binary, Memory};
 use crate::graph::{Graph, NodeId};
 use crate::numbers::for_people;
 use crate::resolve::Texts;
+use crate::spoken;
 use crate::syntax::tree::{Expr, Ident, Test, TestStatement};
 use crate::task::Spread;
 use crate::testing::{Expectation, Keyframe, Run, Take, TaskTest};
@@ -462,7 +464,7 @@ impl<'a> Checker<'a> {
     /// `given target = [0.5 m, 0, 1 m]`
     fn given(&mut self, name: &'a Ident, value: &'a Expr) -> Checked<(usize, Vec<f64>)> {
         let Some(index) = self.randoms.iter().position(|random| random.name == name.text) else {
-            let message = format!("undefined random `{}`", name.text);
+            let message = format!("undefined random or parameter per episode `{}`", name.text);
             let mut diagnostic = self.diagnostic(codes::tests::NOT_GIVEN, name.span, message);
             let names: Vec<String> = self.randoms.iter().map(|random| random.name.clone()).collect();
             for near in crate::diagnostics::nearest(&name.text, names.iter().map(String::as_str)) {
@@ -475,7 +477,17 @@ impl<'a> Checker<'a> {
         let width = self.graph.width(wanted.node);
         let same = data.kind.dimension() == wanted.kind.dimension() && self.graph.width(data.node) == width;
         match self.graph.constant_lanes(data.node) {
-            Some(lanes) if same || data.is_zero() && lanes.len() == width => Ok((index, lanes)),
+            Some(lanes) if same || data.is_zero() && lanes.len() == width => {
+                let Some([low, high]) = self.randoms[index].parameter else { return Ok((index, lanes)) };
+                if lanes.iter().all(|value| (low..=high).contains(value)) {
+                    return Ok((index, lanes));
+                }
+                let (range, found) = spoken::written(wanted.kind.dimension().unwrap_or(Dimension::NONE), [value])
+                    .tell_beside([low, high], lanes.first().copied().unwrap_or_default());
+                let message = format!("the parameter `{}` is out of range", name.text);
+                let diagnostic = self.diagnostic(codes::tests::NOT_GIVEN, value.span, message).expected(range).found(found);
+                Err(self.report(diagnostic))
+            }
             lanes => {
                 let what = if lanes.is_none() { "a constant" } else { "a value of its type" };
                 let (expected, found) = (wanted.kind.described(self.vocabulary), data.kind.described(self.vocabulary));

@@ -122,6 +122,7 @@ impl Builder<'_> {
             annotation: self.annotation(pair),
             value: self.expression_in(pair),
             range: range.map(|range| self.ranged(&range)),
+            per_episode: part(pair, Rule::per_episode).map(|clause| self.span(&clause)),
             set: Vec::new(),
             span,
         }

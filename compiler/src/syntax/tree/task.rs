@@ -226,7 +226,7 @@ pub struct BodyEdit {
     pub value: Expr,
 }
 
-/// `speed: velocity = 1.3 m/s (0.5..2 m/s)`
+/// `speed: velocity = 1.3 m/s (0.5..2 m/s) per episode`
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskParameter {
     /// Documentation.
@@ -239,6 +239,8 @@ pub struct TaskParameter {
     pub value: Expr,
     /// What it may be set to: a `Range`.
     pub range: Option<Expr>,
+    /// `per episode`: whether a caller may set it for every episode.
+    pub per_episode: Option<Span>,
     /// What extending tasks, and in the end the outside, set it to: the last holds. Never filled by the parser.
     pub set: Vec<(Expr, FileId)>,
     /// The statement.

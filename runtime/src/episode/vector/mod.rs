@@ -8,6 +8,7 @@ use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Mem
 use crate::action::Action;
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
+use msk_program::task::ParameterError;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
@@ -67,6 +68,8 @@ struct Slot {
     /// Of the forward pass of the episode's state, if that is known.
     rates: Option<Rates>,
     weights: Weights,
+    /// Those of the next episodes, one per parameter; none if they are those of the task.
+    parameters: Vec<f64>,
     /// The key of the next episode.
     next: EpisodeKey,
     /// Of the last step.
@@ -92,6 +95,7 @@ impl VectorEnvironment {
             episode: engine.episode(),
             rates: None,
             weights: Weights::of(engine.task()),
+            parameters: Vec::new(),
             next: EpisodeKey::default(),
             outcome: Outcome::default(),
         };
@@ -298,6 +302,21 @@ impl VectorEnvironment {
         }
     }
 
+    /// Sets a parameter that the task declares `per episode`, in SI units, for the episodes that begin in a slot from now on; a slot that
+    /// does not exist is left out.
+    ///
+    /// # Errors
+    /// No such parameter, one that is a constant of the compiled task, or a value outside of its range.
+    pub fn set_parameter(&mut self, slot: usize, name: &str, value: f64) -> Result<(), ParameterError> {
+        let task = &self.engine.task;
+        self.slots.get_mut(slot).map_or(Ok(()), |slot| task.set_parameter(&mut slot.parameters, name, value))
+    }
+
+    /// The parameters of the episodes to come in a slot, in SI units and the task's order; `None` for a slot that does not exist.
+    pub fn parameters(&self, slot: usize) -> Option<Vec<f64>> {
+        self.slots.get(slot).map(|slot| self.engine.task.complete_parameters(&slot.parameters))
+    }
+
     /// The share of a training that has passed, 0 to 1: 1 unless it is set.
     pub fn progress(&self) -> f64 {
         // There is always a slot, and all have the same.
@@ -324,13 +343,14 @@ impl VectorEnvironment {
 
 impl Slot {
     fn duplicate(&self) -> Self {
-        let Self { episode, weights, next, .. } = self;
-        Self { episode: episode.clone(), rates: None, weights: weights.clone(), next: *next, outcome: Outcome::default() }
+        let Self { episode, weights, parameters, next, .. } = self;
+        let (episode, weights, parameters) = (episode.clone(), weights.clone(), parameters.clone());
+        Self { episode, rates: None, weights, parameters, next: *next, outcome: Outcome::default() }
     }
 
     /// Begins the next episode in a lane; the index of the one after it is `stride` greater.
     fn begin(&mut self, stride: u64, engine: &Engine, scratch: &mut GroupScratch, lane: usize) {
-        self.rates = scratch.begin(lane, engine, self.next, &mut self.episode);
+        self.rates = scratch.begin(lane, engine, (self.next, &self.parameters), &mut self.episode);
         self.next.episode = self.next.episode.wrapping_add(stride);
     }
 }
