@@ -1,4 +1,5 @@
-//! What a learner sets while it trains: how far it is, which scheduled weights follow, and the parameters of episodes.
+//! What a learner sets while it trains: how far it is, which scheduled weights follow, and the parameters
+//! of episodes; and what it values after their end.
 
 use crate::episodes::episode;
 use msk::runtime::episode::{Ending, Environment, EpisodeError, EpisodeKey, Fault, VectorEnvironment};
@@ -203,4 +204,36 @@ fn an_episode_goes_on_with_its_parameters_after_it_was_written() {
     assert!(environment.snapshot() == other.snapshot());
     let wrong = serde_json::from_str(&text.replace("12.0", "120.0")).unwrap();
     assert!(!other.engine().accepts(&wrong), "a parameter outside of its range");
+}
+
+/// Ends after some steps, by reasons of which some bootstrap.
+fn finishing(reasons: &str) -> Environment {
+    episode(&[("    success survived", &format!("    finish {{ {reasons} }}\n    success survived"))])
+}
+
+#[test]
+fn a_learner_bootstraps_where_the_task_says_so() {
+    let ends = [
+        ("done when step >= 2", [true, false]),
+        ("done bootstrap when step >= 2", [false, true]),
+        ("done bootstrap when step >= 2; far bootstrap when step == 2", [false, true]),
+        // One of the reasons that hold at once ends all value.
+        ("done bootstrap when step >= 2; over when step >= 2", [true, false]),
+        ("done bootstrap when step >= 2; over when step >= 3", [false, true]),
+        // The horizon.
+        ("never when step >= 50", [false, true]),
+    ];
+    for (reasons, expected) in ends {
+        let mut alone = finishing(reasons);
+        let action = vec![-1.0; alone.engine().action_size()];
+        alone.reset(KEY);
+        while alone.ending().is_none() {
+            alone.step(&action[..]).unwrap();
+        }
+        assert_eq!(alone.ending().map(|ending| ending.bootstraps(alone.task())), Some(expected[1]), "{reasons}");
+        let mut vector = VectorEnvironment::new(alone.engine().clone(), NonZeroUsize::MIN, NonZeroUsize::MIN).unwrap();
+        vector.reset_to(&[Some(KEY)]);
+        while !vector.step(&action).unwrap().ended[0] {}
+        assert_eq!([vector.last().terminated[0], vector.last().truncated[0]], expected, "{reasons}");
+    }
 }

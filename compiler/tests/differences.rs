@@ -137,6 +137,14 @@ fn whether_a_parameter_changes_from_episode_to_episode_is_part_of_what_a_task_me
 }
 
 #[test]
+fn whether_a_learner_bootstraps_is_part_of_what_a_task_means() {
+    let with = |word: &str| format!("{BEFORE}\nfinish {{ arrived {word} when com.position.x > 2 m }}");
+    let [ends, goes_on] = [with(""), with("bootstrap")];
+    assert_ne!(hash(&ends), hash(&goes_on));
+    insta::assert_snapshot!(between(&ends, &goes_on));
+}
+
+#[test]
 fn a_name_that_means_something_else_is_reported_as_it_is_typed() {
     let ends = "fallen when com.height < 0.8 m";
     let before = format!(

@@ -64,6 +64,19 @@ fn a_parameter_of_an_episode_is_explained_as_one() {
 }
 
 #[test]
+fn an_end_that_bootstraps_is_explained_as_one() {
+    let source =
+        complete("finish after 5 steps { arrived bootstrap when com.position.x > 2 m; done when com.position.x < -2 m }");
+    let shown = text(&compiled(&source), &Options::default());
+    let lines = "\nFinishes\n  arrived when com.position.x > 2 m, after 5 steps, bootstraps\n  done when com.position.x < -2 m, after 5 steps\n";
+    assert!(shown.contains(lines), "{shown}");
+    let report = report_of(&source);
+    assert_eq!(report.phases[0].finishes.iter().map(|end| end.bootstrap).collect::<Vec<_>>(), [true, false]);
+    assert!(latex(&[report.clone()]).contains("(bootstraps)"));
+    assert!(html("Tasks", &[report]).contains("<span class=\"soft\">bootstraps</span>"));
+}
+
+#[test]
 fn tables_have_the_layout_of_the_paper() {
     insta::assert_snapshot!("tables", latex(&[report_of(STAND), report_of(CATCH)]));
 }

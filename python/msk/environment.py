@@ -35,10 +35,11 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     * Action: array of shape ``(len(task.actions),)``, float32 or float64, from -1 to 1: how each muscle is excited, from rest to fully,
       unless the task has an ``act`` block.
     * Reward: sum over ``task.terms`` of weight times value.
-    * ``terminated``: the task ended the episode (``info["ending"]`` is ``terminated`` for failures, ``finished`` for other ends);
-      ``truncated``: the horizon or a fault of the computation did.
+    * ``terminated``: the task ended the episode, and what would follow has no value (``info["ending"]`` is ``terminated`` for failures,
+      ``finished`` for other ends); ``truncated``: the horizon, a fault of the computation, or a finish beside which the task says
+      ``bootstrap`` did, and a learner values what would have followed.
     * ``info`` of a step: ``terms`` (unweighted values), ``contributions`` (weight times value), ``metrics``, ``is_success``;
-      at the end ``ending``, ``reason`` (names of the conditions, or the fault), ``steps``, ``return`` and ``term_returns``, too.
+      at the end ``ending``, ``reason`` (names of the conditions, or the fault), ``bootstrap`` (whether truncated), ``steps``, ``return`` and ``term_returns``, too.
       Of every step and reset: ``seed`` and ``episode_index``, which are all that chance depends on.
 
     ``reset(seed=s)`` begins episode 0 of the seed, each ``reset()`` after it the next one. ``options`` may hold ``episode_index``,
@@ -128,7 +129,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         info = self._describe.step(self._native.weights(), *self._native.report())
         if terminated or truncated:
             total, totals = self._native.returns()
-            info |= self._describe.end(self._native.end(), self._native.steps(), total, totals)
+            info |= self._describe.end(self._native.end(), truncated, self._native.steps(), total, totals)
         return observation, reward, terminated, truncated, info | identity(self._native.key())
 
     def render(self) -> str | None:
@@ -218,12 +219,15 @@ class Describer:
         """Metrics by name: a number, or an array if it has several."""
         return {part.name: _part(values, part) for part in self.task.metrics} if values else {}
 
-    def end(self, end: tuple[str, str] | None, steps: int, total: float, totals: list[float]) -> dict[str, Any]:
+    def end(
+        self, end: tuple[str, str] | None, bootstrap: bool, steps: int, total: float, totals: list[float]
+    ) -> dict[str, Any]:
         """Of the last step of an episode."""
         ending, reason = end or ("", "")
         return {
             "ending": ending,
             "reason": reason,
+            "bootstrap": bootstrap,
             "steps": steps,
             "return": total,
             "term_returns": dict(zip(self.terms, totals, strict=True)),

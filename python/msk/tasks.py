@@ -123,6 +123,10 @@ class Task:
         self.terminations: tuple[str, ...] = tuple(native.terminations)
         #: Conditions that end it without being failures.
         self.finishes: tuple[str, ...] = tuple(native.finishes)
+        #: Those of them after which a learner values what would have followed: such an end is a truncation.
+        self.bootstraps: tuple[str, ...] = tuple(
+            name for name, bootstraps in zip(native.finishes, native.bootstraps, strict=True) if bootstraps
+        )
         self.parameters: tuple[Parameter, ...] = tuple(Parameter(*parameter) for parameter in native.parameters)
 
     def explain(self, format: Literal["text", "json", "html", "latex"] = "text") -> Explanation:

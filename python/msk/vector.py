@@ -125,7 +125,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         observations, rewards, terminated, truncated, ended = self._native.step(actions)
         infos = self._reports() | self._identities(np.ones(self.num_envs, np.bool_))
         if ended.any():
-            endings = self._endings(ended)
+            endings = self._endings(ended, truncated)
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
                 infos |= {"final_obs": self._native.final_observations(), "_final_obs": ended}
                 if self.task.critic:
@@ -156,13 +156,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         }
         return infos | {"metrics": _masked(parts, reported), "_metrics": reported}
 
-    def _endings(self, ended: NDArray[np.bool_]) -> dict[str, Any]:
+    def _endings(self, ended: NDArray[np.bool_], truncated: NDArray[np.bool_]) -> dict[str, Any]:
         """The info of the last step of the episodes that have just ended."""
         infos: dict[str, Any] = {}
         weights = self._native.weights()
         for slot, end, key, success, steps, total, totals, values, metrics in self._native.ends():
             info = self._describe.step(weights, values, metrics, success)
-            info |= self._describe.end(end, steps, total, totals)
+            info |= self._describe.end(end, bool(truncated[slot]), steps, total, totals)
             infos = self._add_info(infos, info | {"seed": key[0], "episode_index": key[1]}, slot)
         return infos
 
@@ -251,7 +251,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
 
 
 #: What only the last step of an episode reports.
-_AT_END = ("ending", "reason", "steps", "return", "term_returns")
+_AT_END = ("ending", "reason", "bootstrap", "steps", "return", "term_returns")
 
 
 def _masked(entries: dict[str, Any], mask: NDArray[np.bool_]) -> dict[str, Any]:

@@ -75,7 +75,7 @@ impl Environment {
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
         let inner = self.inner.get()?;
         let ending = inner.ending();
-        let terminated = ending.is_some_and(Ending::is_of_task);
+        let terminated = ending.is_some_and(|ending| !ending.bootstraps(inner.task()));
         Ok((
             arrays::row(py, inner.observation(), self.single),
             inner.report().reward,

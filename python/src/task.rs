@@ -175,6 +175,12 @@ impl Task {
         self.task().finishes.clone()
     }
 
+    /// After which of the finishes a learner values what would have followed.
+    #[getter]
+    fn bootstraps(&self) -> Vec<bool> {
+        self.task().bootstraps.clone()
+    }
+
     /// (name, value in SI units, unit, lowest and highest value in SI units, whether it may be set for every episode) of each parameter.
     #[getter]
     fn parameters(&self) -> Vec<ParameterData> {

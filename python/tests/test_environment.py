@@ -334,6 +334,24 @@ def test_parameters_change_from_episode_to_episode():
     assert all(np.array_equal(a[0], b[0]) and a[1] == b[1] for a, b in zip(play(given, 5), play(compiled, 5), strict=True))
 
 
+@pytest.mark.parametrize(("word", "truncated"), [("", False), ("bootstrap ", True)])
+def test_a_learner_bootstraps_where_the_task_says_so(word: str, truncated: bool):
+    finish = "    success survived", f"    finish {{ done {word}when step >= 2 }}\n    success survived"
+    task = short(CALM, finish)
+    assert task.bootstraps == (("done",) if truncated else ())
+    env = msk.make(task)
+    env.reset(seed=0)
+    env.step(np.zeros(416, np.float32))
+    *_, ended, cut, info = env.step(np.zeros(416, np.float32))
+    assert (ended, cut, info["ending"], info["bootstrap"]) == (not truncated, truncated, "finished", truncated)
+    envs = msk.make_vec(task, 2, threads=1)
+    envs.reset(seed=0)
+    envs.step(np.zeros((2, 416), np.float32))
+    *_, ended, cut, infos = envs.step(np.zeros((2, 416), np.float32))
+    assert (ended.all(), cut.all()) == (not truncated, truncated)
+    assert infos["final_info"]["bootstrap"].tolist() == [truncated] * 2
+
+
 def test_rendering(task: msk.Task):
     env = msk.make(task, render_mode="ansi")
     env.reset(seed=0)

@@ -70,6 +70,8 @@ pub struct CompiledTask {
     pub terminations: Vec<String>,
     /// Reasons that end an episode without being failures, in order.
     pub finishes: Vec<String>,
+    /// After which of these a learner values what would have followed, one for each.
+    pub bootstraps: Vec<bool>,
     /// What is logged and never rewarded: parts of [`StepReport::metrics`].
     pub metrics: Vec<Channel>,
     /// What chance decides: each has a stream of its own.

@@ -75,6 +75,8 @@ impl Timing {
 pub(crate) struct End {
     pub name: String,
     pub node: NodeId,
+    /// Whether a learner values what would have followed.
+    pub bootstraps: bool,
     /// Where its condition stands.
     pub file: FileId,
     pub span: Span,

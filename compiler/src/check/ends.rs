@@ -82,13 +82,13 @@ impl<'a> Checker<'a> {
         let mut failures = Failures::default();
         for placed in statements {
             let Some(ends) = kind.of(&placed.statement) else { continue };
-            let found = self.in_file(placed.file, |checker| checker.reasons_of(ends, &mut reasons));
+            let found = self.in_file(placed.file, |checker| checker.reasons_of(ends, kind, &mut reasons));
             failures.catch(found);
         }
         failures.or(reasons)
     }
 
-    fn reasons_of(&mut self, ends: &'a Ends, reasons: &mut Vec<End>) -> Checked<()> {
+    fn reasons_of(&mut self, ends: &'a Ends, kind: Kind, reasons: &mut Vec<End>) -> Checked<()> {
         let grace = ends.after.as_ref().map(|after| self.steps(after)).transpose();
         let mut failures = Failures::default();
         let grace = failures.catch(grace).flatten();
@@ -98,10 +98,20 @@ impl<'a> Checker<'a> {
                 let message = format!("the termination reason `{}` is declared twice", reason.name.text);
                 failures.add(self.error(codes::tasks::LABEL_TWICE, reason.name.span, message));
             }
+            if let Some(word) = reason.bootstrap.filter(|_| kind == Kind::Terminate) {
+                let message = format!("the failure `{}` cannot bootstrap: nothing of value follows it", reason.name.text);
+                let diagnostic = self.diagnostic(codes::tasks::BOOTSTRAP, word, message);
+                let help = "a reason that is no failure belongs in `finish { ... }`; the horizon bootstraps by itself";
+                failures.add(self.report(diagnostic.help(help)));
+            }
             match self.reason(reason, grace) {
-                Ok(node) => {
-                    reasons.push(End { name: reason.name.text.clone(), node, file: self.place.file, span: reason.condition.span })
-                }
+                Ok(node) => reasons.push(End {
+                    name: reason.name.text.clone(),
+                    node,
+                    bootstraps: reason.bootstrap.is_some(),
+                    file: self.place.file,
+                    span: reason.condition.span,
+                }),
                 Err(reported) => failures.add(reported),
             }
         }

@@ -112,9 +112,13 @@ fn phase_report(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport
             at_reset: at_reset.and_then(|report| report.terms.get(index).copied()),
         }
     });
-    let ends = |names: &[String], conditions: &[ConditionDebug], holds: &[bool]| -> Vec<EndReport> {
+    let ends = |names: &[String], conditions: &[ConditionDebug], holds: &[bool], bootstraps: &[bool]| -> Vec<EndReport> {
         let pairs = names.iter().zip(conditions).enumerate();
-        pairs.map(|(index, (name, debug))| end(name, debug, holds.get(index).copied())).collect()
+        let reported = pairs.map(|(index, (name, debug))| EndReport {
+            bootstrap: bootstraps.get(index) == Some(&true),
+            ..end(name, debug, holds.get(index).copied())
+        });
+        reported.collect()
     };
     let held = |report: fn(&StepReport) -> &[bool], range: std::ops::Range<usize>| {
         at_reset.and_then(|found| report(found).get(range)).unwrap_or_default()
@@ -134,11 +138,13 @@ fn phase_report(task: &CompiledTask, phase: &Phase, at_reset: Option<&StepReport
             &task.terminations[phase.terminations.clone()],
             &meaning.terminations,
             held(|report| &report.terminations, phase.terminations.clone()),
+            &[],
         ),
         finishes: ends(
             &task.finishes[phase.finishes.clone()],
             &meaning.finishes,
             held(|report| &report.finishes, phase.finishes.clone()),
+            &task.bootstraps[phase.finishes.clone()],
         ),
         success: meaning.success.as_ref().map(|success| end("", success, at_reset.map(|report| report.success))),
         metrics: metrics.collect(),
@@ -153,6 +159,7 @@ fn end(name: &str, debug: &ConditionDebug, holds_at_reset: Option<bool>) -> EndR
         after: debug.after.clone(),
         docs: debug.docs.clone(),
         holds_at_reset,
+        bootstrap: false,
     }
 }
 

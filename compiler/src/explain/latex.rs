@@ -155,7 +155,8 @@ fn settings(tasks: &[(usize, &TaskReport)], part: &str, family: &str, text: &mut
             .flat_map(|phase| phase.terminations.iter().chain(&phase.finishes))
             .map(|end| {
                 let after = if end.after.is_empty() { String::new() } else { format!(" (after {})", latex_words(&end.after)) };
-                format!("{}: {}{after}", title(&end.name), math(&end.condition))
+                let bootstrap = if end.bootstrap { " (bootstraps)" } else { "" };
+                format!("{}: {}{after}{bootstrap}", title(&end.name), math(&end.condition))
             })
             .collect();
         let _ = writeln!(

@@ -321,6 +321,8 @@ pub struct EndReport {
     pub docs: String,
     /// Whether it holds in the first snapshot, where that is known.
     pub holds_at_reset: Option<bool>,
+    /// Whether a learner values what would have followed; of success always no.
+    pub bootstrap: bool,
 }
 
 /// What is logged.

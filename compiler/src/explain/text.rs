@@ -214,7 +214,8 @@ fn ends(phase: &PhaseReport, text: &mut String) {
     let write_end = |text: &mut String, end: &EndReport| {
         let after = if end.after.is_empty() { String::new() } else { format!(", after {}", end.after) };
         let holds = if end.holds_at_reset == Some(true) { "   (holds at reset!)" } else { "" };
-        let _ = writeln!(text, "  {} when {}{after}{holds}", end.name, end.condition.source);
+        let bootstrap = if end.bootstrap { ", bootstraps" } else { "" };
+        let _ = writeln!(text, "  {} when {}{after}{bootstrap}{holds}", end.name, end.condition.source);
     };
     let _ = writeln!(text, "\nTerminates as a failure");
     if phase.terminations.is_empty() {

@@ -192,7 +192,7 @@ impl<'a> Visitor<'a> for Marks {
 
     fn reason(&mut self, reason: &'a Reason) {
         self.begin(reason.span, Group::Block(self.block), 0);
-        self.begin_after(reason.name.span, Group::Block(self.block), 1);
+        self.begin_after(reason.bootstrap.unwrap_or(reason.name.span), Group::Block(self.block), 1);
         self.expression(&reason.condition);
     }
 

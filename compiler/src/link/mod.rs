@@ -112,6 +112,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
             first..list.len()
         };
         let terminations = own(&mut whole.terminations, checked.terminations.iter().map(|end| end.name.clone()).collect());
+        whole.bootstraps.extend(checked.finishes.iter().map(|end| end.bootstraps));
         let finishes = own(&mut whole.finishes, checked.finishes.iter().map(|end| end.name.clone()).collect());
         let terms = whole.terms(&name, &checked, texts);
         let metrics = whole.metrics(&name, &checked);
@@ -138,7 +139,7 @@ fn lower(heading: Heading<'_>, phases: Vec<CheckedPhase<'_>>, texts: &dyn Texts)
     compiled.horizon = whole.horizon;
     (compiled.channels, compiled.terms, compiled.metrics) = (whole.channels, whole.terms, whole.metrics);
     compiled.critic = critic;
-    (compiled.terminations, compiled.finishes) = (whole.terminations, whole.finishes);
+    (compiled.terminations, compiled.finishes, compiled.bootstraps) = (whole.terminations, whole.finishes, whole.bootstraps);
     (compiled.randoms, compiled.parameters) = (whole.randoms, whole.parameters);
     compiled.motions = whole.motions;
     compiled
@@ -167,6 +168,7 @@ fn begun(heading: &Heading<'_>, first: &CheckedTask<'_>, frame: &FrameLayout) ->
         terms: Vec::new(),
         terminations: Vec::new(),
         finishes: Vec::new(),
+        bootstraps: Vec::new(),
         metrics: Vec::new(),
         randoms: Vec::new(),
         parameters: Vec::new(),
@@ -203,6 +205,7 @@ struct Whole {
     metrics: Vec<Channel>,
     terminations: Vec<String>,
     finishes: Vec<String>,
+    bootstraps: Vec<bool>,
     randoms: Vec<RandomValue>,
     parameters: Vec<crate::task::Parameter>,
     motions: Vec<FollowedMotion>,

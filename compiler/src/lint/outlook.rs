@@ -148,7 +148,9 @@ impl Outlook<'_, '_> {
     fn forfeits(&self, diagnostics: &mut Vec<Diagnostic>) {
         let horizon = f64::from(self.task.timing.horizon);
         let terms = || self.task.terms.iter().enumerate();
-        for end in self.task.finishes.iter().take(ENDS).filter(|end| brings_success(self.task, end)) {
+        // A learner that bootstraps loses nothing by finishing.
+        let ends = self.task.finishes.iter().take(ENDS).filter(|end| !end.bootstraps);
+        for end in ends.filter(|end| brings_success(self.task, end)) {
             let going = self.going_on();
             let lasting = terms().filter(|(_, term)| !is_event(&self.task.graph, term.node));
             let step: f64 = lasting.map(|(index, _)| self.contribution(index, &going).high).sum();

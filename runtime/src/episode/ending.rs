@@ -25,6 +25,16 @@ impl Ending {
         matches!(self, Self::Terminated(_) | Self::Finished(_))
     }
 
+    /// Whether a learner values what would have followed by the last observation (it bootstraps): at the horizon, after a fault, and
+    /// after reasons to finish beside all of which the task says `bootstrap`; never after a failure.
+    pub fn bootstraps(&self, task: &CompiledTask) -> bool {
+        match self {
+            Self::Terminated(_) => false,
+            Self::Finished(holding) => holding.iter().all(|&index| task.bootstraps.get(index) == Some(&true)),
+            Self::Truncated | Self::Fault(_) => true,
+        }
+    }
+
     /// The names of the conditions of `task` that ended it, joined by `and`; empty if the task did not end it.
     pub fn conditions(&self, task: &CompiledTask) -> String {
         let (holding, all) = match self {

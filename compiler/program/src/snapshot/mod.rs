@@ -153,12 +153,20 @@ impl CompiledTask {
             write(section, debug.metrics.get(place).map(|metric| &metric.formula), node, "is");
         }
         let ends = [
-            ("terminate", &self.terminations[phase.terminations.clone()], &outputs.terminations, &debug.terminations),
-            ("finish", &self.finishes[phase.finishes.clone()], &outputs.finishes, &debug.finishes),
+            ("terminate", &self.terminations[phase.terminations.clone()], &outputs.terminations, &debug.terminations, &[][..]),
+            (
+                "finish",
+                &self.finishes[phase.finishes.clone()],
+                &outputs.finishes,
+                &debug.finishes,
+                &self.bootstraps[phase.finishes.clone()],
+            ),
         ];
-        for (kind, reasons, nodes, conditions) in ends {
+        for (kind, reasons, nodes, conditions, bootstraps) in ends {
             for (place, (name, &node)) in reasons.iter().zip(nodes).enumerate() {
-                write(Section::new(kind, name), conditions.get(place).map(|condition| &condition.formula), node, "when");
+                let section = Section::new(kind, name);
+                let section = if bootstraps.get(place) == Some(&true) { section.field("bootstrap", true) } else { section };
+                write(section, conditions.get(place).map(|condition| &condition.formula), node, "when");
             }
         }
         let formula = |debug: &'a Option<ConditionDebug>| debug.as_ref().map(|debug| &debug.formula);

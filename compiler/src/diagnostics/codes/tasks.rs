@@ -82,4 +82,12 @@ codes! {
         example: "reward { 10 -> 5 over 130 % a = com.height / 1 m }",
         fix: "reward { 10 -> 5 over 30 % a = com.height / 1 m }",
     }
+    BOOTSTRAP = "E0414" {
+        title: "a failure that bootstraps",
+        explanation: "At the horizon a learner estimates what would have followed (it bootstraps); a failure ends that, and so \
+            does a reason of `finish`, unless `bootstrap` stands beside its name. Beside a failure it would make failing worth \
+            as much as going on.",
+        example: "terminate { out bootstrap when com.position.x > 5 m }",
+        fix: "finish { out bootstrap when com.position.x > 5 m }",
+    }
 }

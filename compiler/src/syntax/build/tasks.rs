@@ -208,6 +208,7 @@ impl Builder<'_> {
                 Reason {
                     docs: builder.docs(span),
                     name: builder.identifier_in(reason),
+                    bootstrap: part(reason, Rule::kw_bootstrap).map(|word| builder.span(&word)),
                     condition: builder.expression(part(reason, Rule::chain)),
                     span,
                 }

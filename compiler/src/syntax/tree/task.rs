@@ -358,13 +358,15 @@ pub struct Ends {
     pub span: Span,
 }
 
-/// `fallen when com.height < 0.8 m`
+/// `fallen when com.height < 0.8 m`, `arrived bootstrap when reached`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reason {
     /// Documentation.
     pub docs: Option<Docs>,
     /// Its name.
     pub name: Ident,
+    /// `bootstrap`: whether a learner values what would have followed.
+    pub bootstrap: Option<Span>,
     /// When it holds.
     pub condition: Expr,
     /// The statement.

@@ -8,7 +8,7 @@ use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Mem
 use crate::action::Action;
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
-use msk_program::task::ParameterError;
+use msk_program::task::{CompiledTask, ParameterError};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
@@ -229,11 +229,12 @@ impl VectorEnvironment {
             if let Some((end, [observation, critic])) = slot.outcome.end.take() {
                 step.final_observations[row].copy_from_slice(&observation);
                 step.final_critic_observations[own].copy_from_slice(&critic);
-                (step.terminated[index], step.truncated[index]) = flags(Some(&end.ending));
+                (step.terminated[index], step.truncated[index]) = flags(&self.engine.task, Some(&end.ending));
                 step.ends.push(end);
             } else {
                 // One that waits for its reset is still over.
-                (step.terminated[index], step.truncated[index]) = flags(slot.episode.ending.as_ref().filter(|_| disabled));
+                let ending = slot.episode.ending.as_ref().filter(|_| disabled);
+                (step.terminated[index], step.truncated[index]) = flags(&self.engine.task, ending);
             }
         }
         step
@@ -359,11 +360,9 @@ fn pool_of(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     ThreadPoolBuilder::new().num_threads(threads).build()
 }
 
-/// Whether an episode was terminated, and whether it was truncated.
-fn flags(ending: Option<&Ending>) -> (bool, bool) {
-    match ending {
-        None => (false, false),
-        Some(Ending::Terminated(_) | Ending::Finished(_)) => (true, false),
-        Some(Ending::Truncated | Ending::Fault(_)) => (false, true),
-    }
+/// Whether an episode was terminated, and whether it was truncated, as learners use the words: they value what would have followed a
+/// truncation, and nothing after a termination.
+fn flags(task: &CompiledTask, ending: Option<&Ending>) -> (bool, bool) {
+    let bootstraps = ending.map(|ending| ending.bootstraps(task));
+    (bootstraps == Some(false), bootstraps == Some(true))
 }

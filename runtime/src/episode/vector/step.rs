@@ -15,10 +15,11 @@ pub struct VectorStep {
     pub critic_observations: Vec<f64>,
     /// The rewards of this step; 0 for a reset, a step that met a fault, and a slot whose episode had ended.
     pub rewards: Vec<f64>,
-    /// Whether the task ended the episode, as a failure or because it is finished: what would follow has no value.
+    /// Whether the task ended the episode so that what would follow has no value: by a failure, or by a reason to finish unless the task
+    /// says `bootstrap` beside it.
     pub terminated: Vec<bool>,
-    /// Whether the horizon or a fault of the computation ended the episode: a learner values what would have followed by the last
-    /// observation.
+    /// Whether the horizon, a fault of the computation, or a reason to finish beside which the task says `bootstrap` ended the episode: a
+    /// learner values what would have followed by the last observation.
     pub truncated: Vec<bool>,
     /// Whether an episode ended in this step. `ends` tells which and how.
     pub ended: Vec<bool>,
