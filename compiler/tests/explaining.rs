@@ -72,7 +72,7 @@ fn an_end_that_bootstraps_is_explained_as_one() {
     assert!(shown.contains(lines), "{shown}");
     let report = report_of(&source);
     assert_eq!(report.phases[0].finishes.iter().map(|end| end.bootstrap).collect::<Vec<_>>(), [true, false]);
-    assert!(latex(&[report.clone()]).contains("(bootstraps)"));
+    assert!(latex(std::slice::from_ref(&report)).contains("(bootstraps)"));
     assert!(html("Tasks", &[report]).contains("<span class=\"soft\">bootstraps</span>"));
 }
 

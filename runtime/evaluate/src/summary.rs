@@ -293,6 +293,7 @@ mod tests {
             saturated: ByTerm::default(),
             weights_version: String::new(),
             weights: ByTerm::default(),
+            parameters: ByTerm::default(),
             metrics: ByTerm(vec![("lean".into(), pose)]),
             last_metrics: ByTerm(vec![("lean".into(), f64::NAN)]),
             task_hash: String::new(),

@@ -97,8 +97,8 @@ impl CompiledTask {
         if ![0, expected].contains(&found) {
             return Err(ParameterError::Count { expected, found });
         }
-        let changed = self.parameters.iter().zip(values).filter(|(parameter, value)| parameter.value != **value);
-        changed.map(|(parameter, value)| self.check_parameter(&parameter.name, *value).map(|_| ())).collect()
+        let mut changed = self.parameters.iter().zip(values).filter(|(parameter, value)| parameter.value != **value);
+        changed.try_for_each(|(parameter, value)| self.check_parameter(&parameter.name, *value).map(|_| ()))
     }
 
     /// The values of all parameters, in SI units and the order of [`CompiledTask::parameters`]: those that are given, or the task's.
