@@ -1,7 +1,7 @@
 //! What many episodes side by side promise: arrays, ends, the three modes of resetting, and the bits of each episode by itself.
 
 use super::episodes::episode;
-use msk::runtime::episode::{AutoresetMode, Ending, EpisodeKey, Fault, Stream, VectorEnvironment, VectorStep};
+use msk::runtime::episode::{AutoresetMode, Ending, Engine, EpisodeKey, Fault, Stream, VectorEnvironment, VectorStep};
 use std::num::NonZeroUsize;
 
 const SEED: u64 = 9;
@@ -195,4 +195,74 @@ fn an_episode_of_another_task_stays_as_it_is() {
     let steps: Vec<u32> = environment.episodes().map(|episode| episode.steps()).collect();
     assert_eq!(steps, [1, 0, 1]);
     assert_eq!(environment.episodes().nth(1), Some(other.episode()));
+}
+
+/// Three tasks with rows of the same lengths: the usual one, one with other rewards and an early end, one with a box in its scene.
+fn different() -> Vec<Engine> {
+    let parts: [&[(&str, &str)]; 3] = [
+        &[],
+        &[("2 upright = torso.up.z", "20 -> 4 over 50 % upright = torso.up.z"), ("early when step > 100", "early when step > 3")],
+        &[("    init {", "    scene { ground; box post { size [10 cm, 10 cm, 1 m], at [1 m, 0, 0.5 m] } }\n    init {")],
+    ];
+    parts.map(|parts| episode(parts).engine().clone()).to_vec()
+}
+
+#[test]
+fn a_mix_of_tasks_has_the_bits_of_each_alone() {
+    let engines = different();
+    let counts = [5, 2, 4];
+    let parts = || engines.iter().cloned().zip(counts.map(|count| NonZeroUsize::new(count).unwrap())).collect::<Vec<_>>();
+    let owner: Vec<usize> = counts.iter().enumerate().flat_map(|(engine, &count)| vec![engine; count]).collect();
+    let slots = owner.len();
+    let mut stream = Stream::new(key(0), "actions");
+    let width = engines[0].action_size();
+    let actions: Vec<Vec<f64>> = (0..6).map(|_| (0..slots * width).map(|_| 2.0 * stream.uniform() - 1.0).collect()).collect();
+    let play = |mut vector: VectorEnvironment| {
+        vector.set_progress(0.25).unwrap();
+        vector.reset(SEED);
+        actions.iter().map(|actions| vector.step(actions).unwrap().clone()).collect::<Vec<VectorStep>>()
+    };
+    let mixed = |threads: usize| {
+        let threads = NonZeroUsize::new(threads).unwrap();
+        VectorEnvironment::mixed(parts(), threads).unwrap().with_autoreset(AutoresetMode::SameStep)
+    };
+    let steps = play(mixed(1));
+    assert!(steps == play(mixed(3)));
+    let vector = mixed(2);
+    for (slot, &engine) in owner.iter().enumerate() {
+        assert!(vector.engine_of(slot).is_some_and(|own| own.is(&engines[engine])));
+        let mut alone = VectorEnvironment::new(engines[engine].clone(), NonZeroUsize::MIN, NonZeroUsize::MIN)
+            .unwrap()
+            .with_autoreset(AutoresetMode::SameStep)
+            .with_stride(slots as u64);
+        alone.set_progress(0.25).unwrap();
+        alone.reset_to(&[Some(key(slot))]);
+        for (step, actions) in steps.iter().zip(&actions) {
+            let own = alone.step(&actions[width * slot..width * (slot + 1)]).unwrap();
+            let row = own.observations.len();
+            assert_eq!(step.observations[row * slot..row * (slot + 1)], own.observations[..]);
+            assert_eq!((step.rewards[slot], step.ended[slot]), (own.rewards[0], own.ended[0]));
+            assert_eq!((step.terminated[slot], step.truncated[slot]), (own.terminated[0], own.truncated[0]));
+        }
+    }
+    let ended: Vec<usize> = steps.iter().flat_map(|step| step.ends.iter().map(|end| end.slot)).collect();
+    assert_eq!(ended, [5, 6], "those of the second task");
+    assert!(vector.engine_of(slots).is_none());
+}
+
+#[test]
+fn tasks_with_rows_of_different_lengths_do_not_mix() {
+    let wide = episode(&[("observe {", "observe { pelvis.height;")]).engine().clone();
+    let parts = |engines: Vec<Engine>| engines.into_iter().map(|engine| (engine, NonZeroUsize::MIN)).collect::<Vec<_>>();
+    let error = |engines| VectorEnvironment::mixed(parts(engines), NonZeroUsize::MIN).err().unwrap().to_string();
+    let plain = episode(&[]).engine().clone();
+    let size = plain.task().observation_size();
+    assert_eq!(
+        error(vec![plain, wide]),
+        format!(
+            "the tasks of a mix have equally many values of the observation: `balance` has {size}, `balance` has {}",
+            size + 1
+        )
+    );
+    assert_eq!(error(Vec::new()), "a mix has at least one task");
 }

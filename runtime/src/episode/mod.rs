@@ -35,7 +35,7 @@ pub use environment::{Environment, Reward, TermReward};
 pub use start::{Penetration, Residual, StartReport};
 pub use streams::{EpisodeKey, Stream};
 pub use together::{GroupScratch, Member};
-pub use vector::{AutoresetMode, EpisodeEnd, VectorEnvironment, VectorStep, single_precision};
+pub use vector::{AutoresetMode, EpisodeEnd, MixError, VectorEnvironment, VectorStep, single_precision};
 
 use crate::action::ActionState;
 use crate::body::sensors;

@@ -47,9 +47,14 @@ impl Engine {
         GroupScratch { group: LaneGroup::of(&self.model, &self.plan), lanes: vec![self.scratch(); episodes.clamp(1, WIDTH)] }
     }
 
+    /// Whether the two play on one model, so that scratch of one serves the other.
+    pub(super) fn shares_model(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.model, &other.model)
+    }
+
     /// Whether the two can play their episodes together: on one model, with steps of one length.
     pub fn goes_with(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.model, &other.model) && self.substeps == other.substeps
+        self.shares_model(other) && self.substeps == other.substeps
     }
 }
 

@@ -1,17 +1,21 @@
 //! Many episodes of one task side by side.
 
+mod mix;
+mod slot;
 mod step;
+mod workers;
 
+pub use mix::MixError;
 pub use step::{EpisodeEnd, VectorStep, single_precision};
 
-use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Member, Weights};
+use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Member};
 use crate::action::Action;
-use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
 use msk_program::task::{CompiledTask, ParameterError};
-use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use rayon::ThreadPoolBuildError;
+use slot::{Outcome, Slot};
 use std::num::NonZeroUsize;
+use workers::Workers;
 
 /// When an episode that has ended gives way to the next one in its slot: Gymnasium's `AutoresetMode`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,7 +29,7 @@ pub enum AutoresetMode {
     Disabled,
 }
 
-/// Many episodes of one task, stepped together by a few workers.
+/// Many episodes of one task, or of several, stepped together by a few workers.
 ///
 /// An episode costs its own data only; scratch belongs to the workers, and each worker steps up to eight episodes at once in the lanes of
 /// the simulator. Each episode depends on its seed, its index and its actions alone, so results have the same bits on any number of threads.
@@ -50,38 +54,14 @@ pub enum AutoresetMode {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct VectorEnvironment {
-    engine: Engine,
+    /// One per task, never none.
+    engines: Vec<Engine>,
     slots: Vec<Slot>,
-    /// One per worker.
-    scratch: Vec<GroupScratch>,
-    /// None for a single worker, which is the caller's thread: where there are no threads, as in a browser, it is the only one.
-    pool: Option<ThreadPool>,
+    workers: Workers,
     autoreset: AutoresetMode,
     /// How far apart the indices of successive episodes of a slot are.
     stride: u64,
     step: VectorStep,
-}
-
-/// A place for one episode after the other.
-struct Slot {
-    episode: Episode,
-    /// Of the forward pass of the episode's state, if that is known.
-    rates: Option<Rates>,
-    weights: Weights,
-    /// Those of the next episodes, one per parameter; none if they are those of the task.
-    parameters: Vec<f64>,
-    /// The key of the next episode.
-    next: EpisodeKey,
-    /// Of the last step.
-    outcome: Outcome,
-}
-
-/// What a step did in a slot.
-#[derive(Default, Clone)]
-struct Outcome {
-    reward: f64,
-    /// The episode that ended, with its last observation, and what only a critic saw of it.
-    end: Option<(EpisodeEnd, [Vec<f64>; 2])>,
 }
 
 impl VectorEnvironment {
@@ -90,21 +70,30 @@ impl VectorEnvironment {
     /// # Errors
     /// The operating system gives no threads.
     pub fn new(engine: Engine, count: NonZeroUsize, threads: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
-        let pool = (threads.get() > 1).then(|| pool_of(threads.get())).transpose()?;
-        let slot = Slot {
-            episode: engine.episode(),
-            rates: None,
-            weights: Weights::of(engine.task()),
-            parameters: Vec::new(),
-            next: EpisodeKey::default(),
-            outcome: Outcome::default(),
-        };
-        let workers = threads.min(count).get();
-        let scratch = vec![engine.group_scratch(count.get().div_ceil(workers)); workers];
-        let slots = (0..count.get()).map(|_| slot.duplicate()).collect();
-        let step = VectorStep::new(count.get(), [engine.task().observation_size(), engine.task().critic_size()]);
-        let mut environment =
-            Self { engine, slots, scratch, pool, autoreset: AutoresetMode::default(), stride: count.get() as u64, step };
+        Self::of(vec![engine], &[count], threads)
+    }
+
+    /// Episodes of several tasks: for each in turn as many slots as are given, one after the other. All have actions, observations and
+    /// critic observations of the same length, which are the rows of the arrays.
+    ///
+    /// # Errors
+    /// No task, tasks with rows of different lengths, or no threads.
+    pub fn mixed(parts: Vec<(Engine, NonZeroUsize)>, threads: NonZeroUsize) -> Result<Self, MixError> {
+        let (engines, counts): (Vec<Engine>, Vec<NonZeroUsize>) = parts.into_iter().unzip();
+        mix::check_sizes(&engines)?;
+        Ok(Self::of(engines, &counts, threads)?)
+    }
+
+    /// Slots for each of the engines, of which there is at least one, with rows of the same lengths.
+    fn of(engines: Vec<Engine>, counts: &[NonZeroUsize], threads: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
+        let parts = engines.iter().zip(counts).enumerate();
+        let slots: Vec<Slot> =
+            parts.flat_map(|(place, (engine, count))| vec![Slot::of(place, engine); count.get()]).collect();
+        let workers = Workers::of(&engines, &slots, threads)?;
+        let task = engines[0].task();
+        let step = VectorStep::new(slots.len(), [task.observation_size(), task.critic_size()]);
+        let stride = slots.len() as u64;
+        let mut environment = Self { engines, slots, workers, autoreset: AutoresetMode::default(), stride, step };
         environment.reset(0);
         Ok(environment)
     }
@@ -128,12 +117,7 @@ impl VectorEnvironment {
     /// # Errors
     /// The operating system gives no threads.
     pub fn restart_workers(&mut self) -> Result<(), ThreadPoolBuildError> {
-        if let Some(pool) = &mut self.pool {
-            let new = pool_of(pool.current_num_threads())?;
-            // The old pool is not dropped: it would lock what one of its threads may have held when the process was forked.
-            std::mem::forget(std::mem::replace(pool, new));
-        }
-        Ok(())
+        self.workers.restart()
     }
 
     /// Begins in slot i episode i of `seed`; the n-th episode after it will have the index i + n times the
@@ -158,12 +142,12 @@ impl VectorEnvironment {
 
     /// Begins the next episode in the slots for which `chosen` holds; slots beyond its end stay as they are.
     pub fn reset_where(&mut self, chosen: &[bool]) -> &VectorStep {
-        let stride = self.stride;
-        self.each(|first, engine, slots, scratch| {
+        let Self { engines, slots, workers, stride, .. } = self;
+        workers.each(engines, slots, |first, slots, scratch| {
             for (lane, slot) in slots.iter_mut().enumerate() {
                 slot.outcome = Outcome::default();
                 if chosen.get(first + lane) == Some(&true) {
-                    slot.begin(stride, engine, scratch, lane);
+                    slot.begin(*stride, engines, scratch, lane);
                 }
             }
         });
@@ -177,25 +161,26 @@ impl VectorEnvironment {
     /// # Errors
     /// Actions of the wrong length: nothing has been stepped then.
     pub fn step(&mut self, actions: &[f64]) -> Result<&VectorStep, EpisodeError> {
-        let width = self.engine.action_size();
+        let width = self.engine().action_size();
         let expected = width * self.slots.len();
         if actions.len() != expected {
             return Err(EpisodeError::ActionSize { expected, found: actions.len() });
         }
-        let (stride, autoreset) = (self.stride, self.autoreset);
-        self.each(|first, engine, slots, scratch| {
+        let Self { engines, slots, workers, stride, autoreset, .. } = self;
+        workers.each(engines, slots, |first, slots, scratch| {
             let mut goes_on = [false; WIDTH];
             for (lane, slot) in slots.iter_mut().enumerate() {
                 slot.outcome = Outcome::default();
                 goes_on[lane] = slot.episode.ending.is_none();
                 // With `SameStep` only an episode that could not begin is found ended; it gives way to the next one now.
-                if !goes_on[lane] && autoreset != AutoresetMode::Disabled {
-                    slot.begin(stride, engine, scratch, lane);
+                if !goes_on[lane] && *autoreset != AutoresetMode::Disabled {
+                    slot.begin(*stride, engines, scratch, lane);
                 }
             }
             scratch.step(slots.iter_mut().enumerate().map(|(lane, slot)| {
                 let place = first + lane;
-                let Slot { episode, rates, weights, .. } = slot;
+                let Slot { engine, episode, rates, weights, .. } = slot;
+                let engine = &engines[*engine];
                 let action = Action::from(&actions[width * place..width * (place + 1)]);
                 // An episode of another task that was restored here stays as it is.
                 let takes_part = goes_on[lane] && engine.made(episode);
@@ -205,8 +190,8 @@ impl VectorEnvironment {
                 slot.outcome.reward = slot.episode.report.reward;
                 if let Some(end) = EpisodeEnd::of(first + lane, &slot.episode) {
                     slot.outcome.end = Some((end, [slot.episode.observation.clone(), slot.episode.critic.clone()]));
-                    if autoreset == AutoresetMode::SameStep {
-                        slot.begin(stride, engine, scratch, lane);
+                    if *autoreset == AutoresetMode::SameStep {
+                        slot.begin(*stride, engines, scratch, lane);
                     }
                 }
             }
@@ -216,7 +201,8 @@ impl VectorEnvironment {
 
     /// Writes what has happened in the slots into the arrays of the step.
     fn gather(&mut self) -> &VectorStep {
-        let [width, critic] = [self.engine.task.observation_size(), self.engine.task.critic_size()];
+        let task = &self.engines[0].task;
+        let [width, critic] = [task.observation_size(), task.critic_size()];
         let disabled = self.autoreset == AutoresetMode::Disabled;
         let step = &mut self.step;
         step.ends.clear();
@@ -224,42 +210,32 @@ impl VectorEnvironment {
             let [row, own] = [width, critic].map(|width| width * index..width * (index + 1));
             step.observations[row.clone()].copy_from_slice(&slot.episode.observation);
             step.critic_observations[own.clone()].copy_from_slice(&slot.episode.critic);
+            let task = &self.engines[slot.engine].task;
             step.rewards[index] = slot.outcome.reward;
             step.ended[index] = slot.outcome.end.is_some();
             if let Some((end, [observation, critic])) = slot.outcome.end.take() {
                 step.final_observations[row].copy_from_slice(&observation);
                 step.final_critic_observations[own].copy_from_slice(&critic);
-                (step.terminated[index], step.truncated[index]) = flags(&self.engine.task, Some(&end.ending));
+                (step.terminated[index], step.truncated[index]) = flags(task, Some(&end.ending));
                 step.ends.push(end);
             } else {
                 // One that waits for its reset is still over.
                 let ending = slot.episode.ending.as_ref().filter(|_| disabled);
-                (step.terminated[index], step.truncated[index]) = flags(&self.engine.task, ending);
+                (step.terminated[index], step.truncated[index]) = flags(task, ending);
             }
         }
         step
     }
 
-    /// Does something with all slots, on all workers: with as many at once as a worker has lanes, from the given index on.
-    fn each(&mut self, act: impl Fn(usize, &Engine, &mut [Slot], &mut GroupScratch) + Sync) {
-        let Self { engine, slots, scratch, pool, .. } = self;
-        let share = slots.len().div_ceil(scratch.len().max(1)).max(1);
-        // Groups of one size: nine slots are five and four.
-        let size = share.div_ceil(share.div_ceil(WIDTH));
-        let work = |(worker, (slots, scratch)): (usize, (&mut [Slot], &mut GroupScratch))| {
-            for (group, slots) in slots.chunks_mut(size).enumerate() {
-                act(worker * share + group * size, engine, slots, scratch);
-            }
-        };
-        match pool {
-            Some(pool) => pool.install(|| slots.par_chunks_mut(share).zip(scratch).enumerate().for_each(work)),
-            None => slots.chunks_mut(share).zip(scratch).enumerate().for_each(work),
-        }
+    /// What the episodes are played with, of a mix those of the first slot: all have actions and observations of the same length.
+    pub fn engine(&self) -> &Engine {
+        // There is always one.
+        &self.engines[0]
     }
 
-    /// What all episodes are played with.
-    pub fn engine(&self) -> &Engine {
-        &self.engine
+    /// What the episodes in a slot are played with; `None` for a slot that does not exist.
+    pub fn engine_of(&self, slot: usize) -> Option<&Engine> {
+        self.slots.get(slot).map(|slot| &self.engines[slot.engine])
     }
 
     /// What the last step or reset gave.
@@ -299,7 +275,7 @@ impl VectorEnvironment {
     /// is left out.
     pub fn set_weight(&mut self, slot: usize, term: usize, weight: f64) {
         if let Some(slot) = self.slots.get_mut(slot) {
-            slot.weights.set(&self.engine.task, term, weight);
+            slot.weights.set(&self.engines[slot.engine].task, term, weight);
         }
     }
 
@@ -309,13 +285,14 @@ impl VectorEnvironment {
     /// # Errors
     /// No such parameter, one that is a constant of the compiled task, or a value outside of its range.
     pub fn set_parameter(&mut self, slot: usize, name: &str, value: f64) -> Result<(), ParameterError> {
-        let task = &self.engine.task;
-        self.slots.get_mut(slot).map_or(Ok(()), |slot| task.set_parameter(&mut slot.parameters, name, value))
+        let engines = &self.engines;
+        let set = |slot: &mut Slot| engines[slot.engine].task.set_parameter(&mut slot.parameters, name, value);
+        self.slots.get_mut(slot).map_or(Ok(()), set)
     }
 
     /// The parameters of the episodes to come in a slot, in SI units and the task's order; `None` for a slot that does not exist.
     pub fn parameters(&self, slot: usize) -> Option<Vec<f64>> {
-        self.slots.get(slot).map(|slot| self.engine.task.complete_parameters(&slot.parameters))
+        self.slots.get(slot).map(|slot| self.engines[slot.engine].task.complete_parameters(&slot.parameters))
     }
 
     /// The share of a training that has passed, 0 to 1: 1 unless it is set.
@@ -329,7 +306,8 @@ impl VectorEnvironment {
     /// # Errors
     /// What is no number from 0 to 1.
     pub fn set_progress(&mut self, progress: f64) -> Result<(), EpisodeError> {
-        self.slots.iter_mut().try_for_each(|slot| slot.weights.set_progress(&self.engine.task, progress))
+        let engines = &self.engines;
+        self.slots.iter_mut().try_for_each(|slot| slot.weights.set_progress(&engines[slot.engine].task, progress))
     }
 
     /// Puts an episode of the same task into a slot; a slot that does not exist is left out. The arrays of the last step stay as they
@@ -340,24 +318,6 @@ impl VectorEnvironment {
             slot.rates = None;
         }
     }
-}
-
-impl Slot {
-    fn duplicate(&self) -> Self {
-        let Self { episode, weights, parameters, next, .. } = self;
-        let (episode, weights, parameters) = (episode.clone(), weights.clone(), parameters.clone());
-        Self { episode, rates: None, weights, parameters, next: *next, outcome: Outcome::default() }
-    }
-
-    /// Begins the next episode in a lane; the index of the one after it is `stride` greater.
-    fn begin(&mut self, stride: u64, engine: &Engine, scratch: &mut GroupScratch, lane: usize) {
-        self.rates = scratch.begin(lane, engine, (self.next, &self.parameters), &mut self.episode);
-        self.next.episode = self.next.episode.wrapping_add(stride);
-    }
-}
-
-fn pool_of(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
-    ThreadPoolBuilder::new().num_threads(threads).build()
 }
 
 /// Whether an episode was terminated, and whether it was truncated, as learners use the words: they value what would have followed a
