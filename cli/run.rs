@@ -30,7 +30,7 @@ pub struct Args {
     /// The policy: cmc (computed muscle control that tracks the task's reference motion, or holds the initial pose),
     /// demonstration (tracks the script of the task's first succeeding test), zero (every muscle at rest), random (every
     /// action uniform in -1..1), plan (search on the reward itself: "plan fast", "plan good", "plan best" or "plan FILE" with
-    /// settings), "process COMMAND" (an external program: `msk help policies` describes its protocol),
+    /// settings), "process [--messagepack] COMMAND" (an external program: `msk help policies` describes its protocol),
     /// "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy file, a row per step)
     #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: String,

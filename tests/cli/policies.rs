@@ -45,6 +45,54 @@ fn a_program_acts_like_the_built_in_policy_that_does_the_same() {
     assert_eq!(returns("out"), returns("zero"));
 }
 
+/// A program for `sh` that is ready, and then gives `count` actions in MessagePack, of 416 numbers that `printf` makes.
+fn packed(count: usize, number: &str) -> String {
+    format!(
+        r#"printf '\201\245ready\303'
+for step in $(seq {count}); do
+    printf '\201\246action\334\001\240'
+    printf '%.0s{number}' $(seq 416)
+done
+cat > requests
+"#
+    )
+}
+
+#[test]
+fn a_program_acts_in_message_pack_as_in_json() {
+    let project = project(&packed(40, "\\377"));
+    let run = |policy: &str, folder: &str| {
+        let arguments =
+            ["eval", "lean.msk", "--policy", policy, "--episodes", "2", "--seed", "5", "--threads", "1", "--out", folder];
+        project.msk(&arguments)
+    };
+    let done = run("process --messagepack sh agent.sh", "out").succeeded();
+    assert!(done.out.contains("Policy `process --messagepack sh agent.sh`"), "{}", done.out);
+    run("zero", "zero").succeeded();
+    let returns = |folder: &str| -> Vec<f64> {
+        let text = project.read(format!("{folder}/episodes.jsonl"));
+        text.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["return"].as_f64().unwrap()).collect()
+    };
+    assert_eq!(returns("out"), returns("zero"));
+    // Requests are maps with one key: "task", and then "act".
+    let requests = std::fs::read(project.path("requests")).unwrap();
+    assert!(requests.starts_with(b"\x81\xa4task"), "{:?}", &requests[..20]);
+    assert!(requests.windows(5).filter(|window| *window == b"\x81\xa3act").count() >= 10);
+    // The errors are those of JSON.
+    let wrong = |program: String, reason: &str| {
+        project.write("agent.sh", &program);
+        let done = project.msk(&["run", "lean.msk", "--policy", "process --messagepack sh agent.sh"]);
+        done.failed(1, &["policy `process --messagepack sh agent.sh` failed", reason]);
+    };
+    wrong(packed(3, "\\312\\177\\300\\000\\000"), "its action contains NaN, which is not a number");
+    wrong("echo '{\"ready\": true}'; cat > requests".to_owned(), "its reply does not follow the protocol");
+    wrong(
+        "printf '\\201\\245ready\\303\\201\\246action\\221\\000'; cat > requests".to_owned(),
+        "its action has 1 numbers, expected 416",
+    );
+    wrong("printf '\\201\\245ready\\303\\201\\246act'; exit 3".to_owned(), "it ended with code 3");
+}
+
 #[test]
 fn a_program_knows_what_it_sees_and_moves() {
     let project = project(&format!("exec 3> requests\n{}", agent("action 416 0").replace("case", "echo \"$line\" >&3; case")));

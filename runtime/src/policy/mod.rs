@@ -122,6 +122,9 @@ pub enum PolicyError {
         /// A complete one.
         example: &'static str,
     },
+    /// A process with an option that it does not have.
+    #[error("`process` has no option `{0}`: write `process COMMAND` for lines of JSON or `process --messagepack COMMAND`")]
+    ProcessOption(String),
     /// A file that cannot be read.
     #[error("cannot read `{path}`: {reason}")]
     Unreadable {

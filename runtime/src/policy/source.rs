@@ -1,6 +1,6 @@
 //! Policies as a command line names them: built in, or from outside.
 
-use super::outside::{Network, Process, Replay, Weights};
+use super::outside::{Encoding, Network, Process, Replay, Weights};
 use super::{Policy, PolicyError, create, present_name};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// How long a policy from outside may take for a reply, unless it is set.
 pub const TIMEOUT: Duration = Duration::from_secs(30);
 
-/// What acts: the name of a built-in policy, `process COMMAND`, `network FILE` or `replay FILE`.
+/// What acts: the name of a built-in policy, `process COMMAND`, `process --messagepack COMMAND`, `network FILE` or `replay FILE`.
 ///
 /// The text of tasks, journals and requests of other programs name built-in policies only ([`create`]): a source with a command is
 /// made from what the user of a command line wrote.
@@ -38,7 +38,7 @@ pub trait PolicyMaker: core::fmt::Debug + Send + Sync {
 enum Kind {
     BuiltIn,
     Made(Arc<dyn PolicyMaker>),
-    Process(Vec<String>),
+    Process(Vec<String>, Encoding),
     Network(Weights),
     Replay { path: String, bytes: Arc<[u8]> },
 }
@@ -67,11 +67,18 @@ impl PolicySource {
         let rest = rest.trim();
         let (name, kind) = match word {
             "process" => {
-                let command: Vec<String> = rest.split_whitespace().map(str::to_owned).collect();
+                let mut command: Vec<String> = rest.split_whitespace().map(str::to_owned).collect();
+                let encoding = match command.first().map(String::as_str) {
+                    Some("--messagepack") => Encoding::MessagePack,
+                    Some(option) if option.starts_with("--") => return Err(PolicyError::ProcessOption(option.to_owned())),
+                    _ => Encoding::Json,
+                };
+                let name = format!("process {}", command.join(" "));
+                command.drain(..usize::from(encoding == Encoding::MessagePack));
                 if command.is_empty() {
                     return Err(PolicyError::Incomplete { policy: "process", example: "process python3 policy.py" });
                 }
-                (format!("process {}", command.join(" ")), Kind::Process(command))
+                (name, Kind::Process(command, encoding))
             }
             "network" if rest.is_empty() => {
                 return Err(PolicyError::Incomplete { policy: "network", example: "network agent.safetensors" });
@@ -112,7 +119,7 @@ impl PolicySource {
     /// Episodes that one worker should play at once: a process answers one after the other, and one for each worker is enough.
     pub fn most_at_once(&self) -> usize {
         match &self.kind {
-            Kind::Process(_) => 1,
+            Kind::Process(..) => 1,
             Kind::Made(maker) => maker.most_at_once(),
             Kind::BuiltIn | Kind::Network(_) | Kind::Replay { .. } => usize::MAX,
         }
@@ -126,7 +133,9 @@ impl PolicySource {
         match &self.kind {
             Kind::BuiltIn => create(&self.name).map(|policy| policy as Box<dyn Policy>),
             Kind::Made(maker) => maker.open(stop),
-            Kind::Process(command) => Ok(Box::new(Process::start(&self.name, command, self.timeout, stop)?)),
+            Kind::Process(command, encoding) => {
+                Ok(Box::new(Process::start(&self.name, (command, *encoding), self.timeout, stop)?))
+            }
             Kind::Network(weights) => Ok(Box::new(Network::new(&self.name, weights))),
             Kind::Replay { path, bytes } => Ok(Box::new(Replay::new(&self.name, path, bytes.clone()))),
         }
@@ -143,9 +152,15 @@ mod tests {
         assert_eq!(name("cmc"), Ok("cmc".to_owned()));
         assert_eq!(name("posture"), Ok("cmc".to_owned()));
         assert_eq!(name("process  python3   p.py"), Ok("process python3 p.py".to_owned()));
+        assert_eq!(name("process  --messagepack  ./agent x"), Ok("process --messagepack ./agent x".to_owned()));
         assert!(matches!(name("processes"), Err(PolicyError::UnknownSource(_))));
         let message = |text: &str| name(text).err().map(|error| error.to_string()).unwrap_or_default();
         assert_eq!(message("process "), "`process` needs a command: write `process python3 policy.py`");
+        assert_eq!(message("process --messagepack"), "`process` needs a command: write `process python3 policy.py`");
+        assert_eq!(
+            message("process --cbor ./agent"),
+            "`process` has no option `--cbor`: write `process COMMAND` for lines of JSON or `process --messagepack COMMAND`"
+        );
         assert_eq!(message("network"), "`network` needs a file: write `network agent.safetensors`");
         assert_eq!(message("replay"), "`replay` needs a file: write `replay actions.npy`");
         assert!(message("replay nothing.npy").starts_with("cannot read `nothing.npy`"), "{}", message("replay nothing.npy"));

@@ -87,8 +87,7 @@ impl VectorEnvironment {
     /// Slots for each of the engines, of which there is at least one, with rows of the same lengths.
     fn of(engines: Vec<Engine>, counts: &[NonZeroUsize], threads: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
         let parts = engines.iter().zip(counts).enumerate();
-        let slots: Vec<Slot> =
-            parts.flat_map(|(place, (engine, count))| vec![Slot::of(place, engine); count.get()]).collect();
+        let slots: Vec<Slot> = parts.flat_map(|(place, (engine, count))| vec![Slot::of(place, engine); count.get()]).collect();
         let workers = Workers::of(&engines, &slots, threads)?;
         let task = engines[0].task();
         let step = VectorStep::new(slots.len(), [task.observation_size(), task.critic_size()]);

@@ -42,12 +42,7 @@ impl Workers {
 
     /// Does something with all slots, on all workers: with as many neighbours at once as a worker has lanes and as
     /// [go with each other](Engine::goes_with), from the given index on.
-    pub fn each(
-        &mut self,
-        engines: &[Engine],
-        slots: &mut [Slot],
-        act: impl Fn(usize, &mut [Slot], &mut GroupScratch) + Sync,
-    ) {
+    pub fn each(&mut self, engines: &[Engine], slots: &mut [Slot], act: impl Fn(usize, &mut [Slot], &mut GroupScratch) + Sync) {
         let share = share(slots.len(), self.scratch.len());
         let work = |(worker, (slots, scratch)): (usize, (&mut [Slot], &mut Vec<GroupScratch>))| {
             let mut first = worker * share;

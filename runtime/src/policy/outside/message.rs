@@ -1,10 +1,21 @@
-//! The lines that a policy process reads and writes: one JSON object each. `docs/policies.md` describes them for authors.
+//! The messages that a policy process reads and writes: objects, as lines of JSON or in MessagePack. `docs/policies.md` describes them
+//! for authors.
 
 use crate::policy::PolicyContext;
 use serde::{Deserialize, Serialize};
+use std::io::{ErrorKind, Read};
 
 /// Version of the protocol. It changes when a program written for the former one would no longer work.
 const VERSION: u32 = 1;
+
+/// How messages are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    /// One object per line.
+    Json,
+    /// One object after the other.
+    MessagePack,
+}
 
 /// What is sent.
 #[derive(Serialize)]
@@ -80,27 +91,56 @@ impl<'a> Request<'a> {
         Self::Act { seed: context.key.seed, episode: context.key.episode, step: context.step, observation: context.observation }
     }
 
-    /// As one line.
-    pub fn line(&self) -> Result<String, serde_json::Error> {
-        serde_json::to_string(self).map(|text| text + "\n")
+    /// As bytes.
+    ///
+    /// # Errors
+    /// Why it cannot be written, in words.
+    pub fn encoded(&self, encoding: Encoding) -> Result<Vec<u8>, String> {
+        match encoding {
+            Encoding::Json => {
+                serde_json::to_string(self).map(|text| (text + "\n").into_bytes()).map_err(|error| error.to_string())
+            }
+            Encoding::MessagePack => rmp_serde::to_vec_named(self).map_err(|error| error.to_string()),
+        }
     }
 }
 
 impl Reply {
-    /// From a line.
+    /// The next object of MessagePack.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words; nothing if it has no end.
+    pub fn of_message_pack(bytes: impl Read) -> Result<Self, Option<String>> {
+        use rmp_serde::decode::Error;
+        let reply: Self = rmp_serde::from_read(bytes).map_err(|error| match &error {
+            Error::InvalidMarkerRead(ends) | Error::InvalidDataRead(ends) if ends.kind() == ErrorKind::UnexpectedEof => None,
+            _ => Some(format!("its reply does not follow the protocol: {}", shortened(&error.to_string()))),
+        })?;
+        let word = |value: &f64| if value.is_nan() { "NaN" } else { "Infinity" };
+        match reply.action.iter().flatten().find(|value| !value.is_finite()) {
+            Some(value) => Err(Some(not_a_number(word(value)))),
+            None => Ok(reply),
+        }
+    }
+
+    /// From a line of JSON.
     ///
     /// # Errors
     /// What is wrong with it, in words.
-    pub fn read(line: &[u8]) -> Result<Self, String> {
+    pub fn of_json(line: &[u8]) -> Result<Self, String> {
         serde_json::from_slice(line).map_err(|error| {
             let text = String::from_utf8_lossy(line);
             let no_number = ["NaN", "Infinity"].into_iter().find(|word| text.contains(word) && text.contains("\"action\""));
             match no_number {
-                Some(word) => format!("its action contains {word}, which is not a number"),
+                Some(word) => not_a_number(word),
                 None => format!("its reply does not follow the protocol: `{}` ({error})", shortened(text.trim())),
             }
         })
     }
+}
+
+fn not_a_number(word: &str) -> String {
+    format!("its action contains {word}, which is not a number")
 }
 
 /// The beginning of what somebody else wrote.
@@ -118,14 +158,14 @@ mod tests {
 
     #[test]
     fn replies_are_one_of_three_objects() {
-        assert_eq!(Reply::read(br#"{"ready": true}"#).map(|reply| reply.ready), Ok(Some(true)));
-        assert_eq!(Reply::read(br#"{"action": [0, -1, 0.5]}"#).map(|reply| reply.action), Ok(Some(vec![0.0, -1.0, 0.5])));
-        assert_eq!(Reply::read(br#"{"error": "no"}"#).map(|reply| reply.error), Ok(Some("no".to_owned())));
+        assert_eq!(Reply::of_json(br#"{"ready": true}"#).map(|reply| reply.ready), Ok(Some(true)));
+        assert_eq!(Reply::of_json(br#"{"action": [0, -1, 0.5]}"#).map(|reply| reply.action), Ok(Some(vec![0.0, -1.0, 0.5])));
+        assert_eq!(Reply::of_json(br#"{"error": "no"}"#).map(|reply| reply.error), Ok(Some("no".to_owned())));
     }
 
     #[test]
     fn what_is_no_reply_is_shown() {
-        let wrong = |line: &str| Reply::read(line.as_bytes()).err().unwrap_or_default();
+        let wrong = |line: &str| Reply::of_json(line.as_bytes()).err().unwrap_or_default();
         assert_eq!(wrong(r#"{"action": [NaN]}"#), "its action contains NaN, which is not a number");
         assert_eq!(wrong(r#"{"action": [-Infinity]}"#), "its action contains Infinity, which is not a number");
         assert!(wrong("loading weights").starts_with("its reply does not follow the protocol: `loading weights` ("));

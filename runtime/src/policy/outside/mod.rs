@@ -1,11 +1,12 @@
-//! Policies from outside: a program that answers line by line, recorded actions, and networks.
+//! Policies from outside: a program that answers message by message, recorded actions, and networks.
 
-mod lines;
 mod message;
 mod network;
+mod pipes;
 mod process;
 mod replay;
 
+pub(super) use message::Encoding;
 pub(super) use network::{Network, Weights};
 pub(super) use process::Process;
 pub(super) use replay::Replay;

@@ -1,7 +1,7 @@
-//! A program that acts: it reads a line of JSON per control step and writes one.
+//! A program that acts: it reads a message per control step and writes one.
 
-use super::lines::{LONGEST, Line, Tail, reader, writer};
-use super::message::{Reply, Request, TaskDescription, shortened};
+use super::message::{Encoding, Reply, Request, TaskDescription, shortened};
+use super::pipes::{Incoming, LONGEST, Tail, reader, writer};
 use crate::policy::{Policy, PolicyContext, PolicyError};
 use crate::process_group::ProcessGroup;
 use std::process::{Command, Stdio};
@@ -21,8 +21,9 @@ pub(crate) struct Process<'a> {
     stop: &'a AtomicBool,
     group: ProcessGroup,
     /// `None` once its input is to end.
-    requests: Option<Sender<String>>,
-    replies: Receiver<Line>,
+    requests: Option<Sender<Vec<u8>>>,
+    replies: Receiver<Incoming>,
+    encoding: Encoding,
     errors: Tail,
     /// Hash of the task that it has agreed to act on.
     task: Option<String>,
@@ -42,7 +43,12 @@ impl<'a> Process<'a> {
     ///
     /// # Errors
     /// A program that cannot be started.
-    pub fn start(name: &str, command: &[String], timeout: Duration, stop: &'a AtomicBool) -> Result<Self, PolicyError> {
+    pub fn start(
+        name: &str,
+        (command, encoding): (&[String], Encoding),
+        timeout: Duration,
+        stop: &'a AtomicBool,
+    ) -> Result<Self, PolicyError> {
         let failed = |reason: String| PolicyError::Failed { policy: name.to_owned(), reason };
         let (program, arguments) = command.split_first().ok_or_else(|| failed("it has no command".into()))?;
         let mut command = Command::new(program);
@@ -59,7 +65,8 @@ impl<'a> Process<'a> {
             stop,
             group,
             requests: Some(writer(input)),
-            replies: reader(output),
+            replies: reader(output, encoding),
+            encoding,
             errors: Tail::of(errors),
             task: None,
             asked: Asked::default(),
@@ -68,14 +75,14 @@ impl<'a> Process<'a> {
 
     /// Sends a request and waits for the reply to it.
     fn ask(&mut self, request: &Request<'_>) -> Result<Reply, PolicyError> {
-        let line = request.line().map_err(|error| self.failed(format!("cannot receive requests: {error}")))?;
+        let message = request.encoded(self.encoding).map_err(|error| self.failed(format!("cannot receive requests: {error}")))?;
         // A thread that has ended leaves its program to be found ended below.
-        let _ = self.requests.as_ref().map(|requests| requests.send(line));
+        let _ = self.requests.as_ref().map(|requests| requests.send(message));
         let begin = Instant::now();
         loop {
             match self.replies.recv_timeout(GLANCE) {
-                Ok(Line::Text(line)) => return Reply::read(&line).map_err(|reason| self.failed(reason)),
-                Ok(Line::TooLong) => return Err(self.failed(format!("its reply is longer than {LONGEST} bytes"))),
+                Ok(Incoming::Reply(reply)) => return reply.map_err(|reason| self.failed(reason)),
+                Ok(Incoming::TooLong) => return Err(self.failed(format!("its reply is longer than {LONGEST} bytes"))),
                 Err(RecvTimeoutError::Disconnected) => return Err(self.ended()),
                 Err(RecvTimeoutError::Timeout) if self.stop.load(Ordering::Relaxed) => return Err(PolicyError::Interrupted),
                 Err(RecvTimeoutError::Timeout) if begin.elapsed() >= self.timeout => {
