@@ -131,6 +131,24 @@ fn the_ground_pushes_the_segments_that_touch_it() {
 }
 
 #[test]
+fn the_reaction_of_a_joint_is_what_its_segments_do_to_each_other() {
+    for case in cases() {
+        let expected = case.expected["joint_reaction"].as_array().unwrap();
+        let found = |name: &str| expected.iter().find(|known| known["joint"] == name).unwrap();
+        let largest = expected.iter().flat_map(|known| numbers(&known["force"])).map(f64::abs).fold(0.0, f64::max);
+        assert!(largest > 500.0, "{largest}");
+        for (index, joint) in case.body.joints.iter().enumerate() {
+            let expected = found(&joint.name);
+            // Relative to the largest force; accelerations are those of an iterative solver.
+            let force = case.measure(Sensor::JointReactionForce(index));
+            assert_near(&format!("{} force", joint.name), &force, &numbers(&expected["force"]), 1e-7 * largest);
+            let torque = case.measure(Sensor::JointReactionTorque(index));
+            assert_near(&format!("{} torque", joint.name), &torque, &numbers(&expected["torque"]), 1e-7 * largest);
+        }
+    }
+}
+
+#[test]
 fn the_whole_body_is_its_own_subtree() {
     let quantities = [
         ("com_position", Sensor::ComPosition, 1e-12),

@@ -165,3 +165,17 @@ fn elastic_tendons_go_on_from_their_fibres() {
     let engine = Engine::new(model.into(), task.engine().body().clone(), task.task().clone()).unwrap();
     check("balance with elastic tendons", &engine, 12, 1, 3);
 }
+
+#[test]
+fn what_joints_bear_has_the_same_bits_in_lanes() {
+    let parts = [
+        ("observe {", "observe { knee_angle_r.reaction_force; hip_flexion_l.reaction_torque;"),
+        ("horizon 12 steps", "horizon 60 steps"),
+    ];
+    let environment = episode(&parts);
+    check("reactions", environment.engine(), 8, 1, 50);
+    // Standing on one's feet loads the knees; the ground of the task is under them.
+    let (episodes, _) = side_by_side(environment.engine(), 3, 1, 40);
+    let loads = episodes.iter().map(|episode| episode.observation()[..3].iter().map(|part| part * part).sum::<f64>().sqrt());
+    assert!(loads.clone().all(|load| load > 10.0), "{:?}", loads.collect::<Vec<_>>());
+}

@@ -104,6 +104,18 @@ def landmark(model, data, name, body, local, names):
     }
 
 
+def reactions(model, data):
+    """Force of the parent on the body of each joint, and its torque about the joint, from `cfrc_int`."""
+    mujoco.mj_rnePostConstraint(model, data)
+    found = []
+    for joint in range(model.njnt):
+        body = model.jnt_bodyid[joint]
+        torque, force = data.cfrc_int[body][:3], data.cfrc_int[body][3:]
+        arm = data.xanchor[joint] - data.subtree_com[model.body_rootid[body]]
+        found.append({"joint": model.joint(joint).name, "force": flat(force), "torque": flat(torque - np.cross(arm, force))})
+    return found
+
+
 def measure(model, data):
     mujoco.mj_subtreeVel(model, data)
     root = model.body("Full Body").id
@@ -123,6 +135,7 @@ def measure(model, data):
         "root_angular_velocity": flat(angular),
         "joint_torque": flat(data.qfrc_actuator),
         "joint_acceleration": flat(data.qacc),
+        "joint_reaction": reactions(model, data),
         "muscle_length": flat(data.actuator_length),
         "muscle_velocity": flat(data.actuator_velocity),
         "muscle_force": flat(data.actuator_force),

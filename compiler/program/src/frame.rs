@@ -32,6 +32,10 @@ pub enum Sensor {
     JointAcceleration(usize),
     /// Generalised muscle force on the joint: 1, N m or N.
     JointTorque(usize),
+    /// Force of the parent segment on the segment of a joint, what the joint itself bears: 3, N.
+    JointReactionForce(usize),
+    /// Its torque about the joint: 3, N m.
+    JointReactionTorque(usize),
     /// Tendon length of a muscle: 1, m.
     MuscleLength(usize),
     /// Its rate: 1, m/s.
@@ -168,6 +172,8 @@ impl Sensor {
             Self::JointVelocity(..) => "JointVelocity",
             Self::JointAcceleration(..) => "JointAcceleration",
             Self::JointTorque(..) => "JointTorque",
+            Self::JointReactionForce(..) => "JointReactionForce",
+            Self::JointReactionTorque(..) => "JointReactionTorque",
             Self::MuscleLength(..) => "MuscleLength",
             Self::MuscleVelocity(..) => "MuscleVelocity",
             Self::MuscleForce(..) => "MuscleForce",
@@ -221,6 +227,8 @@ impl Sensor {
             | RootPosition
             | RootVelocity
             | RootAngularVelocity
+            | JointReactionForce(_)
+            | JointReactionTorque(_)
             | GroundForce(_)
             | ContactForce(..) => 3,
             LandmarkClearance(_)
@@ -261,6 +269,8 @@ impl Sensor {
             self,
             S::JointAcceleration(_)
                 | S::JointTorque(_)
+                | S::JointReactionForce(_)
+                | S::JointReactionTorque(_)
                 | S::MuscleLength(_)
                 | S::MuscleVelocity(_)
                 | S::MuscleForce(_)
@@ -309,9 +319,12 @@ impl Sensor {
             | S::LandmarkClearance(index)
             | S::GroundForce(index)
             | S::GroundContact(index) => Subject::Landmark(index),
-            S::JointPosition(index) | S::JointVelocity(index) | S::JointAcceleration(index) | S::JointTorque(index) => {
-                Subject::Joint(index)
-            }
+            S::JointPosition(index)
+            | S::JointVelocity(index)
+            | S::JointAcceleration(index)
+            | S::JointTorque(index)
+            | S::JointReactionForce(index)
+            | S::JointReactionTorque(index) => Subject::Joint(index),
             S::MuscleLength(index)
             | S::MuscleVelocity(index)
             | S::MuscleForce(index)

@@ -268,6 +268,14 @@ impl<'a> Checker<'a> {
                 let dimension = |kind| if kind == JointKind::Hinge { Dimension::TORQUE } else { Dimension::FORCE };
                 (self.graph.sensors(sensors(Sensor::JointTorque)), kinds(&dimension))
             }
+            Read::ReactionForce => {
+                let element = ElementType::world_vector(Dimension::FORCE);
+                (self.graph.sensors(sensors(Sensor::JointReactionForce)), Type::one_or_list(element, list, indices.len()))
+            }
+            Read::ReactionTorque => {
+                let element = ElementType::world_vector(Dimension::TORQUE);
+                (self.graph.sensors(sensors(Sensor::JointReactionTorque)), Type::one_or_list(element, list, indices.len()))
+            }
             Read::Power => {
                 let torque = self.graph.sensors(sensors(Sensor::JointTorque));
                 let velocity = self.graph.sensors(sensors(Sensor::JointVelocity));

@@ -99,6 +99,8 @@ fn jumps(graph: &Graph, node: NodeId) -> bool {
                 sensor,
                 Sensor::LandmarkAcceleration(_)
                     | Sensor::JointAcceleration(_)
+                    | Sensor::JointReactionForce(_)
+                    | Sensor::JointReactionTorque(_)
                     | Sensor::ComAcceleration
                     | Sensor::GroundForce(_)
                     | Sensor::ContactForce(..)

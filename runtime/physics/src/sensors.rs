@@ -1,4 +1,4 @@
-//! Readings of a model's own sensors, on request: a step has no use for them.
+//! Readings of a model's own sensors and forces between bodies, on request: a step has no use for them.
 //!
 //! Most are looked up. Accelerations and forces between bodies take a recursive Newton-Euler pass with the accelerations found:
 //! from the root to the leaves a_b = a_parent + (rate of the axes) v + axes v', from the leaves to the root
@@ -48,13 +48,14 @@ fn needs_dynamics(measure: &Measure) -> bool {
 
 /// Accelerations of bodies and forces between them and their parents, about the centre of mass of each tree (`cacc`,
 /// `cfrc_int`).
-struct Dynamics {
+pub struct Dynamics {
     acceleration: Vec<Spatial<f64>>,
     force: Vec<Spatial<f64>>,
 }
 
 impl Dynamics {
-    fn new(model: &Model, state: &State<f64>, workspace: &Workspace<f64>) -> Self {
+    /// After a [`forward`](super::forward) pass on `state`.
+    pub fn new(model: &Model, state: &State<f64>, workspace: &Workspace<f64>) -> Self {
         let (bodies, kinematics) = (&model.bodies, &workspace.kinematics);
         let count = bodies.parent.len();
         let mut acceleration = vec![spatial_zero(); count];
@@ -80,6 +81,20 @@ impl Dynamics {
         }
         Self { acceleration, force }
     }
+}
+
+impl Dynamics {
+    /// What the parent of the body of a joint does to the body: torque about the joint (N m) and force (N), in world axes. Muscles,
+    /// tendons and connections are forces from outside, so what remains is what the joint itself bears.
+    pub fn joint_reaction(&self, model: &Model, workspace: &Workspace<f64>, joint: usize) -> [Vector3<f64>; 2] {
+        let (body, kinematics) = (model.joints.body[joint], &workspace.kinematics);
+        about(self.force[body], kinematics.joint_anchor[joint] - kinematics.reference(model, body))
+    }
+}
+
+/// Torque about a point and force, from those about another, from which `arm` leads to it.
+fn about([torque, force]: Spatial<f64>, arm: Vector3<f64>) -> Spatial<f64> {
+    [torque - arm.cross(&force), force]
 }
 
 /// Forces on bodies from outside (`cfrc_ext`).
@@ -288,9 +303,8 @@ impl View<'_> {
     /// Torque about a site and force between its body and the parent.
     fn force(&self, site: usize) -> Spatial<f64> {
         let body = self.model.sites.body[site];
-        let [torque, force] = self.dynamics.as_ref().map_or(spatial_zero(), |dynamics| dynamics.force[body]);
-        let arm = self.place(Framed::Site(site)).0 - self.workspace.kinematics.reference(self.model, body);
-        [torque - arm.cross(&force), force]
+        let force = self.dynamics.as_ref().map_or(spatial_zero(), |dynamics| dynamics.force[body]);
+        about(force, self.place(Framed::Site(site)).0 - self.workspace.kinematics.reference(self.model, body))
     }
 
     fn in_axes(&self, site: usize, vector: Vector3<f64>) -> Vector3<f64> {

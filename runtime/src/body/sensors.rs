@@ -6,7 +6,9 @@
 use super::Body;
 use super::metabolism::Contraction;
 use crate::scene::ground::{ABYSS, Ground};
+use core::cell::OnceCell;
 use msk_physics::model::Model;
+use msk_physics::sensors::Dynamics;
 use msk_physics::{self as physics, State, Workspace};
 use msk_program::frame::{FrameLayout, Sensor};
 use msk_program::scene::Part;
@@ -57,6 +59,8 @@ pub fn fill(layout: &FrameLayout, snapshot: &Snapshot<'_>, control: &Control<'_>
         let change = velocity - core::mem::replace(&mut memory.velocities[slot], velocity);
         if control.elapsed > 0.0 { change / control.elapsed } else { Vector3::zeros() }
     };
+    // Computed by the first sensor that needs it.
+    let dynamics = OnceCell::new();
     for &(sensor, offset) in layout.entries() {
         if let Sensor::Query(query, size) = sensor {
             snapshot.answer(&layout.queries()[query], &mut frame[offset..offset + size]);
@@ -65,6 +69,8 @@ pub fn fill(layout: &FrameLayout, snapshot: &Snapshot<'_>, control: &Control<'_>
         let value = match sensor {
             Sensor::LandmarkAcceleration(landmark) => Value::Vector(mean_acceleration(snapshot.landmark_velocity(landmark))),
             Sensor::ComAcceleration => Value::Vector(mean_acceleration(snapshot.com_velocity())),
+            Sensor::JointReactionForce(joint) => Value::Vector(snapshot.joint_reaction(joint, &dynamics)[1]),
+            Sensor::JointReactionTorque(joint) => Value::Vector(snapshot.joint_reaction(joint, &dynamics)[0]),
             sensor => snapshot.measure(sensor, control),
         };
         value.write(&mut frame[offset..offset + sensor.size()]);
@@ -89,7 +95,14 @@ impl Value {
 }
 
 impl Snapshot<'_> {
-    /// Any sensor but the mean accelerations, which need a memory.
+    /// What the parent segment does to that of a joint: torque about the joint and force, in world axes.
+    fn joint_reaction(&self, joint: usize, dynamics: &OnceCell<Dynamics>) -> [Vector3<f64>; 2] {
+        let (model, workspace) = (self.model, self.workspace);
+        let dynamics = dynamics.get_or_init(|| Dynamics::new(model, self.state, workspace));
+        dynamics.joint_reaction(model, workspace, self.body.joints[joint].index)
+    }
+
+    /// Any sensor but the mean accelerations, which need a memory, and reactions of joints, which share their dynamics.
     fn measure(&self, sensor: Sensor, control: &Control<'_>) -> Value {
         use Value::{Axes, Scalar, Vector};
         let (body, state, workspace) = (self.body, self.state, self.workspace);
@@ -97,7 +110,11 @@ impl Snapshot<'_> {
         match sensor {
             Sensor::LandmarkPosition(landmark) => Vector(body.landmark_position(kinematics, landmark)),
             Sensor::LandmarkVelocity(landmark) => Vector(self.landmark_velocity(landmark)),
-            Sensor::LandmarkAcceleration(_) | Sensor::ComAcceleration => Vector(Vector3::zeros()),
+            // Taken where a memory and the dynamics are at hand.
+            Sensor::LandmarkAcceleration(_)
+            | Sensor::ComAcceleration
+            | Sensor::JointReactionForce(_)
+            | Sensor::JointReactionTorque(_) => Vector(Vector3::zeros()),
             Sensor::LandmarkAxes(landmark) => {
                 let landmark = &body.landmarks[landmark];
                 Axes(kinematics.body_rotation[landmark.body] * landmark.axes)
