@@ -3,6 +3,7 @@
 
 mod actions;
 mod advisories;
+mod channels;
 mod cli;
 mod cmc;
 mod conditions;

@@ -1,11 +1,9 @@
 //! What a learner sets while it trains: how far it is, which scheduled weights follow, and the parameters
 //! of episodes; and what it values after their end.
 
-use crate::episodes::episode;
+use crate::episodes::{KEY, episode};
 use msk::runtime::episode::{Ending, Environment, EpisodeError, EpisodeKey, Fault, VectorEnvironment};
 use std::num::NonZeroUsize;
-
-const KEY: EpisodeKey = EpisodeKey { seed: 4, episode: 2 };
 
 /// Takes a step at rest; gives the reward and the weight of `upright`.
 fn stepped(environment: &mut Environment) -> (f64, f64) {
