@@ -212,7 +212,9 @@ fn memories(task: &CompiledTask, phase: &Phase, node: NodeId) -> Vec<String> {
                 format!("the state {}", name.map_or_else(|| index.to_string(), Clone::clone))
             }
             Operation::Drawn(index) | Operation::DrawnAfter(index) => {
-                format!("the random {}", task.randoms[phase.streams[*index as usize]].name)
+                let random = &task.randoms[phase.streams[*index as usize]];
+                let kind = if random.parameter.is_some() { "parameter" } else { "random" };
+                format!("the {kind} {}", random.name)
             }
             _ => return None,
         };
