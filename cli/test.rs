@@ -2,6 +2,7 @@
 
 use crate::error::{Context, Error, FAILURE};
 use crate::levels::LevelArgs;
+use crate::policies::Limits;
 use crate::project::{Project, Settings};
 use crate::ranking;
 use clap::ValueEnum;
@@ -20,7 +21,7 @@ use std::sync::Arc;
 /// Plays the script of each test, or runs a policy where the test has `run`, and evaluates its expectations; results depend
 /// neither on random numbers nor on the number of cores. The ranking of its cheats follows the tests of each task: the
 /// returns of the demonstration (the first test that expects `success` at its end) and of every cheat, held to the horizon;
-/// each cheat must stay below the demonstration. Exit code 0 if every test passes, 1 if one fails or there is no test.
+/// each cheat must stay below the demonstration. Tests with `run policy` test the policy of --policy. Exit code 0 if every test passes, 1 if one fails or there is no test.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files with tasks, or suites of them
@@ -32,6 +33,11 @@ pub struct Args {
     /// How to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+    /// The policy that tests with `run policy` test, as in `msk eval`; without it they are left out
+    #[arg(long, value_name = "POLICY")]
+    policy: Option<String>,
+    #[command(flatten)]
+    limits: Limits,
     #[command(flatten)]
     lints: LevelArgs,
     #[command(flatten)]
@@ -53,7 +59,8 @@ enum Format {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
     let mut seen = BTreeSet::new();
-    let (mut passed, mut failed, mut without) = (0, 0, Vec::new());
+    let policy = args.policy.as_ref().map(|policy| args.limits.source(policy)).transpose()?;
+    let (mut passed, mut failed, mut left_out, mut without) = (0, 0, 0, Vec::new());
     for file in &args.files {
         let project = Project::open_at(file, &args.settings.settings, &args.lints.levels)?;
         let fresh = project.compilation.tasks.iter().filter(|task| seen.insert(task.name.clone()));
@@ -67,9 +74,12 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             let body =
                 project.bodies.stage(&task.body, &task.scene).context(|| format!("task `{name}` has no body to run on"))?;
             let places = (0..tests.tests.len()).filter(|&place| wanted(name, &tests.tests[place].title));
-            jobs.extend(places.map(|place| (tests.as_ref(), body.clone(), place)));
+            let (ready, waiting): (Vec<usize>, Vec<usize>) =
+                places.partition(|&place| policy.is_some() || !tests.tests[place].needs_policy());
+            left_out += waiting.len();
+            jobs.extend(ready.into_iter().map(|place| (tests.as_ref(), body.clone(), place)));
         }
-        let reports = testing::run_all(&jobs)?;
+        let reports = testing::run_all(&jobs, policy.as_ref())?;
         passed += reports.iter().filter(|report| report.passed()).count();
         failed += reports.iter().filter(|report| !report.passed()).count();
         for reports in reports.chunk_by(|left, right| left.task == right.task) {
@@ -84,21 +94,29 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         }
     }
     if passed + failed == 0 {
-        return Err(none(args.filter.as_deref(), &seen));
+        return Err(none(args.filter.as_deref(), left_out, &seen));
     }
     if args.format == Format::Text {
         if !without.is_empty() && args.filter.is_none() {
             writeln!(out, "without tests: {}", without.join(", "))?;
         }
-        writeln!(out, "{} passed, {failed} failed", passed)?;
+        let waiting = if left_out > 0 {
+            format!(", {left_out} left out: `--policy` names the policy that they test")
+        } else {
+            String::new()
+        };
+        writeln!(out, "{passed} passed, {failed} failed{waiting}")?;
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
 }
 
 /// Why no test was run.
-fn none(filter: Option<&str>, tasks: &BTreeSet<String>) -> Error {
+fn none(filter: Option<&str>, left_out: usize, tasks: &BTreeSet<String>) -> Error {
     let names: Vec<&str> = tasks.iter().map(String::as_str).collect();
     match filter {
+        _ if left_out > 0 => {
+            Error::new("the tests run the policy that is tested, and none is named").hint("name it: `msk test --policy cmc`")
+        }
         _ if names.is_empty() => Error::new("there is no task to test").hint("a task begins with `task NAME {`"),
         Some(filter) => Error::new(format!("no test contains `{filter}` in its task and title, as in `stand: a fall ends it`"))
             .hint(format!("the tasks are: {}", names.join(", "))),

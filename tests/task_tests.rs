@@ -46,7 +46,7 @@ fn played(statements: &str) -> Vec<TestReport> {
     let tests = task.tests.clone().unwrap();
     let body = bodies().stage(&task.body, &task.scene).unwrap();
     let jobs: Vec<_> = (0..tests.tests.len()).map(|place| (tests.as_ref(), body.clone(), place)).collect();
-    testing::run_all(&jobs).unwrap()
+    testing::run_all(&jobs, None).unwrap()
 }
 
 /// All hold.

@@ -116,7 +116,7 @@ fn pass_their_tests(tasks: Vec<Arc<CompiledTask>>) {
         let tests = task.tests.as_ref().unwrap_or_else(|| panic!("{} has no tests", task.name));
         jobs.extend((0..tests.tests.len()).map(|place| (tests.as_ref(), staged.clone(), place)));
     }
-    let failed: Vec<_> = testing::run_all(&jobs).unwrap().into_iter().filter(|report| !report.passed()).collect();
+    let failed: Vec<_> = testing::run_all(&jobs, None).unwrap().into_iter().filter(|report| !report.passed()).collect();
     assert!(!jobs.is_empty() && failed.is_empty(), "{failed:#?}");
 }
 

@@ -49,6 +49,29 @@ fn the_ranking_stands_under_the_tests() {
 }
 
 #[test]
+fn a_test_of_a_policy_is_played_with_the_policy_that_is_named() {
+    let tests = "test \"still\" { run policy for 0.1 s; expect mean(muscles.excitation) < 0.01 }
+        test \"goes on\" { at 0.05 s pose neutral; run policy for 0.1 s; expect mean(muscles.excitation) < 0.01 }
+        test \"high\" { pose neutral; expect pelvis.height > 0.5 m }";
+    let project = tested(tests);
+    let done = project.msk(&["test", "tested.msk"]).succeeded();
+    assert!(done.out.contains("1 passed, 0 failed, 2 left out: `--policy` names the policy that they test"), "{}", done.out);
+    let done = project.msk(&["test", "tested.msk", "--policy", "zero"]).succeeded();
+    assert!(done.out.contains("3 passed, 0 failed\n"), "{}", done.out);
+    let done = project.msk(&["test", "tested.msk", "--policy", "random"]);
+    assert_eq!(done.code, Some(1));
+    assert!(done.out.contains("FAIL  still") && done.out.contains("1 passed, 2 failed"), "{}", done.out);
+    // A policy from outside, and one that fails.
+    project.write("agent.sh", "printf '{\"ready\": true}\\n'; exit 3\n");
+    let done = project.msk(&["test", "tested.msk", "--policy", "process sh agent.sh", "--filter", "still"]);
+    assert_eq!(done.code, Some(1));
+    assert!(done.out.contains("in `lean`, episode 0, step 0: it ended with code 3"), "{}", done.out);
+    let alone = tested("test \"still\" { run policy for 0.1 s; expect survived }").msk(&["test", "tested.msk"]);
+    alone.failed(1, &["the tests run the policy that is tested, and none is named", "msk test --policy cmc"]);
+    project.msk(&["test", "tested.msk", "--policy", "zerro"]).failed(1, &["there is no policy `zerro`"]);
+}
+
+#[test]
 fn what_does_not_hold_is_reported_and_fails() {
     let project = tested("test \"low\" { moment there { pose neutral }; expect pelvis.height at there < 0.5 m }");
     let done = project.msk(&["test", "tested.msk"]);

@@ -63,6 +63,23 @@ pub struct Run {
     pub from: u32,
 }
 
+impl Run {
+    /// The name of the policy that `msk test --policy` gives.
+    pub const GIVEN: &str = "policy";
+
+    /// Whether the policy is the one that is tested, which the text does not name.
+    pub fn is_of_given_policy(&self) -> bool {
+        self.policy == Self::GIVEN
+    }
+}
+
+impl TaskTest {
+    /// Whether it tests a policy, so that it is played only where one is given: `run policy`.
+    pub fn needs_policy(&self) -> bool {
+        self.takes.iter().filter_map(|take| take.run.as_ref()).any(Run::is_of_given_policy)
+    }
+}
+
 /// A number that tests look at: for each phase its place among those of that phase, or `None` where the phase has no such
 /// thing. A task by itself is one phase.
 pub type Probe = Vec<Option<usize>>;

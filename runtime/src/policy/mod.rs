@@ -114,6 +114,9 @@ pub enum PolicyError {
         "`{0}` is not available here: it imagines hundreds of episodes for each that it plays; use it with `msk run` and `msk eval`"
     )]
     CommandLineOnly(String),
+    /// The policy that is tested, where none is.
+    #[error("this test runs the policy that is tested: name one, `msk test --policy cmc`")]
+    NotGiven,
     /// A policy from outside without what it is.
     #[error("`{policy}` needs a {}: write `{example}`", if *policy == "process" { "command" } else { "file" })]
     Incomplete {

@@ -18,7 +18,7 @@ pub struct TaskTests {
 impl TaskTests {
     /// The tests that may be the task's demonstration, with the episodes that they play: those that expect success at their end.
     pub fn demonstrations(&self) -> impl Iterator<Item = (&TaskTest, &Take)> {
-        self.tests.iter().filter(|test| !test.cheat).filter_map(|test| {
+        self.tests.iter().filter(|test| !test.cheat && !test.needs_policy()).filter_map(|test| {
             let own = test.takes.iter().position(|take| take.moment.is_none())?;
             let end = Reading { take: own, step: None };
             let succeeds = |expectation: &Expectation| {

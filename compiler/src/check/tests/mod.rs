@@ -355,6 +355,11 @@ impl<'a> Checker<'a> {
             }
             TestStatement::Run { policy, duration, span } => {
                 self.must_not_reset(draft, *span)?;
+                if cheat && policy.text == Run::GIVEN {
+                    let message = "a cheat shows an exploit by itself and cannot run the policy that is tested";
+                    let diagnostic = self.diagnostic(codes::tests::TEST_PLACE, policy.span, message);
+                    return Err(self.report(diagnostic.help("name a policy, `run random`, or move it into a `test`")));
+                }
                 let steps = duration.as_ref().map(|duration| self.script_step(duration)).transpose()?;
                 let draft = &mut reader.drafts[take];
                 let from = draft.keys.last().map_or(0, |key| key.step);

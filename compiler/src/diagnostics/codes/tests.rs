@@ -25,7 +25,7 @@ codes! {
     TEST_PLACE = "E0443" {
         title: "not allowed in a test",
         explanation: "A test begins with `pose`, objects and `given`; `at` adds keyframes. Moments contain neither \
-            expectations nor other moments. Velocities of a script follow from its motion, so `velocity` and `spin` are \
+            expectations nor other moments. A cheat does not run the policy that is tested. Velocities of a script follow from its motion, so `velocity` and `spin` are \
             allowed only with `run`.",
         example: "test \"a push\" { root { velocity [1 m/s, 0, 0] }\n expect not success }",
         fix: "test \"a push\" { at 1 s pose neutral { root.at = [1 m, 0 m] }\n expect not success }",

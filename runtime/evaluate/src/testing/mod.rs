@@ -20,7 +20,7 @@ pub use returns::{DISCOUNT, Demonstration, Measure, Ranking, Returns, TermReturn
 use msk_program::task::TaskTests;
 use msk_runtime::episode::{Environment, EpisodeError};
 use msk_runtime::library::BoundBody;
-use msk_runtime::policy::PolicyError;
+use msk_runtime::policy::{PolicyError, PolicySource};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 use take::{Extent, Played};
@@ -44,6 +44,8 @@ pub struct Stage<'a> {
     tests: &'a TaskTests,
     episode: Environment,
     shown: Shown,
+    /// The policy that is tested.
+    policy: Option<&'a PolicySource>,
 }
 
 impl<'a> Stage<'a> {
@@ -58,7 +60,7 @@ impl<'a> Stage<'a> {
     /// One of several for the same tests: the demonstration is played by the first that needs it.
     fn beside(tests: &'a TaskTests, body: &BoundBody, shown: Shown) -> Result<Self, TestError> {
         let episode = Environment::new(body.model.clone(), body.body.clone(), tests.task.clone())?;
-        Ok(Self { tests, episode, shown })
+        Ok(Self { tests, episode, shown, policy: None })
     }
 
     /// Plays a test, by its place in [`TaskTests::tests`].
@@ -69,7 +71,7 @@ impl<'a> Stage<'a> {
         for (place, take) in test.takes.iter().enumerate() {
             let wanted = readings.iter().filter(|reading| reading.take == place).filter_map(|reading| reading.step).collect();
             let extent = if test.cheat && take.moment.is_none() { Extent::Horizon } else { Extent::Until };
-            match take::play(&mut self.episode, take, wanted, extent) {
+            match take::play(&mut self.episode, take, wanted, (extent, self.policy)) {
                 Ok(done) => played.push(done),
                 Err(error) => return TestReport::unable(&self.tests.task, test, &error),
             }
@@ -87,7 +89,7 @@ impl<'a> Stage<'a> {
         let shown = self.shown.clone();
         let play = || {
             self.tests.demonstrations().find_map(|(test, take)| {
-                let played = take::play(&mut self.episode, take, Default::default(), Extent::Horizon).ok()?;
+                let played = take::play(&mut self.episode, take, Default::default(), (Extent::Horizon, None)).ok()?;
                 let succeeds = played.returns.success;
                 succeeds.then(|| Demonstration { title: test.title.clone(), returns: played.returns })
             })
@@ -99,14 +101,16 @@ impl<'a> Stage<'a> {
 /// A test of a task, by its place, with the body that the task runs on.
 pub type Job<'a> = (&'a TaskTests, BoundBody, usize);
 
-/// Plays tests on all cores; reports come in the order of the jobs.
+/// Plays tests on all cores; reports come in the order of the jobs. Tests that run the policy that is tested fail where there is none.
 ///
 /// # Errors
 /// A task that does not fit its body.
-pub fn run_all(jobs: &[Job<'_>]) -> Result<Vec<TestReport>, TestError> {
+pub fn run_all(jobs: &[Job<'_>], policy: Option<&PolicySource>) -> Result<Vec<TestReport>, TestError> {
     // Tests of one task stand together.
     let same = |left: &Job<'_>, right: &Job<'_>| std::ptr::eq(left.0, right.0);
     let shown = jobs.chunk_by(same).flat_map(|jobs| vec![Shown::default(); jobs.len()]).collect::<Vec<_>>();
-    let play = |((tests, body, place), shown): (&Job<'_>, Shown)| Ok(Stage::beside(tests, body, shown)?.play(*place));
+    let play = |((tests, body, place), shown): (&Job<'_>, Shown)| {
+        Ok(Stage { policy, ..Stage::beside(tests, body, shown)? }.play(*place))
+    };
     jobs.par_iter().zip(shown).map(play).collect()
 }

@@ -7,9 +7,10 @@ use msk_physics::Workspace;
 use msk_program::task::TaskState;
 use msk_program::testing::Take;
 use msk_runtime::episode::{Ending, Environment, EpisodeKey};
-use msk_runtime::policy;
+use msk_runtime::policy::{self, PolicyError, PolicySource};
 use msk_runtime::script::Script;
 use std::collections::BTreeSet;
+use std::sync::atomic::AtomicBool;
 
 /// What an episode of a test has shown.
 #[derive(Debug, Clone)]
@@ -74,9 +75,14 @@ impl Played {
     }
 }
 
-/// Plays a take; metrics are kept at the `wanted` steps. The end that is reported is that of the time that it gives,
+/// Plays a take, with the policy that is tested if there is one; metrics are kept at the `wanted` steps. The end that is reported is that of the time that it gives,
 /// however far it is played.
-pub(super) fn play(episode: &mut Environment, take: &Take, wanted: BTreeSet<u32>, extent: Extent) -> Result<Played, TestError> {
+pub(super) fn play(
+    episode: &mut Environment,
+    take: &Take,
+    wanted: BTreeSet<u32>,
+    (extent, tested): (Extent, Option<&PolicySource>),
+) -> Result<Played, TestError> {
     if let Some(count) = take.resets {
         return Ok(reset(episode, take, count));
     }
@@ -105,7 +111,12 @@ pub(super) fn play(episode: &mut Environment, take: &Take, wanted: BTreeSet<u32>
     }
     if let Some(run) = take.run.as_ref().filter(|_| episode.ending().is_none()) {
         episode.end_script();
-        let mut policy = policy::create(&run.policy)?;
+        // A process that does not answer is given up at its time limit.
+        let stop = AtomicBool::new(false);
+        let mut policy = match run.is_of_given_policy() {
+            true => tested.ok_or(PolicyError::NotGiven)?.open(&stop)?,
+            false => policy::create(&run.policy)?,
+        };
         let mut rollout = Rollout::resume(episode, policy.as_mut())?;
         while rollout.episode.ending().is_none() && rollout.episode.steps() < end {
             rollout.step::<TestError>()?;
