@@ -67,7 +67,7 @@ def test_seeds_that_cannot_be(env: msk.Env, seed: int):
 
 
 def test_options_that_do_not_exist(env: msk.Env):
-    with pytest.raises(ValueError, match="unknown options .'low'.: expected `episode_index`, `state`"):
+    with pytest.raises(ValueError, match="unknown options .'low'.: expected `episode_index`, `params`, `state`"):
         env.reset(options={"low": 1})
 
 
@@ -331,7 +331,9 @@ def test_parameters_change_from_episode_to_episode():
     given.reset(seed=3, options={"params": {"pace": 120}})
     compiled = msk.make(short(PARAMS, READ, CALM, params={"pace": 120}), dtype=np.float64)
     compiled.reset(seed=3)
-    assert all(np.array_equal(a[0], b[0]) and a[1] == b[1] for a, b in zip(play(given, 5), play(compiled, 5), strict=True))
+    assert all(
+        np.array_equal(a[0], b[0]) and a[1] == b[1] for a, b in zip(play(given, 5), play(compiled, 5), strict=True)
+    )
 
 
 @pytest.mark.parametrize(("word", "truncated"), [("", False), ("bootstrap ", True)])

@@ -172,7 +172,9 @@ def test_the_progress_of_a_training_is_that_of_all_slots():
 
 def test_slots_have_parameters_of_their_own():
     change = "    params { pace = 50 cm/s (10..200 cm/s) per episode }\n    init {"
-    envs = msk.make_vec(short(CALM, ("    init {", change), ("observe {", "observe { pace;")), 3, threads=1, dtype=np.float64)
+    envs = msk.make_vec(
+        short(CALM, ("    init {", change), ("observe {", "observe { pace;")), 3, threads=1, dtype=np.float64
+    )
     observations, infos = envs.reset(seed=0)
     assert "params" not in infos
     observations, infos = envs.reset(options={"params": {"pace": np.array([20, 60, 180])}})
