@@ -65,6 +65,7 @@ pub fn write(path: &Path, title: &str, recordings: &[Recording]) -> Result<(), E
 /// What stands above the recording of an episode.
 pub fn caption(record: &EpisodeRecord) -> Caption {
     Caption {
+        label: String::new(),
         task: record.task.clone(),
         policy: record.policy.clone(),
         episode: Some([record.seed, record.episode]),

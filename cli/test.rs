@@ -1,6 +1,8 @@
 //! `msk test [FILES]`: the tests inside files.
 
 use crate::error::{Context, Error, FAILURE};
+use crate::eval::in_path;
+use crate::html;
 use crate::levels::LevelArgs;
 use crate::policies::Limits;
 use crate::project::{Project, Settings};
@@ -8,11 +10,15 @@ use crate::ranking;
 use clap::ValueEnum;
 use msk::compiler::diagnostics::{FileId, Span};
 use msk::compiler::task::CompiledTask;
-use msk::evaluate::testing::{self, TestReport};
+use msk::evaluate::testing::{self, Stage, TestReport};
+use msk::runtime::episode::Environment;
+use msk::runtime::policy::PolicySource;
+use msk::view::{Caption, Recorder, Recording};
 use serde_json::json;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -38,6 +44,9 @@ pub struct Args {
     policy: Option<String>,
     #[command(flatten)]
     limits: Limits,
+    /// Write a page for a browser to this folder for each test that fails: its episodes, step by step
+    #[arg(long, value_name = "DIR")]
+    html: Option<PathBuf>,
     #[command(flatten)]
     lints: LevelArgs,
     #[command(flatten)]
@@ -80,6 +89,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             jobs.extend(ready.into_iter().map(|place| (tests.as_ref(), body.clone(), place)));
         }
         let reports = testing::run_all(&jobs, policy.as_ref())?;
+        if let Some(folder) = &args.html {
+            write_pages(folder, &jobs, &reports, policy.as_ref())?;
+        }
         passed += reports.iter().filter(|report| report.passed()).count();
         failed += reports.iter().filter(|report| !report.passed()).count();
         for reports in reports.chunk_by(|left, right| left.task == right.task) {
@@ -108,6 +120,43 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         writeln!(out, "{passed} passed, {failed} failed{waiting}")?;
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
+}
+
+/// A page for each test that failed.
+fn write_pages(
+    folder: &Path,
+    jobs: &[testing::Job<'_>],
+    reports: &[TestReport],
+    policy: Option<&PolicySource>,
+) -> Result<(), Error> {
+    for ((tests, body, place), report) in jobs.iter().zip(reports).filter(|(_, report)| !report.passed()) {
+        let mut recorders: BTreeMap<usize, Recorder> = BTreeMap::new();
+        let mut look = |take: usize, episode: &Environment| {
+            recorders.entry(take).or_insert_with(|| Recorder::new(episode, &[])).look(episode);
+        };
+        // What could not be played has been reported as such.
+        let played = Stage::new(tests, body)?.with_policy(policy).show(*place, &mut look);
+        let outcome = report.failures.iter().map(|failure| format!("expected {}, found {}", failure.expected, failure.found));
+        let caption = Caption {
+            task: report.task.clone(),
+            policy: report.title.clone(),
+            outcome: outcome.collect::<Vec<_>>().join("; "),
+            ..Caption::default()
+        };
+        let label = |take: usize| if take == 0 { String::new() } else { format!("episode {}", take + 1) };
+        let recordings: Vec<Recording> = recorders
+            .into_iter()
+            .filter_map(|(take, recorder)| recorder.finish(Caption { label: label(take), ..caption.clone() }).ok())
+            .collect();
+        if played.is_err() || recordings.is_empty() {
+            continue;
+        }
+        fs::create_dir_all(folder).context(|| format!("cannot make the folder `{}`", folder.display()))?;
+        let path = folder.join(format!("{}-{}.html", report.task, in_path(&report.title)));
+        html::write(&path, &format!("{}: {}", report.task, report.title), &recordings)?;
+        writeln!(io::stderr(), "{}", path.display())?;
+    }
+    Ok(())
 }
 
 /// Why no test was run.

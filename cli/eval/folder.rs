@@ -13,8 +13,8 @@ pub(super) fn name(plan: &Plan, file: &Path, policy: &str) -> String {
     format!("{name}-{}", in_path(policy))
 }
 
-/// A policy as a part of a path: `process python3 policy.py` is `process-python3-policy-py`.
-pub(super) fn in_path(policy: &str) -> String {
+/// Words as a part of a path, such as a policy: `process python3 policy.py` is `process-python3-policy-py`.
+pub fn in_path(policy: &str) -> String {
     const LONGEST: usize = 40;
     let words = policy.split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_').filter(|word| !word.is_empty());
     let joined = words.collect::<Vec<_>>().join("-");

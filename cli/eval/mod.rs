@@ -1,9 +1,10 @@
 //! `msk eval FILE`: every task of a file under a policy, some episodes of each, one table.
 
 mod folder;
+mod pages;
 mod protocol;
 
-pub use folder::{explain, fresh as fresh_folder};
+pub use folder::{explain, fresh as fresh_folder, in_path};
 
 use crate::condition::Condition;
 use crate::error::Error;
@@ -69,6 +70,10 @@ pub struct Args {
     /// Folder for the results [default: a new one under results/]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write a page for a browser for each task to the folder of the results, with these of its episodes: worst, median, best, by
+    /// their returns
+    #[arg(long, value_name = "WHICH", value_enum, value_delimiter = ',', conflicts_with = "live")]
+    html: Vec<pages::Which>,
     #[command(flatten)]
     overlays: Overlays,
     /// Reload the file of --weights before every episode; each episode records the version of its weights
@@ -150,6 +155,9 @@ impl Evaluation<'_> {
         let summary = Summary::of(plan, &outcome.records).with_skipped(&outcome.skipped);
         journal.write("summary.json", &summary.json()).map_err(explain)?;
         journal.write("report.md", &report::markdown(&summary)).map_err(explain)?;
+        if !outcome.interrupted {
+            pages::write(&self.args.html, plan, &outcome.records, &journal, self.interrupt.stop())?;
+        }
         Ok((summary, outcome.interrupted))
     }
 

@@ -2,6 +2,7 @@
 
 mod check;
 mod plot;
+mod view;
 
 use crate::draw::describe;
 use crate::error::{Context, Error};
@@ -14,7 +15,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Check or draw a reference motion
+/// Check, draw or show a reference motion
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -25,6 +26,7 @@ pub struct Args {
 enum Command {
     Check(check::Args),
     Plot(plot::Args),
+    View(view::Args),
 }
 
 /// Runs the chosen subcommand.
@@ -35,6 +37,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     match args.command {
         Command::Check(args) => check::run(args),
         Command::Plot(args) => plot::run(args),
+        Command::View(args) => view::run(args),
     }
 }
 

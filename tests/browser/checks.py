@@ -174,6 +174,20 @@ def pointer(browser, pages):
     print(f"  a click at the middle of soleus_r chooses {name}")
 
 
+def film_strip(browser, pages):
+    """A strip has eight pictures of different moments, and leaves the time as it was."""
+    browser.open(pages["squat"], "t=1.5")
+    width, height, sums = browser.evaluate("""(() => {
+        const film = viewer.parts.strip(viewer);
+        const part = (index) => film.getContext("2d").getImageData((index * film.width) / 8, 0, film.width / 8, film.height).data;
+        const sum = (data) => data.reduce((total, byte, at) => (total * 31 + byte * (at % 7)) % 1000003, 7);
+        return [film.width, film.height, Array.from({ length: 8 }, (_, index) => sum(part(index)))];
+    })()""")
+    if width < height or len(set(sums)) < 8:
+        raise Failure(f"a film strip of {width} x {height} has {len(set(sums))} different pictures, expected 8")
+    near("time after a film strip", browser.evaluate("viewer.player.time"), 1.5, 1e-9)
+
+
 def sizes(browser, pages):
     browser.open(pages["stand"], "t=0.5")
     for width, height in [(390, 780), (1024, 600), WINDOW]:
@@ -244,14 +258,16 @@ def main():
             (agrees_with_the_simulator, pages, report),
             (keyboard, pages),
             (pointer, pages),
+            (film_strip, pages),
             (sizes, pages),
             (preferences, pages),
             (accessible, pages),
             (side_by_side, pages),
         ]
         for check, *arguments in checks:
-            print(check.__name__.replace("_", " "), flush=True)
+            start = time.monotonic()
             check(browser, *arguments)
+            print(f"{check.__name__.replace('_', ' ')}: {time.monotonic() - start:.1f} s", flush=True)
             errors = browser.errors()
             if errors:
                 raise Failure("the page complains:\n" + "\n".join(errors))

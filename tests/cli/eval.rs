@@ -287,3 +287,17 @@ fn a_full_disk_leaves_whole_lines_and_the_run_goes_on_later() {
     assert_eq!(journal(&project.read("out/episodes.jsonl")), journal(&project.read("whole/episodes.jsonl")));
     assert_eq!(project.read("out/summary.json"), project.read("whole/summary.json"));
 }
+
+#[test]
+fn episodes_become_a_page_for_each_task_and_results_stay_the_same() {
+    let project = Project::lean();
+    eval(&project, "plain", &[]).succeeded();
+    let done = eval(&project, "shown", &["--html", "best,worst"]).succeeded();
+    assert!(!done.err.contains("went another way"), "{}", done.err);
+    assert_eq!(journal(&project.read("plain/episodes.jsonl")), journal(&project.read("shown/episodes.jsonl")));
+    let one = eval(&project, "one", &["--html", "median"]).succeeded();
+    assert!(one.out.contains("Results: one"));
+    let [two, one] = ["shown/lean.html", "one/lean.html"].map(|page| project.read(page));
+    assert!(two.len() > one.len() && two.contains("<title>lean, random</title>"), "{} and {} bytes", two.len(), one.len());
+    eval(&project, "none", &["--html", "last"]).failed(2, &["worst, median, best"]);
+}

@@ -34,3 +34,13 @@ fn what_is_no_motion_is_reported_with_its_place() {
     project.msk(&["motion", "plot", "nod.csv"]).failed(1, &["nod.csv:5:32", "did you mean `knee_angle_l`?"]);
     project.msk(&["motion", "check", "none.csv"]).failed(1, &["there is no motion `none.csv`"]);
 }
+
+#[test]
+fn a_motion_becomes_a_page() {
+    let project = Project::empty();
+    project.write("nod.csv", NOD);
+    project.msk(&["motion", "view", "nod.csv", "--out", "nod.html"]).succeeded();
+    assert!(project.read("nod.html").contains("<title>nod</title>"));
+    project.msk(&["motion", "view", "nod.csv", "--out", "nowhere/nod.html"]).failed(1, &["cannot write `nowhere/nod.html`"]);
+    project.msk(&["motion", "view", "none.csv", "--out", "none.html"]).failed(1, &["there is no motion `none.csv`"]);
+}

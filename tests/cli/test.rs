@@ -98,3 +98,17 @@ fn a_filter_that_fits_nothing_fails() {
     project.msk(&["test", "tested.msk", "--filter", "hihg"]).failed(1, &["no test contains `hihg`", "lean"]);
     project.msk(&["test", "tested.msk", "--filter", "hihg", "--format", "json"]).failed(1, &["no test contains `hihg`"]);
 }
+
+#[test]
+fn a_test_that_fails_becomes_a_page_and_one_that_passes_does_not() {
+    let project = tested(
+        "test \"low\" { pose neutral; expect pelvis.height < 0.5 m }\ntest \"high\" { pose neutral; expect pelvis.height > 0.5 m }",
+    );
+    let done = project.msk(&["test", "tested.msk", "--html", "failed"]);
+    assert_eq!(done.code, Some(1));
+    let page = project.read("failed/lean-low.html");
+    assert!(page.contains("<title>lean: low</title>"));
+    assert!(!project.path("failed/lean-high.html").exists());
+    project.msk(&["test", "tested.msk", "--filter", "high", "--html", "passed"]).succeeded();
+    assert!(!project.path("passed").exists());
+}

@@ -17,7 +17,7 @@ use std::io::{self, Write};
 const FRAME: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 /// The program, in the order in which its parts need each other.
-const PROGRAM: [&str; 20] = [
+const PROGRAM: [&str; 21] = [
     include_str!("page/algebra.js"),
     include_str!("page/data.js"),
     include_str!("page/kinematics.js"),
@@ -34,6 +34,7 @@ const PROGRAM: [&str; 20] = [
     include_str!("page/signals.js"),
     include_str!("page/inspector.js"),
     include_str!("page/player.js"),
+    include_str!("page/pictures.js"),
     include_str!("page/keys.js"),
     include_str!("page/viewer.js"),
     include_str!("page/panels.js"),

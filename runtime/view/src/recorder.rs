@@ -23,6 +23,8 @@ const LENGTH: f64 = 1e-4;
 /// What stands above a recording.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Caption {
+    /// What tells it from others on the same page, such as "worst"; may be empty.
+    pub label: String,
     /// Name of the task, or of the motion.
     pub task: String,
     /// What acted.
@@ -119,6 +121,7 @@ pub(crate) struct Tracks {
 /// Keeps frames of an episode, or of anything that moves a body.
 pub struct Recorder {
     anatomy: Anatomy,
+    strengths: Vec<f64>,
     period: f64,
     stride: u32,
     ended: bool,
@@ -186,6 +189,7 @@ impl Recorder {
             wraps: Track::new(wraps::WIDTH * anatomy.wraps.len()),
             contacts: Contacts::default(),
             anatomy,
+            strengths: strengths.to_vec(),
         }
     }
 
@@ -222,6 +226,10 @@ impl Recorder {
 
     fn frame(&mut self, steps: u32, snapshot: &Snapshot<'_>) {
         let &Snapshot { state, workspace, .. } = snapshot;
+        if self.steps.frames() == 0 {
+            // Strengths may be drawn for each episode.
+            self.anatomy = Anatomy::of(snapshot, &self.strengths);
+        }
         self.steps.push([i32::try_from(steps).unwrap_or(i32::MAX)]);
         self.coordinates.push(state.position.iter().map(|value| quantise(*value, COORDINATE)));
         let placed = state.mocap_position.iter().zip(&state.mocap_orientation);

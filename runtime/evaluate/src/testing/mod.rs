@@ -63,6 +63,11 @@ impl<'a> Stage<'a> {
         Ok(Self { tests, episode, shown, policy: None })
     }
 
+    /// The same with the policy that is tested.
+    pub fn with_policy(self, policy: Option<&'a PolicySource>) -> Self {
+        Self { policy, ..self }
+    }
+
     /// Plays a test, by its place in [`TaskTests::tests`].
     pub fn play(&mut self, index: usize) -> TestReport {
         let test = &self.tests.tests[index];
@@ -71,7 +76,7 @@ impl<'a> Stage<'a> {
         for (place, take) in test.takes.iter().enumerate() {
             let wanted = readings.iter().filter(|reading| reading.take == place).filter_map(|reading| reading.step).collect();
             let extent = if test.cheat && take.moment.is_none() { Extent::Horizon } else { Extent::Until };
-            match take::play(&mut self.episode, take, wanted, (extent, self.policy)) {
+            match take::play(&mut self.episode, take, wanted, (extent, self.policy), &mut |_| {}) {
                 Ok(done) => played.push(done),
                 Err(error) => return TestReport::unable(&self.tests.task, test, &error),
             }
@@ -84,12 +89,25 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// Plays the episodes of a test once more, as far as their scripts go; `look` gets the place of each among the episodes of the test
+    /// and sees it after its reset and after every control step. Moments that are only reset are left out.
+    ///
+    /// # Errors
+    /// What was to act cannot.
+    pub fn show(&mut self, index: usize, look: &mut dyn FnMut(usize, &Environment)) -> Result<(), TestError> {
+        for (place, take) in self.tests.tests[index].takes.iter().enumerate().filter(|(_, take)| take.resets.is_none()) {
+            let extent = (Extent::Until, self.policy);
+            take::play(&mut self.episode, take, Default::default(), extent, &mut |episode| look(place, episode))?;
+        }
+        Ok(())
+    }
+
     /// The first test that expects success at its end and, held to the horizon, succeeds.
     fn demonstration(&mut self) -> Option<Demonstration> {
         let shown = self.shown.clone();
         let play = || {
             self.tests.demonstrations().find_map(|(test, take)| {
-                let played = take::play(&mut self.episode, take, Default::default(), (Extent::Horizon, None)).ok()?;
+                let played = take::play(&mut self.episode, take, Default::default(), (Extent::Horizon, None), &mut |_| {}).ok()?;
                 let succeeds = played.returns.success;
                 succeeds.then(|| Demonstration { title: test.title.clone(), returns: played.returns })
             })
@@ -110,7 +128,7 @@ pub fn run_all(jobs: &[Job<'_>], policy: Option<&PolicySource>) -> Result<Vec<Te
     let same = |left: &Job<'_>, right: &Job<'_>| std::ptr::eq(left.0, right.0);
     let shown = jobs.chunk_by(same).flat_map(|jobs| vec![Shown::default(); jobs.len()]).collect::<Vec<_>>();
     let play = |((tests, body, place), shown): (&Job<'_>, Shown)| {
-        Ok(Stage { policy, ..Stage::beside(tests, body, shown)? }.play(*place))
+        Ok(Stage::beside(tests, body, shown)?.with_policy(policy).play(*place))
     };
     jobs.par_iter().zip(shown).map(play).collect()
 }

@@ -76,12 +76,13 @@ impl Played {
 }
 
 /// Plays a take, with the policy that is tested if there is one; metrics are kept at the `wanted` steps. The end that is reported is that of the time that it gives,
-/// however far it is played.
+/// however far it is played. `look` sees the environment after its reset and after every control step of what is played.
 pub(super) fn play(
     episode: &mut Environment,
     take: &Take,
     wanted: BTreeSet<u32>,
     (extent, tested): (Extent, Option<&PolicySource>),
+    look: &mut dyn FnMut(&Environment),
 ) -> Result<Played, TestError> {
     if let Some(count) = take.resets {
         return Ok(reset(episode, take, count));
@@ -92,7 +93,8 @@ pub(super) fn play(
     let until = take.until.unwrap_or(task.horizon);
     let end = if extent == Extent::Horizon { task.horizon } else { until };
     let script_ends = take.run.as_ref().map_or(end, |run| run.from);
-    let mut watch = Watch { wanted, until, kept: Vec::new(), over: None, tally: Tally::new(&task) };
+    let mut watch = Watch { wanted, until, kept: Vec::new(), over: None, tally: Tally::new(&task), look };
+    (watch.look)(episode);
     if watch.wanted.contains(&0) && episode.ending().is_none() {
         watch.kept.push((0, Seen::now(episode)));
     }
@@ -143,7 +145,7 @@ fn reset(episode: &mut Environment, take: &Take, count: u32) -> Played {
 }
 
 /// What is looked at while a take is played.
-struct Watch {
+struct Watch<'a> {
     /// At these steps metrics are kept.
     wanted: BTreeSet<u32>,
     /// When the take is over by its own account.
@@ -152,11 +154,13 @@ struct Watch {
     /// What was there then.
     over: Option<(Seen, u32, Option<Ending>)>,
     tally: Tally,
+    look: &'a mut dyn FnMut(&Environment),
 }
 
-impl Watch {
+impl Watch<'_> {
     fn step(&mut self, episode: &Environment) {
         self.tally.add(episode);
+        (self.look)(episode);
         if self.wanted.contains(&episode.steps()) && !episode.report().metrics.is_empty() {
             self.kept.push((episode.steps(), Seen::now(episode)));
         }

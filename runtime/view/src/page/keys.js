@@ -32,7 +32,8 @@ const KEYS = [
   ["x", "X", "Next family; with Shift the one before", (viewer, event) => viewer.chooseFamily(viewer.family + (event.shiftKey ? -1 : 1))],
   ["Escape", "Esc", "All muscles again", (viewer) => viewer.clear()],
   ["t", "T", "Light or dark", (viewer) => viewer.nextTheme()],
-  ["p", "P", "Save a picture", (viewer) => viewer.savePicture()],
+  ["p", "P", "Save a picture", savePicture],
+  ["i", "I", "Save a film strip", saveStrip],
   ["o", "O", "Open a second page beside this one", () => document.getElementById("file").click()],
   ["?", "?", "These keys", (viewer) => viewer.showKeys()],
 ];

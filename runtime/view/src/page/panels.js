@@ -39,7 +39,8 @@ class Panels {
       this.at(viewer.player.time);
     });
     on("muscle", "change", (event) => viewer.choose(Number(event.target.value)));
-    on("picture", "click", () => viewer.savePicture());
+    on("picture", "click", () => savePicture(viewer));
+    on("strip", "click", () => saveStrip(viewer));
     on("open", "click", () => element("file").click());
     on("file", "change", (event) => event.target.files[0] && viewer.open(event.target.files[0]));
     on("theme", "click", () => viewer.nextTheme());
@@ -60,11 +61,13 @@ class Panels {
     const duration = Math.max(...viewer.shown.map((recording) => recording.duration));
     this.legend = termsLegend(element("terms-legend"), first);
     element("terms-section").hidden = !first.terms.length;
-    element("families-section").hidden = element("muscle-section").hidden = !first.anatomy.muscles.length;
+    element("families-section").hidden = !isActive(first);
+    element("muscle-section").hidden = !first.anatomy.muscles.length;
     this.terms.duration = this.map.duration = this.muscleCurve.duration = first.duration;
     this.curve.duration = duration;
     Object.assign(element("time"), { max: duration });
     fill(element("signal"), signalsOf(first).map(({ name, unit: unit_ }) => [name, unit_ ? `${name} [${unit_}]` : name]));
+    if (!first.signals.length) element("signal").value = liveliest(first);
     fill(element("muscle"), [[-1, "none: click one"], ...first.anatomy.muscles.map(({ name }, index) => [index, name])]);
     element("show-reference").parentElement.hidden = !viewer.shown.some((recording) => recording.tracks.reference.length);
     element("show-markers").parentElement.hidden = !viewer.shown.some((recording) => recording.markers.length);
@@ -80,7 +83,7 @@ class Panels {
     element("captions").replaceChildren(
       ...this.viewer.shown.map((recording) => {
         const block = document.createElement("div");
-        block.appendChild(document.createElement("h1")).textContent = recording.policy ? `${recording.task}, ${recording.policy}` : recording.task;
+        block.appendChild(document.createElement("h1")).textContent = [recording.label, recording.task, recording.policy].filter(Boolean).join(", ");
         const episode = recording.episode ? `seed ${recording.episode[0]}, episode ${recording.episode[1]}` : "";
         const verdict = recording.success === null ? "" : recording.success ? "success" : "no success";
         const total = recording.total === null ? "" : `return ${short(recording.total)}`;
@@ -95,7 +98,7 @@ class Panels {
   choices() {
     const { viewer } = this;
     element("choices").hidden = viewer.recordings.length < 2;
-    const options = viewer.recordings.map((recording, index) => [index, recording.label || `${recording.task} ${recording.policy} ${recording.episode ? recording.episode[1] : ""}`]);
+    const options = viewer.recordings.map((recording, index) => [index, [recording.label, recording.task, recording.policy, recording.episode ? recording.episode[1] : ""].filter((word) => word !== "").join(" ")]);
     const list = (name, all, chosen, select) => {
       const label = document.createElement("label");
       const box = document.createElement("select");

@@ -8,13 +8,13 @@ uniform vec3 eye;
 uniform vec3 light;
 `;
 
-/** Light from the sky and the ground, from the sun, and a rim that sets things off from what is behind them. */
+/** Light from the sky and the ground, from the sun, and a little from the eye, so that no side is dark. */
 const LIT = `
 vec3 lit(vec3 base, vec3 n, vec3 v, float gloss) {
   float sky = 0.5 + 0.5 * n.z;
   float sun = max(dot(n, light), 0.0);
   float shine = pow(max(dot(n, normalize(light + v)), 0.0), 40.0) * gloss;
-  return base * (mix(0.42, 0.72, sky) + 0.5 * sun) + shine;
+  return base * (mix(0.38, 0.64, sky) + 0.44 * sun + 0.2 * max(dot(n, v), 0.0)) + shine;
 }`;
 
 const SHAPE_VERTEX = `${HEAD}

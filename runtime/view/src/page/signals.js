@@ -28,6 +28,16 @@ function curvesOf(recording) {
   return [...own, ...terms, ...joints, ...landmarks];
 }
 
+/** The joint that turns most: what to begin with where there is nothing else. */
+function liveliest(recording) {
+  const spread = ([, at, turns]) => {
+    const column = recording.tracks.coordinates[at];
+    return turns ? Math.max(...column) - Math.min(...column) : 0;
+  };
+  const [first] = [...recording.anatomy.joints].sort((a, b) => spread(b) - spread(a));
+  return first ? `${first[0]}.q` : "";
+}
+
 /** Rates of change, from the frames before and after. */
 function ratesOf(at, values) {
   const last = values.length - 1;

@@ -10,7 +10,7 @@ class Viewer {
   constructor(recordings) {
     this.recordings = recordings;
     // For tests and for programs around the page.
-    this.parts = { pathOf, momentArms };
+    this.parts = { pathOf, momentArms, strip };
     this.show = { muscles: true, bones: true, skin: 1, contacts: true, markers: true, reference: true, follow: true };
     [this.chosen, this.family, this.by] = [-1, -1, "activation"];
     this.camera = new Camera();
@@ -34,6 +34,8 @@ class Viewer {
     this.chosen = Math.min(this.chosen, this.shown[0].anatomy.muscles.length - 1);
     this.family = Math.min(this.family, this.shown[0].anatomy.families.length - 1);
     this.setTheme(this.themeName);
+    // Where nothing is active the length of fibres tells more.
+    if (!isActive(this.shown[0]) && this.by === "activation") this.by = "fibre";
     this.panels.load();
     this.player.load(longest.duration, longest.times);
   }
@@ -161,17 +163,6 @@ class Viewer {
     else dialog.showModal();
   }
 
-  savePicture() {
-    this.drawNow();
-    const name = `${this.shown[0].task}-${this.player.time.toFixed(2)}s.png`;
-    element("view").toBlob((blob) => {
-      const link = document.createElement("a");
-      [link.href, link.download] = [URL.createObjectURL(blob), name];
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-    });
-  }
-
   /** Takes the first recording of another page and shows it beside the present one. */
   async open(file) {
     // A document that is only parsed runs no program.
@@ -186,6 +177,9 @@ class Viewer {
     this.select(this.places[0], this.recordings.length - added.length);
   }
 }
+
+/** Whether any muscle of a recording is ever active. */
+const isActive = ({ tracks }) => tracks.activations.some((column) => column.some((code) => code > 0));
 
 /** Names and numbers over the picture. */
 function drawLabels(holder, stages, camera, canvas) {
