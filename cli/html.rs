@@ -38,7 +38,7 @@ impl Film {
     /// # Errors
     /// There is nothing to show.
     pub fn finish(self, caption: Caption) -> Result<Option<Recording>, Error> {
-        Ok(self.recorder.map(|recorder| recorder.finish(caption)).transpose()?)
+        Ok(self.recorder.map(|recorder| recorder.recording(caption)).transpose()?)
     }
 
     /// Writes what was recorded to `path`.

@@ -146,7 +146,7 @@ fn write_pages(
         let label = |take: usize| if take == 0 { String::new() } else { format!("episode {}", take + 1) };
         let recordings: Vec<Recording> = recorders
             .into_iter()
-            .filter_map(|(take, recorder)| recorder.finish(Caption { label: label(take), ..caption.clone() }).ok())
+            .filter_map(|(take, recorder)| recorder.recording(Caption { label: label(take), ..caption.clone() }).ok())
             .collect();
         if played.is_err() || recordings.is_empty() {
             continue;

@@ -48,7 +48,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let outcome = format!("{kind} of {:.2} s", motion.duration);
     let caption = Caption { task: motion.name.clone(), outcome, ..Caption::default() };
     if let Some(recorder) = recorder {
-        html::write(&args.out, &motion.name, &[recorder.finish(caption)?])?;
+        html::write(&args.out, &motion.name, &[recorder.recording(caption)?])?;
     }
     Ok(ExitCode::SUCCESS)
 }

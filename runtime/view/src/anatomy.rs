@@ -1,11 +1,11 @@
 //! What of a model does not change over an episode, as the page needs it: the tree, shapes, muscles with their paths.
 
+use crate::shapes::{self, Shape, Surface};
 use msk_physics::model::{GeomKind, JointKind, Model, PathPoint};
 use msk_runtime::body::Body;
 use msk_runtime::body::sensors::Snapshot;
 use nalgebra::Vector3;
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// A model. Lengths in m, quaternions w x y z.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,26 +66,6 @@ pub(crate) struct Joint {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Shape {
-    pub kind: &'static str,
-    pub body: usize,
-    pub size: [f64; 3],
-    pub position: [f64; 3],
-    pub orientation: [f64; 4],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mesh: Option<usize>,
-    pub own: bool,
-}
-
-/// Triangles.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Surface {
-    /// Corners in tenths of a millimetre.
-    pub corners: Vec<i32>,
-    pub triangles: Vec<usize>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Muscle {
     pub name: String,
     /// Index among the families.
@@ -128,9 +108,7 @@ impl Anatomy {
     /// Describes what `snapshot` shows; `strengths` are those of the muscles' condition, one per muscle.
     pub fn of(snapshot: &Snapshot<'_>, strengths: &[f64]) -> Self {
         let &Snapshot { body, model, .. } = snapshot;
-        let mut meshes = Surfaces::default();
-        let shapes = (0..model.geoms.kind.len()).filter(|&geom| is_shown(model, body, geom));
-        let shapes = shapes.filter_map(|geom| shape(model, body, geom, &mut meshes)).collect();
+        let (shapes, meshes) = shapes::of(model, body);
         let mut wraps = Vec::new();
         let families = families(body);
         let muscles = (0..body.muscles.len()).map(|index| muscle(snapshot, index, strengths, &families, &mut wraps)).collect();
@@ -138,7 +116,7 @@ impl Anatomy {
         Self {
             bodies: parts(model, body),
             shapes,
-            meshes: meshes.found,
+            meshes,
             muscles,
             families,
             wraps,
@@ -215,74 +193,6 @@ fn joint(model: &Model, index: usize) -> Joint {
     }
 }
 
-/// Solid shapes and those of objects; what only bends muscles is not shown.
-fn is_shown(model: &Model, body: &Body, geom: usize) -> bool {
-    let geoms = &model.geoms;
-    let solid = geoms.contact_type[geom] != 0 || geoms.contact_affinity[geom] != 0;
-    body.shapes.contains(&geom) || solid || body.objects.iter().any(|object| object.body == geoms.body[geom])
-}
-
-fn shape(model: &Model, body: &Body, geom: usize, meshes: &mut Surfaces) -> Option<Shape> {
-    let geoms = &model.geoms;
-    let (kind, mesh) = match geoms.kind[geom] {
-        // The ground is drawn as such.
-        GeomKind::Plane => return None,
-        GeomKind::Sphere => ("sphere", None),
-        GeomKind::Capsule => ("capsule", None),
-        GeomKind::Ellipsoid => ("ellipsoid", None),
-        GeomKind::Cylinder => ("cylinder", None),
-        GeomKind::Box => ("box", None),
-        GeomKind::HeightField => ("mesh", Some(meshes.height_field(model, geoms.asset[geom]?))),
-        GeomKind::Mesh => ("mesh", Some(meshes.mesh(model, geoms.asset[geom]?))),
-    };
-    Some(Shape {
-        kind,
-        body: geoms.body[geom],
-        size: vector(&geoms.size[geom]),
-        position: vector(&geoms.position[geom]),
-        orientation: geoms.orientation[geom].map(round),
-        mesh,
-        own: body.owns(geoms.body[geom]),
-    })
-}
-
-/// Surfaces of assets, each once.
-#[derive(Default)]
-struct Surfaces {
-    found: Vec<Surface>,
-    known: BTreeMap<(bool, usize), usize>,
-}
-
-impl Surfaces {
-    fn mesh(&mut self, model: &Model, asset: usize) -> usize {
-        let mesh = &model.meshes[asset];
-        self.keep((true, asset), || (mesh.vertices.clone(), mesh.triangles.concat()))
-    }
-
-    fn height_field(&mut self, model: &Model, asset: usize) -> usize {
-        let field = &model.height_fields[asset];
-        self.keep((false, asset), || {
-            let corners = (0..field.rows).flat_map(|row| (0..field.columns).map(move |column| field.point(row, column)));
-            let cells = (1..field.rows).flat_map(|row| (1..field.columns).map(move |column| (row, column)));
-            let triangles = cells.flat_map(|(row, column)| {
-                let [a, c] = [(row - 1) * field.columns + column - 1, row * field.columns + column];
-                [a, a + 1, c, a, c, c - 1]
-            });
-            (corners.collect(), triangles.collect())
-        })
-    }
-
-    fn keep(&mut self, key: (bool, usize), make: impl FnOnce() -> (Vec<Vector3<f64>>, Vec<usize>)) -> usize {
-        let Self { found, known } = self;
-        *known.entry(key).or_insert_with(|| {
-            let (corners, triangles) = make();
-            let corners = corners.iter().flat_map(vector).map(|part| super::track::quantise(part, 1e-4));
-            found.push(Surface { corners: corners.collect(), triangles });
-            found.len() - 1
-        })
-    }
-}
-
 fn muscle(snapshot: &Snapshot<'_>, index: usize, strengths: &[f64], families: &[String], wraps: &mut Vec<Wrap>) -> Muscle {
     let &Snapshot { body, model, workspace, state } = snapshot;
     let strength = strengths.get(index).copied().unwrap_or(1.0);
@@ -328,10 +238,10 @@ fn wrap(model: &Model, geom: usize) -> Wrap {
 }
 
 /// Six digits behind the point: a micrometre, and finer than any turn that can be seen.
-fn round(value: f64) -> f64 {
+pub(crate) fn round(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
 
-fn vector(value: &Vector3<f64>) -> [f64; 3] {
+pub(crate) fn vector(value: &Vector3<f64>) -> [f64; 3] {
     [round(value.x), round(value.y), round(value.z)]
 }

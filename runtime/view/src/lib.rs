@@ -14,13 +14,17 @@ mod contacts;
 mod muscles;
 mod page;
 mod recorder;
+mod recording;
 mod reference;
+mod shapes;
 mod signals;
+mod task;
 mod track;
 mod wraps;
 
 pub use page::page;
-pub use recorder::{Caption, Recorder, Recording, RecordingError};
+pub use recorder::Recorder;
+pub use recording::{Caption, Recording, RecordingError};
 
 #[cfg(test)]
 mod tests;

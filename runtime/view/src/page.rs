@@ -5,7 +5,7 @@
 
 use crate::Recording;
 use crate::anatomy::Anatomy;
-use crate::recorder::Header;
+use crate::recording::Header;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;

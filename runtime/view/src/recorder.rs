@@ -1,122 +1,22 @@
 //! Looks at an episode step by step and keeps what a page shows of it.
 
 use crate::anatomy::Anatomy;
-use crate::contacts::{Contacts, Pair};
+use crate::contacts::Contacts;
 use crate::muscles::{ACTIVATION, FORCE, Muscles};
-use crate::reference::Reference;
-use crate::signals::{self, Signal, Signals};
-use crate::track::{Block, Track, quantise};
+use crate::recording::{Caption, Header, Quanta, Recording, RecordingError, Tracks};
+use crate::task::TaskRecorder;
+use crate::track::{Track, quantise};
 use crate::wraps;
-use msk_program::task::CompiledTask;
 use msk_runtime::body::sensors::Snapshot;
 use msk_runtime::episode::{Ending, Environment};
-use serde::Serialize;
 
 /// Frames per second at most: a display shows no more.
 const FRAMES_PER_SECOND: f64 = 60.0;
 /// Quantum of joint coordinates, m and rad, of a root's place, and of the parts of a quaternion: the end of a chain of joints is off by
 /// less than 0.1 mm.
-const COORDINATE: f64 = 4e-5;
+pub(crate) const COORDINATE: f64 = 4e-5;
 /// Quantum of the lengths of fibres, where tendons are elastic, and of markers, m.
-const LENGTH: f64 = 1e-4;
-
-/// What stands above a recording.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Caption {
-    /// What tells it from others on the same page, such as "worst"; may be empty.
-    pub label: String,
-    /// Name of the task, or of the motion.
-    pub task: String,
-    /// What acted.
-    pub policy: String,
-    /// Seed and index of the episode, if it is one.
-    pub episode: Option<[u64; 2]>,
-    /// How it ended, in words.
-    pub outcome: String,
-    /// Whether it succeeded, if that was a question.
-    pub success: Option<bool>,
-    /// Its return, if it has one.
-    pub total: Option<f64>,
-    /// Condition of the muscles; empty for healthy ones.
-    pub condition: String,
-}
-
-/// Why there is nothing to show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RecordingError {
-    /// No frame: the episode could not begin.
-    Empty,
-}
-
-impl std::fmt::Display for RecordingError {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.write_str("there is nothing to show: the episode ended with a fault at its reset")
-    }
-}
-
-impl std::error::Error for RecordingError {}
-
-/// A finished recording.
-#[derive(Debug, Clone)]
-pub struct Recording {
-    pub(crate) anatomy: Anatomy,
-    pub(crate) header: Header,
-    pub(crate) bytes: Vec<u8>,
-}
-
-/// Everything of a recording but its bytes.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct Header {
-    pub caption: Caption,
-    pub frames: usize,
-    /// Length of a control step, s.
-    pub period: f64,
-    pub quanta: Quanta,
-    /// Reward terms: what each adds to the reward of a step.
-    pub terms: Vec<Signal>,
-    /// Reasons that end an episode as a failure, then those that end it without being one.
-    pub terminations: Vec<String>,
-    pub finishes: Vec<String>,
-    pub markers: Vec<String>,
-    /// Names of the phases of a sequence; empty for a task by itself.
-    pub phases: Vec<String>,
-    pub contacts: Vec<Pair>,
-    pub signals: Vec<Signal>,
-    /// The wrapping surfaces that are touched at some time, in the order of their columns.
-    pub touched: Vec<usize>,
-    pub tracks: Tracks,
-}
-
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct Quanta {
-    coordinate: f64,
-    activation: f64,
-    force: f64,
-    length: f64,
-    wrap: f64,
-}
-
-/// Where each track stands in the bytes.
-#[derive(Debug, Clone, Default, Serialize)]
-pub(crate) struct Tracks {
-    pub steps: Block,
-    pub phase: Block,
-    pub coordinates: Block,
-    pub reference: Block,
-    pub placed: Block,
-    pub activations: Block,
-    pub forces: Block,
-    pub gains: Block,
-    pub passive: Block,
-    pub fatigued: Block,
-    pub fibres: Block,
-    pub wraps: Block,
-    pub contacts: Block,
-    pub markers: Block,
-    pub conditions: Block,
-    pub terms: Block,
-    pub signals: Block,
-}
+pub(crate) const LENGTH: f64 = 1e-4;
 
 /// Keeps frames of an episode, or of anything that moves a body.
 pub struct Recorder {
@@ -136,27 +36,6 @@ pub struct Recorder {
     wrap_rows: Vec<i32>,
     wraps: Track,
     contacts: Contacts,
-}
-
-/// What only a task has.
-struct TaskRecorder {
-    names: TaskNames,
-    reference: Reference,
-    referenced: Track,
-    phase: Track,
-    markers: Track,
-    conditions: Track,
-    terms: Signals,
-    signals: Signals,
-    /// Places of the curves in the task's frame.
-    places: Vec<usize>,
-}
-
-struct TaskNames {
-    terminations: Vec<String>,
-    finishes: Vec<String>,
-    markers: Vec<String>,
-    phases: Vec<String>,
 }
 
 impl Recorder {
@@ -243,24 +122,24 @@ impl Recorder {
         self.contacts.look(snapshot);
     }
 
-    /// What was recorded.
+    /// What was recorded so far; more may follow.
     ///
     /// # Errors
     /// Nothing was.
-    pub fn finish(self, caption: Caption) -> Result<Recording, RecordingError> {
+    pub fn recording(&self, caption: Caption) -> Result<Recording, RecordingError> {
         let frames = self.steps.frames();
         if frames == 0 {
             return Err(RecordingError::Empty);
         }
         let (pairs, contacts) = self.contacts.finish();
+        let [forces, gains, passive] = self.muscles.finish();
         let touched: Vec<usize> =
             (0..self.anatomy.wraps.len()).filter(|wrap| self.wraps.column(wrap * wraps::WIDTH).any(|state| state != 0)).collect();
         let kept: Vec<bool> =
             (0..self.wraps.width()).map(|column| touched.binary_search(&(column / wraps::WIDTH)).is_ok()).collect();
-        let [forces, gains, passive] = self.muscles.finish();
         let mut bytes = Vec::new();
         let mut write = |track: &Track| track.write(&mut bytes);
-        let mut tracks = Tracks {
+        let tracks = Tracks {
             steps: write(&self.steps),
             coordinates: write(&self.coordinates),
             placed: write(&self.placed),
@@ -274,104 +153,13 @@ impl Recorder {
             contacts: write(&contacts),
             ..Tracks::default()
         };
-        let mut header = Header {
-            caption,
-            frames,
-            period: self.period,
-            quanta: Quanta { coordinate: COORDINATE, activation: ACTIVATION, force: FORCE, length: LENGTH, wrap: wraps::QUANTUM },
-            terms: Vec::new(),
-            terminations: Vec::new(),
-            finishes: Vec::new(),
-            markers: Vec::new(),
-            phases: Vec::new(),
-            contacts: pairs,
-            signals: Vec::new(),
-            touched,
-            tracks: Tracks::default(),
-        };
-        if let Some(task) = self.task {
-            let (terms, term_codes) = task.terms.finish();
-            let (signals, signal_codes) = task.signals.finish();
-            tracks.reference = write(&task.referenced);
-            tracks.phase = write(&task.phase);
-            tracks.markers = write(&task.markers);
-            tracks.conditions = write(&task.conditions);
-            tracks.terms = write(&term_codes);
-            tracks.signals = write(&signal_codes);
-            (header.terms, header.signals) = (terms, signals);
-            let TaskNames { terminations, finishes, markers, phases } = task.names;
-            (header.terminations, header.finishes, header.markers, header.phases) = (terminations, finishes, markers, phases);
+        let quanta =
+            Quanta { coordinate: COORDINATE, activation: ACTIVATION, force: FORCE, length: LENGTH, wrap: wraps::QUANTUM };
+        let mut header =
+            Header { caption, frames, period: self.period, quanta, contacts: pairs, touched, tracks, ..Header::default() };
+        if let Some(task) = &self.task {
+            task.write(&mut header, &mut bytes);
         }
-        header.tracks = tracks;
-        Ok(Recording { anatomy: self.anatomy, header, bytes })
-    }
-}
-
-impl TaskRecorder {
-    fn new(snapshot: &Snapshot<'_>, task: &CompiledTask) -> Self {
-        let (mut terms, mut signals) = (Signals::default(), Signals::default());
-        task.terms.iter().for_each(|term| terms.add(&term.name, ""));
-        signals.add("reward", "");
-        signals.add("return", "");
-        for metric in &task.metrics {
-            for part in 0..metric.size {
-                let suffix = if metric.size > 1 { format!("[{part}]") } else { String::new() };
-                signals.add(format!("{}{suffix}", metric.name), &metric.unit);
-            }
-        }
-        let curves = signals::of_frame(task);
-        curves.iter().for_each(|(_, name, unit)| signals.add(name, *unit));
-        let referenced = if task.motions.is_empty() { 0 } else { 1 + snapshot.model.nq };
-        let phases =
-            if task.phases.len() > 1 { task.phases.iter().map(|phase| phase.name.clone()).collect() } else { Vec::new() };
-        Self {
-            reference: Reference::new(snapshot.model),
-            referenced: Track::new(referenced),
-            phase: Track::new(usize::from(!phases.is_empty())),
-            markers: Track::new(3 * task.markers.len()),
-            conditions: Track::new(task.terminations.len() + task.finishes.len()),
-            terms,
-            signals,
-            places: curves.into_iter().map(|(place, _, _)| place).collect(),
-            names: TaskNames {
-                terminations: task.terminations.clone(),
-                finishes: task.finishes.clone(),
-                markers: task.markers.clone(),
-                phases,
-            },
-        }
-    }
-
-    fn look(&mut self, environment: &Environment) {
-        let report = environment.report();
-        // The first number tells whether there is a reference at present.
-        match self.reference.coordinates(environment) {
-            Some(coordinates) => {
-                let row = coordinates.iter().map(|value| quantise(*value, COORDINATE));
-                self.referenced.push(std::iter::once(1).chain(row));
-            }
-            None => self.referenced.push([]),
-        }
-        self.phase.push((0..self.phase.width()).map(|_| i32::try_from(report.phase).unwrap_or(i32::MAX)));
-        let task = environment.task();
-        let progress = environment.context().progress;
-        self.markers.push((0..task.markers.len()).flat_map(|marker| {
-            let place = task.marker(marker, environment.frame(), progress).unwrap_or_default();
-            place.map(|value| quantise(value, LENGTH))
-        }));
-        // Nothing has been judged at a reset.
-        let judged =
-            |reasons: &[bool], count: usize| (0..count).map(|index| reasons.get(index).is_some_and(|holds| *holds)).collect();
-        let failed: Vec<bool> = judged(&report.terminations, task.terminations.len());
-        let finished: Vec<bool> = judged(&report.finishes, task.finishes.len());
-        self.conditions.push(failed.into_iter().chain(finished).map(i32::from));
-        let contributions = report.terms.iter().zip(environment.weights()).map(|(value, weight)| value * weight);
-        self.terms.push(contributions);
-        let reward = if report.terms.is_empty() { f64::NAN } else { report.reward };
-        let metrics = task.metrics.last().map_or(0, |metric| metric.offset + metric.size);
-        let metric = |index: usize| report.metrics.get(index).copied().unwrap_or(f64::NAN);
-        let whole = [reward, environment.episode().total()];
-        let frame = self.places.iter().map(|place| environment.frame().get(*place).copied().unwrap_or(f64::NAN));
-        self.signals.push(whole.into_iter().chain((0..metrics).map(metric)).chain(frame));
+        Ok(Recording { anatomy: self.anatomy.clone(), header, bytes })
     }
 }

@@ -46,7 +46,7 @@ fn recording(frames: u32) -> Recording {
     crouching(frames, |frame, snapshot| {
         recorder.get_or_insert_with(|| Recorder::of(snapshot, &[], 0.02)).look_at(frame, snapshot);
     });
-    recorder.unwrap().finish(Caption { task: "crouch <down>".into(), ..Caption::default() }).unwrap()
+    recorder.unwrap().recording(Caption { task: "crouch <down>".into(), ..Caption::default() }).unwrap()
 }
 
 #[test]
@@ -152,5 +152,5 @@ fn an_episode_that_could_not_begin_is_no_page() {
     let (model, body) = human();
     let (state, workspace) = (State::new(&model), Workspace::new(&model));
     let recorder = Recorder::of(&Snapshot { body: &body, model: &model, state: &state, workspace: &workspace }, &[], 0.01);
-    assert_eq!(recorder.finish(Caption::default()).unwrap_err(), RecordingError::Empty);
+    assert_eq!(recorder.recording(Caption::default()).unwrap_err(), RecordingError::Empty);
 }
