@@ -9,7 +9,7 @@ The tasks are written in the language of ``.msk`` files and run in Rust; :func:`
 
 from . import physics
 from .diagnostics import Diagnostic, Diagnostics, Fix, Place
-from .environment import Env, Picture, Snapshot
+from .environment import Env, Page, Picture, Snapshot, show
 from .errors import CompileError, InternalError, LintWarning
 from .registration import id_of, make, make_vec, register
 from .tasks import TASKS, Channel, Explanation, Parameter, Task, Term, check, compile, compile_text
@@ -28,6 +28,7 @@ __all__ = [
     "InternalError",
     "LintWarning",
     "LiveWeights",
+    "Page",
     "Parameter",
     "Picture",
     "Place",
@@ -43,6 +44,7 @@ __all__ = [
     "make_vec",
     "physics",
     "register",
+    "show",
 ]
 
 register()

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, SupportsFloat
 
 import gymnasium
@@ -56,6 +58,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         render_mode: ``ansi`` or none.
         clip_actions: whether actions outside of [-1, 1] are clipped; else they are errors.
         dtype: of observations, ``float32`` or ``float64``.
+        record: whether the steps of the present episode are kept, for :meth:`page`.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 50}  # noqa: RUF012 (as Gymnasium declares it)
@@ -69,6 +72,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         render_mode: str | None = None,
         clip_actions: bool = False,
         dtype: DTypeLike = np.float32,
+        record: bool = False,
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"there is no render mode `{render_mode}`; there are: {self.metadata['render_modes']}")
@@ -77,7 +81,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self.metadata = {**self.metadata, "render_fps": round(self.task.control_frequency)}
         self.observation_space, self.action_space = spaces(self.task, dtype)
         single = self.observation_space.dtype == np.float32
-        self._native = _native.Environment(self.task._native, clip_actions, single)
+        self._native = _native.Environment(self.task._native, clip_actions, single, record)
         #: Weights, by term; assign to change them.
         self.weights = LiveWeights(self._native, self.task)
         self._describe = Describer(self.task)
@@ -144,6 +148,15 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """The present state as a picture, from the side and from in front: SVG, which notebooks show."""
         return Picture(self._native.draw(caption))
 
+    def page(self, title: str = "") -> Page:
+        """The present episode so far as a page: the moving body with its muscles, forces, reward terms and signals. Notebooks show it,
+        browsers open it; it works without a network.
+
+        Raises:
+            RuntimeError: the environment was made without ``record=True``, or no episode has begun.
+        """
+        return Page(self._native.page(title))
+
     @property
     def progress(self) -> float:
         """Share of a training that has passed, 0 to 1, which scheduled weights (``10 -> 5 over 30 %``) follow; 1 unless it is set, as
@@ -186,6 +199,35 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             self.np_random.bit_generator.state = snapshot.generator
         self._begun = True
         return self._native.observation()
+
+
+class Page(str):
+    """An episode as HTML text, which notebooks show."""
+
+    def __repr__(self) -> str:
+        return f"<Page: {len(self)} characters of HTML>"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page to a file, for a browser."""
+        Path(path).write_text(self, encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        # A frame of its own: neither styles nor programs of page and notebook meet.
+        frame = 'sandbox="allow-scripts allow-downloads" style="width:100%;height:640px;border:0"'
+        return f'<iframe {frame} srcdoc="{html.escape(self)}"></iframe>'
+
+
+def show(env: gymnasium.Env[Any, Any], title: str = "") -> Page:
+    """The present episode of an environment, whatever wraps it, as a page: the last line of a notebook's cell shows it.
+
+    Raises:
+        TypeError: an environment of another package.
+        RuntimeError: see :meth:`Env.page`.
+    """
+    inner = env.unwrapped
+    if not isinstance(inner, Env):
+        raise TypeError(f"expected an environment of msk, found {type(inner).__name__}")
+    return inner.page(title)
 
 
 class Picture(str):

@@ -2,11 +2,12 @@
 
 use crate::arrays::{self, OutOfRange};
 use crate::guard::Guarded;
+use crate::recorded::Recorded;
 use crate::snapshot::Snapshot;
 use crate::state;
 use crate::task::Task;
 use msk_draw::{Options, View, svg};
-use msk_runtime::episode::{self, Ending, EpisodeKey};
+use msk_runtime::episode::{self, Ending, EpisodeError, EpisodeKey};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,7 +16,7 @@ use pyo3::types::PyDict;
 #[pyclass(module = "msk._native")]
 pub struct Environment {
     task: Py<Task>,
-    inner: Guarded<episode::Environment>,
+    inner: Guarded<Recorded>,
     rule: OutOfRange,
     single: bool,
 }
@@ -37,16 +38,17 @@ pub fn end(ending: Option<&Ending>, task: &Task) -> Option<End> {
 #[pymethods]
 impl Environment {
     #[new]
-    fn new(py: Python<'_>, task: Py<Task>, clip_actions: bool, single_precision: bool) -> PyResult<Self> {
+    fn new(py: Python<'_>, task: Py<Task>, clip_actions: bool, single_precision: bool, record: bool) -> PyResult<Self> {
         let engine = task.get().engine().clone();
-        let inner = Guarded::new(crate::guard::detached(py, move || episode::Environment::of(engine))?);
+        let environment = crate::guard::detached(py, move || episode::Environment::of(engine))?;
+        let inner = Guarded::new(Recorded::new(environment, record));
         let rule = if clip_actions { OutOfRange::Clip } else { OutOfRange::Reject };
         Ok(Self { task, inner, rule, single: single_precision })
     }
 
     /// Begins an episode; gives its first observation.
     fn reset<'py>(&mut self, py: Python<'py>, seed: u64, episode: u64) -> PyResult<Bound<'py, PyAny>> {
-        self.inner.change(py, |inner| inner.reset(EpisodeKey { seed, episode }))?;
+        self.inner.change(py, |inner| inner.begin(|inner| inner.reset(EpisodeKey { seed, episode })))?;
         self.begun(py)
     }
 
@@ -61,8 +63,10 @@ impl Environment {
         let inner = self.inner.get()?;
         let fresh = state::replaced(inner.state(), arrays, inner.engine().model())?;
         self.inner.change(py, move |inner| {
-            inner.reset_to(EpisodeKey { seed, episode }, &mut |state| *state = fresh.clone());
-            inner.end_script();
+            inner.begin(|inner| {
+                inner.reset_to(EpisodeKey { seed, episode }, &mut |state| *state = fresh.clone());
+                inner.end_script();
+            });
         })?;
         self.begun(py)
     }
@@ -71,8 +75,12 @@ impl Environment {
     fn step<'py>(&mut self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<(Bound<'py, PyAny>, f64, bool, bool)> {
         let action = arrays::actions(action, None, self.task.get().action_names(), self.rule)?;
         self.inner
-            .change(py, move |inner| inner.step(&action).map(|_| ()))?
-            .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+            .change(py, move |inner| {
+                inner.step(&action)?;
+                inner.look();
+                Ok(())
+            })?
+            .map_err(|error: EpisodeError| PyRuntimeError::new_err(error.to_string()))?;
         let inner = self.inner.get()?;
         let ending = inner.ending();
         let terminated = ending.is_some_and(|ending| !ending.bootstraps(inner.task()));
@@ -158,12 +166,17 @@ impl Environment {
 
     fn restore(&mut self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<()> {
         snapshot.check(self.task.get(), 1)?;
-        self.inner.change(py, |inner| snapshot.slots.iter().for_each(|(episode, _)| inner.restore(episode)))
+        self.inner.change(py, |inner| inner.begin(|inner| snapshot.slots.iter().for_each(|(episode, _)| inner.restore(episode))))
     }
 
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let inner = self.inner.get()?;
         state::arrays(py, inner.state(), inner.engine().model())
+    }
+
+    /// The present episode so far as an HTML page.
+    fn page(&mut self, py: Python<'_>, title: String) -> PyResult<String> {
+        self.inner.change(py, move |inner| inner.page(title))?.map_err(PyRuntimeError::new_err)
     }
 
     /// A picture as SVG, from the side and from in front.

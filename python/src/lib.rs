@@ -8,6 +8,7 @@ mod compilation;
 mod environment;
 mod guard;
 mod physics;
+mod recorded;
 mod report;
 mod snapshot;
 mod state;
