@@ -1,7 +1,7 @@
 // Paths of muscles: from sites and touched surfaces to lines, their lengths, and tubes with a belly between pale tendons.
 
 /** Rings of a tube. */
-const RINGS = 16;
+const RINGS = 13;
 /** Stress of a fully active muscle, N/m²: cross sections follow from forces. */
 const STRESS = 6e5;
 const ARC_STEP = 0.35;

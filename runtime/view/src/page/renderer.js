@@ -16,7 +16,7 @@ class Renderer {
       shapeDepth: compile(gl, SHAPE_VERTEX, DEPTH_FRAGMENT),
       tubeDepth: compile(gl, TUBE_VERTEX, DEPTH_FRAGMENT),
     };
-    this.solids = { balls: new Solid(gl, ball(9, 28)), boxes: new Solid(gl, box()), cylinders: new Solid(gl, cylinder(32)), bones: new Solid(gl, bone(12)), arrows: new Solid(gl, arrow(14)) };
+    this.solids = { balls: new Solid(gl, ball(6, 20)), small: new Solid(gl, ball(3, 10)), boxes: new Solid(gl, box()), cylinders: new Solid(gl, cylinder(32)), bones: new Solid(gl, bone(8)), arrows: new Solid(gl, arrow(14)) };
     this.tubes = tubeGrid(gl);
     this.ground = gl.createVertexArray();
     gl.bindVertexArray(this.ground);
@@ -122,6 +122,7 @@ class Renderer {
     this.begin(programs.shapeDepth, camera);
     this.copies(stage, stage.lists.solid);
     this.copies(stage, stage.lists.skin);
+    // Muscles lie within the skin, but where there is none.
     if (show.muscles && !show.skin) this.drawTubes(programs.tubeDepth, camera, stage.tubes.count);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     return matrix;
@@ -143,7 +144,7 @@ class Renderer {
   }
 }
 
-const SIDES = 8;
+const SIDES = 6;
 
 /** Rings and angles of one tube. */
 function tubeGrid(gl) {

@@ -3,6 +3,8 @@
 /** Length of the arrow of a force as large as the body's weight, m. */
 const ARROW = 0.6;
 const SMALLEST_BONE = 0.008;
+/** Shapes smaller than this have coarse triangles, m. */
+const SMALL = 0.045;
 /** What muscles pale to that are weak or tired. */
 const WEAK = [0.62, 0.64, 0.68];
 
@@ -55,9 +57,11 @@ class Stage {
     const place = pose.point(body, position);
     const turn = turnProduct(pose.turn[body], orientation);
     const put = (list, sizes, half) => list.push(...place, ...turn, ...sizes, half, ...colour);
-    if (kind === "sphere") put(lists.balls, [size[0], size[0], size[0]], 0);
-    else if (kind === "capsule") put(lists.balls, [size[0], size[0], size[0]], size[1]);
-    else if (kind === "ellipsoid") put(lists.balls, size, 0);
+    // Fingers and toes are many and need few triangles.
+    const balls = Math.max(...size) < SMALL ? lists.small : lists.balls;
+    if (kind === "sphere") put(balls, [size[0], size[0], size[0]], 0);
+    else if (kind === "capsule") put(balls, [size[0], size[0], size[0]], size[1]);
+    else if (kind === "ellipsoid") put(balls, size, 0);
     else if (kind === "cylinder") put(lists.cylinders, [size[0], size[0], size[1]], 0);
     else if (kind === "box") put(lists.boxes, size, 0);
     else put(lists.meshes[mesh], [1, 1, 1], 0);
@@ -96,7 +100,7 @@ class Stage {
     recording.markers.forEach((name, index) => {
       const at = [0, 1, 2].map((axis) => between(recording.tracks.markers[3 * index + axis], moment) * recording.quanta.length);
       this.lists.ghost.balls.push(...at, 1, 0, 0, 0, 0.05, 0.05, 0.05, 0, ...theme.marker, 0.8);
-      this.lists.solid.balls.push(...at, 1, 0, 0, 0, 0.009, 0.009, 0.009, 0, ...theme.marker, 1);
+      this.lists.solid.small.push(...at, 1, 0, 0, 0, 0.009, 0.009, 0.009, 0, ...theme.marker, 1);
       this.labels.push({ at: sum(at, [0, 0, 0.07]), text: name, colour: theme.marker });
     });
   }
@@ -107,7 +111,7 @@ class Stage {
   }
 }
 
-const emptyLists = (meshes) => ({ balls: [], boxes: [], cylinders: [], bones: [], arrows: [], meshes: Array.from({ length: meshes }, () => []) });
+const emptyLists = (meshes) => ({ balls: [], small: [], boxes: [], cylinders: [], bones: [], arrows: [], meshes: Array.from({ length: meshes }, () => []) });
 
 /** What colours a muscle, 0 to 1. */
 function shareOf(recording, muscle, by, moment, length) {
