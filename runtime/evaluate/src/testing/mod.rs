@@ -107,7 +107,8 @@ impl<'a> Stage<'a> {
         let shown = self.shown.clone();
         let play = || {
             self.tests.demonstrations().find_map(|(test, take)| {
-                let played = take::play(&mut self.episode, take, Default::default(), (Extent::Horizon, None), &mut |_| {}).ok()?;
+                let played =
+                    take::play(&mut self.episode, take, Default::default(), (Extent::Horizon, None), &mut |_| {}).ok()?;
                 let succeeds = played.returns.success;
                 succeeds.then(|| Demonstration { title: test.title.clone(), returns: played.returns })
             })
