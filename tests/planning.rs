@@ -55,7 +55,7 @@ const BENT: &str = "1 bent = exp(-4 rad^-2 * (elbow_flexion_r.q - 1 rad)^2)";
 #[test]
 fn a_plan_does_what_the_reward_asks_for() {
     let mut environment = rewarded(BENT, &[]);
-    let targets = Targets { joints: vec!["elbows".into()], joint_range: 1.2, ..Targets::default() };
+    let targets = Targets { joints: vec!["elbows".into()], arm_range: 1.2, ..Targets::default() };
     let settings = Settings { targets, samples: 16, horizon: 0.3, ..quick() };
     planned(&mut environment, &settings, 40);
     let bent = environment.episode().total();
@@ -187,7 +187,8 @@ fn settings_that_a_body_or_a_task_cannot_have_are_refused() {
     let wings = Targets { joints: vec!["wings".into()], ..Targets::default() };
     let message = refused(Settings { targets: wings, ..quick() });
     assert!(message.contains("no joint or group of joints `wings`; its groups are lumbar, hips"), "{message}");
-    let nothing = Targets { joint_range: 0.0, center_of_mass: 0.0, root: 0.0, priority_factor: 1.0, ..Targets::default() };
+    let nothing =
+        Targets { joint_range: 0.0, arm_range: 0.0, center_of_mass: 0.0, root: 0.0, priority_factor: 1.0, ..Targets::default() };
     assert!(refused(Settings { targets: nothing, ..quick() }).contains("no target is left"));
     let message = refused(Settings { horizon: 0.001, ..quick() });
     assert!(message.contains("its horizon of 0.001 s is shorter than a control step of 0.01 s"), "{message}");
@@ -204,7 +205,7 @@ fn settings_are_read_and_mistakes_are_shown_with_their_places() {
     for (text, expected) in [
         ("horizont = 1", &["line 1", "unknown field `horizont`", "`horizon`"][..]),
         ("samples = \"many\"", &["line 1", "invalid type"]),
-        ("\nsamples = 0", &["line 2: `samples` is 0; expected a whole number from 3 to 4096"]),
+        ("\nsamples = 0", &["line 2: `samples` is 0; expected a whole number from 4 to 4096"]),
         ("samples = 100000000", &["`samples` is 100000000"]),
         ("horizon = nan", &["line 1: `horizon` is NaN; expected a number from 0.01 to 10 s"]),
         ("noise = inf", &["`noise` is inf"]),

@@ -22,6 +22,21 @@ impl Curve {
         Self { values: vec![value; knots * width], width, interpolation, now: 0.0 }
     }
 
+    /// Mean square of the distance of its values from `rest`.
+    pub fn mean_square(&self, rest: f64) -> f64 {
+        self.values.iter().map(|value| (value - rest) * (value - rest)).sum::<f64>() / self.values.len().max(1) as f64
+    }
+
+    /// The same curve, which returns to `rest` by its end.
+    pub fn fading(&self, rest: f64) -> Self {
+        let last = self.knots().saturating_sub(1).max(1) as f64;
+        let faded = self.values.iter().enumerate().map(|(place, value)| {
+            let left = 1.0 - (place / self.width.max(1)) as f64 / last;
+            rest + left * (value - rest)
+        });
+        Self { values: faded.collect(), ..self.clone() }
+    }
+
     /// Number of knots.
     pub fn knots(&self) -> usize {
         self.values.len().checked_div(self.width).unwrap_or(0)

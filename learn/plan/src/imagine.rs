@@ -7,11 +7,18 @@ use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
 use msk_physics::scalar::Real;
 use msk_runtime::action::{Action, ActsOn};
+use msk_runtime::body::sensors::Snapshot;
 use msk_runtime::episode::{Ending, Engine, Episode, GroupScratch, Member};
 use msk_runtime::policy::PolicyContext;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+/// A shape that is no more than this above the ground bears weight, m.
+const NEAR: f64 = 0.01;
+
+/// The margin within the support that a controller without foresight needs to keep a body up, m.
+const SAFE: f64 = 0.06;
 
 /// How long plans are played, and how closely.
 #[derive(Debug, Clone, Copy)]
@@ -22,8 +29,19 @@ pub(crate) struct Extent {
     pub hold: u32,
     /// Whether controllers share forces out roughly.
     pub rough: bool,
+    /// Whether it is measured how well the body is balanced at the end.
+    pub balance: bool,
     /// The entry that asks for nothing.
     pub rest: f64,
+    /// By which share of the way entries come nearer to what a plan asks for at each control step.
+    pub follow: f64,
+}
+
+impl Extent {
+    /// Moves entries towards what a plan asks for, by one control step.
+    pub fn smooth(&self, asked: &[f64], entries: &mut [f64]) {
+        entries.iter_mut().zip(asked).for_each(|(entry, asked)| *entry += self.follow * (asked - *entry));
+    }
 }
 
 /// Plays plans from the present on.
@@ -43,7 +61,8 @@ struct Lane {
     episode: Episode,
     rates: Option<Rates>,
     space: Space,
-    /// What the plan asks for now, and the action that this becomes.
+    /// What the plan asks for now, what is done about it, and the action that this becomes.
+    asked: Vec<f64>,
     entries: Vec<f64>,
     action: Vec<f64>,
     trace: Trace,
@@ -55,6 +74,8 @@ pub(crate) struct Present<'a> {
     pub context: PolicyContext<'a>,
     /// Its controller.
     pub space: &'a Space,
+    /// The entries of the last control step.
+    pub entries: &'a [f64],
     /// What imagined chance is named after.
     pub name: &'a str,
 }
@@ -86,13 +107,13 @@ impl Imaginer {
 
 impl Memory {
     fn begin(&mut self, engine: &Engine, present: &Present<'_>, plans: &[Curve], rough: bool) {
-        let Present { context, space, name } = present;
+        let Present { context, space, entries: before, name } = present;
         let size = space.acts_on().size(context.task, context.body);
         for (index, plan) in plans.iter().enumerate() {
             if index == self.lanes.len() {
                 let (episode, space) = (engine.episode(), (*space).clone());
-                let (entries, action) = (vec![0.0; plan.width], vec![0.0; size]);
-                self.lanes.push(Lane { episode, rates: None, space, entries, action, trace: Trace::default() });
+                let (asked, entries, action) = (Vec::new(), Vec::new(), Vec::new());
+                self.lanes.push(Lane { episode, rates: None, space, asked, entries, action, trace: Trace::default() });
             }
             let lane = &mut self.lanes[index];
             engine.imagine(context.episode, name, &mut lane.episode);
@@ -101,7 +122,9 @@ impl Memory {
                 lane.space.make_rough();
                 lane.episode.make_rough();
             }
-            lane.entries.resize(plan.width, 0.0);
+            lane.asked.resize(plan.width, 0.0);
+            lane.entries.clear();
+            lane.entries.extend_from_slice(before);
             lane.action.resize(size, 0.0);
             lane.rates = None;
             lane.trace = Trace::default();
@@ -137,7 +160,20 @@ impl Memory {
             }));
             lanes.iter_mut().for_each(|lane| lane.note(step, horizon));
         }
+        if extent.balance {
+            for (index, lane) in lanes.iter_mut().enumerate().filter(|(_, lane)| lane.goes_on()) {
+                lane.trace.imbalance = imbalance(&engine.context(&lane.episode, weights, scratch.lane(index)).snapshot());
+            }
+        }
         true
+    }
+}
+
+/// By how much the capture point of a body without a fixed base misses [`SAFE`], m.
+fn imbalance(snapshot: &Snapshot<'_>) -> f64 {
+    match snapshot.body.root.free {
+        Some(_) => snapshot.capture_margin(NEAR).map_or(0.0, |margin| (SAFE - margin).at_least(0.0)),
+        None => 0.0,
     }
 }
 
@@ -156,16 +192,13 @@ impl Lane {
         weights: &[f64],
         scratch: &msk_runtime::episode::Scratch,
     ) {
-        let Extent { steps: [horizon, _], hold, rest, .. } = extent;
-        let Self { episode, space, entries, action, trace, .. } = self;
+        let Extent { steps: [horizon, _], hold, .. } = extent;
+        let Self { episode, space, asked, entries, action, trace, .. } = self;
+        plan.at((f64::from(step) / f64::from(horizon)).at_most(1.0), asked);
+        extent.smooth(asked, entries);
         // What looks at the state is worth most of the time that it takes.
         if matches!(space, Space::Other(_)) && !step.is_multiple_of(hold) {
             return;
-        }
-        if step < horizon {
-            plan.at(f64::from(step) / f64::from(horizon), entries);
-        } else {
-            entries.fill(rest);
         }
         // A controller that cannot act where the real one could does not occur; it would be a failure.
         trace.failed |= space.act(&engine.context(episode, weights, scratch), entries, action).is_err();
@@ -188,6 +221,7 @@ impl Lane {
         trace.steps += 1;
         if !trace.failed {
             trace.largest = trace.largest.at_least(reward.abs());
+            trace.sizes += reward.abs();
         }
     }
 }

@@ -30,6 +30,8 @@ struct Planning {
     extent: Extent,
     /// When the plan was made, in control steps.
     planned: Option<u32>,
+    /// What the plan asks for now, and what is done about it.
+    asked: Vec<f64>,
     entries: Vec<f64>,
 }
 
@@ -76,6 +78,8 @@ impl Planning {
             let (horizon, period) = (settings.horizon, context.engine.control_period());
             return Err(format!("its horizon of {horizon} s is shorter than a control step of {period} s"));
         }
+        let period = context.engine.control_period();
+        let follow = if settings.smooth > 0.0 { 1.0 - libm::exp(-period / settings.smooth) } else { 1.0 };
         // Memory of the same task is worth keeping.
         let imaginer = match before {
             Some(before) if before.engine.is(context.engine) => before.imaginer,
@@ -86,9 +90,16 @@ impl Planning {
             imaginer,
             space,
             search: Search::new(rest, width, settings),
-            judge: Judge { steps, share: settings.tail_share, price: settings.failure_price * context.task.control_frequency },
-            extent: Extent { steps, hold: settings.hold, rough: settings.rough, rest },
+            judge: Judge {
+                steps,
+                tail_weight: settings.tail_weight,
+                failure_price: settings.failure_price * context.task.control_frequency,
+                balance_price: settings.balance_price * context.task.control_frequency,
+                change_price: settings.change_price * f64::from(steps[0]),
+            },
+            extent: Extent { steps, hold: settings.hold, rough: settings.rough, balance: false, rest, follow },
             planned: None,
+            asked: vec![rest; width],
             entries: vec![rest; width],
         })
     }
@@ -106,24 +117,30 @@ impl Planning {
             None => settings.first_rounds,
         };
         let name = format!("plan/{}", context.step);
+        // Who follows a motion leaves the support on purpose, and is caught by the next step.
+        let stands = context.task.followed(context.progress).is_none();
+        let extent = Extent { balance: stands && settings.balance_price > 0.0, ..self.extent };
         for round in 0..rounds {
             let plans = self.proposals(context, settings, round);
-            let present = Present { context: *context, space: &self.space, name: &name };
-            let traces = self.imaginer.play(&present, &plans, self.extent, stop).ok_or(PolicyError::Interrupted)?;
-            self.search.update(&plans, &self.judge.values(&traces), settings);
+            let present = Present { context: *context, space: &self.space, entries: &self.entries, name: &name };
+            let traces = self.imaginer.play(&present, &plans, extent, stop).ok_or(PolicyError::Interrupted)?;
+            let changes: Vec<f64> = plans.iter().map(|plan| plan.mean_square(self.extent.rest)).collect();
+            let values = self.judge.values(&traces, &changes);
+            self.search.update(&plans, &values, settings);
         }
         self.planned = Some(context.step);
         Ok(())
     }
 
-    /// The plans of a round: the present one, none at all, the mean of good ones, and proposals around these.
+    /// The plans of a round: the present one, none at all, the mean of good ones, the present one as it fades, and proposals around these.
     fn proposals(&self, context: &PolicyContext<'_>, settings: &Settings, round: u32) -> Vec<Curve> {
         let Search { plan, mean, deviation } = &self.search;
+        let fading = plan.fading(self.extent.rest);
         let idle = Curve { values: vec![self.extent.rest; plan.values.len()], ..plan.clone() };
         let noise = Noise { colour: settings.colour, part: settings.part };
         let around = [plan, mean, plan, mean, plan, mean, plan, &idle];
-        let mut plans = vec![plan.clone(), idle.clone(), mean.clone()];
-        plans.extend((3..settings.samples).map(|index| {
+        let mut plans = vec![plan.clone(), idle.clone(), mean.clone(), fading];
+        plans.extend((4..settings.samples).map(|index| {
             let mut stream = Stream::new(context.key, &format!("policy/plan/{}/{round}/{index}", context.step));
             noise.propose(index, around[index % around.len()], deviation, &mut stream)
         }));
@@ -133,7 +150,8 @@ impl Planning {
     /// Writes the action of the present step.
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), String> {
         let since = context.step - self.planned.unwrap_or(context.step);
-        self.search.plan.at(f64::from(since) / f64::from(self.extent.steps[0]), &mut self.entries);
+        self.search.plan.at(f64::from(since) / f64::from(self.extent.steps[0]), &mut self.asked);
+        self.extent.smooth(&self.asked, &mut self.entries);
         self.space.act(context, &self.entries, action)
     }
 }

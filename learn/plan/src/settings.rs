@@ -67,6 +67,8 @@ pub struct Targets {
     pub joints: Vec<String>,
     /// Largest offset of a joint, rad.
     pub joint_range: f64,
+    /// The same for shoulders and elbows, which reach further without a fall.
+    pub arm_range: f64,
     /// Largest shift of the centre of mass, m.
     pub center_of_mass: f64,
     /// Largest turn of the root, rad.
@@ -79,7 +81,15 @@ pub struct Targets {
 
 impl Default for Targets {
     fn default() -> Self {
-        Self { joints: Vec::new(), joint_range: 0.6, center_of_mass: 0.15, root: 0.4, priority_factor: 4.0, demonstration: false }
+        Self {
+            joints: Vec::new(),
+            joint_range: 0.6,
+            arm_range: 1.5,
+            center_of_mass: 0.15,
+            root: 0.4,
+            priority_factor: 4.0,
+            demonstration: false,
+        }
     }
 }
 
@@ -97,10 +107,17 @@ pub struct Settings {
     pub horizon: f64,
     /// For how long a plan is judged after its end, while nothing is asked for, s.
     pub tail: f64,
-    /// By how much a reward in the tail counts.
-    pub tail_share: f64,
+    /// How many times a reward in the tail counts: the tail stands for all that comes after the horizon.
+    pub tail_weight: f64,
     /// What failing at the beginning of the tail costs: the largest reward in sight for so many seconds.
     pub failure_price: f64,
+    /// What a capture point costs that at the end of the tail misses its place well within the support by 0.3 m or more: the usual reward for so
+    /// many seconds. Tasks that follow a motion do not pay it.
+    pub balance_price: f64,
+    /// What a plan costs with every entry at the end of its range: the usual reward over the horizon, times this.
+    pub change_price: f64,
+    /// Time constant of the low-pass filter between a plan and what is asked for, s: proposals begin where the last plan has led.
+    pub smooth: f64,
     /// Plans of a round.
     pub samples: usize,
     /// Rounds for each plan.
@@ -172,19 +189,22 @@ impl Settings {
             method: Method::Cem,
             horizon: 0.6,
             tail: 0.2,
-            tail_share: 0.0,
+            tail_weight: 1.0,
             failure_price: 0.5,
-            samples: 16,
+            balance_price: 8.0,
+            change_price: 0.1,
+            smooth: 0.06,
+            samples: 24,
             rounds: 1,
             first_rounds: 3,
             replan: 10,
             knots: 4,
             interpolation: Interpolation::Linear,
-            noise: 0.3,
-            least_noise: 0.08,
+            noise: 0.15,
+            least_noise: 0.04,
             colour: 0.5,
             part: 0.3,
-            decay: 0.8,
+            decay: 0.95,
             elites: 4,
             temperature: 0.5,
             hold: 2,
@@ -227,11 +247,14 @@ impl Settings {
             let line = text.lines().position(is_of).map_or(0, |index| index + 1);
             Err(SettingsError::Range { line, key, found, expected })
         };
-        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 14] = [
+        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 18] = [
             ("horizon", self.horizon, 0.01..=10.0, "s"),
             ("tail", self.tail, 0.0..=10.0, "s"),
-            ("tail_share", self.tail_share, 0.0..=1.0, ""),
+            ("tail_weight", self.tail_weight, 0.0..=1000.0, ""),
             ("failure_price", self.failure_price, 0.0..=1000.0, "s"),
+            ("balance_price", self.balance_price, 0.0..=1000.0, "s"),
+            ("change_price", self.change_price, 0.0..=1000.0, ""),
+            ("smooth", self.smooth, 0.0..=10.0, "s"),
             ("noise", self.noise, 1e-3..=2.0, ""),
             ("least_noise", self.least_noise, 0.0..=2.0, ""),
             ("colour", self.colour, 0.0..=0.999, ""),
@@ -239,6 +262,7 @@ impl Settings {
             ("decay", self.decay, 0.0..=1.0, ""),
             ("temperature", self.temperature, 1e-3..=1e3, ""),
             ("joint_range", self.targets.joint_range, 0.0..=3.2, "rad"),
+            ("arm_range", self.targets.arm_range, 0.0..=3.2, "rad"),
             ("center_of_mass", self.targets.center_of_mass, 0.0..=1.0, "m"),
             ("root", self.targets.root, 0.0..=3.2, "rad"),
             ("priority_factor", self.targets.priority_factor, 1.0..=100.0, ""),
@@ -250,7 +274,7 @@ impl Settings {
             }
         }
         let counts: [(&'static str, usize, RangeInclusive<usize>); 8] = [
-            ("samples", self.samples, 3..=4096),
+            ("samples", self.samples, 4..=4096),
             ("rounds", self.rounds as usize, 1..=100),
             ("first_rounds", self.first_rounds as usize, 1..=1000),
             ("replan", self.replan as usize, 1..=1000),

@@ -1,20 +1,32 @@
 //! What a plan decides: the entries of its action space.
 
 use crate::settings::{SpaceChoice, Targets};
+use msk_physics::scalar::Real;
 use msk_program::action::{ActionSpace, ActionTarget, BaseController, Synergy, TrackingOffsets};
 use msk_program::vocabulary::{Group, GroupKind};
 use msk_runtime::action::{ActsOn, Controls};
 use msk_runtime::body::Body;
 use msk_runtime::policy::PolicyContext;
 use std::collections::BTreeMap;
+use std::iter;
 
 /// How the entries of a plan become actions of an episode.
 #[derive(Debug, Clone)]
 pub(crate) enum Space {
     /// They are actions of the task's own space.
     Task,
-    /// They are entries of another space, of which these make actions of muscles.
-    Other(Box<Controls>),
+    /// They are entries of another space.
+    Other(Box<Moved>),
+}
+
+/// Entries that become actions of muscles.
+#[derive(Debug, Clone)]
+pub(crate) struct Moved {
+    controls: Controls,
+    /// By what each entry of a plan is multiplied for the controls.
+    shares: Vec<f64>,
+    /// The products.
+    entries: Vec<f64>,
 }
 
 impl Space {
@@ -24,16 +36,19 @@ impl Space {
     /// The reason why the body or the task does not have it.
     pub fn new(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Result<Self, String> {
         let own = &context.task.action;
-        let space = match choice {
+        let (space, shares) = match choice {
             SpaceChoice::Auto if own.is_default() => moved(context, targets)?,
             SpaceChoice::Auto | SpaceChoice::Task => return Ok(Self::Task),
             SpaceChoice::Targets => moved(context, targets)?,
-            SpaceChoice::Muscles => beside_control(ActionTarget::AllMuscles),
-            SpaceChoice::Synergies => beside_control(families(context)?),
+            SpaceChoice::Muscles => (beside_control(ActionTarget::AllMuscles), Vec::new()),
+            SpaceChoice::Synergies => (beside_control(families(context)?), Vec::new()),
         };
         let mut controls = Controls::new(context, space);
         controls.reset(context).map_err(|error| error.to_string())?;
-        Ok(Self::Other(Box::new(controls)))
+        let size = controls.space().size(context.body.muscles.len());
+        // Joints come first; what follows them has its whole range.
+        let shares: Vec<f64> = shares.into_iter().chain(iter::repeat(1.0)).take(size).collect();
+        Ok(Self::Other(Box::new(Moved { controls, entries: vec![0.0; size], shares })))
     }
 
     /// Which entries the actions have that it gives to the episode.
@@ -46,8 +61,8 @@ impl Space {
 
     /// Makes it quick, for imagined episodes.
     pub fn make_rough(&mut self) {
-        if let Self::Other(controls) = self {
-            controls.make_rough();
+        if let Self::Other(moved) = self {
+            moved.controls.make_rough();
         }
     }
 
@@ -55,7 +70,7 @@ impl Space {
     pub fn size(&self, context: &PolicyContext<'_>) -> usize {
         match self {
             Self::Task => context.action_size(),
-            Self::Other(controls) => controls.space().size(context.body.muscles.len()),
+            Self::Other(moved) => moved.shares.len(),
         }
     }
 
@@ -63,7 +78,7 @@ impl Space {
     pub fn rest(&self, context: &PolicyContext<'_>) -> f64 {
         match self {
             Self::Task => context.task.action.rest(),
-            Self::Other(controls) => controls.space().rest(),
+            Self::Other(moved) => moved.controls.space().rest(),
         }
     }
 
@@ -74,18 +89,26 @@ impl Space {
     pub fn act(&mut self, context: &PolicyContext<'_>, entries: &[f64], action: &mut [f64]) -> Result<(), String> {
         match self {
             Self::Task => action.copy_from_slice(entries),
-            Self::Other(controls) => controls.act(context, entries, action).map_err(|error| error.to_string())?,
+            Self::Other(moved) => {
+                let Moved { controls, shares, entries: shared } = moved.as_mut();
+                shared.iter_mut().zip(shares).zip(entries).for_each(|((shared, share), entry)| *shared = *share * entry);
+                controls.act(context, shared, action).map_err(|error| error.to_string())?;
+            }
         }
         Ok(())
     }
 }
 
-/// The targets of computed muscle control.
-fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<ActionSpace, String> {
-    let joints = if targets.joint_range > 0.0 { joints(context.body, &targets.joints)? } else { Vec::new() };
+/// The targets of computed muscle control, and by which share of the range each joint is moved.
+fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace, Vec<f64>), String> {
+    let range = targets.joint_range.at_least(targets.arm_range);
+    let joints = if range > 0.0 { joints(context.body, &targets.joints)? } else { Vec::new() };
+    let arms: Vec<usize> = ARMS.iter().filter_map(|name| group(context.body, name)).flatten().collect();
+    let own_range = |joint: &usize| if arms.contains(joint) { targets.arm_range } else { targets.joint_range };
+    let shares = joints.iter().map(|joint| own_range(joint) / range).collect();
     let offsets = TrackingOffsets {
         joints,
-        range: targets.joint_range,
+        range,
         center_of_mass: if context.body.root.free.is_some() { targets.center_of_mass } else { 0.0 },
         root: if context.body.root.free.is_some() { targets.root } else { 0.0 },
         priorities: if context.body.root.free.is_some() { libm::log(targets.priority_factor) } else { 0.0 },
@@ -95,7 +118,7 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<ActionSpace, 
     }
     let demonstrated = targets.demonstration && context.task.tests.as_ref().is_some_and(|tests| tests.demonstration().is_some());
     let residual = demonstrated.then_some(BaseController::Demonstration);
-    Ok(ActionSpace { target: ActionTarget::MuscleControl(offsets), residual, ..ActionSpace::default() })
+    Ok((ActionSpace { target: ActionTarget::MuscleControl(offsets), residual, ..ActionSpace::default() }, shares))
 }
 
 /// The independent hinges that names of joints and of groups stand for, in the body's order; of a body without any of the usual groups,
@@ -126,6 +149,9 @@ fn joints(body: &Body, names: &[String]) -> Result<Vec<usize>, String> {
     }
     Ok(hinges().filter(|index| chosen.contains(index)).collect())
 }
+
+/// Groups of joints that move without the body's weight on them.
+const ARMS: [&str; 2] = ["shoulders", "elbows"];
 
 /// What decides how a body with legs and arms stands and moves; fingers and wrists follow.
 const USUAL: [&str; 4] = ["legs", "lumbar", "shoulders", "elbows"];

@@ -15,6 +15,14 @@ pub const WIDTH: usize = 8;
 #[repr(align(64))]
 pub struct Lanes([f64; WIDTH]);
 
+impl Lanes {
+    /// The number in lane `index` < [`WIDTH`], to be changed in place.
+    #[inline(always)]
+    pub fn lane_mut(&mut self, index: usize) -> &mut f64 {
+        &mut self.0[index]
+    }
+}
+
 /// One bit pattern per lane: all ones where the mask holds, else zero.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]

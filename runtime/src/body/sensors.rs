@@ -217,7 +217,7 @@ impl Snapshot<'_> {
     }
 
     /// Velocity of the body's own centre of mass: momentum over mass.
-    fn com_velocity(&self) -> Vector3<f64> {
+    pub(super) fn com_velocity(&self) -> Vector3<f64> {
         let kinematics = &self.workspace.kinematics;
         let moves = |body: usize| self.velocity_of(body, kinematics.inertial_position[body]) * kinematics.mass[body];
         self.body.own().map(moves).sum::<Vector3<f64>>() / self.body.own_mass(self.model, kinematics)

@@ -44,12 +44,27 @@ impl Snapshot<'_> {
     /// above the ground: a script puts the lowest point of a body on the ground, to the last bit and no other. `None` if there is nothing.
     pub fn resting_margin(&self, near: f64) -> Option<f64> {
         let centre = self.body.centre_of_mass(self.model, &self.workspace.kinematics);
+        self.margin_of(centre.xy(), near)
+    }
+
+    /// The same for the point at which an inverted pendulum of the body's height and speed would come to rest: its centre of mass,
+    /// moved on by velocity · √(height / gravity) (the extrapolated centre of mass of Hof, Gazendam & Sinke, J. Biomech. 38, 2005, and the capture
+    /// point of Pratt et al., Humanoids 2006). While it is outside, only a step or a hold can prevent a fall.
+    pub fn capture_margin(&self, near: f64) -> Option<f64> {
+        let centre = self.body.centre_of_mass(self.model, &self.workspace.kinematics);
+        let height = (centre.z - self.ground().height(centre.xy())).at_least(0.0);
+        let gravity = -self.model.options.gravity.z;
+        let time = if gravity > 0.0 { (height / gravity).sqrt() } else { 0.0 };
+        self.margin_of(centre.xy() + self.com_velocity().xy() * time, near)
+    }
+
+    fn margin_of(&self, point: Vector2<f64>, near: f64) -> Option<f64> {
         let ground = self.ground();
         let shapes = self.body.shapes.iter().filter(|&&shape| ground.clearance(&[shape]) <= near);
         let middles = shapes.map(|&shape| self.workspace.kinematics.geom_position[shape].xy());
         let touched = self.external_contacts().map(|contact| contact.position.xy());
         let points: Vec<Vector2<f64>> = middles.chain(touched).collect();
-        margin(points.iter().copied(), centre.xy())
+        margin(points.iter().copied(), point)
     }
 }
 

@@ -27,6 +27,7 @@ mod coordinates;
 mod dynamics;
 mod feedback;
 mod goal;
+mod interior;
 mod offsets;
 mod sparse;
 mod support;
@@ -41,7 +42,7 @@ pub(crate) use tracking::{Along, Moment, Tracker};
 
 use crate::body::Body;
 use activation::{Hold, Muscles};
-use allocation::{Allocation, Effort, Unknown};
+use allocation::{Allocation, Effort, Problem, Unknown};
 use coordinates::Coordinates;
 use dynamics::{Dynamics, Motion};
 use feedback::Feedback;
@@ -243,7 +244,8 @@ impl Controller {
                 self.unknowns.push(Unknown { low: 0.0, high: CONTACT_LIMIT, cost: CONTACT_COST });
             }
         }
-        self.allocation.solve(&self.dynamics.inertia, &self.columns, &self.unknowns, &self.wanted);
+        let (inertia, columns) = (&self.dynamics.inertia, &self.columns);
+        self.allocation.solve(&Problem { inertia, columns, unknowns: &self.unknowns, wanted: &self.wanted });
 
         self.asked.iter_mut().zip(&self.allocation.x).for_each(|(asked, wanted)| *asked = *wanted);
         self.muscles.excitations(&state.activation, self.excitation, &mut self.asked);

@@ -55,10 +55,7 @@ impl Columns {
 
     /// `out` += `scale` times a column times its transpose.
     pub fn add_square(&self, column: usize, scale: f64, out: &mut Symmetric) {
-        for (count, (row, value)) in self.column(column).enumerate() {
-            for (earlier, other) in self.column(column).take(count + 1) {
-                out.add(row, earlier, scale * value * other);
-            }
-        }
+        let range = self.start[column]..self.start[column + 1];
+        out.add_square(scale, &self.row[range.clone()], &self.value[range]);
     }
 }

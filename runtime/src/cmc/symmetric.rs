@@ -45,9 +45,19 @@ impl Symmetric {
     /// Adds to the entry at (`row`, `column`), `column` <= `row`.
     #[inline(always)]
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
-        let (place, lane) = (start(row / WIDTH) + column, row % WIDTH);
-        let sum = self.entries[place].lane(lane) + value;
-        self.entries[place].set_lane(lane, sum);
+        *self.entries[start(row / WIDTH) + column].lane_mut(row % WIDTH) += value;
+    }
+
+    /// Adds `scale` times the square of a sparse vector of (row, value) entries, rows ascending.
+    #[inline(always)]
+    pub fn add_square(&mut self, scale: f64, rows: &[usize], values: &[f64]) {
+        for (count, (&row, &value)) in rows.iter().zip(values).enumerate() {
+            let (block, lane) = (&mut self.entries[start(row / WIDTH)..], row % WIDTH);
+            let scaled = scale * value;
+            for (&column, &other) in rows[..=count].iter().zip(values) {
+                *block[column].lane_mut(lane) += scaled * other;
+            }
+        }
     }
 
     /// The columns of a block of rows, up to its diagonal.
