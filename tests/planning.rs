@@ -56,13 +56,13 @@ const BENT: &str = "1 bent = exp(-4 rad^-2 * (elbow_flexion_r.q - 1 rad)^2)";
 fn a_plan_does_what_the_reward_asks_for() {
     let mut environment = rewarded(BENT, &[]);
     let targets = Targets { joints: vec!["elbows".into()], arm_range: 1.2, ..Targets::default() };
-    let settings = Settings { targets, samples: 16, horizon: 0.3, noise: 0.3, ..quick() };
-    planned(&mut environment, &settings, 40);
+    let settings = Settings { targets, samples: 16, horizon: 0.3, ..quick() };
+    planned(&mut environment, &settings, 80);
     let bent = environment.episode().total();
     environment.reset(KEY);
-    play(&mut environment, policy::create("cmc").unwrap().as_mut(), 40);
+    play(&mut environment, policy::create("cmc").unwrap().as_mut(), 80);
     let still = environment.episode().total();
-    assert!(bent > 3.0 * still && bent > 10.0, "{bent} with a plan, {still} without");
+    assert!(bent > 3.0 * still && bent > 30.0, "{bent} with a plan, {still} without");
 }
 
 #[test]
