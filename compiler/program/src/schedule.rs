@@ -29,16 +29,7 @@ impl Schedule {
         let share = maximum(minimum((progress - self.begin) / (self.end - self.begin), 1.0), 0.0);
         if share >= 1.0 { last } else { (1.0 - share) * self.from + share * last }
     }
-}
 
-impl core::fmt::Display for Schedule {
-    /// As the language writes it, without the last weight: `from 10 over 20 % .. 50 %`.
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "from {} {}", exact(self.from), self.shares())
-    }
-}
-
-impl Schedule {
     /// When it changes: `over 30 %`, `over 20 % .. 50 %`.
     pub fn shares(&self) -> String {
         let percent = |share: f64| format!("{} %", exact((share * 1e14).round() / 1e12));
@@ -46,5 +37,12 @@ impl Schedule {
             0.0 => format!("over {}", percent(self.end)),
             begin => format!("over {} .. {}", percent(begin), percent(self.end)),
         }
+    }
+}
+
+impl core::fmt::Display for Schedule {
+    /// As the language writes it, without the last weight: `from 10 over 20 % .. 50 %`.
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "from {} {}", exact(self.from), self.shares())
     }
 }

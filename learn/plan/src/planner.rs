@@ -7,6 +7,7 @@ use crate::search::Search;
 use crate::settings::Settings;
 use crate::space::Space;
 use crate::value::Judge;
+use msk_runtime::action::follow_share;
 use msk_runtime::episode::{Engine, Stream};
 use msk_runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError};
 use std::sync::atomic::AtomicBool;
@@ -78,8 +79,7 @@ impl Planning {
             let (horizon, period) = (settings.horizon, context.engine.control_period());
             return Err(format!("its horizon of {horizon} s is shorter than a control step of {period} s"));
         }
-        let period = context.engine.control_period();
-        let follow = if settings.smooth > 0.0 { 1.0 - libm::exp(-period / settings.smooth) } else { 1.0 };
+        let follow = follow_share(context.engine.control_period(), settings.smooth);
         // Memory of the same task is worth keeping.
         let imaginer = match before {
             Some(before) if before.engine.is(context.engine) => before.imaginer,

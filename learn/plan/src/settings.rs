@@ -112,7 +112,7 @@ pub struct Settings {
     /// What failing at the beginning of the tail costs: the largest reward in sight for so many seconds.
     pub failure_price: f64,
     /// What a capture point costs that at the end of the tail misses its place well within the support by 0.3 m or more: the usual reward for so
-    /// many seconds. Tasks that follow a motion do not pay it.
+    /// many seconds. Tasks that follow a motion do not have this price.
     pub balance_price: f64,
     /// What a plan costs with every entry at the end of its range: the usual reward over the horizon, times this.
     pub change_price: f64,

@@ -1,7 +1,7 @@
 //! What an imagined episode is worth.
 //!
 //! The reward of the horizon counts once, that of the tail, which stands for all that comes later, with a weight. An end from which a fall is
-//! likely costs, the more the further the capture point has left the support. Failing is priced in steps of the largest reward in sight:
+//! likely costs, the more the further the capture point is from where it is safe. Failing is priced in steps of the largest reward in sight:
 //! within the horizon it costs more than all reward that could be had there, and the more the earlier, so that failing is never best and
 //! rounds in which everything fails still prefer what fails late. In the tail, which has no plan and may yet be saved by one, the
 //! price falls to nothing towards its end. A success termination and the end of time are no failures.
@@ -21,11 +21,11 @@ pub(crate) struct Trace {
     pub sizes: f64,
     /// Whether a termination or a fault ended it.
     pub failed: bool,
-    /// How far the capture point was outside of the support at the end, m; zero if an ending of the task came first.
+    /// By how much the capture point missed its place well within the support at the end, m; zero if an ending of the task came first.
     pub imbalance: f64,
 }
 
-/// How far the capture point may be outside of the support before more of it costs no more, m.
+/// By how much the capture point may miss its place before more of it costs no more, m.
 pub const IMBALANCE: f64 = 0.3;
 
 /// What prices are measured by.

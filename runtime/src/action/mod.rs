@@ -181,7 +181,7 @@ impl ActionState {
     fn pass(&mut self, entries: &[f64], space: &ActionSpace, period: f64) {
         self.entries.iter_mut().zip(entries).for_each(|(kept, entry)| *kept = entry.clip(-1.0, 1.0));
         // The exact answer of dy/dt = (a - y) / τ to an entry that is held for a period.
-        let share = if space.filter > 0.0 { 1.0 - libm::exp(-period / space.filter) } else { 1.0 };
+        let share = follow_share(period, space.filter);
         let scaled = self.entries.iter().map(|entry| space.scale * entry);
         let delayed = self.delay.advance(scaled);
         for (filtered, &entry) in self.filtered.iter_mut().zip(delayed) {
@@ -252,4 +252,9 @@ fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
     let (center_of_mass, root) = (next(targets.center_of_mass), next(targets.root));
     let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
     Offsets { joints, center_of_mass, root, priorities }
+}
+
+/// The share of its way that the output of a low-pass filter of first order goes in `period`, s; all of it without a time constant.
+pub fn follow_share(period: f64, time_constant: f64) -> f64 {
+    if time_constant > 0.0 { 1.0 - libm::exp(-period / time_constant) } else { 1.0 }
 }
