@@ -377,7 +377,10 @@ fn states(checker: &Checker<'_>, task: &CheckedTask<'_>, diagnostics: &mut Vec<D
     };
     let states = task.states.iter().enumerate().map(|(index, state)| (Hidden::State(index), "state", state.name.as_str()));
     let randoms = task.randoms.iter().enumerate();
-    let randoms = randoms.map(|(index, random)| (Hidden::Random(index), "random", random.name.as_str()));
+    let randoms = randoms.map(|(index, random)| {
+        let kind = if random.parameter.is_some() { "parameter" } else { "random" };
+        (Hidden::Random(index), kind, random.name.as_str())
+    });
     for (hidden, kind, name) in states.chain(randoms) {
         let (file, span) = place(name);
         if !read.contains(&hidden) && kind == "state" {
