@@ -1,0 +1,86 @@
+//! Adam (Kingma and Ba, ICLR 2015).
+
+use serde::{Deserialize, Serialize};
+
+/// The optimiser's state: moments of the gradient, one of each per parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Adam {
+    /// Decay of the first and of the second moment, and what keeps the step finite.
+    pub constants: Constants,
+    first: Vec<f32>,
+    second: Vec<f32>,
+    /// The decays to the power of the number of steps.
+    powers: [f64; 2],
+}
+
+/// What of Adam does not change.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Constants {
+    /// Decay of the mean of the gradient: beta 1.
+    pub first: f32,
+    /// Decay of the mean of its square: beta 2.
+    pub second: f32,
+    /// Added to the root of the second moment: epsilon.
+    pub epsilon: f32,
+}
+
+impl Default for Constants {
+    fn default() -> Self {
+        Self { first: 0.9, second: 0.999, epsilon: 1e-8 }
+    }
+}
+
+impl Adam {
+    /// For so many parameters, with the usual constants.
+    pub fn new(parameters: usize) -> Self {
+        Self { constants: Constants::default(), first: vec![0.0; parameters], second: vec![0.0; parameters], powers: [1.0, 1.0] }
+    }
+
+    /// The same with another epsilon.
+    #[must_use]
+    pub fn with_epsilon(mut self, epsilon: f32) -> Self {
+        self.constants.epsilon = epsilon;
+        self
+    }
+
+    /// How many parameters it is for.
+    pub fn len(&self) -> usize {
+        self.first.len()
+    }
+
+    /// Whether it is for none.
+    pub fn is_empty(&self) -> bool {
+        self.first.is_empty()
+    }
+
+    /// One step against the gradient (algorithm 1 of the paper).
+    ///
+    /// # Panics
+    /// If there are not as many values and derivatives as parameters.
+    pub fn step(&mut self, rate: f32, values: &mut [f32], gradient: &[f32]) {
+        assert!(values.len() == self.first.len() && gradient.len() == self.first.len(), "one derivative per parameter");
+        let Constants { first, second, epsilon } = self.constants;
+        self.powers = [self.powers[0] * f64::from(first), self.powers[1] * f64::from(second)];
+        let [unbiased_first, unbiased_second] = self.powers.map(|power| 1.0 / (1.0 - power));
+        let (rate, root) = ((f64::from(rate) * unbiased_first) as f32, unbiased_second.sqrt() as f32);
+        let moments = self.first.iter_mut().zip(&mut self.second);
+        pulp::Arch::new().dispatch(|| {
+            for ((value, slope), (mean, square)) in values.iter_mut().zip(gradient).zip(moments) {
+                *mean = first * *mean + (1.0 - first) * slope;
+                *square = second * *square + (1.0 - second) * slope * slope;
+                *value -= rate * *mean / (square.sqrt() * root + epsilon);
+            }
+        });
+    }
+}
+
+/// Scales a gradient so that its norm is at most `most`; returns the norm that it had.
+pub fn clip_norm(gradient: &mut [f32], most: f32) -> f32 {
+    let square: f64 = gradient.iter().map(|slope| f64::from(*slope) * f64::from(*slope)).sum();
+    let norm = square.sqrt() as f32;
+    if norm > most {
+        let share = most / norm;
+        gradient.iter_mut().for_each(|slope| *slope *= share);
+    }
+    norm
+}
