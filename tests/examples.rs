@@ -20,10 +20,20 @@ fn bodies() -> &'static BodyLibrary {
 }
 
 fn examples() -> Vec<PathBuf> {
-    let mut files: Vec<_> = fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let files = tasks_in(&folder());
+    assert!(files.len() >= 14, "{files:?}");
+    files
+}
+
+/// Those of the course, and other people's tasks.
+fn examples_and_peers() -> Vec<PathBuf> {
+    examples().into_iter().chain(tasks_in(&folder().join("peers"))).collect()
+}
+
+fn tasks_in(folder: &Path) -> Vec<PathBuf> {
+    let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.retain(|path| path.extension().is_some_and(|extension| extension == "msk"));
     files.sort();
-    assert!(files.len() >= 14, "{files:?}");
     files
 }
 
@@ -33,7 +43,7 @@ fn compiled(file: &Path) -> Compilation {
 
 #[test]
 fn every_example_compiles_without_a_remark() {
-    for file in examples() {
+    for file in examples_and_peers() {
         let compilation = compiled(&file);
         assert!(compilation.warnings.is_empty(), "{}: {:?}", file.display(), compilation.warnings);
         assert!(!compilation.tasks.is_empty(), "{} holds no task", file.display());
@@ -42,7 +52,7 @@ fn every_example_compiles_without_a_remark() {
 
 #[test]
 fn every_example_begins_soundly_and_runs() {
-    for file in examples() {
+    for file in examples_and_peers() {
         for task in compiled(&file).tasks {
             let name = format!("{}, {}", file.display(), task.name);
             let staged = bodies().stage(&task.body, &task.scene).unwrap_or_else(|error| panic!("{name}: {error:?}"));

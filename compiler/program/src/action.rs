@@ -30,12 +30,12 @@ pub enum ActionTarget {
     Muscles(Vec<usize>),
     /// The actions of groups of muscles, each shared by all muscles of its group; muscles of no group rest.
     Synergies(Vec<Synergy>),
-    /// Torques on hinges, in units of `range`; all muscles rest.
+    /// Torques on hinges; all muscles rest.
     Torque {
         /// Independent hinges of the body.
         joints: Vec<usize>,
-        /// The torque of an entry of 1, N m.
-        range: f64,
+        /// The torque of an entry of 1 on each of them, N m.
+        ranges: Vec<f64>,
     },
     /// Offsets of what computed muscle control tracks: the reference motion of the task, or the pose of its initial state.
     MuscleControl(TrackingOffsets),
@@ -146,6 +146,14 @@ impl ActionSpace {
                 joints.chain(moved(offsets.center_of_mass, "com")).chain(moved(offsets.root, "root")).chain(priorities).collect()
             }
         }
+    }
+}
+
+/// The ranges of several joints as people write them: one where all are the same.
+pub fn distinct(ranges: &[f64]) -> &[f64] {
+    match ranges {
+        [first, rest @ ..] if rest.iter().all(|range| range == first) => core::slice::from_ref(first),
+        _ => ranges,
     }
 }
 

@@ -29,6 +29,8 @@ pub struct DebugInfo {
     pub term_bounds: Vec<Bounds>,
     /// Names of the declared states.
     pub states: Vec<String>,
+    /// What `let` names, in the order in which it was checked.
+    pub lets: Vec<NamedValue>,
     /// What formulas name and the task or its libraries declare; what is read stands before its readers.
     pub definitions: Vec<Definition>,
 }
@@ -89,6 +91,17 @@ pub struct Definition {
     pub parts: Vec<(&'static str, Notation)>,
     /// Its documentation: the first paragraph.
     pub docs: String,
+}
+
+/// A value with a name of the task.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedValue {
+    /// Its name.
+    pub name: String,
+    /// What computes it.
+    pub node: NodeId,
+    /// Unit, as printed; empty for plain numbers.
+    pub unit: String,
 }
 
 /// A comparison as it stands in a text, for those who look whether anything reaches it.

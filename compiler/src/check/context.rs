@@ -16,7 +16,7 @@ use crate::hir::{DefinitionId, ExprId, Hir, Resolution, TypedFormulas};
 use crate::resolve::inherit::Placed;
 use crate::resolve::scope::{Declared, Names, Place};
 use crate::vocabulary::Vocabulary;
-use msk_program::debug::Compared;
+use msk_program::debug::{Compared, NamedValue};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -169,6 +169,8 @@ pub(crate) struct Checker<'a> {
     pub in_tests: Option<super::tests::InTests>,
     /// Comparisons in the task's formulas, those of its tests left out.
     pub comparisons: Vec<Compared>,
+    /// What `let` names.
+    pub lets: Vec<NamedValue>,
     /// Queries of the terrain, to which sensors refer.
     pub queries: Vec<Query>,
     /// Every formula checked so far.
@@ -214,6 +216,7 @@ impl<'a> Checker<'a> {
             repeated: Vec::new(),
             in_tests: None,
             comparisons: Vec::new(),
+            lets: Vec::new(),
             queries: Vec::new(),
             hir: Hir::default(),
             depth: 0,

@@ -1,6 +1,7 @@
 //! Names and selectors: what a word stands for.
 
 use super::context::{Checked, Checker, Local, Reported, Step};
+use super::observe::unit_of;
 use super::signals::{self, Owner};
 use super::value::{EntityRef, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
@@ -9,6 +10,7 @@ use crate::hir::{DefinitionId, Resolution};
 use crate::resolve::scope::{Declared, Definition, Place};
 use crate::syntax::tree::{Ident, Name, NamePart, Text};
 use crate::vocabulary::{GroupKind, JointKind};
+use msk_program::debug::NamedValue;
 use std::collections::BTreeSet;
 
 /// Sets of joints and muscles that every body has.
@@ -294,6 +296,9 @@ impl<'a> Checker<'a> {
         if value.is_ok() {
             self.hir.stands_for(Some(formula));
             self.formulas.insert(key.clone(), formula);
+        }
+        if let (Definition::Let(_), Ok(Value::Typed(data))) = (declared.definition, &value) {
+            self.lets.push(NamedValue { name: text.to_owned(), node: data.node, unit: unit_of(&data.kind) });
         }
         self.memo.insert(key, value.clone());
         value

@@ -29,7 +29,7 @@ use crate::scene::SceneDescription;
 use crate::syntax::tree::TaskStatement;
 use crate::task::{Disturbance, DisturbanceSetting, Init, Parameter};
 use crate::vocabulary::Vocabulary;
-use msk_program::debug::Compared;
+use msk_program::debug::{Compared, NamedValue};
 use std::sync::Arc;
 
 /// A task whose every formula is checked and in the graph.
@@ -62,6 +62,8 @@ pub(crate) struct CheckedTask<'a> {
     pub success: NodeId,
     /// Comparisons in formulas, in the order in which they were checked.
     pub comparisons: Vec<Compared>,
+    /// What `let` names, in the order in which it was checked.
+    pub lets: Vec<NamedValue>,
     /// Where the condition of success stands.
     pub success_at: (FileId, Span),
     /// Where the word `init` stands.
@@ -230,6 +232,7 @@ impl<'a> Checker<'a> {
             success_at: success_at.unwrap_or((self.task_place.file, task.task.name.span)),
             init_at: begun_at.unwrap_or((self.task_place.file, task.task.name.span)),
             comparisons: std::mem::take(&mut self.comparisons),
+            lets: std::mem::take(&mut self.lets),
             allowances: std::mem::take(&mut self.allowances),
             randoms: std::mem::take(&mut self.randoms),
             references: self.references.clone(),

@@ -1,6 +1,6 @@
 //! The action space of a task, for its report.
 
-use crate::action::{ActionSpace, ActionTarget};
+use crate::action::{ActionSpace, ActionTarget, distinct};
 use crate::numbers::for_people;
 use crate::task::CompiledTask;
 use serde::Serialize;
@@ -52,7 +52,10 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
 fn ranges(space: &ActionSpace) -> Vec<String> {
     match &space.target {
         ActionTarget::AllMuscles | ActionTarget::Muscles(_) | ActionTarget::Synergies(_) => Vec::new(),
-        ActionTarget::Torque { range, .. } => vec![format!("{} N m", for_people(*range))],
+        ActionTarget::Torque { ranges, .. } => {
+            let each: Vec<String> = distinct(ranges).iter().map(|&range| for_people(range)).collect();
+            vec![format!("{} N m", each.join(", "))]
+        }
         ActionTarget::MuscleControl(offsets) => {
             let of = [("joints", offsets.range, "rad"), ("com", offsets.center_of_mass, "m"), ("root", offsets.root, "rad")];
             let moved = of.into_iter().filter(|(_, range, _)| *range > 0.0);

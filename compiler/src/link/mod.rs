@@ -426,6 +426,7 @@ fn debug_info(
         success: outer.success.or(own).map(condition),
         until: outer.until.map(condition),
         comparisons: checked.comparisons.clone(),
+        lets: checked.lets.clone(),
         states: checked.states.iter().map(|state| state.name.clone()).collect(),
         definitions: outer.definitions,
         term_bounds: checked.term_bounds.clone(),

@@ -216,8 +216,8 @@ impl ActionState {
                     synergy.muscles.iter().for_each(|&muscle| give(muscle, entry));
                 }
             }
-            ActionTarget::Torque { joints, range } => {
-                for (&joint, entry) in joints.iter().zip(&*filtered) {
+            ActionTarget::Torque { joints, ranges } => {
+                for ((&joint, range), entry) in joints.iter().zip(ranges).zip(&*filtered) {
                     torques[body.joints[joint].dof] = range * entry;
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::names;
 use super::{Section, digest, encoding};
-use crate::action::{ActionSpace, ActionTarget};
+use crate::action::{ActionSpace, ActionTarget, distinct};
 use crate::graph::text::values;
 use crate::init::{Scaling, Variation};
 use crate::numbers::exact;
@@ -66,8 +66,9 @@ impl CompiledTask {
             ActionTarget::Synergies(synergies) => {
                 synergies.iter().fold(section, |section, synergy| section.field(&synergy.name, muscles(&synergy.muscles)))
             }
-            ActionTarget::Torque { joints: chosen, range } => {
-                section.field("joints", joints(chosen)).field("range", format!("{} N m", exact(*range)))
+            ActionTarget::Torque { joints: chosen, ranges } => {
+                let each: Vec<String> = distinct(ranges).iter().map(|&range| exact(range)).collect();
+                section.field("joints", joints(chosen)).field("range", format!("{} N m", each.join(", ")))
             }
             ActionTarget::MuscleControl(offsets) => {
                 let ranges =

@@ -39,10 +39,11 @@ impl<'a> Checker<'a> {
         let target = match act.target.text.as_str() {
             "muscles" => self.controlled_muscles(&settings)?,
             "synergies" => ActionTarget::Synergies(self.synergies(settings.get("of"), settings.get("sides"))?),
-            "torque" => ActionTarget::Torque {
-                joints: self.controlled_joints(&settings)?,
-                range: self.amount(&settings, "range", Dimension::TORQUE, MOST_TORQUE)?,
-            },
+            "torque" => {
+                let joints = self.controlled_joints(&settings)?;
+                let ranges = self.torques(&settings, joints.len())?;
+                ActionTarget::Torque { joints, ranges }
+            }
             _ => self.tracking_offsets(&settings)?,
         };
         self.action = ActionSpace {
@@ -118,6 +119,28 @@ impl<'a> Checker<'a> {
     fn amount(&mut self, settings: &Settings<'a>, name: &str, dimension: Dimension, most: f64) -> Checked<f64> {
         let Some(field) = settings.get(name) else { return Ok(0.0) };
         let expr = self.setting_value(field)?;
+        self.bounded(expr, name, dimension, most)
+    }
+
+    /// The torque of an entry of 1 on each of so many joints: one number for all, or a list.
+    fn torques(&mut self, settings: &Settings<'a>, joints: usize) -> Checked<Vec<f64>> {
+        let Some(field) = settings.get("range") else { return Ok(vec![0.0; joints]) };
+        let expr = self.setting_value(field)?;
+        let ExprKind::List(elements) = &expr.kind else {
+            return Ok(vec![self.bounded(expr, "range", Dimension::TORQUE, MOST_TORQUE)?; joints]);
+        };
+        if elements.len() != joints {
+            let diagnostic = self
+                .diagnostic(codes::types::LENGTHS_DIFFER, expr.span, "`range` and `joints` differ in length")
+                .expected(format!("one torque for all joints, or {joints}, one for each"))
+                .found(elements.len().to_string());
+            return Err(self.report(diagnostic));
+        }
+        elements.iter().map(|element| self.bounded(element, "range", Dimension::TORQUE, MOST_TORQUE)).collect()
+    }
+
+    /// The number that an expression is known to be, above 0 and up to `most`.
+    fn bounded(&mut self, expr: &'a Expr, name: &str, dimension: Dimension, most: f64) -> Checked<f64> {
         let value = self.fixed_number(expr, dimension, &format!("`{name}`"))?;
         if value > 0.0 && value <= most {
             return Ok(value);

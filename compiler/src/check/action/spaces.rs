@@ -44,7 +44,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("of", "of [soleus_{l,r}, hamstrings]", "the muscles that are controlled, the others rest; for `synergies`, each element of the list is a group"),
     setting("sides", "sides", "each group is divided into its left and its right muscles"),
     setting("joints", "joints [legs, lumbar]", "independent hinges of the body"),
-    setting("range", "range 0.5 rad, or range 60 N*m", "what an entry of 1 asks of a joint: an offset of its target, or a torque"),
+    setting("range", "range 0.5 rad, range 60 N*m, or range [60 N*m, 40 N*m]", "what an entry of 1 asks of a joint: an offset of its target, or a torque, one for all joints or one for each"),
     setting("com", "com 10 cm", "three entries that shift the target of the centre of mass forward, left and up in the root's heading"),
     setting("root", "root 20 deg", "three entries that turn the target of the root's orientation about its axes forward, left and up"),
     setting("residual", "residual cmc", "the action is added to that of `cmc` or `demonstration`, muscle by muscle"),
