@@ -4,6 +4,7 @@ use super::episodes::episode;
 use msk::physics;
 use msk::runtime::body::Body;
 use msk::runtime::episode::{Ending, Environment, EpisodeKey, Fault};
+use nalgebra::Vector2;
 
 /// Of all that may be drawn something.
 pub const DRAWN: &[(&str, &str)] = &[
@@ -15,21 +16,35 @@ pub const DRAWN: &[(&str, &str)] = &[
     random there = uniform(0.5 m .. 1 m, -0.3 m .. 0.3 m)
     random bend  = uniform(10 deg .. 40 deg)
     random weak  = uniform(0.2 .. 0.6)
+    random tall  = uniform(0.8 m .. 1.2 m)
+    random rise  = uniform(8 cm .. 16 cm)
+    random wave  = uniform(1 cm .. 4 cm)
+    random tight = uniform(0.5 .. 2)
     scene {
         slope hill { length 6 m, width 6 m, angle grade, at [-3 m, 0, 0], friction grip }
         box pack on torso { size [15 cm, 30 cm, 40 cm], at [-20 cm, 0, 0], mass load, solid false }
-        box post { size [10 cm, 10 cm, 1 m], at [there[0], there[1], 1 m], orientation 5 * grade }
+        box post { size [10 cm, 10 cm, tall], at [there[0], there[1], 1 m], orientation 5 * grade }
+        stairs flight { count 3, rise rise, run 3 * rise, width 1 m, at [5 m, 0, 0] }
+        heights waves { size [2 m, 1 m], samples [21, 3], height wave * (1 + x / 1 m), at [0, 5 m, 0] }
+        sphere ball { radius 0.1 * tall, mass 2 kg, free, at [0, -5 m, 1 m] }
+        body door {
+            at [0, -3 m, 0.1 m]
+            hinge swing { axis [0, 0, 1], damping 1 N*m*s/rad * tight, stiffness 4 N*m/rad * tight }
+            box leaf { size [4 cm, 1 m, 1 m], at [0, 0.5 m, 0.5 m], mass 5 kg }
+        }
     }
     init {
         pose neutral { knee_angle_r = bend }
         root { height on ground, velocity [0.2 m/s, 0, 0] }
         strength calves  weak
         strength muscles uniform(0.9 .. 1.1)
-        mass     robot   uniform(0.8 .. 1.25)",
+        mass     robot   uniform(0.8 .. 1.25)
+        damping  knee_angle_r tight
+        damping  joints uniform(0.9 .. 1.1)",
     ),
     (
         "observe {",
-        "observe { post = post.position; pack.mass; hill.angle; ground = ground_height(pelvis); load; grade; bend; there; grip; weak;",
+        "observe { post = post.position; pack.mass; hill.angle; ground = ground_height(pelvis); load; grade; bend; there; grip; weak; tall; rise; wave; tight; size = post.size; flight.length; ball.radius;",
     ),
 ];
 
@@ -84,6 +99,27 @@ fn what_is_drawn_is_what_acts() {
             let share = if calves.contains(&muscle) { one("weak") } else { 1.0 };
             assert!((0.9 * share..=1.1 * share).contains(&strength), "{strength}");
         }
+        let all = |channel: &str| seen(&environment, channel);
+        let post_shape = context.state.overrides.shape(0, body.objects[object(body, "post")].shapes[0]).unwrap();
+        assert_eq!(post_shape.size.as_slice(), [0.05, 0.05, 0.5 * one("tall")]);
+        assert_eq!(all("size"), [0.1, 0.1, one("tall")]);
+        assert_eq!([one("flight.length"), one("ball.radius")], [3.0 * (3.0 * one("rise")), 0.1 * one("tall")]);
+        let ground = |x: f64, y: f64| context.snapshot().ground().height(Vector2::new(x, y));
+        for step in 0..3 {
+            let (place, top) = (5.0 + (f64::from(step) + 0.5) * 3.0 * one("rise"), f64::from(step + 1) * one("rise"));
+            assert!((ground(place, 0.0) - top).abs() < 1e-12, "{} {top}", ground(place, 0.0));
+        }
+        assert!((ground(0.5, 5.0) - 1.5 * one("wave")).abs() < 1e-9 && (ground(2.0, 5.2) - 3.0 * one("wave")).abs() < 1e-9);
+
+        let swing = body.joints.iter().find(|joint| joint.name == "door.swing").unwrap();
+        assert_eq!([state.damping[swing.dof], state.stiffness[swing.index]], [one("tight"), 4.0 * one("tight")]);
+        let damping = |name: &str| {
+            let joint = body.joints.iter().find(|joint| joint.name == name).unwrap();
+            state.damping[joint.dof] / model.dofs.damping[joint.dof]
+        };
+        assert!((0.9..=1.1).contains(&damping("knee_angle_l")), "{}", damping("knee_angle_l"));
+        assert!((0.9..=1.1).contains(&(damping("knee_angle_r") / one("tight"))), "{}", damping("knee_angle_r"));
+
         let own: Vec<f64> = body.own().map(|segment| state.mass_scale[segment]).collect();
         assert!(own.iter().all(|scale| (0.8..=1.25).contains(scale)) && own.iter().any(|scale| *scale != own[0]));
         assert_eq!(
@@ -209,6 +245,79 @@ fn a_draw_of_a_test_that_no_scene_can_have_is_a_fault() {
         panic!("{:?}", environment.ending());
     };
     assert_eq!(fault.to_string(), "the mass of `pack` of this episode is -1; expected a number above 0");
+}
+
+/// What is drawn from next to nothing acts as what is written.
+#[test]
+fn a_size_that_is_drawn_acts_as_one_that_is_written() {
+    let last = |tall: &str, stiff: &str| {
+        let scene = format!(
+            "random tall = uniform(0.4 m .. 0.400000000001 m)
+    random stiff = uniform(6 .. 6.00000000001)
+    scene {{
+        ground
+        box table {{ size [1 m, 1 m, {tall}], at [2 m, 0, 0.2 m] }}
+        box cube {{ size [0.1 m, 0.2 m, {tall} / 2], mass 2 kg, free, at [2 m, 0.5 m, 0.55 m], orientation [20 deg, 0, 0] }}
+        heights bed {{ size [1 m, 1 m], samples [5, 5], height {tall} - 0.1 m * x * y / 1 m^2, at [4 m, 0, 0] }}
+        sphere ball {{ radius {tall} / 4, mass 1 kg, free, at [4.6 m, 0.1 m, 0.6 m] }}
+        body door {{
+            at [6 m, 0, 0]
+            hinge swing {{ axis [0, 0, 1], damping 0.1 N*m*s/rad * {stiff}, stiffness 1 N*m/rad * {stiff} }}
+            box leaf {{ size [0.1 m, 1 m, {tall}], at [0, 0.5 m, 1 m], mass 3 kg }}
+        }}
+    }}
+    init {{
+        door {{ swing 40 deg }}"
+        );
+        let observed = "observe { cube = cube.position; turned = cube.angular_velocity; ball = ball.position; swing = door.swing.q; tall; stiff;";
+        let mut environment = episode(&[("init {", &scene), ("observe {", observed), ("horizon 12 steps", "horizon 100 steps")]);
+        environment.reset(key(0));
+        let action = vec![-1.0; environment.engine().action_size()];
+        (0..50).for_each(|_| environment.step(&action).map(|_| ()).unwrap());
+        ["cube", "turned", "ball", "swing"].map(|channel| seen(&environment, channel)).concat()
+    };
+    let (written, drawn) = (last("0.4 m", "6"), last("tall", "stiff"));
+    for (written, drawn) in written.iter().zip(&drawn) {
+        assert!((written - drawn).abs() < 1e-5, "{written} {drawn}");
+    }
+    assert!(written[2] < 0.52 && written[8] < 0.55, "the cube lies on the table, the ball in the bed: {written:?}");
+}
+
+#[test]
+fn a_size_that_no_shape_can_have_is_a_fault_of_that_episode() {
+    let mut environment = episode(DRAWN);
+    let randoms = &environment.engine().task().randoms;
+    let place = |name: &str| randoms.iter().position(|random| random.name == name).unwrap();
+    let faults = [
+        ("tall", -1.0, "`size.z` of `post` of this episode is -1; expected a number above 0"),
+        ("rise", 0.0, "`rise` of `flight` of this episode is 0; expected a number other than 0"),
+        (
+            "tight",
+            -0.5,
+            "the factor of the damping of `knee_angle_r` of this episode is -0.5; expected a number that is not negative",
+        ),
+    ];
+    let faults = faults.map(|(name, value, text)| (place(name), value, text));
+    for (random, value, text) in faults {
+        environment.reset_given(key(0), &[(random, vec![value])]);
+        let Some(Ending::Fault(fault)) = environment.ending() else { panic!("{:?}", environment.ending()) };
+        assert_eq!(fault.to_string(), text);
+        environment.reset(key(1));
+        assert_eq!(environment.ending(), None, "the next episode goes on");
+    }
+}
+
+#[test]
+fn a_factor_of_a_stiffness_that_is_not_there_is_refused() {
+    use msk::runtime::episode::EpisodeError;
+    let environment = episode(&[]);
+    let engine = environment.engine();
+    let mut task = (**engine.task()).clone();
+    let scaling = msk::compiler::init::Scaling { members: vec![0], factor: 2.0, each: None };
+    task.init.variation.stiffnesses.push(scaling);
+    let refused = msk::runtime::episode::Engine::new(engine.model().clone(), engine.body().clone(), task.into());
+    let Err(EpisodeError::NothingToScale { what: "stiffness", joint }) = refused else { panic!() };
+    assert_eq!(joint, engine.body().joints[0].name);
 }
 
 /// The simulator by itself: the acceleration of a falling body does not depend on its mass, that of a pushed one does.

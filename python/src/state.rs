@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// The lists of a state file, by name.
-fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 14] {
+fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 16] {
     [
         ("qpos", &mut file.qpos),
         ("qvel", &mut file.qvel),
@@ -26,6 +26,8 @@ fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 14] {
         ("strength", &mut file.strength),
         ("mass_scale", &mut file.mass_scale),
         ("friction", &mut file.friction),
+        ("damping", &mut file.damping),
+        ("stiffness", &mut file.stiffness),
     ]
 }
 
@@ -38,6 +40,8 @@ fn file(state: &State<f64>, model: &Model) -> StateFile {
         strength: Some(state.strength.clone()),
         mass_scale: Some(state.mass_scale.clone()),
         friction: Some(state.friction.clone()),
+        damping: Some(state.damping.clone()),
+        stiffness: Some(state.stiffness.clone()),
         ..StateFile::of(model, state)
     }
 }

@@ -13,7 +13,7 @@ mod following;
 mod variation;
 
 pub use following::{Following, Parts, Path, Start};
-pub use variation::{Friction, ObjectMass, Scaling, Variation};
+pub use variation::{Friction, JointValue, ObjectMass, ObjectShape, Scaling, Variation};
 
 /// How an episode begins.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -207,10 +207,20 @@ pub enum Setting {
     Strength(usize),
     /// A factor of the mass of segments, by its place in [`Variation::segments`].
     SegmentMass(usize),
+    /// A factor of the damping of joints, by its place in [`Variation::dampings`].
+    Damping(usize),
+    /// A factor of the stiffness of joints, by its place in [`Variation::stiffnesses`].
+    Stiffness(usize),
     /// Mass of an object, by its place in [`Variation::masses`].
     ObjectMass(usize),
     /// Sliding friction, by its place in [`Variation::frictions`].
     Friction(usize),
+    /// Damping or stiffness of a joint of an object, by its place in [`Variation::joints`].
+    ObjectJoint(usize),
+    /// A number of the shape of an object, by its place in [`Variation::shapes`] and among [`Shape::number`]s.
+    ///
+    /// [`Shape::number`]: crate::scene::Shape::number
+    ObjectShape(usize, usize),
 }
 
 impl Init {
@@ -233,8 +243,12 @@ impl Init {
             Setting::ObjectSpin(object, axis) => objects.get_mut(object).and_then(|start| start.spin.get_mut(axis)),
             Setting::Strength(row) => variation.strengths.get_mut(row).map(|scaling| &mut scaling.factor),
             Setting::SegmentMass(row) => variation.segments.get_mut(row).map(|scaling| &mut scaling.factor),
+            Setting::Damping(row) => variation.dampings.get_mut(row).map(|scaling| &mut scaling.factor),
+            Setting::Stiffness(row) => variation.stiffnesses.get_mut(row).map(|scaling| &mut scaling.factor),
             Setting::ObjectMass(row) => variation.masses.get_mut(row).map(|known| &mut known.mass),
             Setting::Friction(row) => variation.frictions.get_mut(row).map(|known| &mut known.sliding),
+            Setting::ObjectJoint(row) => variation.joints.get_mut(row).map(|known| &mut known.value),
+            Setting::ObjectShape(row, number) => variation.shapes.get_mut(row).and_then(|known| known.shape.number(number)),
         };
         if let Some(slot) = slot {
             *slot = value;
@@ -267,7 +281,8 @@ impl Init {
     /// Whether nothing scatters.
     pub fn is_exact(&self) -> bool {
         let spreads = self.coordinate_noise.iter().chain(&self.velocity_noise);
-        let scalings = self.variation.strengths.iter().chain(&self.variation.segments);
+        let Variation { strengths, segments, dampings, stiffnesses, .. } = &self.variation;
+        let scalings = strengths.iter().chain(segments).chain(dampings).chain(stiffnesses);
         self.drawn.is_empty()
             && self.follows.is_none()
             && scalings.clone().all(|scaling| scaling.each.is_none())

@@ -156,6 +156,36 @@ pub enum Shape {
     Terrain(Terrain),
 }
 
+impl Shape {
+    /// A number that may differ from episode to episode: what leaves the kind and the count of shapes as they are. A slope's angle is
+    /// not among them: its object turns.
+    pub fn number(&mut self, index: usize) -> Option<&mut f64> {
+        match self {
+            Self::Box(numbers) | Self::Ellipsoid(numbers) => numbers.get_mut(index),
+            Self::Sphere(radius) => [radius].into_iter().nth(index),
+            Self::Capsule(radius, length) | Self::Cylinder(radius, length) => [radius, length].into_iter().nth(index),
+            Self::Plane => None,
+            Self::Terrain(Terrain::Stairs { rise, run, width, .. }) => [rise, run, width].into_iter().nth(index),
+            Self::Terrain(Terrain::Slope { length, width, .. }) => [length, width].into_iter().nth(index),
+            Self::Terrain(Terrain::Heights { heights, .. }) => heights.get_mut(index),
+        }
+    }
+
+    /// The field of a scene that gives this number: `size.x`, `radius`, `height`.
+    pub fn number_name(&self, index: usize) -> &'static str {
+        let names: &[&str] = match self {
+            Self::Box(_) | Self::Ellipsoid(_) => &["size.x", "size.y", "size.z"],
+            Self::Sphere(_) => &["radius"],
+            Self::Capsule(..) | Self::Cylinder(..) => &["radius", "length"],
+            Self::Plane => &[],
+            Self::Terrain(Terrain::Stairs { .. }) => &["rise", "run", "width"],
+            Self::Terrain(Terrain::Slope { .. }) => &["length", "width"],
+            Self::Terrain(Terrain::Heights { .. }) => return "height",
+        };
+        names.get(index).copied().unwrap_or("?")
+    }
+}
+
 /// Terrain made of boxes or of a height field. It extends from the object's place along its x axis, centred in y.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Terrain {

@@ -106,7 +106,11 @@ impl Shaken {
                 | Setting::Strength(_)
                 | Setting::SegmentMass(_)
                 | Setting::ObjectMass(_)
-                | Setting::Friction(_) => {}
+                | Setting::Damping(_)
+                | Setting::Stiffness(_)
+                | Setting::Friction(_)
+                | Setting::ObjectJoint(_)
+                | Setting::ObjectShape(..) => {}
             }
         }
         // Joints are shaken independently of each other, so deviations add up as their squares do.

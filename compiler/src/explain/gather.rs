@@ -245,7 +245,10 @@ fn memory_in_words(memory: Memory) -> &'static str {
 fn drawn(task: &CompiledTask) -> Vec<String> {
     let varies = varies(task);
     let drawn = task.init.drawn.iter().filter(|(_, index)| varies(*index));
-    drawn.map(|&(setting, _)| names::setting(task, setting)).collect()
+    let mut names: Vec<String> = drawn.map(|&(setting, _)| names::setting(task, setting)).collect();
+    // The samples of a height field are one field of the scene.
+    names.dedup();
+    names
 }
 
 /// Whether the number at a place of [`CompiledTask::drawn`] varies. A place with one random component is evaluated as a whole: a value

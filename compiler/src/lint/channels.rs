@@ -1,5 +1,6 @@
 //! Channels that no policy can use, because noise or age leave nothing of the signal, and those that no policy can have.
 
+use crate::body::Property;
 use crate::check::observe::ObservedChannel;
 use crate::check::task::CheckedTask;
 use crate::diagnostics::{Code, Diagnostic, codes};
@@ -61,6 +62,12 @@ fn hidden(task: &CheckedTask<'_>) -> BTreeMap<u32, String> {
         Setting::Friction(row) => variation.frictions.get(row).map(|known| match known.object {
             Some(index) => format!("the friction of `{}`", object(index)),
             None => "the friction of the ground".to_owned(),
+        }),
+        Setting::Damping(_) => Some("the damping of joints".to_owned()),
+        Setting::Stiffness(_) => Some("the stiffness of joints".to_owned()),
+        Setting::ObjectJoint(row) => variation.joints.get(row).map(|known| {
+            let word = if known.property == Property::Stiffness { "stiffness" } else { "damping" };
+            format!("the {word} of a joint of `{}`", object(known.object))
         }),
         _ => None,
     };

@@ -61,6 +61,8 @@ pub const INIT: Table = &[
     ("root", "root { height on ground, at [x, y], heading 0 deg, velocity [x, y, z] }"),
     ("noise", "noise joints normal(0, DEVIATION)"),
     ("strength", "strength muscles FACTOR"),
+    ("damping", "damping joints FACTOR"),
+    ("stiffness", "stiffness JOINT FACTOR"),
     ("mass", "mass robot FACTOR"),
     ("settle", "settle DURATION with activation VALUE at rest"),
 ];

@@ -4,6 +4,7 @@ use super::camera::Camera;
 use super::outline::Shape;
 use super::panel::{Item, Panel};
 use super::path::Path;
+use msk_physics::collision::{Asset, Placed};
 use msk_physics::model::{GeomKind, Model};
 use msk_runtime::body::sensors::Snapshot;
 use msk_runtime::body::shape::support;
@@ -54,9 +55,9 @@ pub(super) fn add_scenery(snapshot: &Snapshot<'_>, camera: &Camera, panel: &mut 
         }
         let shape = shape(snapshot, geom);
         let mut path = Path::default();
-        match geoms.asset[geom].filter(|_| shape.kind == GeomKind::HeightField) {
-            Some(asset) => shape.relief(&snapshot.model.height_fields[asset], camera, &mut path),
-            None => shape.outline(camera, &mut path),
+        match Placed::of(snapshot.model, &snapshot.workspace.kinematics, 0, geom).asset {
+            Asset::HeightField(field) => shape.relief(field, camera, &mut path),
+            _ => shape.outline(camera, &mut path),
         }
         let depth = camera.depth(shape.centre);
         panel.add(Item::Scenery { depth, path, before: depth < nearest });
@@ -67,7 +68,7 @@ fn shape<'a>(snapshot: &Snapshot<'a>, geom: usize) -> Shape<'a> {
     let (geoms, kinematics) = (&snapshot.model.geoms, &snapshot.workspace.kinematics);
     Shape {
         kind: geoms.kind[geom],
-        size: geoms.size[geom],
+        size: Placed::of(snapshot.model, kinematics, 0, geom).size,
         centre: kinematics.geom_position[geom],
         rotation: kinematics.geom_rotation[geom],
         mesh: geoms.asset[geom].filter(|_| geoms.kind[geom] == GeomKind::Mesh).map(|asset| &snapshot.model.meshes[asset]),

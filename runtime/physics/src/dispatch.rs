@@ -108,7 +108,7 @@ impl<T: Real> WithSimd for Run<'_, T> {
             Stage::Actuation => smooth::actuation_stage(model, state, workspace),
             Stage::Excitation => actuation::update_rates(state, &mut workspace.actuation),
             Stage::Unconstrained => smooth::unconstrained_stage(model, workspace),
-            Stage::Damped => integrator::damped_acceleration(model, workspace),
+            Stage::Damped => integrator::damped_acceleration(model, state, workspace),
         }
     }
 }

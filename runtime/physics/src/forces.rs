@@ -126,7 +126,7 @@ pub fn passive<T: Real>(
     out: &mut Forces<T>,
 ) {
     for dof in 0..model.nv {
-        out.passive[dof] = -T::splat(model.dofs.damping[dof]) * state.velocity[dof];
+        out.passive[dof] = -state.damping[dof] * state.velocity[dof];
     }
     for joint in 0..model.joints.kind.len() {
         if model.joints.stiffness[joint] != 0.0 {
@@ -184,7 +184,7 @@ fn compensate<T: Real>(model: &Model, kinematics: &Kinematics<T>, out: &mut Forc
 #[inline(always)]
 fn joint_spring<T: Real>(model: &Model, state: &State<T>, joint: usize, passive: &mut [T]) {
     let joints = &model.joints;
-    let stiffness = T::splat(joints.stiffness[joint]);
+    let stiffness = state.stiffness[joint];
     let address = joints.position_address[joint];
     let dof = joints.dof_address[joint];
     let q = &state.position[address..];
@@ -271,7 +271,7 @@ pub fn energy<T: Real>(
     for joint in 0..model.joints.kind.len() {
         if matches!(model.joints.kind[joint], JointKind::Hinge | JointKind::Slide) {
             let q = state.position[model.joints.position_address[joint]] - T::splat(model.joints.spring_reference[joint]);
-            potential += half * T::splat(model.joints.stiffness[joint]) * q * q;
+            potential += half * state.stiffness[joint] * q * q;
         }
     }
     inertia::multiply(model, &inertia.matrix, &state.velocity, scratch);

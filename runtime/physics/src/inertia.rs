@@ -5,7 +5,7 @@
 
 use super::{
     kinematics::Kinematics,
-    spatial::{Spatial, SpatialInertia, constant, pair, scale},
+    spatial::{Spatial, SpatialInertia, pair, scale},
     state::State,
     tree_matrix::Layout,
 };
@@ -95,7 +95,7 @@ fn body_inertias<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinemati
         let offset = kinematics.inertial_position[body] - kinematics.reference(model, body);
         out.body[body] = SpatialInertia::of_body(
             kinematics.mass[body],
-            &scale(&constant(&model.bodies.inertia[body]), state.mass_scale[body]),
+            &scale(&kinematics.overrides.moments(model, body), state.mass_scale[body]),
             &kinematics.inertial_rotation[body],
             &offset,
         );

@@ -8,6 +8,7 @@ use super::{
 use crate::{
     batch::one_lane,
     model::{JointKind, Model},
+    overrides::Overrides,
     scalar::Real,
 };
 use nalgebra::{Matrix3, Vector3};
@@ -42,12 +43,14 @@ pub struct Kinematics<T: Real> {
     pub subtree_com: Vec<Vector3<T>>,
     /// Motion axis of every dof, angular then linear, about the centre of mass of its kinematic tree (`cdof`).
     pub dof_axis: Vec<Spatial<T>>,
+    /// Shapes that episodes have of their own.
+    pub overrides: Overrides,
     plan: Arc<Plan>,
 }
 
 one_lane!(Kinematics {
     body_position, body_orientation, body_rotation, inertial_position, inertial_rotation, joint_anchor, joint_axis, geom_position,
-    geom_rotation, mass, subtree_mass, subtree_com, dof_axis; but plan
+    geom_rotation, mass, subtree_mass, subtree_com, dof_axis, overrides; but plan
 });
 
 /// What follows from the model alone: rotation matrices of the frames that are fixed in their bodies; `None` where they coincide
@@ -105,6 +108,7 @@ impl<T: Real> Kinematics<T> {
             subtree_mass: vec![T::splat(0.0); bodies],
             subtree_com: vec![zero(); bodies],
             dof_axis: vec![spatial_zero(); model.nv],
+            overrides: Overrides::none(T::LANES),
             plan: Arc::clone(plan),
         }
     }
@@ -147,6 +151,7 @@ pub fn update_lanes<T: Real>(model: &Model, state: &State<T>, out: &mut Kinemati
     for body in 1..model.bodies.parent.len() {
         place_body(model, state, out, body);
     }
+    out.overrides.copy_from(&state.overrides);
     place_geoms(model, out);
     weigh(model, state, out);
     centres_of_mass(model, out);
@@ -230,6 +235,23 @@ fn place_geoms<T: Real>(model: &Model, out: &mut Kinematics<T>) {
         let body = model.geoms.body[geom];
         out.geom_position[geom] = out.point(body, &constant(&model.geoms.position[geom]));
         out.geom_rotation[geom] = turned(&out.body_rotation[body], &out.plan.geom[geom]);
+    }
+    if !out.overrides.is_empty() {
+        place_own_shapes(model, out);
+    }
+}
+
+/// Places the shapes that episodes have of their own.
+fn place_own_shapes<T: Real>(model: &Model, out: &mut Kinematics<T>) {
+    let Kinematics { body_position, body_rotation, geom_position, overrides, .. } = out;
+    for lane in 0..T::LANES {
+        for shape in overrides.lane(lane).iter().flat_map(|own| &own.shapes) {
+            let body = model.geoms.body[shape.geom];
+            let (origin, rotation) =
+                (body_position[body].map(|value| value.lane(lane)), body_rotation[body].map(|value| value.lane(lane)));
+            let place = rotate(&rotation, &shape.position) + origin;
+            geom_position[shape.geom].iter_mut().zip(place.iter()).for_each(|(slot, value)| slot.set_lane(lane, *value));
+        }
     }
 }
 

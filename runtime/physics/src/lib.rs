@@ -51,6 +51,7 @@ pub mod jacobian;
 pub mod kinematics;
 pub mod lanes;
 pub mod model;
+pub mod overrides;
 mod plan;
 pub mod rotation;
 pub mod scalar;

@@ -352,12 +352,13 @@ impl View<'_> {
     }
 
     fn subtree_momentum(&self, root: usize) -> Vector3<f64> {
-        let (bodies, kinematics) = (&self.model.bodies, &self.workspace.kinematics);
+        let kinematics = &self.workspace.kinematics;
         let (centre, drift) = (kinematics.subtree_com[root], self.subtree_velocity(root));
         let part = |body: usize| {
             let [spin, velocity] = self.velocity(Framed::InertialBody(body));
             let axes = kinematics.inertial_rotation[body];
-            let own = axes * bodies.inertia[body].component_mul(&axes.tr_mul(&spin)) * self.state.mass_scale[body];
+            let moments: Vector3<f64> = kinematics.overrides.moments(self.model, body);
+            let own = axes * moments.component_mul(&axes.tr_mul(&spin)) * self.state.mass_scale[body];
             own + (kinematics.inertial_position[body] - centre).cross(&(velocity - drift)) * kinematics.mass[body]
         };
         self.subtree(root).into_iter().map(part).sum()

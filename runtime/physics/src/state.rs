@@ -1,6 +1,6 @@
 //! What changes from step to step and must be kept to continue an episode bit for bit.
 
-use super::{rotation::constant_quaternion, spatial::constant};
+use super::{overrides::Overrides, rotation::constant_quaternion, spatial::constant};
 use crate::{
     batch::one_lane,
     model::{Equality, Model},
@@ -49,6 +49,12 @@ pub struct State<T: Real> {
     pub mass_scale: Vec<T>,
     /// Sliding friction of each geom; that of the model at first. Contacts of explicit pairs have the pair's own.
     pub friction: Vec<T>,
+    /// Damping of each dof, N m s/rad or N s/m; that of the model at first. In a model without any it acts explicitly.
+    pub damping: Vec<T>,
+    /// Stiffness of the spring of each joint, N m/rad or N/m; that of the model at first. A joint without a spring in the model has none.
+    pub stiffness: Vec<T>,
+    /// Shapes that the episode has of its own; those of the model at first.
+    pub overrides: Overrides,
     /// Acceleration of the last step, from which the constraint solver starts, `nv` entries.
     pub warm_start: Vec<T>,
 }
@@ -71,6 +77,9 @@ one_lane!(State {
     strength,
     mass_scale,
     friction,
+    damping,
+    stiffness,
+    overrides,
     warm_start
 });
 
@@ -94,6 +103,9 @@ impl<T: Real> State<T> {
         self.strength.copy_from_slice(&other.strength);
         self.mass_scale.copy_from_slice(&other.mass_scale);
         self.friction.copy_from_slice(&other.friction);
+        self.damping.copy_from_slice(&other.damping);
+        self.stiffness.copy_from_slice(&other.stiffness);
+        self.overrides.copy_from(&other.overrides);
         self.warm_start.copy_from_slice(&other.warm_start);
     }
 
@@ -104,7 +116,7 @@ impl<T: Real> State<T> {
         let (bodies, equalities) = (model.bodies.parent.len(), model.equalities.kind.len());
         let placed = model.bodies.mocap.iter().filter(|placed| **placed).count();
         self.position.len() == model.nq
-            && [&self.velocity, &self.applied_force, &self.warm_start].iter().all(|part| part.len() == model.nv)
+            && [&self.velocity, &self.applied_force, &self.warm_start, &self.damping].iter().all(|part| part.len() == model.nv)
             && self.activation.len() == model.na
             && self.control.len() == actuators
             && [&self.fibre_length, &self.fibre_velocity].iter().all(|part| part.len() == fibres)
@@ -112,7 +124,8 @@ impl<T: Real> State<T> {
             && [self.mocap_position.len(), self.mocap_orientation.len()] == [placed; 2]
             && [self.active.len(), self.held.len()] == [equalities; 2]
             && [self.strength.len(), self.mass_scale.len()] == [actuators, bodies]
-            && self.friction.len() == model.geoms.kind.len()
+            && [self.friction.len(), self.stiffness.len()] == [model.geoms.kind.len(), model.joints.kind.len()]
+            && self.overrides.fits(model, T::LANES)
     }
 
     /// The reference configuration at rest, with silent muscles and nothing applied.
@@ -138,6 +151,9 @@ impl<T: Real> State<T> {
             strength: vec![T::splat(1.0); model.actuators.name.len()],
             mass_scale: vec![T::splat(1.0); model.bodies.parent.len()],
             friction: model.geoms.friction.iter().map(|friction| T::splat(friction[0])).collect(),
+            damping: model.dofs.damping.iter().map(|&damping| T::splat(damping)).collect(),
+            stiffness: model.joints.stiffness.iter().map(|&stiffness| T::splat(stiffness)).collect(),
+            overrides: Overrides::none(T::LANES),
             warm_start: vec![zero; model.nv],
         }
     }

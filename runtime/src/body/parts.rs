@@ -130,7 +130,8 @@ impl Snapshot<'_> {
 
     /// A lower bound of the distance of two shapes, m.
     fn apart(&self, one: usize, other: usize) -> f64 {
-        let radii = [one, other].map(|geom| self.model.geoms.bounding_radius[geom]);
+        let overrides = &self.workspace.kinematics.overrides;
+        let radii = [one, other].map(|geom| overrides.bounding_radius(self.model, 0, geom));
         if radii.contains(&0.0) {
             return f64::NEG_INFINITY;
         }

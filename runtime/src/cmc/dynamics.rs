@@ -63,14 +63,14 @@ impl Dynamics {
     /// v̇ is the mean acceleration over the hold. D holds the joints' damping and, at the present activation, the slopes of the
     /// force-velocity curves.
     pub fn update(&mut self, view: &View<'_>) {
-        let View { model, coordinates, hold, .. } = *view;
+        let View { state, coordinates, hold, .. } = *view;
         self.project_inertia(view);
         self.fill_load(view);
         self.muscles.clear();
         let crossing = core::mem::take(&mut self.crossing);
         crossing.iter().for_each(|crossing| self.add_muscle(view, crossing));
         self.crossing = crossing;
-        for (dof, &damping) in model.dofs.damping.iter().enumerate() {
+        for (dof, &damping) in state.damping.iter().enumerate() {
             if let Some((column, slope)) = coordinates.entry(dof) {
                 self.inertia.add(column, column, hold * damping * slope * slope);
             }

@@ -124,6 +124,16 @@ pub enum EpisodeError {
         /// Physics steps per control step.
         substeps: f64,
     },
+    /// The initial state scales a parameter that the body does not have.
+    #[error(
+        "`{what}` of `{joint}` is zero, so a factor has no effect: give the joint one, `body human with {joint}.{what} = ...`"
+    )]
+    NothingToScale {
+        /// Damping or stiffness.
+        what: &'static str,
+        /// The first of the joints.
+        joint: String,
+    },
     /// The action has the wrong length.
     #[error("the action has {found} entries, expected {expected}")]
     ActionSize {

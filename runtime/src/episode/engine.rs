@@ -1,6 +1,6 @@
 //! What episodes of a task are played with: everything that does not change while they are, and the scratch of a worker.
 
-use super::{Episode, EpisodeError, EpisodeKey, Player};
+use super::{Episode, EpisodeError, EpisodeKey, Player, variation};
 use crate::action::{Action, ActionBuffer, ActionState, ActsOn};
 use crate::body::{Body, sensors};
 use crate::condition::Fatigue;
@@ -83,6 +83,7 @@ impl Engine {
             return Err(EpisodeError::Body { task: task.name.clone(), expected, found });
         }
         let substeps = substeps(&task, model.options.timestep)?;
+        variation::check(&model, &body, &task.init)?;
         Ok(Self { plan: Plan::new(&model), substeps, fatigue: None, forces: true, observes: true, model, body, task })
     }
 

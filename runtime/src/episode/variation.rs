@@ -1,11 +1,14 @@
-//! What an episode has of its own of body and scene: strengths, masses, frictions and places that the task draws.
+//! What an episode has of its own of body and scene: strengths, masses, frictions, joints, shapes and places that the task draws.
 
 use super::streams::{EpisodeKey, Stream};
-use super::{Fault, initial_state};
+use super::{EpisodeError, Fault, initial_state};
 use crate::body::Body;
 use msk_physics::State;
 use msk_physics::model::Model;
-use msk_program::init::{Init, Scaling};
+use msk_program::body::Property;
+use msk_program::init::{Init, JointValue, Scaling};
+
+mod shapes;
 
 /// Writes into `state` what is drawn of body and scene; it stays for the whole episode.
 ///
@@ -15,6 +18,8 @@ pub(super) fn vary(model: &Model, body: &Body, init: &Init, key: EpisodeKey, sta
     let variation = &init.variation;
     strengthen(&variation.strengths, key, &model.actuators.name, &mut state.strength)?;
     vary_masses(model, body, init, key, state)?;
+    vary_joints(model, body, init, key, state)?;
+    shapes::vary(model, body, variation, state)?;
     for friction in &variation.frictions {
         let whose = || match friction.object {
             Some(object) => format!("the friction of `{}`", model.bodies.name[body.objects[object].body]),
@@ -60,6 +65,59 @@ fn vary_masses(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: 
     Ok(())
 }
 
+fn vary_joints(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &mut State<f64>) -> Result<(), Fault> {
+    let variation = &init.variation;
+    let mut factors = Stream::new(key, "init/damping");
+    for scaling in &variation.dampings {
+        for joint in scaling.members.iter().map(|&joint| &body.joints[joint]) {
+            let factor = factor(scaling, &mut factors);
+            state.damping[joint.dof] *=
+                allowed(|| format!("the factor of the damping of `{}`", joint.name), factor, Least::Zero)?;
+        }
+    }
+    let mut factors = Stream::new(key, "init/stiffness");
+    for scaling in &variation.stiffnesses {
+        for joint in scaling.members.iter().map(|&joint| &body.joints[joint]) {
+            let factor = factor(scaling, &mut factors);
+            state.stiffness[joint.index] *=
+                allowed(|| format!("the factor of the stiffness of `{}`", joint.name), factor, Least::Zero)?;
+        }
+    }
+    for JointValue { object, joint, property, value } in &variation.joints {
+        let joint = model.bodies.joints[body.objects[*object].body].start + joint;
+        let word = if *property == Property::Stiffness { "stiffness" } else { "damping" };
+        let value = allowed(|| format!("the {word} of `{}`", model.joints.name[joint]), *value, Least::Zero)?;
+        match property {
+            Property::Stiffness => state.stiffness[joint] = value,
+            _ => {
+                let dofs = (0..model.nv).filter(|&dof| model.dofs.joint[dof] == joint);
+                dofs.for_each(|dof| state.damping[dof] = value);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether the factors of an initial state scale anything.
+///
+/// # Errors
+/// A joint whose damping or stiffness is zero.
+pub(super) fn check(model: &Model, body: &Body, init: &Init) -> Result<(), EpisodeError> {
+    let variation = &init.variation;
+    let rows = [("damping", &variation.dampings), ("stiffness", &variation.stiffnesses)];
+    for (what, scaling) in rows.into_iter().flat_map(|(what, rows)| rows.iter().map(move |row| (what, row))) {
+        let known = |joint: usize| match what {
+            "damping" => model.dofs.damping[body.joints[joint].dof],
+            _ => model.joints.stiffness[body.joints[joint].index],
+        };
+        if scaling.members.iter().all(|&joint| known(joint) == 0.0) {
+            let joint = scaling.members.first().map_or_else(String::new, |&joint| body.joints[joint].name.clone());
+            return Err(EpisodeError::NothingToScale { what, joint });
+        }
+    }
+    Ok(())
+}
+
 /// Muscles are the actuators of the model, in their order.
 fn strengthen(rows: &[Scaling], key: EpisodeKey, names: &[String], strength: &mut [f64]) -> Result<(), Fault> {
     let mut factors = Stream::new(key, "init/strength");
@@ -80,11 +138,13 @@ fn factor(scaling: &Scaling, factors: &mut Stream) -> f64 {
     }
 }
 
-/// The value, if it is finite and not below 0, or above 0 where `least` says so.
+/// The value, if it is finite and as `least` has it.
 fn allowed(what: impl Fn() -> String, value: f64, least: Least) -> Result<f64, Fault> {
     let (holds, expected) = match least {
         Least::Zero => (value >= 0.0, "a number that is not negative"),
         Least::AboveZero => (value > 0.0, "a number above 0"),
+        Least::NotZero => (value != 0.0, "a number other than 0"),
+        Least::Finite => (true, "a finite number"),
     };
     let fault = || Fault::Variation { what: what(), value, expected: expected.to_owned() };
     if holds && value.is_finite() { Ok(value) } else { Err(fault()) }
@@ -95,4 +155,6 @@ fn allowed(what: impl Fn() -> String, value: f64, least: Least) -> Result<f64, F
 enum Least {
     Zero,
     AboveZero,
+    NotZero,
+    Finite,
 }

@@ -2,6 +2,7 @@
 
 use msk_physics::State;
 use msk_physics::model::Model;
+use msk_physics::overrides::{Overrides, ShapeOverrides};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +55,15 @@ pub struct StateFile {
     /// Sliding friction of each geom, `ngeom`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Vec<f64>>,
+    /// Damping of each dof, `nv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Vec<f64>>,
+    /// Stiffness of the spring of each joint, `njnt`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<Vec<f64>>,
+    /// Shapes that are not those of the model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shapes: Option<ShapeOverrides>,
     /// Acceleration that the solver starts from, `nv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub qacc_warmstart: Option<Vec<f64>>,
@@ -84,6 +94,9 @@ pub enum StateError {
         /// What it should be.
         wanted: &'static str,
     },
+    /// Shapes of another model.
+    #[error("`shapes` are not those of the model: each has a geom of a body that can move, of the same kind, and a finite size")]
+    Shapes,
     /// Nothing turns this way: the quaternion of a free or ball joint is zero.
     #[error("the quaternion of joint `{joint}` in `qpos` is zero")]
     Quaternion {
@@ -98,6 +111,7 @@ impl StateFile {
         let differ = |own: &[f64], usual: f64| own.iter().any(|value| *value != usual).then(|| own.to_vec());
         let rough = state.friction.iter().zip(&model.geoms.friction).any(|(own, usual)| *own != usual[0]);
         let placed = !state.mocap_position.is_empty();
+        let unlike = |own: &Vec<f64>, usual: &Vec<f64>| (own != usual).then(|| own.clone());
         Self {
             time: Some(state.time),
             qpos: Some(state.position.clone()),
@@ -113,6 +127,9 @@ impl StateFile {
             strength: differ(&state.strength, 1.0),
             mass_scale: differ(&state.mass_scale, 1.0),
             friction: rough.then(|| state.friction.clone()),
+            damping: unlike(&state.damping, &model.dofs.damping),
+            stiffness: unlike(&state.stiffness, &model.joints.stiffness),
+            shapes: state.overrides.lane(0).cloned(),
             ..Self::default()
         }
     }
@@ -138,6 +155,16 @@ impl StateFile {
         take("strength", &self.strength, &mut state.strength)?;
         take("mass_scale", &self.mass_scale, &mut state.mass_scale)?;
         take("friction", &self.friction, &mut state.friction)?;
+        take("damping", &self.damping, &mut state.damping)?;
+        take("stiffness", &self.stiffness, &mut state.stiffness)?;
+        check("damping", &state.damping, "expected 0 or more", |value| value >= 0.0)?;
+        check("stiffness", &state.stiffness, "expected 0 or more", |value| value >= 0.0)?;
+        if let Some(shapes) = &self.shapes {
+            state.overrides = Overrides::of(shapes.clone());
+            if !state.fits(model) {
+                return Err(StateError::Shapes);
+            }
+        }
         check("strength", &state.strength, "expected 0 or more", |value| value >= 0.0)?;
         check("mass_scale", &state.mass_scale, "expected more than 0", |value| value > 0.0)?;
         check("friction", &state.friction, "expected 0 or more", |value| value >= 0.0)?;

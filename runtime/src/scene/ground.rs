@@ -63,7 +63,7 @@ impl Ground<'_> {
             return (normal.z > 0.0).then(|| Footing { height: placed.position.z - rise / normal.z, normal });
         }
         // From outside, but no farther away than needed: the height has the rounding of the distance.
-        let top = placed.position.z + 1.001 * self.model.geoms.bounding_radius[shape];
+        let top = placed.position.z + 1.001 * self.radius(shape);
         let (fall, normal) = ray::meet(&placed, Vector3::new(place.x, place.y, top), -Vector3::z())?;
         Some(Footing { height: top - fall, normal })
     }
@@ -96,21 +96,27 @@ impl Ground<'_> {
     /// Height over a plane with unit normal n through p: ((c - p) · n - h(-n)) / n_z for a shape centred at c with the support
     /// function h. Planes that do not look up are no ground.
     fn above_plane(&self, shape: usize, origin: Vector3<f64>, normal: Vector3<f64>) -> f64 {
-        let (geoms, kinematics) = (&self.model.geoms, self.kinematics);
+        let kinematics = self.kinematics;
         if normal.z <= 0.0 {
             return f64::INFINITY;
         }
         let down = kinematics.geom_rotation[shape].transpose() * -normal;
-        let reach = match Placed::of(self.model, kinematics, 0, shape).asset {
+        let placed = Placed::of(self.model, kinematics, 0, shape);
+        let reach = match placed.asset {
             Asset::Mesh(mesh) => mesh.hull.vertices[mesh.hull.support_point(down)].dot(&down),
-            _ => support(geoms.kind[shape], geoms.size[shape], down),
+            _ => support(placed.kind, placed.size, down),
         };
         ((kinematics.geom_position[shape] - origin).dot(&normal) - reach) / normal.z
     }
 
+    /// Radius of a sphere about the centre of a shape that holds it, m.
+    fn radius(&self, shape: usize) -> f64 {
+        self.kinematics.overrides.bounding_radius(self.model, 0, shape)
+    }
+
     /// Whether the bounding spheres allow a gap smaller than `least`.
     fn may_be_above(&self, shape: usize, ground: usize, least: f64) -> bool {
-        let radii = self.model.geoms.bounding_radius[shape] + self.model.geoms.bounding_radius[ground];
+        let radii = self.radius(shape) + self.radius(ground);
         let between = self.kinematics.geom_position[shape] - self.kinematics.geom_position[ground];
         between.xy().norm_squared() <= radii * radii && between.z - radii < least
     }

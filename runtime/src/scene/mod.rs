@@ -16,7 +16,7 @@ mod elements;
 mod footprint;
 pub mod ground;
 mod kept;
-mod objects;
+pub(crate) mod objects;
 pub mod radar;
 pub mod terrain;
 

@@ -68,7 +68,8 @@ pub(super) fn add<'a>(model: &'a Model, body: &Body, scene: &SceneDescription) -
             let geom = NewGeom { name: free_name(&geom.name, &model.geoms.name), ..geom };
             builder.geom(added, bits.apply(geom, &object.surface))
         };
-        placed.geoms.push(shapes(object)?.into_iter().map(shape).collect());
+        let shapes = object.shape.as_ref().map(|shape| shapes_of(&object.name, shape, object.mass));
+        placed.geoms.push(shapes.into_iter().flatten().map(shape).collect());
     }
     for (index, connection) in scene.connections.iter().enumerate() {
         let equality = connect(index, connection, body, scene, &mut placed)?;
@@ -221,9 +222,8 @@ fn joint(joint: &ObjectJoint) -> NewJoint {
     }
 }
 
-/// The shapes of an object. One that is alone bears the object's name.
-fn shapes(object: &Object) -> Result<Vec<NewGeom>, SceneError> {
-    let Some(shape) = &object.shape else { return Ok(Vec::new()) };
+/// The shapes of an object of this shape and mass. One that is alone bears the object's name.
+pub(crate) fn shapes_of(name: &str, shape: &Shape, mass: f64) -> Vec<NewGeom> {
     let (kind, size) = match *shape {
         Shape::Box(extents) => (GeomKind::Box, Vector3::from(extents) * 0.5),
         Shape::Sphere(radius) => (GeomKind::Sphere, Vector3::new(radius, 0.0, 0.0)),
@@ -231,7 +231,7 @@ fn shapes(object: &Object) -> Result<Vec<NewGeom>, SceneError> {
         Shape::Cylinder(radius, length) => (GeomKind::Cylinder, Vector3::new(radius, 0.5 * length, 0.0)),
         Shape::Ellipsoid(half_axes) => (GeomKind::Ellipsoid, Vector3::from(half_axes)),
         Shape::Plane => (GeomKind::Plane, Vector3::zeros()),
-        Shape::Terrain(ref terrain) => return Ok(terrain::shapes(&object.name, terrain)),
+        Shape::Terrain(ref terrain) => return terrain::shapes(name, terrain),
     };
-    Ok(vec![NewGeom { name: object.name.clone(), kind, size, mass: object.mass, ..NewGeom::default() }])
+    vec![NewGeom { name: name.to_owned(), kind, size, mass, ..NewGeom::default() }]
 }

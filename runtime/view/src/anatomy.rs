@@ -107,8 +107,8 @@ pub(crate) struct Wrap {
 impl Anatomy {
     /// Describes what `snapshot` shows; `strengths` are those of the muscles' condition, one per muscle.
     pub fn of(snapshot: &Snapshot<'_>, strengths: &[f64]) -> Self {
-        let &Snapshot { body, model, .. } = snapshot;
-        let (shapes, meshes) = shapes::of(model, body);
+        let &Snapshot { body, model, workspace, .. } = snapshot;
+        let (shapes, meshes) = shapes::of(model, body, &workspace.kinematics.overrides);
         let mut wraps = Vec::new();
         let families = families(body);
         let muscles = (0..body.muscles.len()).map(|index| muscle(snapshot, index, strengths, &families, &mut wraps)).collect();

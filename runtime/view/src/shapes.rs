@@ -2,7 +2,8 @@
 
 use crate::anatomy::{round, vector};
 use crate::track::quantise;
-use msk_physics::model::{GeomKind, Model};
+use msk_physics::model::{GeomKind, HeightField, Model};
+use msk_physics::overrides::{Overrides, ShapeOverride};
 use msk_runtime::body::Body;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -29,10 +30,10 @@ pub(crate) struct Surface {
 }
 
 /// The shapes that are shown, and the surfaces to which they refer.
-pub(crate) fn of(model: &Model, body: &Body) -> (Vec<Shape>, Vec<Surface>) {
+pub(crate) fn of(model: &Model, body: &Body, overrides: &Overrides) -> (Vec<Shape>, Vec<Surface>) {
     let mut meshes = Surfaces::default();
     let shown = (0..model.geoms.kind.len()).filter(|&geom| is_shown(model, body, geom));
-    let shapes = shown.filter_map(|geom| shape(model, body, geom, &mut meshes)).collect();
+    let shapes = shown.filter_map(|geom| shape(model, body, geom, overrides.shape(0, geom), &mut meshes)).collect();
     (shapes, meshes.found)
 }
 
@@ -43,8 +44,9 @@ fn is_shown(model: &Model, body: &Body, geom: usize) -> bool {
     body.shapes.contains(&geom) || solid || body.objects.iter().any(|object| object.body == geoms.body[geom])
 }
 
-fn shape(model: &Model, body: &Body, geom: usize, meshes: &mut Surfaces) -> Option<Shape> {
+fn shape(model: &Model, body: &Body, geom: usize, own: Option<&ShapeOverride>, meshes: &mut Surfaces) -> Option<Shape> {
     let geoms = &model.geoms;
+    let field = || own.and_then(|own| own.heights.as_ref()).or_else(|| model.height_fields.get(geoms.asset[geom]?));
     let (kind, mesh) = match geoms.kind[geom] {
         // The ground is drawn as such.
         GeomKind::Plane => return None,
@@ -53,14 +55,14 @@ fn shape(model: &Model, body: &Body, geom: usize, meshes: &mut Surfaces) -> Opti
         GeomKind::Ellipsoid => ("ellipsoid", None),
         GeomKind::Cylinder => ("cylinder", None),
         GeomKind::Box => ("box", None),
-        GeomKind::HeightField => ("mesh", Some(meshes.height_field(model, geoms.asset[geom]?))),
+        GeomKind::HeightField => ("mesh", Some(meshes.height_field(field()?, geoms.asset[geom]?))),
         GeomKind::Mesh => ("mesh", Some(meshes.mesh(model, geoms.asset[geom]?))),
     };
     Some(Shape {
         kind,
         body: geoms.body[geom],
-        size: vector(&geoms.size[geom]),
-        position: vector(&geoms.position[geom]),
+        size: vector(&own.map_or(geoms.size[geom], |own| own.size)),
+        position: vector(&own.map_or(geoms.position[geom], |own| own.position)),
         orientation: geoms.orientation[geom].map(round),
         mesh,
         own: body.owns(geoms.body[geom]),
@@ -80,8 +82,7 @@ impl Surfaces {
         self.keep((true, asset), || (mesh.vertices.clone(), mesh.triangles.concat()))
     }
 
-    fn height_field(&mut self, model: &Model, asset: usize) -> usize {
-        let field = &model.height_fields[asset];
+    fn height_field(&mut self, field: &HeightField, asset: usize) -> usize {
         self.keep((false, asset), || {
             let corners = (0..field.rows).flat_map(|row| (0..field.columns).map(move |column| field.point(row, column)));
             let cells = (1..field.rows).flat_map(|row| (1..field.columns).map(move |column| (row, column)));

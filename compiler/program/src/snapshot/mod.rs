@@ -19,7 +19,8 @@ use crate::formula::Notation;
 use crate::graph::NodeId;
 use crate::graph::text::{Labels, Writer};
 use crate::numbers::exact;
-use crate::task::{CompiledTask, Phase, RandomValue};
+use crate::scene::{Shape, Terrain};
+use crate::task::{CompiledTask, Phase, RandomValue, Setting};
 use names::Names;
 use section::meant;
 use sha2::{Digest, Sha256};
@@ -97,9 +98,44 @@ impl CompiledTask {
         sections
     }
 
+    /// What is drawn for the initial state; the samples of a height field together.
+    fn drawn_sections<'a>(&'a self, phase: &'a Phase, names: &Names<'a>, ink: &mut Ink<'_>, sections: &mut Vec<Section>) {
+        let one_field = |(a, _): &(Setting, usize), (b, _): &(Setting, usize)| match (a, b) {
+            (Setting::ObjectShape(a, _), Setting::ObjectShape(b, _)) => a == b && self.varies_heights(*a),
+            _ => false,
+        };
+        for alike in self.init.drawn.chunk_by(one_field) {
+            let name = names::setting(self, alike[0].0);
+            let name = if self.phases.len() > 1 { format!("{}.{name}", phase.name) } else { name };
+            let nodes = alike.iter().filter_map(|(_, index)| phase.outputs.initial_values.get(*index));
+            let mut section = Section::new("drawn", &name);
+            match ink {
+                Ink::Local => {
+                    let mut graphs = nodes.map(|node| own_graph(phase, names, *node)).collect::<Vec<_>>();
+                    section.graph = match graphs.len() {
+                        0 => continue,
+                        1 => graphs.remove(0),
+                        samples => vec![format!("{samples} samples, sha256 {}", digest(graphs.concat().join("\n").as_bytes()))],
+                    };
+                }
+                Ink::Shared(writer) => {
+                    let numbers: Vec<String> = nodes.map(|node| format!("%{}", writer.number(*node))).collect();
+                    section = section.field("is", numbers.join(" "));
+                }
+            }
+            sections.push(section);
+        }
+    }
+
+    fn varies_heights(&self, row: usize) -> bool {
+        let shape = self.init.variation.shapes.get(row).map(|known| &known.shape);
+        matches!(shape, Some(Shape::Terrain(Terrain::Heights { .. })))
+    }
+
     fn phase_sections<'a>(&'a self, phase: &'a Phase, names: &Names<'a>, ink: &mut Ink<'_>, sections: &mut Vec<Section>) {
         let (debug, outputs) = (&phase.debug, &phase.outputs);
         let several = self.phases.len() > 1;
+        self.drawn_sections(phase, names, ink, sections);
         let mut write = |section: Section, formula: Option<&Notation>, node: NodeId, word: &str| {
             let mut section = section;
             section.formula = formula.map_or_else(String::new, |formula| formula.plain.clone());
@@ -113,10 +149,6 @@ impl CompiledTask {
             sections.push(section);
         };
         let labelled = |name: &str| if several { format!("{}.{name}", phase.name) } else { name.to_owned() };
-        for &(setting, index) in &self.init.drawn {
-            let Some(&node) = outputs.initial_values.get(index) else { continue };
-            write(Section::new("drawn", &labelled(&names::setting(self, setting))), None, node, "is");
-        }
         for &(disturbance, setting, index) in &self.drawn_disturbances {
             let Some(&node) = outputs.initial_values.get(index) else { continue };
             let name = format!("disturbance {} {}", disturbance + 1, names::disturbance_setting(setting));

@@ -1,10 +1,11 @@
 //! Sensors, queries, parts and settings under the names that tasks give them, so that nothing in a snapshot is a place in a
 //! list that moves when something else is added.
 
+use crate::body::Property;
 use crate::frame::{Origin, Query, Sensor, Subject};
 use crate::graph::text::Labels;
-use crate::init::Scaling;
-use crate::scene::Part;
+use crate::init::{JointValue, Scaling};
+use crate::scene::{Motion, Part};
 use crate::task::{CompiledTask, DisturbanceSetting, Phase, Setting};
 use crate::vocabulary::Vocabulary;
 use std::fmt::Write;
@@ -179,6 +180,8 @@ pub fn setting(task: &CompiledTask, setting: Setting) -> String {
             let name = |landmark: usize| landmarks.get(landmark).map(|landmark| landmark.name.as_str());
             scaled("mass", variation.segments.get(row), own, name)
         }
+        Setting::Damping(row) => scaled_joints(task, "damping", variation.dampings.get(row)),
+        Setting::Stiffness(row) => scaled_joints(task, "stiffness", variation.stiffnesses.get(row)),
         Setting::ObjectMass(row) => {
             let known = variation.masses.get(row).and_then(|known| task.scene.objects.get(known.object));
             known.map_or_else(|| row.to_string(), |object| format!("{}.mass", object.name))
@@ -187,7 +190,31 @@ pub fn setting(task: &CompiledTask, setting: Setting) -> String {
             let object = variation.frictions.get(row).and_then(|known| task.scene.objects.get(known.object?));
             format!("{}.friction", object.map_or("ground", |object| &object.name))
         }
+        Setting::ObjectJoint(row) => variation.joints.get(row).map_or_else(|| row.to_string(), |known| joint_value(task, known)),
+        Setting::ObjectShape(row, number) => {
+            let known = variation.shapes.get(row);
+            let object = known.and_then(|known| task.scene.objects.get(known.object));
+            let (Some(known), Some(object)) = (known, object) else { return row.to_string() };
+            format!("{}.{}", object.name, known.shape.number_name(number))
+        }
     }
+}
+
+/// `damping of knee_angle_r`
+fn scaled_joints(task: &CompiledTask, what: &str, scaling: Option<&Scaling>) -> String {
+    let joints = &task.vocabulary.joints;
+    let own = joints.iter().filter(|joint| !joint.of_scene).count();
+    scaled(what, scaling, own, |joint| joints.get(joint).map(|joint| joint.name.as_str()))
+}
+
+/// `door.swing.damping`
+fn joint_value(task: &CompiledTask, known: &JointValue) -> String {
+    let object = task.scene.objects.get(known.object).map(|object| &object.motion);
+    let joint = match object {
+        Some(Motion::Joints(joints)) => joints.get(known.joint).map_or("?", |joint| &joint.name),
+        _ => "?",
+    };
+    format!("{joint}.{}", if known.property == Property::Stiffness { "stiffness" } else { "damping" })
 }
 
 /// What a row of factors scales: `strength of soleus_l, soleus_r`; all that could be is said to be.

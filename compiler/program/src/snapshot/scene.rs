@@ -185,7 +185,7 @@ impl CompiledTask {
 
     /// What episodes have of their own; none where they have the body and the scene of the model.
     fn variation_section(&self) -> Option<Section> {
-        let Variation { strengths, segments, masses, frictions } = &self.init.variation;
+        let Variation { strengths, segments, dampings, stiffnesses, masses, frictions, joints, shapes } = &self.init.variation;
         let mut section = Section::new("variation", "");
         let scale = |scaling: &Scaling| match scaling.each {
             None => exact(scaling.factor),
@@ -193,10 +193,18 @@ impl CompiledTask {
         };
         let strengths = strengths.iter().enumerate().map(|(row, scaling)| (Setting::Strength(row), scale(scaling)));
         let segments = segments.iter().enumerate().map(|(row, scaling)| (Setting::SegmentMass(row), scale(scaling)));
+        let dampings = dampings.iter().enumerate().map(|(row, scaling)| (Setting::Damping(row), scale(scaling)));
+        let stiffnesses = stiffnesses.iter().enumerate().map(|(row, scaling)| (Setting::Stiffness(row), scale(scaling)));
         let masses = masses.iter().enumerate().map(|(row, known)| (Setting::ObjectMass(row), format!("{:?} kg", known.mass)));
         let frictions = frictions.iter().enumerate().map(|(row, known)| (Setting::Friction(row), exact(known.sliding)));
-        for (setting, value) in strengths.chain(segments).chain(masses).chain(frictions) {
+        let joints = joints.iter().enumerate().map(|(row, known)| (Setting::ObjectJoint(row), exact(known.value)));
+        let factors = strengths.chain(segments).chain(dampings).chain(stiffnesses);
+        for (setting, value) in factors.chain(masses).chain(frictions).chain(joints) {
             section = section.field(&names::setting(self, setting), value);
+        }
+        for known in shapes {
+            let name = self.scene.objects.get(known.object).map_or("?", |object| &object.name);
+            section = section.field(&format!("{name}.shape"), plain(format!("{:?}", known.shape)));
         }
         (!section.fields.is_empty()).then_some(section)
     }

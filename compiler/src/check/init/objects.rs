@@ -4,11 +4,13 @@ use super::InitialState;
 use crate::check::context::{Checked, Checker, Failures, Reported};
 use crate::check::dimension::Dimension;
 use crate::check::scene::drawn::{DrawnField, SceneField};
+use crate::check::scene::heights::places;
 use crate::check::scene::rotation;
+use crate::check::scene::varied::ShapeField;
 use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{codes, nearest};
 use crate::graph::operation::{Binary, Unary};
-use crate::init::{Friction, ObjectMass};
+use crate::init::{Friction, JointValue, ObjectMass, ObjectShape};
 use crate::scene::{Motion, SceneDescription};
 use crate::syntax::tree::{Expr, Field, Placement};
 use crate::task::Setting;
@@ -53,7 +55,45 @@ impl<'a> Checker<'a> {
             (SceneField::Turn, _, Some(place)) => self.begin_turn(expr, rotation::NONE, [0.0, 0.0, 1.0], place, initial),
             // Positive inclination rises along x, which is a turn about -y.
             (SceneField::Angle(base), _, Some(place)) => self.begin_turn(expr, base, [0.0, -1.0, 0.0], place, initial),
+            (SceneField::Joint { place, property, dimension }, Some(object), _) => {
+                let row = variation.joints.len();
+                variation.joints.push(JointValue { object, joint: place, property, value: 0.0 });
+                self.begin_number(expr, dimension, "a joint", Setting::ObjectJoint(row), initial)
+            }
+            (SceneField::Shape(field), Some(object), _) => {
+                let Some(shape) = &scene.objects[object].shape else { return Ok(()) };
+                let row = variation.shapes.iter().position(|known| known.object == object).unwrap_or_else(|| {
+                    variation.shapes.push(ObjectShape { object, shape: shape.clone() });
+                    variation.shapes.len() - 1
+                });
+                self.begin_shape(expr, field, row, initial)
+            }
             _ => Ok(()),
+        }
+    }
+
+    /// Numbers of a shape.
+    fn begin_shape(&mut self, expr: &'a Expr, field: ShapeField, row: usize, initial: &mut InitialState) -> Checked<()> {
+        let setting = |number: usize| Setting::ObjectShape(row, number);
+        match field {
+            ShapeField::Length(number) => self.begin_number(expr, Dimension::LENGTH, "a size", setting(number), initial),
+            ShapeField::Extents(times) => {
+                let node = self.data(expr)?.node;
+                let times = self.graph.constant(times);
+                for lane in 0..3 {
+                    let extent = self.graph.select([lane], node);
+                    let extent = self.graph.binary(Binary::Multiply, times, extent);
+                    self.begin(extent, &[setting(lane)], expr.span, "`size`", initial)?;
+                }
+                Ok(())
+            }
+            ShapeField::Heights(size, samples) => {
+                for (sample, [x, y]) in places(size, samples).enumerate() {
+                    let height = self.with_coordinates(x, y, |checker| checker.number_of(expr, Dimension::LENGTH, "`height`"))?;
+                    self.begin(height.node, &[setting(sample)], expr.span, "`height`", initial)?;
+                }
+                Ok(())
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-//! Strength of muscles and mass of segments: factors of what the body has, drawn or known.
+//! Strength of muscles, mass of segments, damping and stiffness of joints: factors of what the body has, drawn or known.
 
 use super::InitialState;
 use crate::check::context::{Checked, Checker};
@@ -15,16 +15,19 @@ impl<'a> Checker<'a> {
         let members = match scaling.quantity {
             ScaledQuantity::Strength => self.scaled_muscles(&scaling.target)?,
             ScaledQuantity::Mass => self.scaled_segments(&scaling.target)?,
+            quantity => self.scaled_joints(&scaling.target, quantity)?,
         };
         let variation = &initial.init.variation;
         let setting = match scaling.quantity {
             ScaledQuantity::Strength => Setting::Strength(variation.strengths.len()),
             ScaledQuantity::Mass => Setting::SegmentMass(variation.segments.len()),
+            ScaledQuantity::Damping => Setting::Damping(variation.dampings.len()),
+            ScaledQuantity::Stiffness => Setting::Stiffness(variation.stiffnesses.len()),
         };
         let wanted_by = format!("`{}`", scaling.quantity.word());
         let wrong = |value: f64| match scaling.quantity {
-            ScaledQuantity::Strength => (value < 0.0).then_some("is negative"),
             ScaledQuantity::Mass => (value <= 0.0).then_some("is not positive"),
+            _ => (value < 0.0).then_some("is negative"),
         };
         let span = scaling.factor.span;
         let (factor, each) = match distribution(&scaling.factor) {
@@ -42,6 +45,8 @@ impl<'a> Checker<'a> {
         let rows = match scaling.quantity {
             ScaledQuantity::Strength => &mut variation.strengths,
             ScaledQuantity::Mass => &mut variation.segments,
+            ScaledQuantity::Damping => &mut variation.dampings,
+            ScaledQuantity::Stiffness => &mut variation.stiffnesses,
         };
         rows.push(init::Scaling { members, factor, each });
         Ok(())
@@ -110,6 +115,32 @@ impl<'a> Checker<'a> {
                     .diagnostic(codes::tasks::UNKNOWN_SETTING, target.span, "only segments of the body have their mass scaled")
                     .expected("`mass robot 1.1`, or `mass` of segments by name or group")
                     .help("the mass of an object stands in the scene: `box pack { mass load }`");
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+}
+
+impl<'a> Checker<'a> {
+    /// The joints of the body that are named; `joints` stands for all.
+    fn scaled_joints(&mut self, target: &'a Expr, quantity: ScaledQuantity) -> Checked<Vec<usize>> {
+        let joints = &self.vocabulary.joints;
+        if is_named(target, "joints") {
+            return Ok((0..joints.len()).filter(|&index| !joints[index].of_scene).collect());
+        }
+        let joint = |thing: &EntityRef| match thing {
+            EntityRef::Joint(index) if !joints[*index].of_scene => Some(*index),
+            _ => None,
+        };
+        match members(self.value(target)?, joint) {
+            Some(members) => Ok(members),
+            None => {
+                let word = quantity.word();
+                let message = format!("only joints of the body have their {word} scaled");
+                let diagnostic = self
+                    .diagnostic(codes::tasks::UNKNOWN_SETTING, target.span, message)
+                    .expected(format!("`{word} joints 1.1`, or `{word}` of joints by name or group"))
+                    .help(format!("that of a joint of an object stands in the scene: `hinge swing {{ {word} FORMULA }}`"));
                 Err(self.report(diagnostic))
             }
         }

@@ -4,6 +4,8 @@
 //! state, when the randoms of the task are known.
 
 use super::expand::Locals;
+use super::varied::ShapeField;
+use crate::body::Property;
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::check::value::{EntityRef, TypedValue, Value};
@@ -39,6 +41,14 @@ pub(crate) enum SceneField {
     Mass,
     /// Sliding friction.
     Friction,
+    /// Damping or stiffness of the joint of this place among those of the object.
+    Joint {
+        place: usize,
+        property: Property,
+        dimension: Dimension,
+    },
+    /// Numbers of its shape.
+    Shape(ShapeField),
 }
 
 /// A number of a field.
@@ -83,14 +93,18 @@ impl<'a> Checker<'a> {
         }
         self.must_be_drawn(data.node, expr.span, wanted_by)?;
         let bounds = self.bounds_of_draw(data.node);
-        if !(bounds.low.is_finite() && bounds.high.is_finite()) {
-            let message = format!("{wanted_by} is drawn without bounds");
-            let diagnostic = self
-                .diagnostic(codes::scene::SIZE, expr.span, message)
-                .help("draw it with `uniform(low .. high)`, or bound it: `clip(x, low, high)`");
-            return Err(self.report(diagnostic));
-        }
+        self.must_be_bounded(bounds, expr.span, wanted_by)?;
         Ok(FieldNumber { value: 0.5 * bounds.low + 0.5 * bounds.high, bounds, dimension, drawn: Some(expr) })
+    }
+
+    pub(super) fn must_be_bounded(&mut self, bounds: Bounds, span: Span, wanted_by: &str) -> Checked<()> {
+        if bounds.low.is_finite() && bounds.high.is_finite() {
+            return Ok(());
+        }
+        let diagnostic = self
+            .diagnostic(codes::scene::SIZE, span, format!("{wanted_by} is drawn without bounds"))
+            .help("draw it with `uniform(low .. high)`, or bound it: `clip(x, low, high)`");
+        Err(self.report(diagnostic))
     }
 
     /// Components that are known while compiling, or those from the middle of what may be drawn; and whether they are drawn.

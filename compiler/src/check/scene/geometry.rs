@@ -1,7 +1,7 @@
 //! Sizes and places of objects that formulas read: constants, so that a task never repeats values of its scene.
 
 use super::drawn::SceneField;
-use super::{CheckedScene, Stage, shapes};
+use super::{CheckedScene, Stage, shapes, varied};
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::check::signals::{self, Owner, Read};
@@ -68,6 +68,11 @@ impl<'a> Checker<'a> {
         if object.shape.is_some() {
             keep("friction", vec![object.surface.friction[0]], ElementType::PLAIN);
         }
+        for drawn in stage.drawn.iter().filter(|drawn| drawn.object == Some(index)) {
+            for signal in varied::signals_of(drawn.field, object.shape.as_ref()) {
+                self.known.remove(&format!("{name}.{signal}"));
+            }
+        }
         if !fixed {
             return;
         }
@@ -112,7 +117,7 @@ impl<'a> Checker<'a> {
             let drawn = match name.text.as_str() {
                 "friction" => self.drawn_field(index, |field| field == SceneField::Friction),
                 "angle" => self.drawn_field(index, |field| matches!(field, SceneField::Angle(_))),
-                _ => None,
+                other => self.drawn_size(index, other),
             };
             let known = match drawn {
                 Some(drawn) => Some(drawn?),

@@ -2,6 +2,7 @@
 
 use super::elements;
 use super::fields::Fields;
+use crate::body::Property;
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::diagnostics::codes;
@@ -14,9 +15,16 @@ struct Units {
     effort: Dimension,
 }
 
+/// A parameter of a joint that is drawn.
+pub(super) struct DrawnParameter<'a> {
+    pub property: Property,
+    pub dimension: Dimension,
+    pub formula: &'a Expr,
+}
+
 impl<'a> Checker<'a> {
     /// `hinge swing { axis [0, 0, -1], range 0 deg .. 90 deg, damping 0.05 N*m*s/rad }`, of the object called `owner`.
-    pub(super) fn object_joint(&mut self, element: &'a Element, owner: &str) -> Checked<ObjectJoint> {
+    pub(super) fn object_joint(&mut self, element: &'a Element, owner: &str) -> Checked<(ObjectJoint, Vec<DrawnParameter<'a>>)> {
         let word = element.kind.text.as_str();
         let name = self.element_name(element)?.unwrap_or_default();
         let name = format!("{owner}.{name}");
@@ -45,10 +53,29 @@ impl<'a> Checker<'a> {
         let range = self.joint_range(&fields, &units)?;
         let per = |power: Dimension| units.effort.per(power).unwrap_or(Dimension::NONE);
         let rate = units.coordinate.per(Dimension::TIME).unwrap_or(Dimension::NONE);
-        let damping = self.not_negative(&fields, "damping", per(rate))?;
-        let stiffness = self.not_negative(&fields, "stiffness", per(units.coordinate))?;
+        let mut drawn = Vec::new();
+        let damping = self.joint_parameter(&fields, Property::Damping, per(rate), &mut drawn)?;
+        let stiffness = self.joint_parameter(&fields, Property::Stiffness, per(units.coordinate), &mut drawn)?;
         let friction_loss = self.not_negative(&fields, "friction", units.effort)?;
-        Ok(ObjectJoint { name, kind, axis, anchor, range, damping, stiffness, friction_loss })
+        Ok((ObjectJoint { name, kind, axis, anchor, range, damping, stiffness, friction_loss }, drawn))
+    }
+
+    /// `damping` or `stiffness`, 0 by default; not negative in any episode.
+    fn joint_parameter(
+        &mut self,
+        fields: &Fields<'a>,
+        property: Property,
+        dimension: Dimension,
+        drawn: &mut Vec<DrawnParameter<'a>>,
+    ) -> Checked<f64> {
+        let name = if property == Property::Stiffness { "stiffness" } else { "damping" };
+        let Some(field) = fields.get(name) else { return Ok(0.0) };
+        let expr = self.field_value(field)?;
+        let wanted_by = format!("`{name}`");
+        let number = self.field_number(expr, dimension, &wanted_by)?;
+        self.must_be_within(&number, |value| (value < 0.0).then_some("is negative"), &wanted_by, expr.span)?;
+        drawn.extend(number.drawn.map(|formula| DrawnParameter { property, dimension, formula }));
+        Ok(number.value)
     }
 
     fn joint_range(&mut self, fields: &Fields<'a>, units: &Units) -> Checked<Option<[f64; 2]>> {

@@ -18,13 +18,14 @@ pub(crate) mod expand;
 mod fields;
 pub(crate) mod geometry;
 mod groups;
-mod heights;
+pub(in crate::check) mod heights;
 mod joints;
 pub(crate) mod object;
 mod parts;
 mod repeats;
 pub(crate) mod rotation;
 mod shapes;
+pub(in crate::check) mod varied;
 
 use super::context::{Checked, Checker, Reported};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};

@@ -3,6 +3,9 @@
 use super::drawn::{FieldNumber, SceneField};
 use super::elements::{self, KINDS};
 use super::fields::Fields;
+use super::joints::DrawnParameter;
+use super::shapes::Draw;
+use super::varied::is_shape;
 use super::{Stage, head, rotation, shapes};
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
@@ -56,10 +59,15 @@ impl<'a> Checker<'a> {
         let fields = self.fields(element, kind)?;
         let placed = self.placed(&fields)?;
         let parent = self.parent(stage, element, carrier)?;
-        let mut motion = self.motion(stage, element, &fields, name, &parent)?;
-        if !placed.drawn.is_empty() {
-            motion = self.placed_by_chance(motion, &parent, &placed.drawn)?;
+        let (mut motion, joints) = self.motion(stage, element, &fields, name, &parent)?;
+        let (sizes, places): (Vec<Draw<'a>>, Vec<Draw<'a>>) = placed.drawn.iter().partition(|(field, _)| is_shape(*field));
+        if !places.is_empty() {
+            motion = self.placed_by_chance(motion, &parent, &places)?;
         }
+        if let Some((_, expr)) = sizes.first() {
+            motion = self.varied(stage, motion, &parent, expr)?;
+        }
+        self.must_have_own_mass(&fields, &sizes)?;
         let (surface, friction) = self.surface(&fields, placed.shape.as_ref())?;
         let mass = self.mass(&fields, placed.shape.as_ref())?;
         let fixed = motion == Motion::Fixed
@@ -76,7 +84,8 @@ impl<'a> Checker<'a> {
         self.must_stand_if_walked_on(&fields, placed.shape.as_ref(), &surface, stands)?;
         let index = stage.scene.objects.len();
         let mass_drawn = mass.drawn.map(|expr| (SceneField::Mass, expr));
-        let drawn = placed.drawn.iter().copied().chain(mass_drawn).chain(friction.map(|expr| (SceneField::Friction, expr)));
+        let drawn =
+            placed.drawn.iter().copied().chain(mass_drawn).chain(friction.map(|expr| (SceneField::Friction, expr))).chain(joints);
         drawn.for_each(|(field, expr)| stage.draw(Some(index), field, expr, (locals, self.place.file)));
         let terrain = matches!(placed.shape, Some(Shape::Plane | Shape::Terrain(_)));
         if terrain && !stands {
@@ -177,10 +186,15 @@ impl<'a> Checker<'a> {
         fields: &Fields<'a>,
         name: &str,
         parent: &Parent,
-    ) -> Checked<Motion> {
+    ) -> Checked<(Motion, Vec<Draw<'a>>)> {
+        let mut drawn = Vec::new();
         let mut joints: Vec<crate::scene::ObjectJoint> = Vec::new();
         for part in element.parts.iter().filter(|part| elements::is_joint(&part.kind.text)) {
-            let joint = self.object_joint(part, name)?;
+            let (joint, parameters) = self.object_joint(part, name)?;
+            let place = joints.len();
+            let field =
+                |DrawnParameter { property, dimension, formula }| (SceneField::Joint { place, property, dimension }, formula);
+            drawn.extend(parameters.into_iter().map(field));
             let known = stage.scene.objects.iter().any(|object| object.name == joint.name);
             if known || joints.iter().any(|other| other.name == joint.name) {
                 let message = format!("`{}` is declared twice", joint.name);
@@ -190,8 +204,8 @@ impl<'a> Checker<'a> {
         }
         let free = self.flag(fields, "free", false)?;
         match (free, joints.is_empty()) {
-            (false, true) => Ok(Motion::Fixed),
-            (false, false) => Ok(Motion::Joints(joints)),
+            (false, true) => Ok((Motion::Fixed, drawn)),
+            (false, false) => Ok((Motion::Joints(joints), drawn)),
             (true, false) => {
                 Err(self.error(codes::scene::MOTION, element.kind.span, format!("`{name}` is free and has joints: choose one")))
             }
@@ -202,7 +216,7 @@ impl<'a> Checker<'a> {
                     .help("declare it at the top level, or give it a joint instead");
                 Err(self.report(diagnostic))
             }
-            (true, true) => Ok(Motion::Free),
+            (true, true) => Ok((Motion::Free, drawn)),
         }
     }
 

@@ -27,35 +27,26 @@ pub(super) struct Placed<'a> {
 impl<'a> Checker<'a> {
     /// The shape of an element and its place.
     pub(super) fn placed(&mut self, fields: &Fields<'a>) -> Checked<Placed<'a>> {
-        let length = Dimension::LENGTH;
+        let mut drawn = Vec::new();
         let shape = match fields.kind() {
-            "box" => Some(Shape::Box(self.extents(fields)?)),
-            "ellipsoid" => Some(Shape::Ellipsoid(self.extents(fields)?.map(|extent| 0.5 * extent))),
-            "sphere" => Some(Shape::Sphere(self.positive(fields, "radius", length)?)),
+            "box" => Some(Shape::Box(self.extents(fields, 1.0, &mut drawn)?)),
+            "ellipsoid" => Some(Shape::Ellipsoid(self.extents(fields, 0.5, &mut drawn)?)),
+            "sphere" => Some(Shape::Sphere(self.shape_length(fields, "radius", 0, &mut drawn)?)),
             "capsule" | "cylinder" => return self.long_shape(fields),
             "plane" => Some(Shape::Plane),
-            "stairs" => Some(Shape::Terrain(self.stairs(fields)?)),
+            "stairs" => Some(Shape::Terrain(self.stairs(fields, &mut drawn)?)),
             "slope" => return self.slope(fields),
-            "heights" => Some(Shape::Terrain(self.heights(fields)?)),
+            "heights" => Some(Shape::Terrain(self.heights(fields, &mut drawn)?)),
             _ => None,
         };
-        self.placed_shape(fields, shape)
+        self.placed_shape(fields, shape, drawn)
     }
 
-    fn placed_shape(&mut self, fields: &Fields<'a>, shape: Option<Shape>) -> Checked<Placed<'a>> {
+    fn placed_shape(&mut self, fields: &Fields<'a>, shape: Option<Shape>, mut drawn: Vec<Draw<'a>>) -> Checked<Placed<'a>> {
         let (position, place) = self.place_of(fields)?;
         let (orientation, turn) = self.orientation_of(fields)?;
-        Ok(Placed { shape, position, orientation, drawn: place.into_iter().chain(turn).collect() })
-    }
-
-    fn extents(&mut self, fields: &Fields<'a>) -> Checked<[f64; 3]> {
-        let field = self.required(fields, "size")?;
-        let expr = self.field_value(field)?;
-        let size: [f64; 3] = self.fixed_bracket(expr, Dimension::LENGTH, "`size`")?;
-        for extent in size {
-            self.must_be_positive(extent, "size", expr.span)?;
-        }
-        Ok(size)
+        drawn.extend(place.into_iter().chain(turn));
+        Ok(Placed { shape, position, orientation, drawn })
     }
 
     /// `at [x, y, z]` in the frame of the parent; its origin by default.
@@ -80,7 +71,8 @@ impl<'a> Checker<'a> {
 
     /// A capsule or cylinder: by its length and direction, or by its ends.
     fn long_shape(&mut self, fields: &Fields<'a>) -> Checked<Placed<'a>> {
-        let radius = self.positive(fields, "radius", Dimension::LENGTH)?;
+        let mut drawn = Vec::new();
+        let radius = self.shape_length(fields, "radius", 0, &mut drawn)?;
         let (length, (position, place), (orientation, turn)) = match fields.get("from") {
             Some(field) => {
                 for other in ["at", "along", "orientation", "length"] {
@@ -100,7 +92,7 @@ impl<'a> Checker<'a> {
                 (rotation::length(along), (middle, None), (rotation::z_to(direction), None))
             }
             None => {
-                let length = self.positive(fields, "length", Dimension::LENGTH)?;
+                let length = self.shape_length(fields, "length", 1, &mut drawn)?;
                 let orientation = match (fields.get("along"), fields.get("orientation")) {
                     (Some(along), None) => (rotation::z_to(self.direction(along)?), None),
                     (Some(_), Some(turned)) => {
@@ -113,7 +105,8 @@ impl<'a> Checker<'a> {
             }
         };
         let shape = if fields.kind() == "capsule" { Shape::Capsule(radius, length) } else { Shape::Cylinder(radius, length) };
-        Ok(Placed { shape: Some(shape), position, orientation, drawn: place.into_iter().chain(turn).collect() })
+        drawn.extend(place.into_iter().chain(turn));
+        Ok(Placed { shape: Some(shape), position, orientation, drawn })
     }
 
     fn unread_ends(&mut self, span: crate::diagnostics::Span) -> crate::check::context::Reported {
@@ -134,28 +127,26 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn stairs(&mut self, fields: &Fields<'a>) -> Checked<Terrain> {
+    fn stairs(&mut self, fields: &Fields<'a>, drawn: &mut Vec<Draw<'a>>) -> Checked<Terrain> {
         let field = self.required(fields, "count")?;
         let expr = self.field_value(field)?;
+        self.must_not_vary(expr, "count", "draw `rise` and `run` instead")?;
         let count = self.whole(expr)?;
         if !(1.0..=1000.0).contains(&count) {
             return Err(self.error(codes::scene::SIZE, expr.span, "a flight has 1 to 1000 steps"));
         }
-        let field = self.required(fields, "rise")?;
-        let expr = self.field_value(field)?;
-        let rise = self.fixed_number(expr, Dimension::LENGTH, "`rise`")?;
-        if rise == 0.0 {
-            return Err(self.error(codes::scene::SIZE, expr.span, "`rise` must not be 0"));
-        }
-        let run = self.positive(fields, "run", Dimension::LENGTH)?;
-        let width = self.positive(fields, "width", Dimension::LENGTH)?;
+        let rise = self.rise(fields, drawn)?;
+        let run = self.shape_length(fields, "run", 1, drawn)?;
+        let width = self.shape_length(fields, "width", 2, drawn)?;
         Ok(Terrain::Stairs { count: count as u32, rise, run, width })
     }
 
     /// A slope whose angle is drawn is a level one, which its object turns; it is as long as the steepest asks for.
     fn slope(&mut self, fields: &Fields<'a>) -> Checked<Placed<'a>> {
-        let length = self.positive(fields, "length", Dimension::LENGTH)?;
-        let width = self.positive(fields, "width", Dimension::LENGTH)?;
+        let mut sizes = Vec::new();
+        let length = self.shape_length(fields, "length", 0, &mut sizes)?;
+        let length_drawn = sizes.first().map(|(_, expr)| *expr);
+        let width = self.shape_length(fields, "width", 1, &mut sizes)?;
         let field = self.required(fields, "angle")?;
         let expr = self.field_value(field)?;
         let angle = self.field_number(expr, Dimension::ANGLE, "`angle`")?;
@@ -163,11 +154,15 @@ impl<'a> Checker<'a> {
         self.must_be_within(&angle, wall, "`angle`", expr.span)?;
         let Some(drawn) = angle.drawn else {
             let terrain = Terrain::Slope { length, width, angle: angle.value };
-            return self.placed_shape(fields, Some(Shape::Terrain(terrain)));
+            return self.placed_shape(fields, Some(Shape::Terrain(terrain)), sizes);
         };
+        if let Some(length) = length_drawn {
+            let message = "only one of `angle` and `length` of a slope can be drawn";
+            return Err(self.error(codes::types::NOT_CONSTANT, length.span, message));
+        }
         let steepest = maximum(angle.bounds.low.abs(), angle.bounds.high.abs());
         let terrain = Terrain::Slope { length: length / libm::cos(steepest), width, angle: 0.0 };
-        let mut placed = self.placed_shape(fields, Some(Shape::Terrain(terrain)))?;
+        let mut placed = self.placed_shape(fields, Some(Shape::Terrain(terrain)), sizes)?;
         if let Some((_, turn)) = placed.drawn.iter().find(|(field, _)| *field == SceneField::Turn) {
             let message = "only one of `angle` and `orientation` of a slope can be drawn";
             return Err(self.error(codes::types::NOT_CONSTANT, turn.span, message));

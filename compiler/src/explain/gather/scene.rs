@@ -166,11 +166,13 @@ pub(super) fn initial_state(task: &CompiledTask, init: &Init) -> InitialStateRep
 
 /// Factors of strengths and masses but for those that a `random` decides, which are listed as drawn.
 fn scaled(task: &CompiledTask) -> Vec<String> {
-    let Variation { strengths, segments, .. } = &task.init.variation;
+    let Variation { strengths, segments, dampings, stiffnesses, .. } = &task.init.variation;
     let is_drawn = |setting: Setting| task.init.drawn.iter().any(|(known, _)| *known == setting);
     let strengths = strengths.iter().enumerate().map(|(row, scaling)| (Setting::Strength(row), scaling));
     let segments = segments.iter().enumerate().map(|(row, scaling)| (Setting::SegmentMass(row), scaling));
-    let known = strengths.chain(segments).filter(|(setting, _)| !is_drawn(*setting));
+    let dampings = dampings.iter().enumerate().map(|(row, scaling)| (Setting::Damping(row), scaling));
+    let stiffnesses = stiffnesses.iter().enumerate().map(|(row, scaling)| (Setting::Stiffness(row), scaling));
+    let known = strengths.chain(segments).chain(dampings).chain(stiffnesses).filter(|(setting, _)| !is_drawn(*setting));
     let words = known.map(|(setting, scaling)| {
         let what = names::setting(task, setting);
         match scaling.each {

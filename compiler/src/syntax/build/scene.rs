@@ -218,10 +218,13 @@ impl Builder<'_> {
     }
 
     fn scaling(&mut self, pair: &Pair<'_>) -> Scaling {
-        let quantity = match part(pair, Rule::kw_mass) {
-            Some(_) => ScaledQuantity::Mass,
-            None => ScaledQuantity::Strength,
-        };
+        let words = [
+            (Rule::kw_mass, ScaledQuantity::Mass),
+            (Rule::kw_damping, ScaledQuantity::Damping),
+            (Rule::kw_stiffness, ScaledQuantity::Stiffness),
+        ];
+        let word = words.into_iter().find(|(rule, _)| part(pair, *rule).is_some());
+        let quantity = word.map_or(ScaledQuantity::Strength, |(_, quantity)| quantity);
         let target = self.expression(part(pair, Rule::postfixed));
         Scaling { quantity, target, factor: self.expression_in(pair), span: self.span(pair) }
     }

@@ -233,6 +233,10 @@ pub enum ScaledQuantity {
     Strength,
     /// Mass and inertia of segments.
     Mass,
+    /// Damping of joints.
+    Damping,
+    /// Stiffness of joints.
+    Stiffness,
 }
 
 impl ScaledQuantity {
@@ -241,6 +245,8 @@ impl ScaledQuantity {
         match self {
             Self::Strength => "strength",
             Self::Mass => "mass",
+            Self::Damping => "damping",
+            Self::Stiffness => "stiffness",
         }
     }
 }

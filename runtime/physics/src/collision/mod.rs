@@ -29,7 +29,11 @@ pub use convex::support::{Core, SupportShape};
 pub use parameters::{CollisionPair, Sliding};
 pub use place::{Asset, Placed};
 
-use crate::model::{GeomKind, Model};
+use crate::{
+    kinematics::Kinematics,
+    model::{GeomKind, Model},
+    scalar::Real,
+};
 use nalgebra::{Matrix3, Vector3};
 
 /// What a collider finds.
@@ -83,32 +87,36 @@ impl Plan {
         &self.columns[self.candidates[candidate].columns.clone()]
     }
 
-    /// Finds the contacts of the geoms with the given world positions and rotations and writes them to `contacts`, in the
-    /// order of the candidates.
-    pub fn detect(
+    /// Finds the contacts of the geoms where the kinematics of the episode in `lane` put them and writes them to `contacts`, in
+    /// the order of the candidates.
+    pub fn detect<T: Real>(
         &self,
         model: &Model,
-        position: impl Fn(usize) -> Vector3<f64>,
-        rotation: impl Fn(usize) -> Matrix3<f64>,
+        kinematics: &Kinematics<T>,
+        lane: usize,
         contacts: &mut Vec<Contact>,
         memory: &mut Memory,
     ) {
         contacts.clear();
         let Memory { chosen, found, scratch } = memory;
-        self.broad.choose(&position, chosen);
+        let position = |geom: usize| kinematics.geom_position[geom].map(|value| value.lane(lane));
+        let rotation = |geom: usize| kinematics.geom_rotation[geom].map(|value| value.lane(lane));
+        let own = kinematics.overrides.lane(lane);
+        self.broad.choose(position, chosen);
         for &index in chosen.iter() {
             let candidate = &self.candidates[index];
             let [first, second] = candidate.geoms;
             let between = position(second) - position(first);
+            let bound = candidate.bound + own.map_or(0.0, |own| own.growth(model, candidate.geoms));
             let far = if candidate.kinds[0] == GeomKind::Plane {
-                between.dot(&rotation(first).column(2)) > candidate.bound
+                between.dot(&rotation(first).column(2)) > bound
             } else {
-                between.norm_squared() > candidate.bound * candidate.bound
+                between.norm_squared() > bound * bound
             };
             if far {
                 continue;
             }
-            let place = |geom: usize| Placed::new(model, geom, position(geom), rotation(geom));
+            let place = |geom: usize| Placed::of(model, kinematics, lane, geom);
             collide(candidate, &place(first), &place(second), scratch, found);
             contacts.extend(found.drain(..).map(|point: ContactPoint| Contact {
                 candidate: index,

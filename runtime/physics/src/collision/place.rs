@@ -3,6 +3,7 @@
 use crate::{
     kinematics::Kinematics,
     model::{GeomKind, HeightField, Mesh, Model},
+    overrides::ShapeOverride,
     scalar::Real,
 };
 use nalgebra::{Matrix3, Vector3};
@@ -34,9 +35,19 @@ pub struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    /// Geom `geom` of `model` at a place.
-    pub fn new(model: &'a Model, geom: usize, position: Vector3<f64>, rotation: Matrix3<f64>) -> Self {
+    /// Geom `geom` of `model` at a place, or the shape that an episode has of its own.
+    fn new(
+        model: &'a Model,
+        own: Option<&'a ShapeOverride>,
+        geom: usize,
+        position: Vector3<f64>,
+        rotation: Matrix3<f64>,
+    ) -> Self {
         let (kind, asset) = (model.geoms.kind[geom], model.geoms.asset[geom]);
+        if let Some(own) = own {
+            let asset = own.heights.as_ref().map_or(Asset::None, Asset::HeightField);
+            return Self { kind, position, rotation, size: own.size, asset };
+        }
         let asset = match (kind, asset) {
             (GeomKind::Mesh, Some(asset)) => Asset::Mesh(&model.meshes[asset]),
             (GeomKind::HeightField, Some(asset)) => Asset::HeightField(&model.height_fields[asset]),
@@ -46,9 +57,10 @@ impl<'a> Placed<'a> {
     }
 
     /// Geom `geom` where the kinematics of the episode in `lane` put it.
-    pub fn of<T: Real>(model: &'a Model, kinematics: &Kinematics<T>, lane: usize, geom: usize) -> Self {
+    pub fn of<T: Real>(model: &'a Model, kinematics: &'a Kinematics<T>, lane: usize, geom: usize) -> Self {
         let position = kinematics.geom_position[geom].map(|value| value.lane(lane));
-        Self::new(model, geom, position, kinematics.geom_rotation[geom].map(|value| value.lane(lane)))
+        let rotation = kinematics.geom_rotation[geom].map(|value| value.lane(lane));
+        Self::new(model, kinematics.overrides.shape(lane, geom), geom, position, rotation)
     }
 
     /// The z axis: a plane's normal, a capsule's axis.

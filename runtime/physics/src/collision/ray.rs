@@ -38,7 +38,7 @@ pub fn cast<T: Real>(
     let mut best: Option<Hit> = None;
     for geom in (0..model.geoms.kind.len()).filter(|&geom| admits(geom)) {
         let limit = best.map_or(range, |hit| hit.distance);
-        let radius = model.geoms.bounding_radius[geom];
+        let radius = kinematics.overrides.bounding_radius(model, lane, geom);
         if radius > 0.0 {
             // Rays that pass the bounding sphere by need not know the shape.
             let centre = kinematics.geom_position[geom].map(|value| value.lane(lane)) - origin;

@@ -134,10 +134,7 @@ impl Constraints {
             self.contacts.clear();
             return;
         }
-        let kinematics = &workspace.kinematics;
-        let position = |geom: usize| kinematics.geom_position[geom].map(|value| value.lane(lane));
-        let rotation = |geom: usize| kinematics.geom_rotation[geom].map(|value| value.lane(lane));
-        self.plan.detect(model, position, rotation, &mut self.contacts, &mut self.memory);
+        self.plan.detect(model, &workspace.kinematics, lane, &mut self.contacts, &mut self.memory);
     }
 
     /// Builds all rows of the episode in `lane` from its positions, velocities and contacts.

@@ -62,7 +62,7 @@ pub fn implicit<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Wo
 fn acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>, scratch: &mut Implicit<T>) {
     let mut matrix = core::mem::take(&mut workspace.inertia.factor);
     matrix.copy_from_slice(&workspace.inertia.matrix);
-    add_joint_damping(model, &mut matrix);
+    add_joint_damping(model, state, &mut matrix);
     let step = T::splat(model.options.timestep);
     let Workspace { kinematics, tendons, velocities, actuation, forces, .. } = &*workspace;
     for (tendon, damping) in model.tendons.damping.iter().enumerate().filter(|(_, damping)| **damping != 0.0) {

@@ -66,7 +66,7 @@ pub(super) fn keep_where<T: Real>(lives: T::Mask, to: &mut [T], from: &[T]) {
 
 /// Solves (M + h B) a = smooth + constraint forces; without damping a is the acceleration itself.
 #[inline(always)]
-pub(super) fn damped_acceleration<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
+pub(super) fn damped_acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
     if !model.options.euler_damping || model.dofs.damping.iter().all(|damping| *damping == 0.0) {
         workspace.damped_acceleration.copy_from_slice(&workspace.acceleration);
         return;
@@ -74,7 +74,7 @@ pub(super) fn damped_acceleration<T: Real>(model: &Model, workspace: &mut Worksp
     // The factor of M is not needed any more in this step.
     let factor = &mut workspace.inertia.factor;
     factor.copy_from_slice(&workspace.inertia.matrix);
-    add_joint_damping(model, factor);
+    add_joint_damping(model, state, factor);
     inertia::factor(model, factor);
     total_force(workspace);
     inertia::solve(model, &workspace.inertia.factor, &mut workspace.damped_acceleration);
@@ -82,9 +82,9 @@ pub(super) fn damped_acceleration<T: Real>(model: &Model, workspace: &mut Worksp
 
 /// h B of the joints.
 #[inline(always)]
-fn add_joint_damping<T: Real>(model: &Model, matrix: &mut [T]) {
-    for (row, damping) in model.dofs.row.iter().zip(&model.dofs.damping) {
-        matrix[row.end - 1] += T::splat(model.options.timestep * damping);
+fn add_joint_damping<T: Real>(model: &Model, state: &State<T>, matrix: &mut [T]) {
+    for (row, damping) in model.dofs.row.iter().zip(&state.damping) {
+        matrix[row.end - 1] += T::splat(model.options.timestep) * *damping;
     }
 }
 
