@@ -8,7 +8,7 @@ use msk_physics::lanes::WIDTH;
 use msk_physics::scalar::Real;
 use msk_runtime::action::{Action, ActsOn};
 use msk_runtime::body::sensors::Snapshot;
-use msk_runtime::episode::{Ending, Engine, Episode, GroupScratch, Member};
+use msk_runtime::episode::{Controlled, Ending, Engine, Episode, GroupScratch, Member};
 use msk_runtime::policy::PolicyContext;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -143,11 +143,14 @@ impl Memory {
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-            for (index, (lane, plan)) in lanes.iter_mut().zip(plans).enumerate() {
-                if lane.goes_on() {
-                    lane.ask(step, plan, extent, engine, weights, scratch.lane(index));
-                }
-            }
+            let asking = lanes.iter_mut().zip(plans).enumerate().filter(|(_, (lane, _))| lane.goes_on());
+            let mut controlled: Vec<Controlled<'_>> =
+                asking.filter_map(|(index, (lane, plan))| lane.ask(index, step, plan, extent, engine, weights)).collect();
+            let acted = scratch.control(&mut controlled);
+            // Controls that cannot act where the real ones could do not occur; it would be a failure.
+            let unable = controlled.iter().zip(acted).filter(|(_, acted)| acted.is_err()).map(|(member, _)| member.lane);
+            let unable: Vec<usize> = unable.collect();
+            unable.into_iter().for_each(|lane| lanes[lane].trace.failed = true);
             if !lanes.iter().any(Lane::goes_on) {
                 return true;
             }
@@ -182,26 +185,26 @@ impl Lane {
         !self.trace.failed && self.episode.ending().is_none()
     }
 
-    /// Makes the action of a step of what the plan asks for, in the tail of nothing.
-    fn ask(
-        &mut self,
+    /// Makes the action of a step of what the plan asks for, in the tail of what it asked for last; or gives what has to act for that.
+    fn ask<'a>(
+        &'a mut self,
+        index: usize,
         step: u32,
         plan: &Curve,
         extent: Extent,
-        engine: &Engine,
-        weights: &[f64],
-        scratch: &msk_runtime::episode::Scratch,
-    ) {
+        engine: &'a Engine,
+        weights: &'a [f64],
+    ) -> Option<Controlled<'a>> {
         let Extent { steps: [horizon, _], hold, .. } = extent;
-        let Self { episode, space, asked, entries, action, trace, .. } = self;
+        let Self { episode, space, asked, entries, action, .. } = self;
         plan.at((f64::from(step) / f64::from(horizon)).at_most(1.0), asked);
         extent.smooth(asked, entries);
         // What looks at the state is worth most of the time that it takes.
         if matches!(space, Space::Other(_)) && !step.is_multiple_of(hold) {
-            return;
+            return None;
         }
-        // A controller that cannot act where the real one could does not occur; it would be a failure.
-        trace.failed |= space.act(&engine.context(episode, weights, scratch), entries, action).is_err();
+        let (controls, entries) = space.take(entries, action)?;
+        Some(Controlled { lane: index, engine, episode, weights, controls, entries, action })
     }
 
     /// Adds the step that was taken to the trace.

@@ -24,5 +24,5 @@ mod space;
 mod value;
 
 pub use planner::Planner;
-pub use settings::{Interpolation, Method, Preset, Settings, SettingsError, SpaceChoice, Targets};
+pub use settings::{Along, Interpolation, Method, Preset, Settings, SettingsError, SpaceChoice, Targets};
 pub use source::source;

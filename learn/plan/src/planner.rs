@@ -4,10 +4,10 @@ use crate::curve::Curve;
 use crate::imagine::{Extent, Imaginer, Present};
 use crate::proposal::Noise;
 use crate::search::Search;
-use crate::settings::Settings;
+use crate::settings::{Interpolation, Settings};
 use crate::space::Space;
 use crate::value::Judge;
-use msk_runtime::action::follow_share;
+use msk_runtime::action::{ControlMemory, follow_share};
 use msk_runtime::episode::{Engine, Stream};
 use msk_runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError};
 use std::sync::atomic::AtomicBool;
@@ -34,6 +34,7 @@ struct Planning {
     /// What the plan asks for now, and what is done about it.
     asked: Vec<f64>,
     entries: Vec<f64>,
+    memory: ControlMemory,
 }
 
 impl<'a> Planner<'a> {
@@ -58,7 +59,8 @@ impl Policy for Planner<'_> {
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
         let before = self.present.take();
-        self.present = Some(Planning::new(context, &self.settings, before).map_err(|reason| self.unable(reason))?);
+        let planning = Planning::new(context, &self.settings, before, self.stop);
+        self.present = Some(planning.map_err(|reason| self.unable(reason))?);
         Ok(())
     }
 
@@ -71,7 +73,7 @@ impl Policy for Planner<'_> {
 }
 
 impl Planning {
-    fn new(context: &PolicyContext<'_>, settings: &Settings, before: Option<Self>) -> Result<Self, String> {
+    fn new(context: &PolicyContext<'_>, settings: &Settings, before: Option<Self>, stop: &AtomicBool) -> Result<Self, String> {
         let space = Space::new(context, settings.space, &settings.targets)?;
         let (width, rest) = (space.size(context), space.rest(context));
         let steps = [settings.horizon, settings.tail].map(|time| steps(time, context.task.control_frequency));
@@ -85,10 +87,13 @@ impl Planning {
             Some(before) if before.engine.is(context.engine) => before.imaginer,
             _ => Imaginer::new(context.engine.imagining(settings.coarseness).map_err(|error| error.to_string())?),
         };
+        let extent = Extent { steps, hold: settings.hold, rough: settings.rough, balance: false, rest, follow };
+        let shown = Space::demonstrated(context, settings.space, &settings.targets)?;
+        let shown = shown.filter(|shown| stays_up(context, shown, &imaginer, extent, stop));
         Ok(Self {
             engine: context.engine.clone(),
             imaginer,
-            space,
+            space: shown.unwrap_or(space),
             search: Search::new(rest, width, settings),
             judge: Judge {
                 steps,
@@ -97,10 +102,11 @@ impl Planning {
                 balance_price: settings.balance_price * context.task.control_frequency,
                 change_price: settings.change_price * f64::from(steps[0]),
             },
-            extent: Extent { steps, hold: settings.hold, rough: settings.rough, balance: false, rest, follow },
+            extent,
             planned: None,
             asked: vec![rest; width],
             entries: vec![rest; width],
+            memory: ControlMemory::default(),
         })
     }
 
@@ -152,9 +158,27 @@ impl Planning {
         let since = context.step - self.planned.unwrap_or(context.step);
         self.search.plan.at(f64::from(since) / f64::from(self.extent.steps[0]), &mut self.asked);
         self.extent.smooth(&self.asked, &mut self.entries);
-        self.space.act(context, &self.entries, action)
+        match self.space.take(&self.entries, action) {
+            Some((controls, entries)) => {
+                controls.act(context, entries, &mut self.memory, action).map_err(|error| error.to_string())
+            }
+            None => Ok(()),
+        }
     }
 }
+
+/// Whether what acts in a space stays up by itself for [`LOOK`].
+fn stays_up(context: &PolicyContext<'_>, space: &Space, imaginer: &Imaginer, extent: Extent, stop: &AtomicBool) -> bool {
+    let entries = vec![extent.rest; space.size(context)];
+    let idle = Curve::constant(extent.rest, 2, entries.len(), Interpolation::Linear);
+    let present = Present { context: *context, space, entries: &entries, name: "plan/look" };
+    let extent = Extent { steps: [steps(LOOK, context.task.control_frequency), 0], ..extent };
+    let traces = imaginer.play(&present, &[idle], extent, stop).unwrap_or_default();
+    traces.first().is_some_and(|trace| !trace.failed)
+}
+
+/// How long a demonstration has to stay up by itself to be what plans move, s. Those that fall do so within two to three seconds.
+const LOOK: f64 = 3.0;
 
 /// Control steps that come nearest to a time, s.
 fn steps(time: f64, frequency: f64) -> u32 {

@@ -75,8 +75,21 @@ pub struct Targets {
     pub root: f64,
     /// Largest factor by which balance and resting feet count more or less against the joints; 1 where they count as ever.
     pub priority_factor: f64,
-    /// Whether targets are those of the task's demonstration, where it has one, and not those of its reference or initial pose.
-    pub demonstration: bool,
+    /// What has the targets that are moved.
+    pub along: Along,
+}
+
+/// What has the targets of computed muscle control before a plan moves them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Along {
+    /// The task's reference motion, where it has one; else its demonstration, where that succeeds whatever is drawn; else the initial pose.
+    #[default]
+    Auto,
+    /// The task's reference motion, or its initial pose.
+    Reference,
+    /// The task's demonstration, where it has one.
+    Demonstration,
 }
 
 impl Default for Targets {
@@ -88,7 +101,7 @@ impl Default for Targets {
             center_of_mass: 0.15,
             root: 0.4,
             priority_factor: 4.0,
-            demonstration: false,
+            along: Along::Auto,
         }
     }
 }

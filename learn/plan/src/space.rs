@@ -1,8 +1,9 @@
 //! What a plan decides: the entries of its action space.
 
-use crate::settings::{SpaceChoice, Targets};
+use crate::settings::{Along, SpaceChoice, Targets};
 use msk_physics::scalar::Real;
 use msk_program::action::{ActionSpace, ActionTarget, BaseController, Synergy, TrackingOffsets};
+use msk_program::testing::Take;
 use msk_program::vocabulary::{Group, GroupKind};
 use msk_runtime::action::{ActsOn, Controls};
 use msk_runtime::body::Body;
@@ -51,6 +52,25 @@ impl Space {
         Ok(Self::Other(Box::new(Moved { controls, entries: vec![0.0; size], shares })))
     }
 
+    /// The space of the task's demonstration, where settings leave open whether it is followed, and it may lead to success: the task follows
+    /// no motion, and the demonstration decides nothing of what is drawn. One that does reaches for a place where nothing is in most episodes.
+    ///
+    /// # Errors
+    /// As with [`new`](Self::new).
+    pub fn demonstrated(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Result<Option<Self>, String> {
+        let moves_targets = match choice {
+            SpaceChoice::Auto => context.task.action.is_default(),
+            SpaceChoice::Targets => true,
+            SpaceChoice::Task | SpaceChoice::Muscles | SpaceChoice::Synergies => false,
+        };
+        let follows_none = context.task.followed(context.progress).is_none();
+        let fits = moves_targets && targets.along == Along::Auto && follows_none;
+        if !fits || demonstrated(context).is_none_or(|take| !take.given.is_empty()) {
+            return Ok(None);
+        }
+        Self::new(context, choice, &Targets { along: Along::Demonstration, ..targets.clone() }).map(Some)
+    }
+
     /// Which entries the actions have that it gives to the episode.
     pub fn acts_on(&self) -> ActsOn {
         match self {
@@ -82,20 +102,20 @@ impl Space {
         }
     }
 
-    /// Writes the action that `entries` ask for.
-    ///
-    /// # Errors
-    /// The reason why there is none.
-    pub fn act(&mut self, context: &PolicyContext<'_>, entries: &[f64], action: &mut [f64]) -> Result<(), String> {
+    /// Takes the entries of a plan: those of the task's own space are the action; for others it gives the controls that have to act, and
+    /// their entries.
+    pub fn take(&mut self, entries: &[f64], action: &mut [f64]) -> Option<(&mut Controls, &[f64])> {
         match self {
-            Self::Task => action.copy_from_slice(entries),
+            Self::Task => {
+                action.copy_from_slice(entries);
+                None
+            }
             Self::Other(moved) => {
                 let Moved { controls, shares, entries: shared } = moved.as_mut();
                 shared.iter_mut().zip(shares).zip(entries).for_each(|((shared, share), entry)| *shared = *share * entry);
-                controls.act(context, shared, action).map_err(|error| error.to_string())?;
+                Some((controls, shared))
             }
         }
-        Ok(())
     }
 }
 
@@ -116,9 +136,14 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace,
     if offsets.size() == 0 {
         return Err("no target is left to be moved: name joints of the body in `targets.joints`".to_owned());
     }
-    let demonstrated = targets.demonstration && context.task.tests.as_ref().is_some_and(|tests| tests.demonstration().is_some());
-    let residual = demonstrated.then_some(BaseController::Demonstration);
+    let shown = targets.along == Along::Demonstration && demonstrated(context).is_some();
+    let residual = shown.then_some(BaseController::Demonstration);
     Ok((ActionSpace { target: ActionTarget::MuscleControl(offsets), residual, ..ActionSpace::default() }, shares))
+}
+
+/// The episode of the test that demonstrates the task.
+fn demonstrated<'a>(context: &PolicyContext<'a>) -> Option<&'a Take> {
+    context.task.tests.as_ref()?.demonstrated()
 }
 
 /// The independent hinges that names of joints and of groups stand for, in the body's order; of a body without any of the usual groups,

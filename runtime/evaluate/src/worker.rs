@@ -5,7 +5,7 @@ use super::{EpisodeRecord, EvaluationError, Fed, Feed, Job, Journal, Plan, Watch
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
 use msk_runtime::action::{ActionBuffer, ActsOn};
-use msk_runtime::episode::{Engine, Episode, EpisodeKey, GroupScratch, Member};
+use msk_runtime::episode::{Controlled, Engine, Episode, EpisodeKey, GroupScratch, Member};
 use msk_runtime::policy::{Policy, PolicyError};
 use std::collections::{BTreeMap, btree_map::Entry};
 use std::num::NonZeroUsize;
@@ -241,12 +241,8 @@ impl<'a> Worker<'a> {
         let start = Instant::now();
         let Some(scratch) = &mut self.scratch else { return Ok(false) };
         let mut unable = Vec::new();
-        for (lane, place) in self.seats.iter_mut().enumerate() {
-            let Some(seat) = place.as_mut().filter(|seat| seat.episode.ending().is_none()) else { continue };
-            let Seat { engine, episode, policy, action, weights, .. } = seat;
-            if let Err(error) = policy.act(&engine.context(episode, weights, scratch.lane(lane)), &mut action.entries) {
-                unable.extend(place.take().map(|seat| (seat, error)));
-            }
+        for (lane, error) in act(&mut self.seats, scratch) {
+            unable.extend(self.seats[lane].take().map(|seat| (seat, error)));
         }
         scratch.step(self.seats.iter_mut().map(|place| {
             let seat = place.as_mut().filter(|seat| seat.episode.ending().is_none())?;
@@ -286,4 +282,28 @@ impl<'a> Worker<'a> {
         records.push(record);
         Ok(())
     }
+}
+
+/// Lets every policy act; gives what keeps some from acting, with their lanes.
+fn act(seats: &mut [Option<Seat<'_>>], scratch: &mut GroupScratch) -> Vec<(usize, PolicyError)> {
+    let (mut unable, mut controlled) = (Vec::new(), Vec::new());
+    for (lane, seat) in seats.iter_mut().enumerate() {
+        let Some(seat) = seat.as_mut().filter(|seat| seat.episode.ending().is_none()) else { continue };
+        let Seat { engine, episode, policy, action, weights, .. } = seat;
+        let action = &mut action.entries;
+        if policy.controls().is_none() {
+            let acted = policy.act(&engine.context(episode, weights, scratch.lane(lane)), action);
+            unable.extend(acted.err().map(|error| (lane, error)));
+        } else if let Some(controls) = policy.controls() {
+            controlled.push(Controlled { lane, engine, episode, weights, controls, entries: &[], action });
+        }
+    }
+    let acted = scratch.control(&mut controlled);
+    let lanes: Vec<usize> = controlled.iter().map(|member| member.lane).collect();
+    unable.extend(lanes.into_iter().zip(acted).filter_map(|(lane, acted)| {
+        let reason = acted.err()?.to_string();
+        let policy = seats[lane].as_ref().map_or_else(String::new, |seat| seat.policy.name().to_owned());
+        Some((lane, PolicyError::Unable { policy, reason }))
+    }));
+    unable
 }

@@ -63,6 +63,11 @@ pub(super) fn last_dof(model: &Model, mut body: usize) -> Option<usize> {
     None
 }
 
+/// The dofs that move a body, from the root on.
+pub fn moving_dofs(model: &Model, body: usize) -> &[usize] {
+    last_dof(model, body).map_or(&[], |dof| &model.dofs.column[model.dofs.row[dof].clone()])
+}
+
 fn is_below(model: &Model, mut body: usize, ancestor: usize) -> bool {
     while body > ancestor {
         body = model.bodies.parent[body];

@@ -1,10 +1,9 @@
 //! An action space outside of its task: for policies that think in other entries than those of the task.
 
-use super::{Action, ActionState, ActsOn};
-use crate::cmc::{ControlError, Moment};
+use super::{Action, ActionState, ActsOn, ControlMemory, Taken};
+use crate::cmc::{ControlError, Tracker};
 use crate::policy::PolicyContext;
 use msk_program::action::ActionSpace;
-use msk_program::task::CompiledTask;
 use std::sync::Arc;
 
 /// What turns the entries of an action space into actions of muscles, for the episodes of a task that may have another space.
@@ -12,32 +11,21 @@ use std::sync::Arc;
 /// A clone goes on like the original, so that imagined episodes can take it along.
 #[derive(Debug, Clone)]
 pub struct Controls {
-    /// The same task in this action space.
-    task: Arc<Tasked>,
+    space: Arc<ActionSpace>,
     state: ActionState,
     torques: Vec<f64>,
 }
 
-/// A task whose debug output is its name.
-struct Tasked(CompiledTask);
-
-impl core::fmt::Debug for Tasked {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_tuple("Tasked").field(&self.0.name).finish()
-    }
-}
-
 impl Controls {
-    /// For the episode of a context, in an action space without torques.
+    /// For episodes like that of a context, in an action space without torques.
     pub fn new(context: &PolicyContext<'_>, space: ActionSpace) -> Self {
-        let task = CompiledTask { action: space, ..context.task.clone() };
-        let state = ActionState::new(&task, context.body);
-        Self { task: Arc::new(Tasked(task)), state, torques: vec![0.0; context.state.velocity.len()] }
+        let state = ActionState::new(&space, context.body.muscles.len());
+        Self { space: Arc::new(space), state, torques: vec![0.0; context.state.velocity.len()] }
     }
 
     /// Its action space.
     pub fn space(&self) -> &ActionSpace {
-        &self.task.0.action
+        &self.space
     }
 
     /// Prepares for an episode, which has just been reset.
@@ -45,29 +33,50 @@ impl Controls {
     /// # Errors
     /// A body or task that the controller of the space cannot control.
     pub fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), ControlError> {
-        let Self { task, state, .. } = self;
-        state.clear(&task.0.action);
-        state.reset(&moment(&task.0, context))
+        self.state.clear(&self.space);
+        self.state.reset(&context.moment())
     }
 
-    /// Writes the action of each muscle that `entries` ask for.
+    /// Writes the action of each muscle that `entries` ask for, with the memory of a worker for the context's model.
     ///
     /// # Errors
     /// It has not been reset.
-    pub fn act(&mut self, context: &PolicyContext<'_>, entries: &[f64], muscles: &mut [f64]) -> Result<(), ControlError> {
-        let Self { task, state, torques } = self;
-        state.take(Action { acts_on: ActsOn::Task, entries }, &moment(&task.0, context), torques)?;
-        muscles.copy_from_slice(&state.muscles);
+    pub fn act(
+        &mut self,
+        context: &PolicyContext<'_>,
+        entries: &[f64],
+        control: &mut ControlMemory,
+        muscles: &mut [f64],
+    ) -> Result<(), ControlError> {
+        let taken = self.begin(context, entries, control)?;
+        self.state.allocate(control);
+        self.finish(taken, context, control, muscles);
         Ok(())
+    }
+
+    /// The first part of an action: where it asks for forces they are to be shared out before it is finished.
+    pub(crate) fn begin(
+        &mut self,
+        context: &PolicyContext<'_>,
+        entries: &[f64],
+        control: &mut ControlMemory,
+    ) -> Result<Taken, ControlError> {
+        self.state.begin(Action { acts_on: ActsOn::Task, entries }, &self.space, &context.moment(), control)
+    }
+
+    /// The last part of an action.
+    pub(crate) fn finish(&mut self, taken: Taken, context: &PolicyContext<'_>, control: &mut ControlMemory, muscles: &mut [f64]) {
+        self.state.finish(taken, &self.space, &context.moment(), control, &mut self.torques);
+        muscles.copy_from_slice(&self.state.muscles);
+    }
+
+    /// The controller of the space, where there is one.
+    pub(crate) fn tracker_mut(&mut self) -> Option<&mut Tracker> {
+        self.state.tracker_mut()
     }
 
     /// Lets computed muscle control share forces out roughly from now on, in less time: for imagined episodes.
     pub fn make_rough(&mut self) {
         self.state.make_rough();
     }
-}
-
-/// The moment of a context, for a task in another action space.
-fn moment<'a>(task: &'a CompiledTask, context: &PolicyContext<'a>) -> Moment<'a> {
-    Moment { task, ..context.moment() }
 }

@@ -14,7 +14,7 @@ pub(crate) use excitation::action as action_for;
 pub use excitation::{REST, excitation};
 
 use crate::body::Body;
-use crate::cmc::{Along, ControlError, Moment, Offsets, Tracker};
+use crate::cmc::{Along, ControlError, ControlScratch, Moment, Offsets, Tracker};
 use delay::Delay;
 use msk_physics::scalar::Real;
 use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
@@ -107,10 +107,8 @@ pub(crate) struct ActionState {
 }
 
 impl ActionState {
-    /// That of an episode which has not begun.
-    pub fn new(task: &CompiledTask, body: &Body) -> Self {
-        let space = &task.action;
-        let muscles = body.muscles.len();
+    /// That of an episode which has not begun, of a body with so many muscles.
+    pub fn new(space: &ActionSpace, muscles: usize) -> Self {
         let size = if space.is_default() { 0 } else { space.size(muscles) };
         let tracker = follows(space).map(|along| Box::new(Tracker::new(along)));
         let mut state = Self {
@@ -159,22 +157,40 @@ impl ActionState {
         self.tracker.is_some()
     }
 
-    /// Takes an action whose entries are finite: writes the action that reaches each muscle, and torques over all dofs.
+    /// Takes an action whose entries are finite. Where forces have to be shared out for it, that is to be [done](Self::allocate) before
+    /// it is [finished](Self::finish).
     ///
     /// # Errors
     /// The controller of the space has not been reset.
-    pub fn take(&mut self, action: Action<'_>, moment: &Moment<'_>, torques: &mut [f64]) -> Result<(), ControlError> {
-        let space = &moment.task.action;
+    pub fn begin(
+        &mut self,
+        action: Action<'_>,
+        space: &ActionSpace,
+        moment: &Moment<'_>,
+        control: &mut ControlMemory,
+    ) -> Result<Taken, ControlError> {
         match action.acts_on {
             ActsOn::Muscles => self.entries.fill(space.rest()),
             ActsOn::Task if space.is_default() => {}
             ActsOn::Task => {
                 self.pass(action.entries, space, 1.0 / moment.task.control_frequency);
-                return self.ask(moment, torques);
+                return self.ask(space, moment, control);
             }
         }
         self.muscles.iter_mut().zip(action.entries).for_each(|(kept, entry)| *kept = entry.clip(-1.0, 1.0));
-        Ok(())
+        Ok(Taken::Wholly)
+    }
+
+    /// Shares out the forces that its controller has asked for.
+    pub fn allocate(&mut self, control: &mut ControlMemory) {
+        if let (Some(tracker), Some(scratch)) = (&mut self.tracker, control.get_mut()) {
+            tracker.allocate(scratch);
+        }
+    }
+
+    /// The controller, where there is one.
+    pub fn tracker_mut(&mut self) -> Option<&mut Tracker> {
+        self.tracker.as_deref_mut()
     }
 
     /// Clips, scales, delays and filters the entries of an action.
@@ -189,26 +205,46 @@ impl ActionState {
         }
     }
 
-    /// Makes actions of muscles and torques of what has passed the filter.
-    fn ask(&mut self, moment: &Moment<'_>, torques: &mut [f64]) -> Result<(), ControlError> {
-        let Self { muscles, filtered, tracker, .. } = self;
-        let (task, body) = (moment.task, moment.present.body);
-        let offsets = match &task.action.target {
-            ActionTarget::MuscleControl(targets) => moved(targets, filtered),
+    /// Asks the controller of the space for the forces that what has passed the filter takes.
+    fn ask(&mut self, space: &ActionSpace, moment: &Moment<'_>, control: &mut ControlMemory) -> Result<Taken, ControlError> {
+        let offsets = match &space.target {
+            ActionTarget::MuscleControl(targets) => moved(targets, &self.filtered),
             _ => Offsets::default(),
         };
-        match tracker {
-            Some(tracker) => tracker.act(moment, &offsets, muscles)?,
-            None if follows(&task.action).is_some() => return Err(ControlError::NotReset),
-            None => muscles.fill(REST),
+        match &mut self.tracker {
+            Some(tracker) => {
+                let scratch = control.0.get_or_insert_with(|| Box::new(ControlScratch::new(&moment.present)));
+                tracker.ask(moment, &offsets, scratch)?;
+                Ok(Taken::AskingForces)
+            }
+            None if follows(space).is_some() => Err(ControlError::NotReset),
+            None => Ok(Taken::Entries),
         }
-        let residual = task.action.residual.is_some();
+    }
+
+    /// Writes the action that reaches each muscle, and torques over all dofs, of what has been taken.
+    pub fn finish(
+        &mut self,
+        taken: Taken,
+        space: &ActionSpace,
+        moment: &Moment<'_>,
+        control: &mut ControlMemory,
+        torques: &mut [f64],
+    ) {
+        let Self { muscles, filtered, tracker, .. } = self;
+        let body = moment.present.body;
+        match (taken, tracker, control.get_mut()) {
+            (Taken::Wholly, ..) => return,
+            (Taken::AskingForces, Some(tracker), Some(scratch)) => tracker.give(&moment.present, scratch, muscles),
+            _ => muscles.fill(REST),
+        }
+        let residual = space.residual.is_some();
         let mut give = |muscle: usize, entry: f64| {
             if let Some(kept) = muscles.get_mut(muscle) {
                 *kept = if residual { *kept + entry } else { entry }.clip(-1.0, 1.0);
             }
         };
-        match &task.action.target {
+        match &space.target {
             ActionTarget::AllMuscles => filtered.iter().enumerate().for_each(|(muscle, &entry)| give(muscle, entry)),
             ActionTarget::Muscles(chosen) => chosen.iter().zip(&*filtered).for_each(|(&muscle, &entry)| give(muscle, entry)),
             ActionTarget::Synergies(synergies) => {
@@ -223,8 +259,29 @@ impl ActionState {
             }
             ActionTarget::MuscleControl(_) => {}
         }
-        Ok(())
     }
+}
+
+/// A worker's memory for controllers of one model and body: filled when the first one acts.
+#[derive(Debug, Clone, Default)]
+pub struct ControlMemory(Option<Box<ControlScratch>>);
+
+impl ControlMemory {
+    /// What it holds for a model, if a controller has acted.
+    pub(crate) fn get_mut(&mut self) -> Option<&mut ControlScratch> {
+        self.0.as_deref_mut()
+    }
+}
+
+/// How far an action has been taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Taken {
+    /// It says what each muscle does.
+    Wholly,
+    /// Its entries have passed the filter.
+    Entries,
+    /// They have, and a controller has asked for forces.
+    AskingForces,
 }
 
 /// What the controller of an action space follows; `None` for a space without one.

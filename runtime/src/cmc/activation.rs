@@ -78,7 +78,6 @@ impl Hold {
 /// The muscles of a body, in groups that share their constants, as many as lanes at most.
 #[derive(Debug, Clone)]
 pub(super) struct Muscles {
-    hold: Hold,
     groups: Vec<Group>,
 }
 
@@ -92,8 +91,8 @@ struct Group {
 }
 
 impl Muscles {
-    /// Those of `model`, whose excitations are held.
-    pub fn new(model: &Model, hold: Hold) -> Self {
+    /// Those of `model`.
+    pub fn new(model: &Model) -> Self {
         let mut groups: Vec<Group> = Vec::new();
         for (place, (_, muscle)) in model.actuators.muscles().enumerate() {
             let fits = |group: &&mut Group| group.constants == muscle.time_constants && group.activations.len() < WIDTH;
@@ -109,18 +108,18 @@ impl Muscles {
                 }),
             }
         }
-        Self { hold, groups }
+        Self { groups }
     }
 
     /// Writes for each muscle the activations at the end of the hold under the lowest and the highest of `excitations`.
-    pub fn reach(&self, activations: &[f64], excitations: [f64; 2], out: &mut [[f64; 2]]) {
-        Instructions::default().run(Reach { muscles: self, activations, excitations, out });
+    pub fn reach(&self, hold: Hold, activations: &[f64], excitations: [f64; 2], out: &mut [[f64; 2]]) {
+        Instructions::default().run(Reach { muscles: self, hold, activations, excitations, out });
     }
 
     /// Replaces for each muscle the wanted activation at the end of the hold by the excitation within `range` that ends there, or
     /// comes nearest to it.
-    pub fn excitations(&self, activations: &[f64], range: [f64; 2], wanted: &mut [f64]) {
-        Instructions::default().run(Excite { muscles: self, activations, range, wanted });
+    pub fn excitations(&self, hold: Hold, activations: &[f64], range: [f64; 2], wanted: &mut [f64]) {
+        Instructions::default().run(Excite { muscles: self, hold, activations, range, wanted });
     }
 }
 
@@ -143,6 +142,7 @@ fn gather(values: impl Iterator<Item = f64>) -> Lanes {
 
 struct Reach<'a> {
     muscles: &'a Muscles,
+    hold: Hold,
     activations: &'a [f64],
     excitations: [f64; 2],
     out: &'a mut [[f64; 2]],
@@ -153,7 +153,7 @@ impl LaneWork for Reach<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let hold = self.muscles.hold;
+        let hold = self.hold;
         for group in &self.muscles.groups {
             let present = group.present(self.activations);
             let ends = self.excitations.map(|bound| hold.activation(present, Lanes::splat(bound), &group.constants));
@@ -166,6 +166,7 @@ impl LaneWork for Reach<'_> {
 
 struct Excite<'a> {
     muscles: &'a Muscles,
+    hold: Hold,
     activations: &'a [f64],
     range: [f64; 2],
     wanted: &'a mut [f64],
@@ -176,7 +177,7 @@ impl LaneWork for Excite<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let hold = self.muscles.hold;
+        let hold = self.hold;
         for group in &self.muscles.groups {
             let wanted = &mut self.wanted[group.places.clone()];
             let (present, goal) = (group.present(self.activations), gather(wanted.iter().copied()));
@@ -235,10 +236,10 @@ mod tests {
                 let places = 8 * group..19.min(8 * (group + 1));
                 Group { activations: places.clone().collect(), places, constants }
             });
-            let muscles = Muscles { hold: HOLD, groups: groups.collect() };
+            let muscles = Muscles { groups: groups.collect() };
             let (mut reach, mut found) = (vec![[0.0; 2]; 19], wishes.clone());
-            muscles.reach(&starts, [0.1, 0.9], &mut reach);
-            muscles.excitations(&starts, [0.1, 0.9], &mut found);
+            muscles.reach(HOLD, &starts, [0.1, 0.9], &mut reach);
+            muscles.excitations(HOLD, &starts, [0.1, 0.9], &mut found);
             for muscle in 0..19 {
                 let alone = [0.1, 0.9].map(|bound| HOLD.activation(starts[muscle], bound, &constants));
                 prop_assert_eq!(reach[muscle], alone);

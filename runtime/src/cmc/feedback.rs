@@ -11,7 +11,7 @@
 //! every joint turns as it likes), so they meet in weighted least squares over the accelerations of the independent
 //! coordinates: a whole-body controller in one 77 by 77 system.
 
-use super::{Offsets, Priority, View, coordinates::Coordinates, dynamics::Motion, goal::Goal, symmetric::Symmetric};
+use super::{Offsets, Priority, View, dynamics::Motion, goal::Goal, symmetric::Symmetric};
 use crate::body::{Body, Joint};
 use msk_physics::scalar::Real;
 use msk_physics::{State, kinematics::Kinematics, rotation::difference};
@@ -57,13 +57,18 @@ const FOOT_POINTS: f64 = 8.0;
 /// Keeps what no wish asks for at rest.
 const REST: f64 = 1e-6;
 
-/// The reference at the beginning of an episode, and the least-squares compromise.
+/// The reference at the beginning of an episode.
 #[derive(Debug, Clone)]
 pub(super) struct Feedback {
     joints: Vec<JointReference>,
     root: Option<RootReference>,
+}
+
+/// The least-squares compromise between the wishes of one control step.
+#[derive(Debug, Clone)]
+pub(super) struct Compromise {
     normal: Symmetric,
-    /// Accelerations of the independent coordinates, after [`accelerations`](Self::accelerations).
+    /// Accelerations of the independent coordinates, after [`Feedback::accelerations`] or [`Feedback::towards`].
     pub wanted: Vec<f64>,
 }
 
@@ -91,7 +96,7 @@ struct RootReference {
 
 impl Feedback {
     /// Takes the joints' reference from `pose` (in the order of the body's joints) and the root's from a forward pass of `state`.
-    pub fn new(body: &Body, coordinates: &Coordinates, pose: &[f64], state: &State<f64>, kinematics: &Kinematics<f64>) -> Self {
+    pub fn new(body: &Body, pose: &[f64], state: &State<f64>, kinematics: &Kinematics<f64>) -> Self {
         let independent = body.joints.iter().zip(pose).enumerate().filter(|(_, (joint, _))| joint.independent);
         let joint = |(index, (joint, &value)): (usize, (&Joint, &f64))| JointReference {
             index,
@@ -105,62 +110,71 @@ impl Feedback {
             orientation: core::array::from_fn(|part| state.position[position + 3 + part]),
             com_height: kinematics.subtree_com[body.root.body].z,
         });
-        Self {
-            joints: independent.map(joint).collect(),
-            root,
-            normal: Symmetric::new(coordinates.len()),
-            wanted: vec![0.0; coordinates.len()],
-        }
+        Self { joints: independent.map(joint).collect(), root }
     }
 
-    /// Fills `wanted`: the compromise between the reference pose, an upright root, the centre of mass above `target` (level
+    /// Fills the compromise between the reference pose, an upright root, the centre of mass above `target` (level
     /// position, m) and resting `feet`; `offsets` move these targets.
     pub fn accelerations(
-        &mut self,
+        &self,
         view: &View<'_>,
         body: &Body,
-        feet: &[Motion],
-        target: Option<Vector3<f64>>,
+        (feet, target): (&[Motion], Option<Vector3<f64>>),
         offsets: &Offsets,
+        compromise: &mut Compromise,
     ) {
-        self.clear(view);
-        self.joint_wishes(view, body, None, offsets);
+        compromise.clear();
+        compromise.joint_wishes(&self.joints, view, body, None, offsets);
         if let Some(mut root) = self.root.clone() {
             let shift = offsets.shift(body, view);
             root.orientation = offsets.orientation(body, &root.orientation);
             root.com_height += shift.z;
-            self.root_wish(&root, view, [Vector3::zeros(); 2]);
+            compromise.root_wish(&root, view, [Vector3::zeros(); 2]);
             if let Some(target) = target {
-                self.balance_wish(&root, view, target + shift, offsets);
+                compromise.balance_wish(&root, view, target + shift, offsets);
             }
         }
-        self.compromise(view, feet, offsets);
+        compromise.settle(view, feet, offsets);
     }
 
-    /// Fills `wanted`: the compromise between joints, root and centre of mass where and as fast as the goal has them, and resting
+    /// Fills the compromise between joints, root and centre of mass where and as fast as the goal has them, and resting
     /// `feet`; `offsets` move these targets.
-    pub fn towards(&mut self, view: &View<'_>, body: &Body, feet: &[Motion], goal: &Goal, offsets: &Offsets) {
-        self.clear(view);
-        self.joint_wishes(view, body, Some(goal), offsets);
+    pub fn towards(
+        &self,
+        view: &View<'_>,
+        body: &Body,
+        (feet, goal): (&[Motion], &Goal),
+        offsets: &Offsets,
+        compromise: &mut Compromise,
+    ) {
+        compromise.clear();
+        compromise.joint_wishes(&self.joints, view, body, Some(goal), offsets);
         if let Some(mut root) = self.root.clone() {
             let first = root.address.0 + 3;
             root.orientation = offsets.orientation(body, &core::array::from_fn(|part| goal.position[first + part]));
-            self.root_wish(&root, view, [goal.spin, goal.spin_rate]);
-            self.centre_wish(&root, view, goal, offsets.shift(body, view), offsets);
+            compromise.root_wish(&root, view, [goal.spin, goal.spin_rate]);
+            compromise.centre_wish(&root, view, goal, offsets.shift(body, view), offsets);
         }
-        self.compromise(view, feet, offsets);
+        compromise.settle(view, feet, offsets);
+    }
+}
+
+impl Compromise {
+    /// Memory for so many independent coordinates.
+    pub fn new(size: usize) -> Self {
+        Self { normal: Symmetric::new(size), wanted: vec![0.0; size] }
     }
 
-    fn clear(&mut self, view: &View<'_>) {
+    fn clear(&mut self) {
         self.normal.clear();
         self.wanted.fill(0.0);
-        for coordinate in 0..view.coordinates.len() {
+        for coordinate in 0..self.wanted.len() {
             self.normal.add(coordinate, coordinate, REST);
         }
     }
 
     /// Adds the wish for resting feet and solves.
-    fn compromise(&mut self, view: &View<'_>, feet: &[Motion], offsets: &Offsets) {
+    fn settle(&mut self, view: &View<'_>, feet: &[Motion], offsets: &Offsets) {
         let share = (FOOT_POINTS / feet.len() as f64).at_most(1.0);
         let weight = FEET.weight * offsets.factor(Priority::Feet);
         for point in feet {
@@ -171,9 +185,9 @@ impl Feedback {
         self.normal.solve(&mut self.wanted);
     }
 
-    fn joint_wishes(&mut self, view: &View<'_>, body: &Body, goal: Option<&Goal>, offsets: &Offsets) {
+    fn joint_wishes(&mut self, joints: &[JointReference], view: &View<'_>, body: &Body, goal: Option<&Goal>, offsets: &Offsets) {
         let View { coordinates, state, hold, .. } = *view;
-        for &JointReference { index, position, dof, value } in &self.joints {
+        for &JointReference { index, position, dof, value } in joints {
             let Some((column, _)) = coordinates.entry(dof) else { continue };
             let (reference, moving) = match goal {
                 Some(goal) => (goal.position[position], [goal.velocity[position], goal.acceleration[position]]),

@@ -117,7 +117,6 @@ pub(super) struct Follower {
     frames: [Frame; 3],
     support: Support,
     state: State<f64>,
-    workspace: Box<Workspace<f64>>,
     pub goal: Goal,
 }
 
@@ -131,31 +130,30 @@ impl Follower {
             frames: Default::default(),
             support: Support::new(present.body),
             state: present.state.clone(),
-            workspace: Box::new(Workspace::new(present.model)),
             goal: Goal::default(),
         }
     }
 
     /// Fills the goal for the hold that begins now, `index` holds after the course began.
-    pub fn advance(&mut self, index: u32, present: &Present<'_>) {
+    pub fn advance(&mut self, index: u32, present: &Present<'_>, workspace: &mut Workspace<f64>) {
         if self.next == Some(index) {
             self.frames.rotate_left(1);
-            self.frames[2] = self.frame(index + 2, present);
+            self.frames[2] = self.frame(index + 2, present, workspace);
         } else {
-            self.frames = [0, 1, 2].map(|ahead| self.frame(index + ahead, present));
+            self.frames = [0, 1, 2].map(|ahead| self.frame(index + ahead, present, workspace));
         }
         self.next = Some(index + 1);
         self.fill(present);
     }
 
-    fn frame(&mut self, holds: u32, present: &Present<'_>) -> Frame {
+    fn frame(&mut self, holds: u32, present: &Present<'_>, workspace: &mut Workspace<f64>) -> Frame {
         let Present { body, model, .. } = *present;
-        self.course.place(f64::from(holds) * self.hold, model, body, &mut self.state, &mut self.workspace);
-        kinematics::update(model, &self.state, &mut self.workspace.kinematics);
-        self.support.update(model, &self.workspace.kinematics);
+        self.course.place(f64::from(holds) * self.hold, model, body, &mut self.state, workspace);
+        kinematics::update(model, &self.state, &mut workspace.kinematics);
+        self.support.update(model, &workspace.kinematics);
         Frame {
             position: self.state.position.clone(),
-            com: self.workspace.kinematics.subtree_com[body.root.body],
+            com: workspace.kinematics.subtree_com[body.root.body],
             heights: self.support.points.iter().map(|point| point.height).collect(),
         }
     }

@@ -27,31 +27,32 @@ mod coordinates;
 mod dynamics;
 mod feedback;
 mod goal;
-mod interior;
+mod group;
 mod offsets;
-mod sparse;
+mod scratch;
 mod support;
 mod symmetric;
 #[cfg(test)]
 mod tests;
 mod tracking;
 
+pub(crate) use group::{AllocationGroup, Asking};
 pub(crate) use offsets::Offsets;
-use offsets::Priority;
+pub(crate) use scratch::ControlScratch;
 pub(crate) use tracking::{Along, Moment, Tracker};
 
 use crate::body::Body;
-use activation::{Hold, Muscles};
-use allocation::{Allocation, Effort, Problem, Unknown};
+use activation::Hold;
+use allocation::{Effort, Memory};
 use coordinates::Coordinates;
-use dynamics::{Dynamics, Motion};
+use dynamics::Motion;
 use feedback::Feedback;
 use goal::{Course, Follower};
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace};
 use nalgebra::Vector3;
-use sparse::Columns;
+use offsets::Priority;
 use support::{Point, Support};
 
 /// What the controller cannot control.
@@ -120,28 +121,17 @@ struct View<'a> {
     hold: f64,
 }
 
-/// The controller of one episode.
+/// The controller of one episode: what a later action depends on.
 #[derive(Debug, Clone)]
 struct Controller {
     hold: Hold,
-    excitation: [f64; 2],
-    muscles: Muscles,
-    /// The activations that each muscle can reach within the hold.
-    reach: Vec<[f64; 2]>,
-    /// What each muscle is asked for: an activation first, then the excitation that brings it there.
-    asked: Vec<f64>,
-    coordinates: Coordinates,
-    velocities: Vec<f64>,
     support: Support,
     /// Level offset of the centre of mass from the middle of the feet, m: present goal and where it tends to.
     offset: Vector3<f64>,
     final_offset: Vector3<f64>,
     feedback: Feedback,
-    dynamics: Dynamics,
-    columns: Columns,
-    unknowns: Vec<Unknown>,
-    wanted: Vec<f64>,
-    allocation: Allocation,
+    effort: Effort,
+    memory: Memory,
     /// What is followed, and since which control step.
     course: Option<(Follower, u32)>,
 }
@@ -156,30 +146,19 @@ impl Controller {
         if pose.len() != body.joints.len() {
             return Err(ControlError::Pose { expected: body.joints.len(), found: pose.len() });
         }
-        let coordinates = Coordinates::new(model);
         let mut support = Support::new(body);
         support.choose_stance(model, &workspace.kinematics);
         support.update(model, &workspace.kinematics);
         let com = workspace.kinematics.subtree_com[body.root.body];
         let offset = support.centre().map_or(Vector3::zeros(), |centre| com - centre);
-        let (size, muscle_count) = (coordinates.len(), model.actuators.muscles().count());
         Ok(Self {
             hold,
-            excitation: activation::excitation_range(body.excitation),
-            muscles: Muscles::new(model, hold),
-            reach: vec![[0.0; 2]; muscle_count],
-            asked: vec![0.0; muscle_count],
-            velocities: vec![0.0; size],
             support,
             offset,
             final_offset: offset * (1.0 - LEAN),
-            feedback: Feedback::new(body, &coordinates, pose, state, &workspace.kinematics),
-            dynamics: Dynamics::new(model, workspace, &coordinates),
-            columns: Columns::default(),
-            unknowns: Vec::new(),
-            wanted: vec![0.0; size],
-            allocation: Allocation::new(size),
-            coordinates,
+            feedback: Feedback::new(body, pose, state, &workspace.kinematics),
+            effort: Effort::EXACT,
+            memory: Memory::new(Coordinates::new(model).len()),
             course: None,
         })
     }
@@ -196,22 +175,22 @@ impl Controller {
 
     /// Shares forces out roughly from now on, in less time.
     fn make_rough(&mut self) {
-        self.allocation.set_effort(Effort::ROUGH);
+        self.effort = Effort::ROUGH;
     }
 
     /// What of it a later action depends on: the offset of the centre of mass, and where the search of the last allocation ended.
-    fn memory(&self) -> (Vector3<f64>, &[f64]) {
-        (self.offset, &self.allocation.x)
+    fn memory(&self) -> (Vector3<f64>, &Memory) {
+        (self.offset, &self.memory)
     }
 
-    /// Writes the action of control step `step`, for targets that are moved by `offsets`.
-    fn act(&mut self, present: &Present<'_>, step: u32, offsets: &Offsets, action: &mut [f64]) {
+    /// Asks for the forces of control step `step`, for targets that are moved by `offsets`: they are then to be shared out.
+    fn ask(&mut self, present: &Present<'_>, step: u32, offsets: &Offsets, scratch: &mut ControlScratch) {
         let &Present { body, model, state, workspace } = present;
-        self.coordinates.update(model, state);
-        for (velocity, &dof) in self.velocities.iter_mut().zip(&self.coordinates.dofs) {
+        scratch.coordinates.update(model, state);
+        for (velocity, &dof) in scratch.velocities.iter_mut().zip(&scratch.coordinates.dofs) {
             *velocity = state.velocity[dof];
         }
-        let (coordinates, velocities) = (&self.coordinates, self.velocities.as_slice());
+        let (coordinates, velocities) = (&scratch.coordinates, scratch.velocities.as_slice());
         let view = View { model, state, workspace, coordinates, velocities, hold: self.hold.duration() };
 
         self.support.update(model, &workspace.kinematics);
@@ -221,35 +200,30 @@ impl Controller {
         let bearing: Vec<Point> = self.support.points.iter().filter(near).copied().collect();
         let feet: Vec<Motion> = bearing.iter().map(|point| Motion::of_point(&view, point)).collect();
 
+        let compromise = &mut scratch.compromise;
         match &mut self.course {
             Some((follower, since)) => {
-                follower.advance(step.saturating_sub(*since), present);
+                follower.advance(step.saturating_sub(*since), present, &mut scratch.workspace);
                 let rests = self.support.points.iter().zip(&follower.goal.rests).filter(|(point, _)| near(point));
                 let standing: Vec<Motion> =
                     rests.zip(&feet).filter(|((_, rests), _)| **rests).map(|(_, motion)| motion.clone()).collect();
-                self.feedback.towards(&view, body, &standing, &follower.goal, offsets);
+                self.feedback.towards(&view, body, (&standing, &follower.goal), offsets, compromise);
             }
-            None => self.feedback.accelerations(&view, body, &feet, target, offsets),
+            None => self.feedback.accelerations(&view, body, (&feet, target), offsets, compromise),
         }
-        self.dynamics.update(&view);
-        self.dynamics.required_force(&self.feedback.wanted, &mut self.wanted);
+        scratch.dynamics.update(&view);
+        scratch.dynamics.required_force(&scratch.compromise.wanted, &mut scratch.wanted);
+        let range = activation::excitation_range(body.excitation);
+        scratch.muscles.reach(self.hold, &state.activation, range, &mut scratch.reach);
+        scratch.pose_problem(&bearing, &feet);
+    }
 
-        self.columns.clone_from(&self.dynamics.muscles);
-        self.unknowns.clear();
-        self.muscles.reach(&state.activation, self.excitation, &mut self.reach);
-        self.unknowns.extend(self.reach.iter().map(|&[low, high]| Unknown { low, high, cost: MUSCLE_COST }));
-        for (point, motion) in bearing.iter().zip(&feet) {
-            for force in friction_pyramid(point) {
-                self.columns.push(motion.force(force * CONTACT_UNIT));
-                self.unknowns.push(Unknown { low: 0.0, high: CONTACT_LIMIT, cost: CONTACT_COST });
-            }
-        }
-        let (inertia, columns) = (&self.dynamics.inertia, &self.columns);
-        self.allocation.solve(&Problem { inertia, columns, unknowns: &self.unknowns, wanted: &self.wanted });
-
-        self.asked.iter_mut().zip(&self.allocation.x).for_each(|(asked, wanted)| *asked = *wanted);
-        self.muscles.excitations(&state.activation, self.excitation, &mut self.asked);
-        for (action, &excitation) in action.iter_mut().zip(&self.asked) {
+    /// Writes the action that gives the muscles' share.
+    fn give(&self, present: &Present<'_>, scratch: &mut ControlScratch, action: &mut [f64]) {
+        let &Present { body, state, .. } = present;
+        let ControlScratch { muscles, asked, .. } = scratch;
+        muscles.excitations(self.hold, &state.activation, activation::excitation_range(body.excitation), asked);
+        for (action, &excitation) in action.iter_mut().zip(&*asked) {
             *action = activation::action(body.excitation, excitation);
         }
     }

@@ -10,6 +10,8 @@ use nalgebra::{Matrix3, Vector3};
 /// A point of a foot that faces the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
+    /// Which of all points of all feet it is: they come in this order.
+    pub key: usize,
     /// Body that carries it.
     pub body: usize,
     /// World position, m.
@@ -25,8 +27,8 @@ pub(super) struct Point {
 /// The feet of a body.
 #[derive(Debug, Clone)]
 pub(super) struct Support {
-    /// Shapes of each foot.
-    feet: Vec<Vec<usize>>,
+    /// Shapes of each foot, with the key of the first point of each.
+    feet: Vec<Vec<(usize, usize)>>,
     ground: Vec<usize>,
     /// Points of all feet that the body stands on, refilled by [`update`](Self::update).
     pub points: Vec<Point>,
@@ -41,14 +43,23 @@ impl Support {
         let group = body.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == "feet");
         let named = || (0..body.landmarks.len()).filter(|&index| body.landmarks[index].name.starts_with("sole"));
         let members: Vec<usize> = group.map_or_else(|| named().collect(), |group| group.members.clone());
-        let feet = members.iter().map(|&landmark| body.landmarks[landmark].segment.clone());
-        Self { feet: feet.filter(|shapes| !shapes.is_empty()).collect(), ground: body.ground.clone(), points: Vec::new() }
+        let feet = members.iter().map(|&landmark| &body.landmarks[landmark].segment).filter(|shapes| !shapes.is_empty());
+        let mut shapes = 0;
+        let mut keyed = |&shape: &usize| {
+            shapes += 1;
+            (shape, MOST_POINTS * (shapes - 1))
+        };
+        Self {
+            feet: feet.map(|shapes| shapes.iter().map(&mut keyed).collect()).collect(),
+            ground: body.ground.clone(),
+            points: Vec::new(),
+        }
     }
 
     /// Keeps the feet that the body stands on.
     pub fn choose_stance(&mut self, model: &Model, kinematics: &Kinematics<f64>) {
         let feet = core::mem::take(&mut self.feet);
-        let stands = |shapes: &Vec<usize>| {
+        let stands = |shapes: &Vec<(usize, usize)>| {
             let mut points = Vec::new();
             self.fill(model, kinematics, shapes, &mut points);
             points.iter().any(|point| point.height < STANCE)
@@ -72,8 +83,8 @@ impl Support {
         (!self.points.is_empty()).then(|| sum / self.points.len() as f64)
     }
 
-    fn fill(&self, model: &Model, kinematics: &Kinematics<f64>, shapes: &[usize], points: &mut Vec<Point>) {
-        for &shape in shapes {
+    fn fill(&self, model: &Model, kinematics: &Kinematics<f64>, shapes: &[(usize, usize)], points: &mut Vec<Point>) {
+        for &(shape, first) in shapes {
             let (centre, rotation) = (kinematics.geom_position[shape], kinematics.geom_rotation[shape]);
             let plane = self.nearest_plane(model, kinematics, &centre);
             let (origin, normal, friction) = plane.map_or((Vector3::zeros(), Vector3::z(), 0.0), |plane| {
@@ -82,9 +93,11 @@ impl Support {
             });
             let friction = friction.at_least(model.geoms.friction[shape][0]);
             let body = model.geoms.body[shape];
+            let mut key = first;
             let mut push = |arm: Vector3<f64>| {
                 let position = centre + arm;
-                points.push(Point { body, position, normal, height: (position - origin).dot(&normal), friction });
+                points.push(Point { key, body, position, normal, height: (position - origin).dot(&normal), friction });
+                key += 1;
             };
             underside(model.geoms.kind[shape], &model.geoms.size[shape], &rotation, &normal, &mut push);
         }
@@ -100,6 +113,9 @@ impl Support {
             .min_by(|&a, &b| height(a).total_cmp(&height(b)))
     }
 }
+
+/// Points of one shape at most: the corners of a box.
+const MOST_POINTS: usize = 8;
 
 /// Hands out the points, relative to its centre in world axes, on which a shape can rest on ground with that normal.
 fn underside(

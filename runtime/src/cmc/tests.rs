@@ -1,6 +1,7 @@
 //! The controller on the human body: it stands, also when pushed, and its answers are the same every time.
 
-use super::{Controller, Coordinates, Dynamics, Hold, Offsets, Present, View, activation};
+use super::dynamics::Dynamics;
+use super::{ControlScratch, Controller, Coordinates, Hold, Offsets, Present, View, activation};
 use crate::bodies;
 use crate::body::Body;
 use msk_physics::model::Model;
@@ -21,6 +22,7 @@ struct Stand {
     workspace: Workspace<f64>,
     pose: Vec<f64>,
     action: Vec<f64>,
+    scratch: Option<ControlScratch>,
 }
 
 /// As much of a body file as standing takes.
@@ -55,7 +57,7 @@ impl Stand {
         let pose = body.neutral().to_vec();
         body.place(&model, &RootPlacement::default(), &pose, &mut state, &mut workspace);
         physics::forward(&model, &state, &mut workspace).unwrap();
-        Self { action: vec![0.0; body.muscles.len()], model, body, state, workspace, pose }
+        Self { action: vec![0.0; body.muscles.len()], scratch: None, model, body, state, workspace, pose }
     }
 
     fn present(&self) -> Present<'_> {
@@ -66,9 +68,19 @@ impl Stand {
         Controller::new(&self.present(), &self.pose, HOLD).unwrap()
     }
 
-    fn step(&mut self, controller: &mut Controller) {
+    fn act(&mut self, controller: &mut Controller) {
+        let mut scratch = self.scratch.take().unwrap_or_else(|| ControlScratch::new(&self.present()));
         let Self { model, body, state, workspace, action, .. } = self;
-        controller.act(&Present { body, model, state, workspace }, 0, &Offsets::default(), action);
+        let present = Present { body, model, state, workspace };
+        controller.ask(&present, 0, &Offsets::default(), &mut scratch);
+        scratch.allocate(controller.effort, &mut controller.memory);
+        controller.give(&present, &mut scratch, action);
+        self.scratch = Some(scratch);
+    }
+
+    fn step(&mut self, controller: &mut Controller) {
+        self.act(controller);
+        let Self { model, body, state, workspace, action, .. } = self;
         for (control, &action) in state.control.iter_mut().zip(&*action) {
             *control = crate::action::excitation(body.excitation, action);
         }
@@ -171,11 +183,11 @@ fn a_push_of_fifty_newtons_does_not_topple_it() {
 
 #[test]
 fn the_same_state_gives_the_same_action() {
-    let stand = Stand::new();
-    let act = || {
-        let mut action = vec![0.0; stand.body.muscles.len()];
-        stand.controller().act(&stand.present(), 0, &Offsets::default(), &mut action);
-        action
+    let mut stand = Stand::new();
+    let mut act = || {
+        let mut controller = stand.controller();
+        stand.act(&mut controller);
+        stand.action.clone()
     };
     assert_eq!(act(), act());
 }

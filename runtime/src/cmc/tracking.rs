@@ -2,8 +2,9 @@
 //! or the pose of the initial state.
 
 use super::activation::Hold;
+use super::allocation::Effort;
 use super::goal::Course;
-use super::{ControlError, Controller, Offsets, Present};
+use super::{ControlError, ControlScratch, Controller, Offsets, Present};
 use crate::script::Script;
 use msk_physics::Workspace;
 use msk_program::task::{CompiledTask, TaskState};
@@ -43,10 +44,6 @@ impl Tracker {
         Self { along, ..Self::default() }
     }
 
-    pub fn along(&self) -> Along {
-        self.along
-    }
-
     /// Prepares for an episode, which has just been reset.
     ///
     /// # Errors
@@ -71,11 +68,12 @@ impl Tracker {
         }
     }
 
-    /// Writes the action of the present control step, one entry per muscle, with the targets moved by `offsets`.
+    /// Asks for the forces of the present control step, with the targets moved by `offsets`. They are then to be
+    /// [shared out](Self::allocate).
     ///
     /// # Errors
     /// It has not been reset.
-    pub fn act(&mut self, moment: &Moment<'_>, offsets: &Offsets, action: &mut [f64]) -> Result<(), ControlError> {
+    pub fn ask(&mut self, moment: &Moment<'_>, offsets: &Offsets, scratch: &mut ControlScratch) -> Result<(), ControlError> {
         let &Moment { task, progress, present, .. } = moment;
         let controller = self.controller.as_mut().ok_or(ControlError::NotReset)?;
         let begun = task.followed(progress).map(|(followed, time)| (&followed.motion, time));
@@ -86,8 +84,31 @@ impl Tracker {
             controller.follow(course, progress.step, &present);
             self.followed = phase;
         }
-        controller.act(&present, progress.step, offsets, action);
+        controller.ask(&present, progress.step, offsets, scratch);
         Ok(())
+    }
+
+    /// Shares the forces out that have been asked for.
+    pub fn allocate(&mut self, scratch: &mut ControlScratch) {
+        if let Some(controller) = &mut self.controller {
+            scratch.allocate(controller.effort, &mut controller.memory);
+        }
+    }
+
+    /// Writes the action that gives the muscles' share, one entry per muscle.
+    pub fn give(&self, present: &Present<'_>, scratch: &mut ControlScratch, action: &mut [f64]) {
+        if let Some(controller) = &self.controller {
+            controller.give(present, scratch, action);
+        }
+    }
+
+    /// How closely its forces are shared out.
+    pub(super) fn effort(&self) -> Option<Effort> {
+        self.controller.as_ref().map(|controller| controller.effort)
+    }
+
+    pub(super) fn controller_mut(&mut self) -> Option<&mut Controller> {
+        self.controller.as_mut()
     }
 }
 

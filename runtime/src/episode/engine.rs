@@ -1,7 +1,7 @@
 //! What episodes of a task are played with: everything that does not change while they are, and the scratch of a worker.
 
 use super::{Episode, EpisodeError, EpisodeKey, Player, variation};
-use crate::action::{Action, ActionBuffer, ActionState, ActsOn};
+use crate::action::{Action, ActionBuffer, ActionState, ActsOn, ControlMemory};
 use crate::body::{Body, sensors};
 use crate::condition::Fatigue;
 use crate::policy::PolicyContext;
@@ -39,6 +39,7 @@ pub struct Scratch {
     /// The state whose whole forward pass `workspace` holds.
     passed: State<f64>,
     holds: bool,
+    pub(super) control: ControlMemory,
 }
 
 impl Scratch {
@@ -102,7 +103,7 @@ impl Engine {
     /// Memory for a worker.
     pub fn scratch(&self) -> Scratch {
         let (model, workspace) = (Arc::clone(&self.model), Workspace::of(&self.model, &self.plan));
-        Scratch { model, workspace, passed: State::new(&self.model), holds: false }
+        Scratch { model, workspace, passed: State::new(&self.model), holds: false, control: ControlMemory::default() }
     }
 
     /// Memory for an episode, which must be [`reset`](Self::reset) before it is played.
@@ -117,7 +118,7 @@ impl Engine {
             streams: super::Streams::default(),
             memory: sensors::Memory::default(),
             compartments: None,
-            action: ActionState::new(&self.task, &self.body),
+            action: ActionState::new(&self.task.action, self.body.muscles.len()),
             frame: vec![0.0; self.task.frame.size()],
             observation: vec![0.0; self.task.observation_size()],
             critic: vec![0.0; self.task.critic_size()],
@@ -188,7 +189,7 @@ impl Engine {
             && streams.len() == self.task.randoms.len()
             && compartments.as_ref().is_none_or(|compartments| compartments.len() == muscles)
             && counted(disturbances.len(), self.task.disturbances.len())
-            && action.fits(&ActionState::new(&self.task, &self.body))
+            && action.fits(&ActionState::new(&self.task.action, self.body.muscles.len()))
             && [frame.len(), observation.len()] == [self.task.frame.size(), self.task.observation_size()]
             && critic.len() == self.task.critic_size()
             && counted(report.terms.len(), self.task.terms.len())

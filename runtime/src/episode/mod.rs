@@ -13,6 +13,7 @@
 //! many on a few workers. What goes wrong inside an episode (diverging physics, a term that is not finite) is a [`Fault`] of that
 //! episode alone.
 
+mod controlling;
 mod ending;
 mod engine;
 mod environment;
@@ -29,6 +30,7 @@ mod vector;
 mod weights;
 
 pub use crate::action::{REST, excitation};
+pub use controlling::Controlled;
 pub use ending::{Ending, EpisodeError, Fault};
 pub use engine::{Engine, Scratch};
 pub use environment::{Environment, Reward, TermReward};

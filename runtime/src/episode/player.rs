@@ -1,7 +1,7 @@
 //! The rules by which an episode goes on: reset, and one control step.
 
 use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Scratch, initial_state, pushes, variation};
-use crate::action::{Action, ActionState, ActsOn, excitation};
+use crate::action::{Action, ActionState, ActsOn, Taken, excitation};
 use crate::body::sensors;
 use crate::cmc::{Moment, Present};
 use crate::condition::Compartments;
@@ -122,7 +122,11 @@ impl Player<'_> {
     fn advance(&mut self, action: Action<'_>) -> Result<(), Fault> {
         self.pass()?;
         self.renew_pushes();
-        self.excite(action)?;
+        let taken = self.take(action)?;
+        if taken == Taken::AskingForces {
+            self.allocate();
+        }
+        self.excite(taken);
         self.simulate()?;
         self.conclude()?;
         Ok(())
@@ -239,9 +243,9 @@ impl Player<'_> {
         Moment { task, progress, substeps: *substeps, present }
     }
 
-    /// Sets the excitations and torques that an action asks for. Where the action space looks at the state, the scratch holds its
-    /// forward pass.
-    pub fn excite(&mut self, action: Action<'_>) -> Result<(), Fault> {
+    /// Takes an action. Where the action space looks at the state, the scratch holds its forward pass; forces that it asks for are to be
+    /// [shared out](Self::allocate) before muscles are [excited](Self::excite).
+    pub fn take(&mut self, action: Action<'_>) -> Result<Taken, Fault> {
         let engine = self.engine;
         if let Some(index) = action.entries.iter().position(|value| !value.is_finite()) {
             let names = match action.acts_on {
@@ -251,13 +255,30 @@ impl Player<'_> {
             let entry = names.get(index).cloned().unwrap_or_default();
             return Err(Fault::Action { entry, value: action.entries[index], step: self.episode.steps() + 1 });
         }
-        let mut taken = std::mem::take(&mut self.episode.action);
+        let mut state = std::mem::take(&mut self.episode.action);
+        let mut control = std::mem::take(&mut self.scratch.control);
+        let taken = state.begin(action, &self.engine.task.action, &self.moment(), &mut control);
+        self.episode.action = state;
+        self.scratch.control = control;
+        Ok(taken?)
+    }
+
+    /// Shares out the forces that the action has asked for.
+    pub fn allocate(&mut self) {
+        self.episode.action.allocate(&mut self.scratch.control);
+    }
+
+    /// Sets the excitations and torques that the action asks for which has been taken.
+    pub fn excite(&mut self, taken: Taken) {
+        let engine = self.engine;
+        let mut state = std::mem::take(&mut self.episode.action);
+        let mut control = std::mem::take(&mut self.scratch.control);
         let mut torques = std::mem::take(&mut self.episode.state.applied_force);
         torques.fill(0.0);
-        let done = taken.take(action, &self.moment(), &mut torques);
+        state.finish(taken, &engine.task.action, &self.moment(), &mut control, &mut torques);
         let episode = &mut *self.episode;
-        (episode.action, episode.state.applied_force) = (taken, torques);
-        done?;
+        (episode.action, episode.state.applied_force) = (state, torques);
+        self.scratch.control = control;
         for (control, action) in episode.state.control.iter_mut().zip(&episode.action.muscles) {
             *control = excitation(engine.body.excitation, *action);
         }
@@ -265,7 +286,6 @@ impl Player<'_> {
         if let (Some(rates), Some(compartments)) = (&engine.fatigue, &mut episode.compartments) {
             compartments.advance(rates, &engine.model, elapsed, &mut episode.state.control);
         }
-        Ok(())
     }
 
     /// Fills the task's frame from the forward pass. `elapsed` is the time since the previous snapshot, s.

@@ -1,7 +1,8 @@
 //! One control step of up to eight episodes at once, in the lanes of the simulator.
 
 use super::{Engine, Episode, EpisodeKey, Fault, Player, Scratch};
-use crate::action::Action;
+use crate::action::{Action, Taken};
+use crate::cmc::{AllocationGroup, Asking};
 use msk_physics::lanes::WIDTH;
 use msk_physics::{LaneGroup, Rates};
 use std::sync::Arc;
@@ -13,6 +14,8 @@ use std::sync::Arc;
 pub struct GroupScratch {
     /// None for a model whose integrator takes episodes one by one.
     group: Option<LaneGroup>,
+    /// For controllers of action spaces.
+    pub(super) forces: AllocationGroup,
     /// What each lane would need alone: sensors and policies read the forward pass there.
     pub(super) lanes: Vec<Scratch>,
 }
@@ -39,12 +42,20 @@ struct Seat<'a> {
     steps: u32,
     /// Whether forces from outside follow its body.
     pushed: bool,
+    /// Whether rates have to be found anew once its muscles are excited.
+    alone: bool,
+    /// How far its action has been taken.
+    taken: Taken,
 }
 
 impl Engine {
     /// Memory for a worker that plays as many episodes at once, of eight at most.
     pub fn group_scratch(&self, episodes: usize) -> GroupScratch {
-        GroupScratch { group: LaneGroup::of(&self.model, &self.plan), lanes: vec![self.scratch(); episodes.clamp(1, WIDTH)] }
+        GroupScratch {
+            group: LaneGroup::of(&self.model, &self.plan),
+            forces: AllocationGroup::default(),
+            lanes: vec![self.scratch(); episodes.clamp(1, WIDTH)],
+        }
     }
 
     /// Whether the two play on one model, so that scratch of one serves the other.
@@ -88,7 +99,8 @@ impl GroupScratch {
     pub fn step<'a>(&mut self, members: impl IntoIterator<Item = Option<Member<'a>>>) {
         let seat = |(lane, member): (usize, Option<Member<'a>>)| {
             let member = member?;
-            Some(Seat { lane, steps: member.episode.steps(), pushed: false, member })
+            let steps = member.episode.steps();
+            Some(Seat { lane, steps, pushed: false, alone: false, taken: Taken::Wholly, member })
         };
         let mut seats: [Option<Seat<'a>>; WIDTH] = Default::default();
         let taken = members.into_iter().take(self.lanes.len()).enumerate().filter_map(seat);
@@ -96,7 +108,7 @@ impl GroupScratch {
         let count = seats.iter().flatten().count();
         match &mut self.group {
             Some(group) if count >= group.least() => {
-                let mut together = Together { group, lanes: &mut self.lanes };
+                let mut together = Together { group, forces: &mut self.forces, lanes: &mut self.lanes };
                 together.step(&mut seats);
             }
             _ => {
@@ -127,8 +139,8 @@ impl Seat<'_> {
         self.player(scratch).end_with(fault, steps);
     }
 
-    /// Brings the episode to where only physics is missing, with the rates that this goes on from.
-    fn prepare(&mut self, scratch: &mut Scratch) -> Result<(), Fault> {
+    /// Takes the action of the episode.
+    fn take(&mut self, scratch: &mut Scratch) -> Result<(), Fault> {
         let action = self.member.action;
         let known = self.member.rates.is_some();
         let mut player = self.player(scratch);
@@ -138,7 +150,16 @@ impl Seat<'_> {
         if alone || looks {
             player.pass()?;
         }
-        player.excite(action)?;
+        let taken = player.take(action)?;
+        (self.alone, self.taken) = (alone, taken);
+        Ok(())
+    }
+
+    /// Brings the episode to where only physics is missing, with the rates that this goes on from.
+    fn prepare(&mut self, scratch: &mut Scratch) -> Result<(), Fault> {
+        let (alone, taken) = (self.alone, self.taken);
+        let mut player = self.player(scratch);
+        player.excite(taken);
         let pushed = player.is_pushed();
         if alone {
             player.react()?;
@@ -164,21 +185,18 @@ impl Seat<'_> {
 /// A group of lanes, with the scratch of each.
 struct Together<'a> {
     group: &'a mut LaneGroup,
+    forces: &'a mut AllocationGroup,
     lanes: &'a mut [Scratch],
 }
 
 impl Together<'_> {
     fn step(&mut self, seats: &mut [Option<Seat<'_>>]) {
         self.group.clear();
+        self.each(seats, Seat::take);
+        self.allocate(seats);
+        self.each(seats, Seat::prepare);
         let mut substeps = 0;
-        for place in &mut *seats {
-            let Some(seat) = place else { continue };
-            let scratch = &mut self.lanes[seat.lane];
-            if let Err(fault) = seat.prepare(scratch) {
-                seat.end_with(fault, scratch);
-                *place = None;
-                continue;
-            }
+        for seat in seats.iter().flatten() {
             substeps = seat.member.engine.substeps;
             if let Some(rates) = &*seat.member.rates {
                 self.group.load(seat.lane, &seat.member.episode.state, rates);
@@ -193,6 +211,32 @@ impl Together<'_> {
         for seat in seats.iter_mut().flatten() {
             self.finish(seat);
         }
+    }
+
+    /// Does something with each seat; a fault ends its episode.
+    fn each<'b>(
+        &mut self,
+        seats: &mut [Option<Seat<'b>>],
+        mut work: impl FnMut(&mut Seat<'b>, &mut Scratch) -> Result<(), Fault>,
+    ) {
+        for place in seats {
+            let Some(seat) = place else { continue };
+            let scratch = &mut self.lanes[seat.lane];
+            if let Err(fault) = work(seat, scratch) {
+                seat.end_with(fault, scratch);
+                *place = None;
+            }
+        }
+    }
+
+    /// Shares out the forces that actions have asked for.
+    fn allocate(&mut self, seats: &mut [Option<Seat<'_>>]) {
+        let mut controls: Vec<_> = self.lanes.iter_mut().map(|scratch| scratch.control.get_mut()).collect();
+        let asking = seats.iter_mut().flatten().filter(|seat| seat.taken == Taken::AskingForces).filter_map(|seat| {
+            let scratch = controls[seat.lane].take()?;
+            Some(Asking { lane: seat.lane, tracker: seat.member.episode.action.tracker_mut()?, scratch })
+        });
+        self.forces.allocate(asking);
     }
 
     /// Moves forces from outside along with the bodies on which they act.

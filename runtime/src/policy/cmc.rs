@@ -1,32 +1,45 @@
 //! Computed muscle control as a policy.
 
 use super::{ActsOn, Policy, PolicyContext, PolicyError};
-use crate::cmc::{Along, Offsets, Tracker};
+use crate::action::{ControlMemory, Controls};
+use crate::cmc::ControlError;
+use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
 
 /// Follows the reference motion of the task, or the script of its demonstration; without one it holds the posture that an episode begins
 /// with. It acts on the muscles, whatever the action space of the task.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct ComputedMuscleControl {
-    tracker: Tracker,
+    along: BaseController,
+    /// Of the present episode.
+    controls: Option<Controls>,
+    /// For its body.
+    memory: ControlMemory,
+}
+
+impl Default for ComputedMuscleControl {
+    fn default() -> Self {
+        Self::along(BaseController::MuscleControl)
+    }
 }
 
 impl ComputedMuscleControl {
     /// Follows the schedule of poses with which the task's own tests show that it can succeed.
     pub fn demonstration() -> Self {
-        Self { tracker: Tracker::new(Along::Demonstration) }
+        Self::along(BaseController::Demonstration)
     }
 
-    fn unable(&self, reason: &impl ToString) -> PolicyError {
-        PolicyError::Unable { policy: self.name().to_owned(), reason: reason.to_string() }
+    fn along(along: BaseController) -> Self {
+        Self { along, controls: None, memory: ControlMemory::default() }
+    }
+
+    fn unable(&self, error: &ControlError) -> PolicyError {
+        PolicyError::Unable { policy: self.name().to_owned(), reason: error.to_string() }
     }
 }
 
 impl Policy for ComputedMuscleControl {
     fn name(&self) -> &str {
-        match self.tracker.along() {
-            Along::Reference => "cmc",
-            Along::Demonstration => "demonstration",
-        }
+        self.along.name()
     }
 
     fn acts_on(&self) -> ActsOn {
@@ -34,10 +47,25 @@ impl Policy for ComputedMuscleControl {
     }
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
-        self.tracker.reset(&context.moment()).map_err(|error| self.unable(&error))
+        // No target is moved.
+        let target = ActionTarget::MuscleControl(TrackingOffsets::default());
+        let space = ActionSpace { target, residual: Some(self.along), ..ActionSpace::default() };
+        let controls = self.controls.insert(Controls::new(context, space));
+        let ready = controls.reset(context);
+        self.memory = ControlMemory::default();
+        ready.map_err(|error| self.unable(&error))
+    }
+
+    fn controls(&mut self) -> Option<&mut Controls> {
+        self.controls.as_mut()
     }
 
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
-        self.tracker.act(&context.moment(), &Offsets::default(), action).map_err(|error| self.unable(&error))
+        let Self { controls, memory, .. } = self;
+        let acted = match controls {
+            Some(controls) => controls.act(context, &[], memory, action),
+            None => Err(ControlError::NotReset),
+        };
+        acted.map_err(|error| self.unable(&error))
     }
 }

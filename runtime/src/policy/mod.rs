@@ -19,6 +19,7 @@ pub use zero::Zero;
 
 pub use crate::action::ActsOn;
 
+use crate::action::Controls;
 use crate::body::Body;
 use crate::body::sensors::Snapshot;
 use crate::cmc::{Moment, Present};
@@ -98,6 +99,12 @@ pub trait Policy: Send {
     /// # Errors
     /// What keeps the policy from acting; the evaluation stops.
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError>;
+
+    /// What acts for it, if that is the same controls all the time and it gives them no entries: those of several episodes then
+    /// act [together](crate::episode::GroupScratch::control), to the bits of [`act`](Self::act).
+    fn controls(&mut self) -> Option<&mut Controls> {
+        None
+    }
 }
 
 /// Why a policy cannot act, or does not exist.

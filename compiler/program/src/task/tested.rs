@@ -31,13 +31,18 @@ impl TaskTests {
 
     /// The first script that moves and after which the task is expected to have succeeded.
     pub fn demonstration(&self) -> Option<&[Keyframe]> {
+        self.demonstrated().map(|take| take.script.as_slice())
+    }
+
+    /// The episode of that script, with what it decides of what is drawn.
+    pub fn demonstrated(&self) -> Option<&Take> {
         self.tests.iter().filter(|test| !test.cheat).find_map(|test| {
             let success = |expectation: &&Expectation| expectation.source == "success";
             let take = test.expectations.iter().filter(success).find_map(|expectation| {
                 let Check::Holds { reading, .. } = &expectation.check else { return None };
                 test.takes.get(reading.take)
             })?;
-            (take.script.len() > 1 && take.run.is_none()).then_some(take.script.as_slice())
+            (take.script.len() > 1 && take.run.is_none()).then_some(take)
         })
     }
 }

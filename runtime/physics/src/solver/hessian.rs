@@ -3,7 +3,6 @@
 
 use super::{
     Newton, Parts,
-    path_matrix::PathPattern,
     together::{factor_limit, update_cost},
 };
 use crate::{
@@ -12,6 +11,7 @@ use crate::{
         jacobian::{Block, Jacobian, MOST_BASE_ROWS, Shape},
     },
     model::Model,
+    path_matrix::PathPattern,
 };
 
 /// Multiples of the Hessian's diagonal that are added where it fails: the first, the factor between two, and the last.

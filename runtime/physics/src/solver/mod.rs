@@ -12,7 +12,7 @@
 //! the same optimum from this one.
 //!
 //! 1. start from the last step's acceleration;
-//! 2. factor the Hessian M + J'DJ of the active set, on the tree's own sparsity (`path_matrix`);
+//! 2. factor the Hessian M + J'DJ of the active set, on the tree's own sparsity ([`path_matrix`](crate::path_matrix));
 //! 3. step along Newton's direction to the exact minimum (`line_search`);
 //! 4. rows that entered or left the active set change the factor by rank-one updates where that is cheaper than factoring again;
 //!    contacts that slide on elliptic cones change their weight at every step, and the matrix is then factored anew.
@@ -29,7 +29,6 @@
 
 mod hessian;
 mod line_search;
-pub(crate) mod path_matrix;
 mod slots;
 pub(crate) mod together;
 
@@ -41,11 +40,11 @@ use super::{
     },
     fault::is_valid,
     inertia,
+    path_matrix::PathPattern,
 };
 use crate::model::Model;
 use crate::scalar::Real;
 use line_search::Line;
-use path_matrix::PathPattern;
 use std::sync::Arc;
 
 /// The unconstrained problem of one episode.

@@ -1,6 +1,7 @@
-//! The Hessian's sparsity: a tree again, but one in which the dofs of every constraint lie on one path.
+//! The sparsity of a mass matrix with couplings: a tree again, but one in which what is coupled lies on one path.
 //!
-//! The mass matrix has the sparsity of the kinematic tree ([`tree_matrix`](crate::tree_matrix)). A constraint adds entries between all dofs that it couples. If they lie on one root path nothing changes; if they lie
+//! The mass matrix has the sparsity of the kinematic tree ([`tree_matrix`](crate::tree_matrix)). A constraint, or a muscle, adds entries between
+//! all dofs that it couples. If they lie on one root path nothing changes; if they lie
 //! on two chains, eliminating them hangs the deeper chain onto the other one: the elimination tree of the sum (J. W. H. Liu,
 //! "The role of elimination trees in sparse factorization") is again a tree, with longer paths for some dofs. Padding every
 //! row to its whole path in that tree keeps all kernels below unchanged and contiguous: a row's entries are a prefix of the
@@ -11,7 +12,7 @@ use core::ops::Range;
 
 /// The pattern: a tree over the dofs, parents before children.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct PathPattern {
+pub struct PathPattern {
     /// Entries of every row among the values.
     pub row: Vec<Range<usize>>,
     /// Columns of all rows, ascending within a row, the diagonal last.
@@ -88,7 +89,7 @@ impl PathPattern {
     /// # Errors
     /// The first dof whose pivot is not positive and finite.
     #[inline(always)]
-    pub fn factor(&self, values: &mut [f64]) -> Result<(), usize> {
+    pub(crate) fn factor(&self, values: &mut [f64]) -> Result<(), usize> {
         self.layout().factor(values);
         let invalid = |row: &Range<usize>| !(values[row.end - 1] > 0.0 && values[row.end - 1].is_finite());
         self.row.iter().position(invalid).map_or(Ok(()), Err)
@@ -101,7 +102,7 @@ impl PathPattern {
     /// # Errors
     /// The dof whose pivot is not positive and finite.
     #[inline(always)]
-    pub fn update(&self, factor: &mut [f64], dof: usize, vector: &mut [f64], mut weight: f64) -> Result<(), usize> {
+    pub(crate) fn update(&self, factor: &mut [f64], dof: usize, vector: &mut [f64], mut weight: f64) -> Result<(), usize> {
         for (place, &row) in self.columns(dof).iter().enumerate().rev() {
             let first = vector[place];
             if first == 0.0 {

@@ -1,0 +1,200 @@
+//! Allocation: which muscles and ground forces together make the wanted generalised force.
+//!
+//! The problem is a bounded least-squares problem with a unique answer,
+//!
+//! > minimise ½ e' W e + ½ Σ rᵢ xᵢ²,   e = b - A x,   low ≤ x ≤ high,
+//!
+//! where W is the inverse of the effective inertia, so that an error counts by the accelerations that it causes (Gauss'
+//! principle). The unknowns are many (416 muscles, some tens of contact forces) and the rows few and short, so it is solved in
+//! its dual, over the multiplier y = W e: by Newton's method ([`newton`]) from the previous control step's y. Where that takes
+//! long, because many unknowns change bounds, an [`interior`] point method finds the neighbourhood of the answer and Newton's method the rest.
+//!
+//! W⁻¹ and the squares of the columns have entries only between coordinates on one path of the body's tree, or of one that its muscles have
+//! made longer, so a factorisation takes a tenth of a dense one. All is written over [`Real`]: with lanes every operation serves
+//! the problems of several episodes ([`together`]).
+
+mod columns;
+mod interior;
+mod newton;
+mod together;
+
+pub(super) use columns::Columns;
+pub(super) use together::{Member, Slot, Together};
+
+use interior::{Interior, Target};
+use msk_physics::Instructions;
+use msk_physics::path_matrix::PathPattern;
+use msk_physics::scalar::Real;
+use newton::{Newton, Search};
+
+/// Bounds and cost of one unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Unknown<T> {
+    pub low: T,
+    pub high: T,
+    /// r, positive.
+    pub cost: T,
+}
+
+/// What is shared out, and among what.
+#[derive(Clone, Copy)]
+pub(super) struct Problem<'a, T> {
+    /// Where W⁻¹, and the squares of the columns, have entries.
+    pub pattern: &'a PathPattern,
+    /// W⁻¹.
+    pub inertia: &'a [T],
+    /// A, with one column for each of the unknowns.
+    pub columns: &'a Columns<T>,
+    pub unknowns: &'a [Unknown<T>],
+    /// b.
+    pub wanted: &'a [T],
+    /// Number of unknowns: a lane may lack some, whose columns are zero there.
+    pub count: T,
+}
+
+impl<T: Real> Problem<'_, T> {
+    /// What errors are measured by: the largest of b, or 1.
+    #[inline(always)]
+    fn scale(&self) -> T {
+        largest(self.wanted).at_least(T::splat(1.0))
+    }
+}
+
+/// The largest size among the values, or 0.
+#[inline(always)]
+fn largest<T: Real>(values: &[T]) -> T {
+    let mut largest = T::splat(0.0);
+    for value in values {
+        T::apart();
+        largest = largest.at_least(value.abs());
+    }
+    largest
+}
+
+/// What of an allocation the next one begins with.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Memory {
+    /// y: the acceleration that the remaining error would cause.
+    multiplier: Vec<f64>,
+    /// Whether Newton's method alone did not find the last answer.
+    violent: bool,
+}
+
+impl Memory {
+    /// That of a body of so many rows at rest.
+    pub fn new(rows: usize) -> Self {
+        Self { multiplier: vec![0.0; rows], violent: false }
+    }
+}
+
+/// The solver of one problem, or of those in lanes.
+#[derive(Debug, Clone)]
+pub(super) struct Allocation<T: Real> {
+    multiplier: Vec<T>,
+    violent: T::Mask,
+    /// The unknowns, one per column.
+    x: Vec<T>,
+    newton: Newton<T>,
+    interior: Interior<T>,
+}
+
+/// How closely an answer is searched for. Unknowns keep their bounds with any.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Effort {
+    /// Relative size of F at which the answer is taken.
+    tolerance: f64,
+    /// Newton steps from the last answer, after which the interior-point method is tried.
+    first: usize,
+    /// What that has to reach.
+    target: Target,
+    /// Newton steps at most after that; two are usual.
+    last: usize,
+}
+
+/// Steps of the interior-point method that show a state in which Newton's method takes fewer.
+const CALM: f64 = 5.0;
+
+impl Effort {
+    /// For what is acted on.
+    pub const EXACT: Self = Self { tolerance: 1e-7, first: 8, target: Target { gap: 1e-10, residual: 1e-7 }, last: 80 };
+    /// For what is only imagined: the forces on the joints are right to a thousandth, while muscles that could stand in for each
+    /// other share less evenly.
+    pub const ROUGH: Self = Self { tolerance: 1e-5, first: 4, target: Target { gap: 1e-5, residual: 1e-4 }, last: 0 };
+}
+
+impl<T: Real> Allocation<T> {
+    /// Memory for systems of `rows` rows.
+    pub fn new(rows: usize) -> Self {
+        Self {
+            multiplier: vec![T::splat(0.0); rows],
+            violent: T::mask(|_| false),
+            x: Vec::new(),
+            newton: Newton::new(rows),
+            interior: Interior::new(rows),
+        }
+    }
+
+    /// Fills `x`, from the multiplier on; gives the lanes whose answer has the tolerance of the effort.
+    fn search(&mut self, problem: &Problem<'_, T>, effort: Effort) -> T::Mask {
+        let Effort { tolerance, first, target, last } = effort;
+        self.x.clear();
+        self.x.resize(problem.unknowns.len(), T::splat(0.0));
+        // What was violent a control step ago still is.
+        let found = self.newton(problem, tolerance, first, T::not(self.violent));
+        let waits = T::not(found);
+        self.violent = waits;
+        if !T::any(waits) {
+            return found;
+        }
+        let steps = self.interior.solve(problem, target, waits, &mut self.x, &mut self.multiplier);
+        self.violent = T::and(waits, T::splat(CALM).less(steps));
+        if last > 0 { T::or(found, self.newton(problem, tolerance, last, waits)) } else { found }
+    }
+
+    /// Newton steps in the lanes that try, `most` at most, after which `x` is what the multiplier asks for; gives the lanes in which it
+    /// is the answer.
+    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, most: usize, tries: T::Mask) -> T::Mask {
+        let Self { newton, multiplier, x, .. } = self;
+        Instructions::default().run(Search { newton, problem, tolerance, most, tries, multiplier, x })
+    }
+
+    /// Begins all lanes at rest.
+    fn forget(&mut self) {
+        self.multiplier.fill(T::splat(0.0));
+        self.violent = T::mask(|_| false);
+    }
+
+    /// Begins a lane where `memory` has ended.
+    fn recall(&mut self, lane: usize, memory: &Memory) {
+        for (own, &value) in self.multiplier.iter_mut().zip(&memory.multiplier) {
+            own.set_lane(lane, value);
+        }
+        let violent = self.violent;
+        self.violent = T::mask(|other| if other == lane { memory.violent } else { T::holds(violent, other) });
+    }
+
+    /// Ends a lane.
+    fn remember(&self, lane: usize, memory: &mut Memory) {
+        for (value, own) in memory.multiplier.iter_mut().zip(&self.multiplier) {
+            *value = own.lane(lane);
+        }
+        memory.violent = T::holds(self.violent, lane);
+        // What is not finite would never become finite again.
+        if !memory.multiplier.iter().all(|value| value.is_finite()) {
+            memory.multiplier.fill(0.0);
+        }
+    }
+}
+
+impl Allocation<f64> {
+    /// Shares out one problem; gives the unknowns, and whether they are the answer.
+    pub fn solve(&mut self, problem: &Problem<'_, f64>, effort: Effort, memory: &mut Memory) -> (&[f64], bool) {
+        self.recall(0, memory);
+        let found = self.search(problem, effort);
+        self.remember(0, memory);
+        (&self.x, found)
+    }
+}
+
+#[cfg(test)]
+mod tests;
