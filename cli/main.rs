@@ -7,6 +7,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod check;
+mod collect;
 mod condition;
 mod diff;
 mod draw;
@@ -32,6 +33,7 @@ mod project;
 mod ranking;
 mod renamed;
 mod run;
+mod sensitivity;
 mod snapshot;
 mod test;
 mod texts;
@@ -64,12 +66,14 @@ enum Command {
     Lsp(lsp::Args),
     Run(run::Args),
     Eval(eval::Args),
+    Collect(collect::Args),
     Test(test::Args),
     Mutate(mutate::Args),
     Exploit(exploit::Args),
     Vocabulary(vocabulary::Args),
     Weights(weights::Args),
     Tune(tune::Args),
+    Sensitivity(sensitivity::Args),
     Mcp(mcp::Args),
     Draw(draw::Args),
     Motion(motion::Args),
@@ -89,12 +93,14 @@ impl Command {
             Self::Lsp(args) => lsp::run(args),
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
+            Self::Collect(args) => collect::run(args),
             Self::Test(args) => test::run(args),
             Self::Mutate(args) => mutate::run(args),
             Self::Exploit(args) => exploit::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),
             Self::Weights(args) => weights::run(args),
             Self::Tune(args) => tune::run(args),
+            Self::Sensitivity(args) => sensitivity::run(args),
             Self::Mcp(args) => mcp::run(args),
             Self::Draw(args) => draw::run(args),
             Self::Motion(args) => motion::run(args),

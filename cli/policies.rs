@@ -46,6 +46,11 @@ impl<'p> Recorder<'p> {
         Self { policy, actions: Vec::new(), width: 0 }
     }
 
+    /// The actions since the reset, one after the other, and the number of entries of each.
+    pub fn actions(&self) -> (&[f64], usize) {
+        (&self.actions, self.width)
+    }
+
     /// Writes the actions as `replay` reads them: a NumPy array of doubles, a row per control step, a column per entry of an action.
     ///
     /// # Errors

@@ -15,14 +15,6 @@ use std::sync::Arc;
 /// The suite at the root of a project.
 pub const SUITE: &str = "tasks.msk";
 
-/// The argument that names a policy: results know it by its present name.
-///
-/// # Errors
-/// Never: a policy that does not exist is reported where it is made, with the list of those that do.
-pub fn policy_name(name: &str) -> Result<String, std::convert::Infallible> {
-    Ok(msk::runtime::policy::present_name(name).to_owned())
-}
-
 /// A compiled file and the bodies that its tasks run on.
 pub struct Project {
     /// Tasks and suites.

@@ -4,7 +4,8 @@ use crate::condition::Condition;
 use crate::error::{Error, FAILURE};
 use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
-use crate::project::{Project, Settings as Parameters, policy_name};
+use crate::policies::Limits;
+use crate::project::{Project, Settings as Parameters};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use msk::compiler::numbers::{beside, for_people};
 use msk::evaluate::EpisodeRecord;
@@ -31,14 +32,21 @@ pub struct Args {
     /// (command, environment) or kind = "rules"
     #[arg(long, default_value = "rules", value_name = "rules | FILE")]
     reasoner: String,
-    /// The policy: cmc, demonstration, zero, random
-    #[arg(long, default_value = "cmc", value_parser = policy_name)]
+    /// The policy: plan (search on the reward itself: "plan fast", "plan good", "plan best" or "plan FILE" with settings). Others, as
+    /// `msk run --policy` names them, do the same whatever the weights are; they are accepted with --rehearse only
+    #[arg(long, default_value = "plan", value_name = "POLICY")]
     policy: String,
     #[command(flatten)]
+    limits: Limits,
+    /// Accept a policy whose behaviour does not depend on the weights, to try out a reasoner in little time: scores then differ by
+    /// chance alone
+    #[arg(long)]
+    rehearse: bool,
+    #[command(flatten)]
     condition: Condition,
-    /// Control steps of a round, of all workers together
-    #[arg(long, default_value_t = 20_000, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
-    interval: u64,
+    /// Control steps of a round, of all workers together [default: 3000 of a policy that plans, else 20000]
+    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
+    interval: Option<u64>,
     /// Maximal number of rounds
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     rounds: u64,
@@ -79,6 +87,10 @@ pub struct Args {
     parameters: Parameters,
 }
 
+/// Control steps of a round by default: of a policy that imagines hundreds of steps for each, and of another.
+const PLANNED: u64 = 3_000;
+const PLAYED: u64 = 20_000;
+
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Scope {
     /// All terms that are not fixed
@@ -102,7 +114,14 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (project, mut trial) = Project::find(&args.task, &args.parameters.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
     args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
-    msk::runtime::policy::create(&args.policy)?;
+    let policy = args.limits.source(&args.policy)?;
+    if !policy.reacts_to_weights() && !args.rehearse {
+        let message =
+            format!("`{}` does the same whatever the weights are, so tuning them cannot improve what it does", policy.name());
+        let hint = "use `--policy plan`, or `--rehearse` to try out a reasoner all the same; a learner reads weights.toml (docs/weights.md)";
+        return Err(Error::new(message).hint(hint));
+    }
+    let interval = args.interval.unwrap_or(if policy.reacts_to_weights() { PLANNED } else { PLAYED });
     let reasoner: Box<dyn Reasoner> = match args.reasoner.as_str() {
         "rules" => Box::new(RuleBook),
         file => from_file(Path::new(file), |name| std::env::var(name).ok())?,
@@ -113,9 +132,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         outside.extend(terms.filter(|(term, _)| trial.task.is_terminal(*term)).map(|(_, term)| term.name.clone()));
     }
     let settings = Settings {
-        policy: args.policy.clone(),
+        policy,
         seed: args.seed,
-        interval: args.interval,
+        interval,
         rules: KeptRules { step: args.step, norm: args.norm },
         outside,
         objective: Objective::parse(&args.objective),
@@ -130,7 +149,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Some(folder) => folder,
         None => crate::eval::fresh_folder(&format!("{}-tune", trial.task.name))?,
     };
-    let progress = Progress::new(args.interval);
+    let progress = Progress::new(interval);
     let bar = progress.bar.clone();
     let mut session = Session::open(&folder, settings, trial, move |message| bar.suspend(|| print(message)))?;
     if !session.rounds().is_empty() {
@@ -152,7 +171,8 @@ fn finish(session: &Session, ended: Ended, interrupt: &Interrupt) -> Result<Exit
         writeln!(out, "{}", line(round))?;
     }
     if let Some(best) = session.best() {
-        writeln!(out, "\nBest: round {} with score {}: `{folder}/best.toml`", best.round, for_people(best.score))?;
+        let (round, score) = (best.round, for_people(best.score));
+        writeln!(out, "\nBest: round {round} with score {score} ({}): `{folder}/best.toml`", session.objective())?;
         writeln!(out, "Use it with `--weights {folder}/best.toml`, or write it into the source with `msk weights apply`.")?;
     }
     match ended {

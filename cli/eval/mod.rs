@@ -153,8 +153,8 @@ impl Evaluation<'_> {
         )?;
         progress.finish();
         let summary = Summary::of(plan, &outcome.records).with_skipped(&outcome.skipped);
-        journal.write("summary.json", &summary.json()).map_err(explain)?;
-        journal.write("report.md", &report::markdown(&summary)).map_err(explain)?;
+        journal.write("summary.json", summary.json()).map_err(explain)?;
+        journal.write("report.md", report::markdown(&summary)).map_err(explain)?;
         if !outcome.interrupted {
             pages::write(&self.args.html, plan, &outcome.records, &journal, self.interrupt.stop())?;
         }

@@ -57,6 +57,8 @@ fn commands_end_with_the_codes_of_the_page() {
         (0, &["weights", "set", "lean.msk", "pose=11", "--dry-run"]),
         (1, &["weights", "set", "lean.msk", "pose=-1"]),
         (2, &["weights", "set", "lean.msk", "pose"]),
+        (1, &["collect", "broken.msk"]),
+        (1, &["sensitivity", "broken.msk"]),
         (1, &["tune", "broken.msk"]),
         (2, &["tune", "lean.msk", "--interval", "0"]),
         (0, &["draw", "--out", "picture.svg"]),

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod check;
+mod collect;
 mod diff;
 mod empty;
 mod eval;
@@ -19,6 +20,7 @@ mod new;
 mod policies;
 mod project;
 mod run;
+mod sensitivity;
 mod special_files;
 mod test;
 mod tune;

@@ -4,7 +4,7 @@ use super::project::{LEAN, Project};
 use serde_json::Value;
 
 fn tune(project: &Project, more: &[&str]) -> super::project::Done {
-    let arguments = ["tune", "lean", "--policy", "random", "--interval", "25", "--rounds", "2", "--out", "out"];
+    let arguments = ["tune", "lean", "--policy", "random", "--rehearse", "--interval", "25", "--rounds", "2", "--out", "out"];
     project.msk(&[&arguments[..], more].concat())
 }
 
@@ -39,7 +39,8 @@ fn a_program_may_be_the_reasoner_and_its_failure_stops_the_session_if_that_is_wi
     let done = tune(&project, &["--reasoner", "reasoner.toml"]).succeeded();
     assert!(done.out.contains("pose 10 -> 11"), "{}", done.out);
     project.write("broken.toml", "kind = \"process\"\ncommand = [\"false\"]\n");
-    let arguments = ["tune", "lean", "--policy", "zero", "--interval", "5", "--out", "other", "--reasoner", "broken.toml"];
+    let arguments =
+        ["tune", "lean", "--policy", "zero", "--rehearse", "--interval", "5", "--out", "other", "--reasoner", "broken.toml"];
     project.msk(&[&arguments[..], &["--on-failure", "stop"]].concat()).failed(1, &["it ended with code 1"]);
     assert_eq!(project.read("other/rounds.jsonl").lines().count(), 1);
 }
@@ -56,6 +57,36 @@ fn what_makes_no_sense_is_reported() {
         "kind = \"http\"\nurl = \"https://example.org/v1\"\nmodel = \"m\"\nkey_variable = \"MSK_NO_SUCH_KEY\"\n",
     );
     tune(&project, &["--reasoner", "http.toml"]).failed(1, &["environment variable `MSK_NO_SUCH_KEY`"]);
+}
+
+#[test]
+fn a_policy_that_does_not_react_to_weights_is_refused() {
+    let project = Project::lean();
+    for policy in ["cmc", "zero", "demonstration"] {
+        let refused = project.msk(&["tune", "lean", "--policy", policy, "--out", "out"]);
+        refused.failed(1, &[&format!("`{policy}` does the same whatever the weights are"), "`--policy plan`", "--rehearse"]);
+    }
+}
+
+/// What is asked for decides what is done: with the weights of a round the body does what these reward.
+#[test]
+fn a_plan_is_tuned() {
+    let project = Project::lean();
+    let quick = "samples = 4\nhorizon = 0.05\ntail = 0.0\nfirst_rounds = 1\nreplan = 5\n";
+    project.write("quick.toml", quick);
+    let arguments = ["tune", "lean", "--policy", "plan quick.toml", "--interval", "20", "--rounds", "2", "--out", "out"];
+    let done = project.msk(&arguments).succeeded();
+    assert!(done.out.contains("round 2: score"), "{}", done.out);
+    let log = project.read("out/rounds.jsonl");
+    // Again from the beginning: the same statistics.
+    let again = Project::lean();
+    again.write("quick.toml", quick);
+    again.msk(&arguments).succeeded();
+    let statistics = |log: &str| {
+        let rounds = log.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        rounds.map(|round| round["statistics"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(statistics(&again.read("out/rounds.jsonl")), statistics(&log));
 }
 
 /// The finding: a key that an endpoint gave back as the name of a weight stood in the log and on the terminal.
@@ -92,7 +123,7 @@ fn a_key_that_an_endpoint_repeats_is_shown_nowhere() {
             reader.get_mut().write_all((head + &body).as_bytes()).unwrap();
         }
     });
-    let arguments = ["tune", "lean", "--policy", "zero", "--interval", "5", "--rounds", "3", "--out", "out"];
+    let arguments = ["tune", "lean", "--policy", "zero", "--rehearse", "--interval", "5", "--rounds", "3", "--out", "out"];
     let mut command = project.command(&[&arguments[..], &["--reasoner", "http.toml"]].concat());
     let done = super::project::Done::from(command.env("MSK_TEST_KEY", KEY).output().unwrap()).succeeded();
     server.join().unwrap();

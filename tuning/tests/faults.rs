@@ -4,6 +4,7 @@
 use crate::support;
 
 use msk_evaluate::{EpisodeRecord, Trial};
+use msk_runtime::policy::PolicySource;
 use msk_storage::{FailAt, Failure, Folder};
 use msk_tuning::reasoner::RuleBook;
 use msk_tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, SessionError, Settings, Watcher};
@@ -160,7 +161,7 @@ impl Watcher for NoWatcher {
 
 fn run(folder: &Folder, trial: &Trial) -> Result<Ended, SessionError> {
     let settings = Settings {
-        policy: "zero".into(),
+        policy: PolicySource::built_in("zero").unwrap(),
         seed: 3,
         interval: 5,
         rules: KeptRules { step: 0.2, norm: None },

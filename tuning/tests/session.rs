@@ -3,6 +3,7 @@
 use crate::support;
 
 use msk_evaluate::{EpisodeRecord, Trial};
+use msk_runtime::policy::PolicySource;
 use msk_tuning::reasoner::{Proposal, Reasoner, ReasonerError, Request, RuleBook};
 use msk_tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, SessionError, Settings, Watcher};
 use std::num::NonZeroUsize;
@@ -12,7 +13,7 @@ use support::trial;
 
 fn settings() -> Settings {
     Settings {
-        policy: "random".into(),
+        policy: PolicySource::built_in("random").unwrap(),
         seed: 3,
         interval: 25,
         rules: KeptRules { step: 0.2, norm: None },

@@ -26,6 +26,10 @@ impl PolicyMaker for Maker {
         1
     }
 
+    fn reacts_to_weights(&self) -> bool {
+        true
+    }
+
     fn open<'a>(&self, stop: &'a AtomicBool) -> Result<Box<dyn Policy + 'a>, PolicyError> {
         Ok(Box::new(Planner::new(self.name.clone(), self.settings.clone(), stop)))
     }

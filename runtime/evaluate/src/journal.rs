@@ -158,8 +158,8 @@ impl Journal {
     ///
     /// # Errors
     /// The operating system refuses, or the file is read-only.
-    pub fn write(&self, name: &str, text: &str) -> Result<(), JournalError> {
-        self.folder.replace(Path::new(name), text.as_bytes()).map_err(|source| self.unusable(source))
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), JournalError> {
+        self.folder.replace(Path::new(name), content.as_ref()).map_err(|source| self.unusable(source))
     }
 
     /// The folder.

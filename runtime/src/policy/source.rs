@@ -27,6 +27,11 @@ pub trait PolicyMaker: core::fmt::Debug + Send + Sync {
         usize::MAX
     }
 
+    /// Whether what it does depends on the weights of the task.
+    fn reacts_to_weights(&self) -> bool {
+        false
+    }
+
     /// A policy of its own for one episode at a time. One that takes long gives up when `stop` becomes true.
     ///
     /// # Errors
@@ -123,6 +128,11 @@ impl PolicySource {
             Kind::Made(maker) => maker.most_at_once(),
             Kind::BuiltIn | Kind::Network(_) | Kind::Replay { .. } => usize::MAX,
         }
+    }
+
+    /// Whether what it does depends on the weights of the task: of the others, edited weights change what is counted and not what is done.
+    pub fn reacts_to_weights(&self) -> bool {
+        matches!(&self.kind, Kind::Made(maker) if maker.reacts_to_weights())
     }
 
     /// A policy of its own for one episode at a time. One that waits for a process gives up when `stop` becomes true.

@@ -29,7 +29,6 @@ use log::{Log, LogError};
 use msk_compiler::weights::rules::{RuleError, Weight, normalized};
 use msk_compiler::weights::{Bounds, Problem};
 use msk_evaluate::{EpisodeRecord, EvaluationError, Journal, JournalError, Plan, Protocol, RunSettings, Trial};
-use msk_runtime::policy::PolicySource;
 use msk_storage::{Folder, StorageError};
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -154,7 +153,7 @@ impl Session {
         let first = settings.first_weights(&trial.task, &in_scope)?;
         let plan = Plan {
             trials: vec![trial.clone()],
-            policy: PolicySource::built_in(&settings.policy).map_err(EvaluationError::from)?,
+            policy: settings.policy.clone(),
             // How many episodes there will be is not known beforehand.
             protocol: Protocol { episodes: 0, seed: settings.seed },
         };
@@ -184,6 +183,11 @@ impl Session {
             Some(best) if round.score <= best.score => Some(best),
             _ => Some(round),
         })
+    }
+
+    /// What makes one round better than another, in words.
+    pub fn objective(&self) -> String {
+        self.settings.objective.described()
     }
 
     /// The folder.

@@ -4,7 +4,7 @@ use super::Watcher;
 use crate::live::Live;
 use msk_evaluate::{EpisodeRecord, EvaluationError, Feed, Journal, Trial, play};
 use msk_runtime::episode::EpisodeKey;
-use msk_runtime::policy;
+use msk_runtime::policy::{PolicyError, PolicySource};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 /// Where a round is played.
 pub(super) struct Hall<'a> {
     pub trial: &'a Trial,
-    pub policy: &'a str,
+    pub policy: &'a PolicySource,
     pub seed: u64,
     /// Control steps of all workers together.
     pub interval: u64,
@@ -73,7 +73,7 @@ impl Hall<'_> {
     }
 
     fn play_on(&self, count: &Mutex<Count>, over: &AtomicBool) -> Result<(), EvaluationError> {
-        let mut policy = policy::create(self.policy)?;
+        let mut policy = self.policy.open(self.stop)?;
         let mut episode = self.trial.episode()?;
         let lock = || count.lock().unwrap_or_else(PoisonError::into_inner);
         let stepped = || {
@@ -91,7 +91,11 @@ impl Hall<'_> {
             let fed = self.feed.weights(&self.trial.task);
             fed.apply(&mut episode);
             let key = EpisodeKey { seed: self.seed, episode: index };
-            let Some(mut record) = play(self.trial, &mut episode, key, policy.as_mut(), over, stepped)? else { break };
+            let mut record = match play(self.trial, &mut episode, key, policy.as_mut(), over, stepped) {
+                Ok(Some(record)) => record,
+                Ok(None) | Err(EvaluationError::Policy(PolicyError::Interrupted)) => break,
+                Err(error) => return Err(error),
+            };
             fed.note(self.trial, &mut record);
             let mut count = lock();
             count.early.insert(index, record);

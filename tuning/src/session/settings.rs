@@ -6,6 +6,7 @@ use msk_compiler::task::CompiledTask;
 use msk_compiler::weights::rules::Rules;
 use msk_compiler::weights::{Bounds, Problem};
 use msk_evaluate::Trial;
+use msk_runtime::policy::PolicySource;
 use msk_storage::Folder;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -15,10 +16,10 @@ use std::path::Path;
 const LARGEST: u64 = 1 << 20;
 
 /// How a session is run. What it may spend may differ from one call to the next; the rest is its identity.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Settings {
-    /// Name of the policy that plays.
-    pub policy: String,
+    /// The policy that plays.
+    pub policy: PolicySource,
     /// Seed of all chance.
     pub seed: u64,
     /// Control steps of a round, of all workers together.
@@ -148,7 +149,7 @@ impl Settings {
             "task": trial.task.name,
             "task_hash": trial.task.hash,
             "model_hash": trial.body.hash(),
-            "policy": self.policy,
+            "policy": self.policy.name(),
             "seed": self.seed,
             "interval": self.interval,
             "rules": self.rules,

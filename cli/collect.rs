@@ -1,0 +1,139 @@
+//! `msk collect TASK`: episodes under a policy as a data set for learners.
+
+mod recording;
+
+use crate::condition::Condition;
+use crate::error::Error;
+use crate::eval;
+use crate::interrupt::Interrupt;
+use crate::overlays::Overlays;
+use crate::policies::{Limits, Recorder};
+use crate::progress;
+use crate::project::{Project, Settings};
+use msk::evaluate::{EpisodeRecord, EvaluationError, Journal, Plan, Protocol, RunSettings, Trial, play_watched};
+use msk::runtime::episode::{Environment, EpisodeKey};
+use msk::runtime::policy::PolicyError;
+use recording::{LAYOUT, Recording, layout};
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Play episodes under a policy and keep them as a data set: observations, actions, rewards and terms of every control step
+///
+/// Each episode becomes a NumPy file EPISODE.npz in the folder of the data set, with a row per control step. data.json names the
+/// columns with their units, run.json has the settings, episodes.jsonl a line per episode with its return and whether it succeeded. With
+/// --out, a folder that contains part of the same data set is completed.
+///
+/// Exit code 0 if all episodes are there, 1 after a failure, 2 for an invalid command line; 130, 143 or 129 after SIGINT, SIGTERM
+/// or SIGHUP, which keep all completed episodes.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Name of a task in tasks.msk, a file with one task, or FILE@TASK
+    task: String,
+    /// The policy, as `msk run --policy` names it
+    #[arg(long, default_value = "plan", value_name = "POLICY")]
+    policy: String,
+    #[command(flatten)]
+    limits: Limits,
+    #[command(flatten)]
+    condition: Condition,
+    /// Number of episodes
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    episodes: u64,
+    /// Random seed
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Folder of the data set [default: a new one under results/]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    overlays: Overlays,
+    #[command(flatten)]
+    settings: Settings,
+}
+
+/// Plays the missing episodes.
+///
+/// # Errors
+/// Errors in the file, a policy that does not exist or does not support the task, or a folder that cannot be written.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let (project, mut trial) = Project::find(&args.task, &args.settings.settings)?;
+    args.condition.apply(std::slice::from_mut(&mut trial))?;
+    args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
+    let policy = args.limits.source(&args.policy)?;
+    let protocol = Protocol { episodes: args.episodes, seed: args.seed };
+    let plan = Plan { trials: vec![trial], policy, protocol };
+    let name = format!("{}-data-{}", plan.trials[0].task.name, eval::in_path(plan.policy.name()));
+    let folder = args.out.clone().map_or_else(|| eval::fresh_folder(&name), Ok)?;
+    let (journal, done) = Journal::open(&folder, &RunSettings::of(&plan)).map_err(eval::explain)?;
+    let interrupt = Interrupt::listen()?;
+    let collected = Collection { plan: &plan, journal: &journal, interrupt: &interrupt }.complete(done)?;
+    let Some(records) = collected else {
+        writeln!(io::stderr(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
+        return Ok(interrupt.code());
+    };
+    let steps: u64 = records.iter().map(|record| u64::from(record.steps)).sum();
+    let successes = records.iter().filter(|record| record.success).count();
+    let mean = records.iter().map(|record| record.total).sum::<f64>() / records.len() as f64;
+    let mut out = io::stdout().lock();
+    let numbers = format!("{} episodes, {steps} control steps, {successes} successes, mean return {mean:.1}", records.len());
+    writeln!(out, "{numbers}\nData: {}", folder.display())?;
+    writeln!(out, "      data.json names the columns, episodes.jsonl has a line per episode")?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A data set that is being made.
+struct Collection<'a> {
+    plan: &'a Plan,
+    journal: &'a Journal,
+    interrupt: &'a Interrupt,
+}
+
+impl Collection<'_> {
+    /// Plays the episodes that are not `done`; gives all, or `None` after an interruption.
+    fn complete(&self, done: Vec<EpisodeRecord>) -> Result<Option<Vec<EpisodeRecord>>, Error> {
+        let Plan { trials, policy: source, protocol } = self.plan;
+        let trial = &trials[0];
+        let mut policy = Recorder::new(source.open(self.interrupt.stop())?);
+        let mut environment = trial.episode()?;
+        let there: BTreeSet<u64> = done.iter().map(|record| record.episode).collect();
+        let mut records = done;
+        for episode in (0..protocol.episodes).filter(|episode| !there.contains(episode)) {
+            let key = EpisodeKey { seed: protocol.seed, episode };
+            let Some(record) = self.play(trial, key, &mut environment, &mut policy)? else { return Ok(None) };
+            let outcome = if record.success { "success" } else { "no success" };
+            writeln!(io::stderr(), "episode {episode}: {} steps, return {:.1}, {outcome}", record.steps, record.total)?;
+            records.push(record);
+        }
+        Ok(Some(records))
+    }
+
+    /// Plays one episode and keeps it: its arrays first, then the line that says that they are whole.
+    fn play(
+        &self,
+        trial: &Trial,
+        key: EpisodeKey,
+        environment: &mut Environment,
+        policy: &mut Recorder<'_>,
+    ) -> Result<Option<EpisodeRecord>, Error> {
+        let steps = progress::steps(trial.task.horizon);
+        let mut recording = Recording::default();
+        let mut watch = |environment: &Environment| {
+            steps.set_position(environment.steps().into());
+            recording.look(environment);
+        };
+        let played = play_watched(trial, environment, key, policy, self.interrupt.stop(), &mut watch);
+        steps.finish_and_clear();
+        let record = match played {
+            Ok(Some(record)) => record,
+            Ok(None) | Err(EvaluationError::Policy(PolicyError::Interrupted)) => return Ok(None),
+            Err(error) => return Err(error.into()),
+        };
+        let archive = recording.archive(policy.actions(), &record)?;
+        self.journal.write(LAYOUT, layout(environment, policy)?).map_err(eval::explain)?;
+        self.journal.write(&format!("{:04}.npz", key.episode), archive).map_err(eval::explain)?;
+        self.journal.append(&record).map_err(eval::explain)?;
+        Ok(Some(record))
+    }
+}

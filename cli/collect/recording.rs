@@ -1,0 +1,124 @@
+//! The arrays of an episode, and what their columns are.
+
+use crate::error::Error;
+use crate::policies::Recorder;
+use msk::compiler::task::Channel;
+use msk::evaluate::EpisodeRecord;
+use msk::runtime::episode::{Ending, Environment, single_precision};
+use msk::runtime::policy::{ActsOn, Policy};
+use npyz::npz::NpzWriter;
+use npyz::zip::{DateTime, write::FileOptions};
+use npyz::{AutoSerialize, WriterBuilder};
+use serde_json::{Value, json};
+use std::io::{self, Cursor};
+
+/// The file that names the columns.
+pub const LAYOUT: &str = "data.json";
+
+/// What an episode was, step by step: row i of `observations` is what action i answers to, so there is one more of them.
+#[derive(Default)]
+pub struct Recording {
+    observations: Vec<f32>,
+    critic: Vec<f32>,
+    rewards: Vec<f64>,
+    terms: Vec<f64>,
+    /// Columns of each.
+    widths: [usize; 3],
+    steps: usize,
+    terminates: bool,
+    truncates: bool,
+}
+
+impl Recording {
+    /// Takes down what the last control step has come to, or the reset.
+    pub fn look(&mut self, environment: &Environment) {
+        let report = environment.report();
+        // Learners take observations in single precision.
+        self.observations.extend(environment.observation().iter().copied().map(single_precision));
+        self.critic.extend(environment.critic_observation().iter().copied().map(single_precision));
+        let [observation, critic] = [environment.observation(), environment.critic_observation()].map(<[f64]>::len);
+        self.widths = [observation, critic, environment.weights().len()];
+        if environment.steps() == 0 {
+            return;
+        }
+        self.steps += 1;
+        self.rewards.push(report.reward);
+        // A fault leaves no report.
+        let contribution = environment.last_weights().iter().zip(&report.terms).map(|(weight, value)| weight * value);
+        self.terms.extend(contribution.chain(std::iter::repeat(0.0)).take(environment.weights().len()));
+        self.truncates = matches!(environment.ending(), Some(Ending::Truncated));
+        self.terminates = environment.ending().is_some() && !self.truncates;
+    }
+
+    /// The arrays as a NumPy archive, with the actions of all steps.
+    ///
+    /// # Errors
+    /// More than an archive holds.
+    pub fn archive(&self, (actions, width): (&[f64], usize), record: &EpisodeRecord) -> Result<Vec<u8>, Error> {
+        let [observation, critic, terms] = self.widths;
+        let rows = self.steps;
+        let last = |ends: bool| (0..rows).map(|step| ends && step + 1 == rows).collect::<Vec<bool>>();
+        let mut bytes = Cursor::new(Vec::new());
+        let mut archive = Archive(NpzWriter::new(&mut bytes));
+        archive.add("observations", &self.observations, &[rows + 1, observation])?;
+        if critic > 0 {
+            archive.add("critic_observations", &self.critic, &[rows + 1, critic])?;
+        }
+        // In a step that met a fault the policy has acted, but nothing has come of it.
+        let actions = actions.get(..rows * width).unwrap_or(actions);
+        archive.add("actions", actions, &[rows, width])?;
+        archive.add("rewards", &self.rewards, &[rows])?;
+        archive.add("terms", &self.terms, &[rows, terms])?;
+        archive.add("terminations", &last(self.terminates), &[rows])?;
+        archive.add("truncations", &last(self.truncates), &[rows])?;
+        archive.add("success", &[record.success], &[1])?;
+        archive.0.zip_writer().finish()?;
+        drop(archive);
+        Ok(bytes.into_inner())
+    }
+}
+
+/// An archive that is being written.
+struct Archive<'a>(NpzWriter<&'a mut Cursor<Vec<u8>>>);
+
+impl Archive<'_> {
+    fn add<T: AutoSerialize + Copy>(&mut self, name: &str, values: &[T], shape: &[usize]) -> io::Result<()> {
+        let shape: Vec<u64> = shape.iter().map(|length| *length as u64).collect();
+        // The same episode has the same bytes whenever it is written.
+        let options = FileOptions::default().last_modified_time(DateTime::default());
+        let mut writer = self.0.array(name, options)?.default_dtype().shape(&shape).begin_nd()?;
+        writer.extend(values.iter().copied())?;
+        writer.finish()
+    }
+}
+
+/// What the columns are, as JSON.
+///
+/// # Errors
+/// Numbers that JSON does not have.
+pub fn layout(environment: &Environment, policy: &Recorder<'_>) -> Result<String, Error> {
+    let task = environment.task();
+    let part = |channel: &Channel| {
+        let Channel { name, offset, size, unit } = channel;
+        json!({ "name": name, "offset": offset, "size": size, "unit": unit })
+    };
+    let body = environment.engine().body();
+    let (acts_on, actions): (&str, Vec<String>) = match policy.acts_on() {
+        ActsOn::Task => ("task", task.action.names(&task.vocabulary)),
+        ActsOn::Muscles => ("muscles", body.muscles.iter().map(|muscle| muscle.name.clone()).collect()),
+    };
+    let terms = task.terms.iter().zip(environment.weights());
+    let terms: Vec<Value> = terms.map(|(term, weight)| json!({ "name": term.name, "weight": weight })).collect();
+    let layout = json!({
+        "task": task.name,
+        "task_hash": task.hash,
+        "policy": policy.name(),
+        "control_frequency": task.control_frequency,
+        "observations": task.channels.iter().map(part).collect::<Vec<_>>(),
+        "critic_observations": task.critic.iter().map(part).collect::<Vec<_>>(),
+        "acts_on": acts_on,
+        "actions": actions,
+        "terms": terms,
+    });
+    Ok(serde_json::to_string_pretty(&layout)? + "\n")
+}

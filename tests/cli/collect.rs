@@ -1,0 +1,72 @@
+//! `msk collect`: data sets.
+
+use super::project::Project;
+use npyz::npz::NpzArchive;
+use serde_json::Value;
+use std::fs;
+use std::path::PathBuf;
+
+const COMMAND: [&str; 8] = ["collect", "lean", "--policy", "random", "--episodes", "2", "--out", "data"];
+
+/// An array of an episode, with its shape.
+fn array<T: npyz::Deserialize>(project: &Project, episode: u64, name: &str) -> (Vec<u64>, Vec<T>) {
+    let file: PathBuf = project.path(&format!("data/{episode:04}.npz"));
+    let mut archive = NpzArchive::open(file).unwrap();
+    let array = archive.by_name(name).unwrap().unwrap_or_else(|| panic!("no array `{name}`"));
+    (array.shape().to_vec(), array.into_vec().unwrap())
+}
+
+#[test]
+fn every_step_of_every_episode_is_kept() {
+    let project = Project::lean();
+    let done = project.msk(&COMMAND).succeeded();
+    assert!(done.out.contains("2 episodes, 40 control steps, "), "{}", done.out);
+    let layout: Value = serde_json::from_str(&project.read("data/data.json")).unwrap();
+    let columns = |of: &str| layout[of].as_array().unwrap().iter().map(|part| part["size"].as_u64().unwrap()).sum::<u64>();
+    let count = |of: &str| layout[of].as_array().unwrap().len() as u64;
+    for episode in 0..2 {
+        let (shape, observations) = array::<f32>(&project, episode, "observations");
+        assert_eq!(shape, [21, columns("observations")]);
+        assert!(observations.iter().all(|value| value.is_finite()));
+        let (shape, actions) = array::<f64>(&project, episode, "actions");
+        assert_eq!(shape, [20, count("actions")]);
+        assert!(actions.iter().all(|action| (-1.0..=1.0).contains(action)));
+        let (shape, terms) = array::<f64>(&project, episode, "terms");
+        assert_eq!(shape, [20, count("terms")]);
+        let (_, rewards) = array::<f64>(&project, episode, "rewards");
+        for (reward, terms) in rewards.iter().zip(terms.chunks_exact(shape[1] as usize)) {
+            assert!((reward - terms.iter().sum::<f64>()).abs() < 1e-9);
+        }
+        let ends = ["terminations", "truncations"].map(|name| array::<bool>(&project, episode, name).1);
+        assert!(ends[0].iter().all(|ends| !ends) && ends[1].iter().filter(|ends| **ends).count() == 1 && ends[1][19]);
+        let record: Value =
+            serde_json::from_str(project.read("data/episodes.jsonl").lines().nth(episode as usize).unwrap()).unwrap();
+        assert!((record["return"].as_f64().unwrap() - rewards.iter().sum::<f64>()).abs() < 1e-9);
+        assert_eq!(array::<bool>(&project, episode, "success").1, [record["success"].as_bool().unwrap()]);
+    }
+}
+
+#[test]
+fn a_data_set_is_completed_to_the_same_bytes() {
+    let (project, whole) = (Project::lean(), Project::lean());
+    whole.msk(&COMMAND).succeeded();
+    project.msk(&["collect", "lean", "--policy", "random", "--episodes", "2", "--out", "data"]).succeeded();
+    // As if the second episode had not come to its line in the journal.
+    let lines = project.read("data/episodes.jsonl");
+    project.write("data/episodes.jsonl", &format!("{}\n", lines.lines().next().unwrap()));
+    project.write("data/0001.npz", "half of an archi");
+    project.msk(&COMMAND).succeeded();
+    for name in ["0000.npz", "0001.npz", "data.json", "run.json"] {
+        let bytes = |project: &Project| fs::read(project.path(&format!("data/{name}"))).unwrap();
+        assert_eq!(bytes(&project), bytes(&whole), "{name}");
+    }
+}
+
+#[test]
+fn another_policy_does_not_go_into_the_same_folder() {
+    let project = Project::lean();
+    project.msk(&COMMAND).succeeded();
+    let other = project.msk(&["collect", "lean", "--policy", "zero", "--episodes", "2", "--out", "data"]);
+    assert_eq!(other.code, Some(1));
+    assert!(other.err.contains("choose another folder"), "{}", other.err);
+}
