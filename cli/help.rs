@@ -1,4 +1,4 @@
-//! `msk help [COMMAND | CODE | LINT | lints | policies | exit-codes]`: what a command does, what a code or a lint means, which lints
+//! `msk help [COMMAND | CODE | LINT | lints | policies | training | exit-codes]`: what a command does, what a code or a lint means, which lints
 //! there are, how a policy of one's own is written, or what the program's exit codes mean.
 
 use crate::Cli;
@@ -14,12 +14,15 @@ const EXIT_CODES: &str = include_str!("../docs/exit-codes.md");
 /// How policies are written; `msk help policies` prints it.
 const POLICIES: &str = include_str!("../docs/policies.md");
 
+/// How agents are trained; `msk help training` prints it.
+const TRAINING: &str = include_str!("../docs/training.md");
+
 /// Explain a command, an error code such as E0203, a lint such as dead_at_reset, policies, or the exit codes; list all lints
 #[derive(clap::Args)]
 pub struct Args {
     /// A command, such as `eval`, a code, such as `E0203`, a lint, such as `dead_at_reset`, `lints` for the list of all,
-    /// `policies` for how to write one, or `exit-codes`; nothing for the list of commands
-    #[arg(value_name = "COMMAND | CODE | LINT | lints | policies | exit-codes")]
+    /// `policies` for how to write one, `training` for how agents are trained, or `exit-codes`; nothing for the list of commands
+    #[arg(value_name = "COMMAND | CODE | LINT | lints | policies | training | exit-codes")]
     topic: Vec<String>,
 }
 
@@ -33,6 +36,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         [topic] if has_page(topic) => write!(out, "{}", page_of(topic)?)?,
         [topic] if topic == "lints" => write!(out, "{}", table_of_lints())?,
         [topic] if topic == "policies" => write!(out, "{POLICIES}")?,
+        [topic] if topic == "training" => write!(out, "{TRAINING}")?,
         [topic] if topic == "exit-codes" => write!(out, "{EXIT_CODES}")?,
         names => write!(out, "{}", command_help(names)?)?,
     }

@@ -37,6 +37,7 @@ mod sensitivity;
 mod snapshot;
 mod test;
 mod texts;
+mod train;
 mod tune;
 mod vocabulary;
 mod weights;
@@ -72,6 +73,7 @@ enum Command {
     Exploit(exploit::Args),
     Vocabulary(vocabulary::Args),
     Weights(weights::Args),
+    Train(train::Args),
     Tune(tune::Args),
     Sensitivity(sensitivity::Args),
     Mcp(mcp::Args),
@@ -99,6 +101,7 @@ impl Command {
             Self::Exploit(args) => exploit::run(args),
             Self::Vocabulary(args) => vocabulary::run(args),
             Self::Weights(args) => weights::run(args),
+            Self::Train(args) => train::run(args),
             Self::Tune(args) => tune::run(args),
             Self::Sensitivity(args) => sensitivity::run(args),
             Self::Mcp(args) => mcp::run(args),

@@ -22,7 +22,8 @@ impl Limits {
     /// # Errors
     /// A policy that does not exist, or a file that cannot be read.
     pub fn source(&self, policy: &str) -> Result<PolicySource, Error> {
-        let source = msk::plan::source(policy).unwrap_or_else(|| PolicySource::parse(policy));
+        let made = msk::plan::source(policy).or_else(|| msk::train::source(policy));
+        let source = made.unwrap_or_else(|| PolicySource::parse(policy));
         Ok(source?.with_timeout(Duration::from_secs_f64(self.policy_timeout)))
     }
 }

@@ -31,7 +31,7 @@ pub struct Args {
     /// demonstration (tracks the script of the task's first succeeding test), zero (every muscle at rest), random (every
     /// action uniform in -1..1), plan (search on the reward itself: "plan fast", "plan good", "plan best" or "plan FILE" with
     /// settings), "process [--messagepack] COMMAND" (an external program: `msk help policies` describes its protocol),
-    /// "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy file, a row per step)
+    /// "agent FOLDER" (what `msk train` made), "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy file, a row per step)
     #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: String,
     #[command(flatten)]

@@ -16,8 +16,12 @@ const DECISIVE: &[&str] = &[
     "runtime/storage/src",
     "runtime/physics/Cargo.toml",
     "runtime/physics/src",
+    "learn/network/Cargo.toml",
+    "learn/network/src",
     "learn/plan/Cargo.toml",
     "learn/plan/src",
+    "learn/train/Cargo.toml",
+    "learn/train/src",
     "compiler/Cargo.toml",
     "compiler/src",
     "compiler/program/Cargo.toml",
@@ -27,7 +31,7 @@ const DECISIVE: &[&str] = &[
     "Cargo.lock",
 ];
 
-/// Hashes the sources of compiler, compiled tasks, runtime, planner, evaluation and storage, the grammar, the bodies and the versions of all
+/// Hashes the sources of compiler, compiled tasks, runtime, planner, learners, evaluation and storage, the grammar, the bodies and the versions of all
 /// libraries to 16 hexadecimal digits, from the names and bytes of these files alone: the same on every machine.
 fn main() -> Result<(), Box<dyn Error>> {
     let repository = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("../..");

@@ -23,5 +23,6 @@ mod run;
 mod sensitivity;
 mod special_files;
 mod test;
+mod train;
 mod tune;
 mod weights;

@@ -114,7 +114,7 @@ pub enum PolicyError {
     #[error("there is no policy `{0}`; choose one of: {names}", names = NAMES.join(", "))]
     Unknown(String),
     /// No policy that a command line names like this.
-    #[error("there is no policy `{0}`; choose one of: {names}, plan [PRESET | FILE], process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
+    #[error("there is no policy `{0}`; choose one of: {names}, plan [PRESET | FILE], agent FOLDER, process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
     UnknownSource(String),
     /// A policy that only the command line names.
     #[error(
@@ -125,7 +125,7 @@ pub enum PolicyError {
     #[error("this test runs the policy that is tested: name one, `msk test --policy cmc`")]
     NotGiven,
     /// A policy from outside without what it is.
-    #[error("`{policy}` needs a {}: write `{example}`", if *policy == "process" { "command" } else { "file" })]
+    #[error("`{policy}` needs a {}: write `{example}`", match *policy { "process" => "command", "agent" => "folder", _ => "file" })]
     Incomplete {
         /// Its kind.
         policy: &'static str,

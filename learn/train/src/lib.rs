@@ -1,0 +1,33 @@
+//! Learners of tasks: an agent plays batches of episodes and becomes better at what their reward asks for.
+//!
+//! 1. [`Settings`] choose algorithm and sizes; presets are `fast` and `paper`;
+//! 2. `play` steps the episodes, scales what networks see, and keeps how episodes end;
+//! 3. `ppo` and `sac` are the algorithms, each a file that reads like its paper;
+//! 4. a [`Training`] plays and learns in rounds; its state can be written between any two and continued bit for bit;
+//! 5. a [`Session`](session::Session) keeps a training in a folder, evaluates it and keeps the best agents;
+//! 6. an [`Agent`] is a folder, and a policy of `run`, `eval` and `test` by [`source`].
+//!
+//! The same seed gives the same bits at any number of threads. `docs/training.md` has settings, files and measurements.
+
+// Results agree between machines to the bit: see `clippy.toml`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod agent;
+mod error;
+mod evaluate;
+mod learner;
+mod numbers;
+mod play;
+mod ppo;
+mod replay;
+mod sac;
+pub mod session;
+mod settings;
+mod training;
+
+pub use agent::{Actor, Agent, AgentError, Description, source};
+pub use error::TrainError;
+pub use evaluate::Evaluation;
+pub use learner::Losses;
+pub use settings::{Algorithm, PpoSettings, Preset, SacSettings, Settings, SettingsError};
+pub use training::{Identity, Round, Training};

@@ -1,0 +1,207 @@
+//! The episodes that a learner plays: what networks see of them, how rewards are scaled, and how they end.
+
+use crate::error::TrainError;
+use crate::settings::Settings;
+use msk_network::{Moments, Normaliser};
+use msk_runtime::episode::{AutoresetMode, Engine, Episode, EpisodeEnd, EpisodeKey, VectorEnvironment, VectorStep};
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
+
+/// Bound of normalised observations and rewards, in standard deviations.
+pub(crate) const CLIP: f64 = 10.0;
+
+/// Episodes side by side, with what is measured of them. A row of what a critic sees begins with what the policy sees.
+pub(crate) struct Play {
+    environment: VectorEnvironment,
+    pub normaliser: Normaliser,
+    returns: Returns,
+    normalizes: [bool; 2],
+    /// Present rows, slot after slot: as measured.
+    rows: Vec<f64>,
+    /// The last rows of the episodes that ended in the last step, in their slots.
+    pub final_rows: Vec<f64>,
+    actions: Vec<f64>,
+    /// Episodes that ended since they were last taken.
+    pub ends: Vec<EpisodeEnd>,
+}
+
+/// The discounted return of each slot and the deviation of all: what rewards are divided by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Returns {
+    discount: f64,
+    running: Vec<f64>,
+    moments: Moments,
+}
+
+/// What of it a checkpoint keeps.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct PlayState {
+    /// None where episodes begin anew at every checkpoint.
+    episodes: Option<Vec<Episode>>,
+    next: Vec<EpisodeKey>,
+    normaliser: Normaliser,
+    returns: Returns,
+    rows: Vec<f64>,
+}
+
+impl Play {
+    pub fn new(engine: &Engine, settings: &Settings, seed: u64, threads: NonZeroUsize) -> Result<Self, TrainError> {
+        let slots = NonZeroUsize::new(settings.episodes).unwrap_or(NonZeroUsize::MIN);
+        let mut environment = VectorEnvironment::new(engine.clone(), slots, threads)?.with_autoreset(AutoresetMode::SameStep);
+        environment.reset(seed);
+        let task = engine.task();
+        let width = task.observation_size() + task.critic_size();
+        let mut play = Self {
+            environment,
+            // Before anything was seen it only clips, and what is measured is finite.
+            normaliser: Normaliser::new(width, if settings.normalize_observations { CLIP } else { f64::from(f32::MAX) }),
+            returns: Returns { discount: settings.discount, running: vec![0.0; slots.get()], moments: Moments::default() },
+            normalizes: [settings.normalize_observations, settings.normalize_rewards],
+            rows: Vec::new(),
+            final_rows: Vec::new(),
+            actions: vec![0.0; slots.get() * engine.action_size()],
+            ends: Vec::new(),
+        };
+        play.look();
+        Ok(play)
+    }
+
+    pub fn slots(&self) -> usize {
+        self.returns.running.len()
+    }
+
+    /// Numbers of a row, and how many of them the policy sees.
+    pub fn widths(&self) -> [usize; 2] {
+        [self.normaliser.width(), self.environment.engine().task().observation_size()]
+    }
+
+    pub fn entries(&self) -> usize {
+        self.environment.engine().action_size()
+    }
+
+    /// Present rows as measured.
+    pub fn rows(&self) -> &[f64] {
+        &self.rows
+    }
+
+    /// Writes rows as networks see them.
+    pub fn normalize(&self, rows: &[f64], out: &mut [f32]) {
+        self.normaliser.apply(rows, out);
+    }
+
+    /// A reward as learners see it.
+    pub fn scaled(&self, reward: f64) -> f32 {
+        if !self.normalizes[1] {
+            return reward as f32;
+        }
+        let scaled = reward / self.returns.moments.deviation();
+        let low = if scaled < -CLIP { -CLIP } else { scaled };
+        (if low > CLIP { CLIP } else { low }) as f32
+    }
+
+    pub fn set_progress(&mut self, progress: f64) -> Result<(), TrainError> {
+        Ok(self.environment.set_progress(progress)?)
+    }
+
+    /// Takes a control step in every slot; [`last`](Self::last) has what came of it.
+    pub fn step(&mut self, actions: &[f32]) -> Result<(), TrainError> {
+        self.actions.iter_mut().zip(actions).for_each(|(entry, action)| *entry = f64::from(*action));
+        let step = self.environment.step(&self.actions)?;
+        self.ends.extend_from_slice(&step.ends);
+        let Returns { discount, running, moments } = &mut self.returns;
+        for ((running, reward), ended) in running.iter_mut().zip(&step.rewards).zip(&step.ended) {
+            *running = *discount * *running + reward;
+            moments.add(*running);
+            if *ended {
+                *running = 0.0;
+            }
+        }
+        self.look();
+        Ok(())
+    }
+
+    pub fn last(&self) -> &VectorStep {
+        self.environment.last()
+    }
+
+    /// Takes in what the environments show.
+    fn look(&mut self) {
+        let [whole, width] = self.widths();
+        let step = self.environment.last();
+        beside(&step.observations, &step.critic_observations, [width, whole - width], &mut self.rows);
+        beside(&step.final_observations, &step.final_critic_observations, [width, whole - width], &mut self.final_rows);
+        if self.normalizes[0] {
+            self.normaliser.update(&self.rows);
+        }
+    }
+
+    /// Whether an episode can be continued from a checkpoint: the controller of an action space cannot be written.
+    pub fn continues(&self) -> bool {
+        !self.environment.episodes().any(Episode::has_controller)
+    }
+
+    /// Begins the next episodes, where those of a checkpoint could not be continued: a training goes on from it as one that was
+    /// interrupted.
+    pub fn at_checkpoint(&mut self) {
+        if !self.continues() {
+            let every = vec![true; self.slots()];
+            self.environment.reset_where(&every);
+            self.returns.running.fill(0.0);
+            self.look();
+        }
+    }
+
+    pub fn state(&self) -> PlayState {
+        PlayState {
+            episodes: self.continues().then(|| self.environment.episodes().cloned().collect()),
+            next: self.environment.next_keys().collect(),
+            normaliser: self.normaliser.clone(),
+            returns: self.returns.clone(),
+            rows: self.rows.clone(),
+        }
+    }
+
+    /// Goes on from a state.
+    ///
+    /// # Errors
+    /// One of another task.
+    pub fn restore(&mut self, state: PlayState) -> Result<(), String> {
+        let slots = self.slots();
+        if state.next.len() != slots || state.returns.running.len() != slots || state.rows.len() != self.rows.len() {
+            return Err(format!("it has {} episodes side by side, expected {slots}", state.next.len()));
+        }
+        if state.normaliser.width() != self.normaliser.width() {
+            return Err("it has observations of another length".into());
+        }
+        match state.episodes {
+            Some(episodes) => {
+                if episodes.len() != slots || !episodes.iter().all(|episode| self.environment.engine().accepts(episode)) {
+                    return Err("its episodes are of another task".into());
+                }
+                episodes.iter().enumerate().for_each(|(slot, episode)| self.environment.restore(slot, episode));
+            }
+            None => {
+                // Those that had just begun.
+                let before = |key: &EpisodeKey| EpisodeKey { episode: key.episode.wrapping_sub(slots as u64), ..*key };
+                let keys: Vec<Option<EpisodeKey>> = state.next.iter().map(|key| Some(before(key))).collect();
+                self.environment.reset_to(&keys);
+            }
+        }
+        state.next.iter().enumerate().for_each(|(slot, key)| self.environment.set_next_key(slot, *key));
+        (self.normaliser, self.returns, self.rows) = (state.normaliser, state.returns, state.rows);
+        Ok(())
+    }
+}
+
+/// Rows of two arrays beside each other.
+fn beside(left: &[f64], right: &[f64], [a, b]: [usize; 2], out: &mut Vec<f64>) {
+    out.clear();
+    if b == 0 {
+        out.extend_from_slice(left);
+        return;
+    }
+    for (left, right) in left.chunks_exact(a.max(1)).zip(right.chunks_exact(b)) {
+        out.extend_from_slice(left);
+        out.extend_from_slice(right);
+    }
+}

@@ -1,0 +1,318 @@
+//! Soft actor-critic (Haarnoja et al. 2018, arXiv 1801.01290; with the tuned temperature of arXiv 1812.05905): twin critics, target
+//! critics that follow, an actor whose actions are squashed Gaussians.
+
+use crate::agent::Actor;
+use crate::error::TrainError;
+use crate::learner::{Losses, Means, Networks, Optimizer};
+use crate::numbers::Numbers;
+use crate::play::Play;
+use crate::replay::{Replay, ReplayState};
+use crate::settings::{SacSettings, Settings};
+use msk_network::heads::squashed_gaussian;
+use msk_network::{Kernel, Mlp, Parameters, Shape, Tape, Variable};
+use msk_runtime::episode::{EpisodeKey, Stream};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Bounds of the logarithm of a standard deviation.
+const LOG_STD: [f32; 2] = [-20.0, 2.0];
+/// Control steps of each slot in a round, which is what a report is about and no part of the algorithm.
+const ROUND: usize = 128;
+
+/// The learner.
+pub(crate) struct Sac {
+    settings: SacSettings,
+    discount: f64,
+    networks: Networks,
+    actor: Mlp,
+    critics: [Mlp; 2],
+    targets: [Mlp; 2],
+    /// Of the logarithm of the temperature: one number.
+    temperature: Range<usize>,
+    /// Of actor, critics and temperature.
+    optimizers: [Optimizer; 3],
+    replay: Replay,
+    chance: Stream,
+    /// Gradient steps that are due, and those that were taken.
+    due: f64,
+    updates: u64,
+    means: Means,
+}
+
+/// What of it a checkpoint keeps.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct SacState {
+    parameters: Numbers,
+    optimizers: [Optimizer; 3],
+    replay: ReplayState,
+    chance: Stream,
+    due: f64,
+    updates: u64,
+}
+
+/// A batch on the tape.
+struct Batch {
+    rows: usize,
+    seen: Variable,
+    action: Variable,
+    next: Variable,
+    reward: Vec<f32>,
+    terminated: Vec<f32>,
+}
+
+impl Sac {
+    pub fn new(settings: &Settings, play: &Play, seed: u64, kernel: Arc<dyn Kernel>) -> Self {
+        let ([whole, width], entries) = (play.widths(), play.entries());
+        let shape = |inputs: usize, outputs: usize| Shape {
+            inputs,
+            hidden: settings.hidden.clone(),
+            outputs,
+            activation: settings.activation,
+            layer_norm: settings.layer_norm,
+        };
+        let mut networks = Networks::new(kernel);
+        let mut draw = Stream::new(EpisodeKey { seed, episode: 0 }, "train/initial");
+        let actor = networks.uniform("actor", &shape(width, 2 * entries), &mut draw);
+        let critics = ["critic1", "critic2"].map(|name| networks.uniform(name, &shape(whole + entries, 1), &mut draw));
+        let targets = ["target1", "target2"].map(|name| networks.uniform(name, &shape(whole + entries, 1), &mut draw));
+        for (target, critic) in targets.iter().zip(&critics) {
+            networks.parameters.follow(target.range(), critic.range(), 1.0);
+        }
+        let temperature = networks.parameters.add("temperature", &[1]);
+        networks.parameters.values_mut()[temperature.clone()].fill(libm::log(settings.sac.temperature) as f32);
+        let both = critics[0].range().start..critics[1].range().end;
+        let optimizers = [actor.range(), both, temperature.clone()].map(|range| Optimizer::new(range, f32::INFINITY, 1e-8));
+        Self {
+            discount: settings.discount,
+            networks,
+            actor,
+            critics,
+            targets,
+            temperature,
+            optimizers,
+            replay: Replay::new(settings.sac.replay, [whole, entries]),
+            chance: Stream::new(EpisodeKey { seed, episode: 0 }, "train/chance"),
+            due: 0.0,
+            updates: 0,
+            means: Means::default(),
+            settings: settings.sac.clone(),
+        }
+    }
+
+    /// Control steps of a round, in all slots together.
+    pub fn round_steps(&self, slots: usize) -> u64 {
+        (ROUND * slots) as u64
+    }
+
+    /// Plays, and learns after every control step.
+    pub fn round(&mut self, play: &mut Play, step: u64) -> Result<Losses, TrainError> {
+        let mut before = Vec::new();
+        for round in 0..ROUND {
+            let step = step + (round * play.slots()) as u64;
+            let actions = self.act(play, step);
+            before.clear();
+            before.extend_from_slice(play.rows());
+            play.step(&actions)?;
+            self.remember(play, &before, &actions);
+            if step >= self.settings.start as u64 {
+                self.due += self.settings.updates * play.slots() as f64;
+                while self.due >= 1.0 {
+                    self.due -= 1.0;
+                    self.update(play, step)?;
+                }
+            }
+        }
+        Ok(self.means.take())
+    }
+
+    /// Actions of the present policy; uniform ones before it learns.
+    fn act(&mut self, play: &Play, step: u64) -> Vec<f32> {
+        let ([whole, width], slots, entries) = (play.widths(), play.slots(), play.entries());
+        let chance = &mut self.chance;
+        if step < self.settings.start as u64 {
+            return (0..slots * entries).map(|_| (2.0 * chance.uniform() - 1.0) as f32).collect();
+        }
+        let mut rows = vec![0.0; slots * whole];
+        play.normalize(play.rows(), &mut rows);
+        let Networks { tape, parameters, .. } = &mut self.networks;
+        tape.clear();
+        let seen = tape.constant(slots, whole, rows);
+        let [action, _] = sample(tape, &self.actor, parameters, (seen, width), chance);
+        tape.values(action).to_vec()
+    }
+
+    /// Keeps the transitions of a step.
+    fn remember(&mut self, play: &Play, before: &[f64], actions: &[f32]) {
+        let ([whole, _], entries) = (play.widths(), play.entries());
+        let last = play.last();
+        for slot in 0..play.slots() {
+            let part = slot * whole..(slot + 1) * whole;
+            let next = if last.ended[slot] { &play.final_rows } else { play.rows() };
+            let action = &actions[slot * entries..(slot + 1) * entries];
+            self.replay.push(&before[part.clone()], action, &next[part], last.rewards[slot], last.terminated[slot]);
+        }
+    }
+
+    /// A gradient step of the critics and, as often as `actor_delay` has it, of actor and temperature.
+    fn update(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
+        self.update_critics(play, step)?;
+        self.updates += 1;
+        if self.updates.is_multiple_of(self.settings.actor_delay as u64) {
+            for _ in 0..self.settings.actor_delay {
+                self.update_actor(play, step)?;
+            }
+        }
+        for (target, critic) in self.targets.iter().zip(&self.critics) {
+            self.networks.parameters.follow(target.range(), critic.range(), self.settings.follow as f32);
+        }
+        Ok(())
+    }
+
+    fn temperature(&self) -> f32 {
+        libm::expf(self.networks.parameters.values()[self.temperature.start])
+    }
+
+    /// Draws transitions onto an empty tape.
+    fn batch(&mut self, play: &Play) -> Batch {
+        let ([whole, _], entries, rows) = (play.widths(), play.entries(), self.settings.batch);
+        let (mut row, mut next) = (Vec::new(), Vec::new());
+        let (mut action, mut reward, mut terminated) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..rows {
+            let drawn = self.replay.draw(&mut self.chance);
+            row.extend(drawn.row.iter().map(|value| f64::from(*value)));
+            next.extend(drawn.next.iter().map(|value| f64::from(*value)));
+            action.extend_from_slice(drawn.action);
+            reward.push(play.scaled(f64::from(drawn.reward)));
+            terminated.push(drawn.terminated);
+        }
+        let tape = &mut self.networks.tape;
+        tape.clear();
+        let mut normal = vec![0.0; rows * whole];
+        play.normalize(&row, &mut normal);
+        let seen = tape.constant(rows, whole, normal.iter().copied());
+        play.normalize(&next, &mut normal);
+        let next = tape.constant(rows, whole, normal.iter().copied());
+        Batch { rows, seen, action: tape.constant(rows, entries, action), next, reward, terminated }
+    }
+
+    /// Equations 5 and 6 of arXiv 1812.05905, with the lesser of the target critics: half the squared distance of Q from
+    /// r + gamma (min Q'(s', a') - alpha ln pi(a' | s')).
+    fn update_critics(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
+        let [_, width] = play.widths();
+        let (alpha, discount) = (self.temperature(), self.discount as f32);
+        let Batch { rows, seen, action, next, reward, terminated } = self.batch(play);
+        let Networks { tape, parameters, .. } = &mut self.networks;
+        tape.set_training(false);
+        let [next_action, density] = sample(tape, &self.actor, parameters, (next, width), &mut self.chance);
+        let after = tape.join(next, next_action);
+        let [first, second] = [0, 1].map(|index: usize| self.targets[index].forward(tape, parameters, after));
+        let lesser = tape.minimum(first, second);
+        let soft = tape.affine(density, -alpha, 0.0);
+        let value = tape.add(lesser, soft);
+        let wanted: Vec<f32> = tape
+            .values(value)
+            .iter()
+            .zip(reward)
+            .zip(terminated)
+            .map(|((value, reward), terminated)| reward + discount * (1.0 - terminated) * value)
+            .collect();
+        let wanted = tape.constant(rows, 1, wanted);
+        tape.set_training(true);
+        let before = tape.join(seen, action);
+        let errors = [0, 1].map(|index: usize| {
+            let found = self.critics[index].forward(tape, parameters, before);
+            let error = tape.subtract(found, wanted);
+            let square = tape.square(error);
+            let mean = tape.mean(square);
+            tape.affine(mean, 0.5, 0.0)
+        });
+        let loss = tape.add(errors[0], errors[1]);
+        let found = self.networks.descend(
+            loss,
+            ("the error of the critics", step),
+            self.settings.critic_rate,
+            &mut self.optimizers[1],
+        )?;
+        self.means.add("critics", found);
+        Ok(())
+    }
+
+    /// Equation 9: E[alpha ln pi(a | s) - min Q(s, a)]; then equation 18, the temperature.
+    fn update_actor(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
+        let ([_, width], entries) = (play.widths(), play.entries());
+        let alpha = self.temperature();
+        let Batch { rows, seen, .. } = self.batch(play);
+        let Networks { tape, parameters, .. } = &mut self.networks;
+        let [action, density] = sample(tape, &self.actor, parameters, (seen, width), &mut self.chance);
+        tape.set_training(false);
+        let chosen = tape.join(seen, action);
+        let [first, second] = [0, 1].map(|index: usize| self.critics[index].forward(tape, parameters, chosen));
+        let lesser = tape.minimum(first, second);
+        let entropy = tape.affine(density, alpha, 0.0);
+        let loss = tape.subtract(entropy, lesser);
+        let loss = tape.mean(loss);
+        let mean_density = tape.values(density).iter().map(|density| f64::from(*density)).sum::<f64>() / rows as f64;
+        let rate = self.settings.actor_rate;
+        let found = self.networks.descend(loss, ("the objective of the actor", step), rate, &mut self.optimizers[0])?;
+        self.means.add("actor", found);
+        self.means.add("entropy", -mean_density);
+        if self.settings.automatic {
+            // alpha times (entropy - target), whose derivative moves the temperature towards the target entropy.
+            let excess = -mean_density + entries as f64;
+            let Networks { tape, parameters, .. } = &mut self.networks;
+            tape.clear();
+            let logarithm = tape.parameter(1, self.temperature.clone(), parameters);
+            let alpha = tape.exp(logarithm);
+            let loss = tape.affine(alpha, excess as f32, 0.0);
+            let rate = self.settings.critic_rate;
+            self.networks.descend(loss, ("the temperature", step), rate, &mut self.optimizers[2])?;
+        }
+        self.means.add("temperature", f64::from(alpha));
+        Ok(())
+    }
+
+    /// What acts: the squashed mean.
+    pub fn actor(&self, play: &Play) -> Actor {
+        Actor::new(&self.actor, &self.networks.parameters, play, play.entries(), true)
+    }
+
+    pub fn state(&self) -> SacState {
+        SacState {
+            parameters: self.networks.state(),
+            optimizers: self.optimizers.clone(),
+            replay: self.replay.state(),
+            chance: self.chance.clone(),
+            due: self.due,
+            updates: self.updates,
+        }
+    }
+
+    /// # Errors
+    /// Other sizes.
+    pub fn restore(&mut self, state: SacState) -> Result<(), String> {
+        self.networks.restore(&state.parameters)?;
+        self.replay.restore(state.replay)?;
+        (self.optimizers, self.chance) = (state.optimizers, state.chance);
+        (self.due, self.updates) = (state.due, state.updates);
+        Ok(())
+    }
+}
+
+/// An action of the actor for each row, and the logarithm of its density.
+fn sample(
+    tape: &mut Tape,
+    actor: &Mlp,
+    parameters: &Parameters,
+    (seen, width): (Variable, usize),
+    chance: &mut Stream,
+) -> [Variable; 2] {
+    let entries = actor.shape().outputs / 2;
+    let [rows, _] = tape.size(seen);
+    let observed = tape.columns(seen, 0..width);
+    let head = actor.forward(tape, parameters, observed);
+    let (mean, raw) = (tape.columns(head, 0..entries), tape.columns(head, entries..2 * entries));
+    let log_std = tape.clip(raw, LOG_STD[0], LOG_STD[1]);
+    let noise = tape.constant(rows, entries, (0..rows * entries).map(|_| chance.normal() as f32));
+    squashed_gaussian(tape, mean, log_std, noise)
+}

@@ -1,0 +1,204 @@
+//! A training in memory: rounds of playing and learning, whose state can be written and continued bit for bit.
+
+use crate::agent::{Agent, body_hash};
+use crate::error::TrainError;
+use crate::evaluate::{Evaluation, Evaluator};
+use crate::learner::Losses;
+use crate::play::{Play, PlayState};
+use crate::ppo::{Ppo, PpoState};
+use crate::sac::{Sac, SacState};
+use crate::settings::{Algorithm, Settings};
+use msk_network::{Kernel, Processor, Tape};
+use msk_runtime::episode::{Engine, EpisodeEnd};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// What decides every number of a training.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Identity {
+    /// Name of the task.
+    pub task: String,
+    /// Its content hash.
+    pub task_hash: String,
+    /// Of names and masses of the body's parts.
+    pub body_hash: String,
+    /// Random seed.
+    pub seed: u64,
+    /// Control steps of the whole training.
+    pub steps: u64,
+    /// How it learns.
+    pub settings: Settings,
+}
+
+enum Learner {
+    Ppo(Box<Ppo>),
+    Sac(Box<Sac>),
+}
+
+#[derive(Serialize, Deserialize)]
+enum LearnerState {
+    Ppo(PpoState),
+    Sac(Box<SacState>),
+}
+
+/// The state of a training, as a checkpoint has it.
+#[derive(Serialize, Deserialize)]
+struct State {
+    step: u64,
+    play: PlayState,
+    learner: LearnerState,
+}
+
+/// What a round came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Round {
+    /// Control steps so far.
+    pub step: u64,
+    /// Parts of the loss, by name.
+    pub losses: Losses,
+    /// Episodes that ended.
+    pub ends: Vec<EpisodeEnd>,
+}
+
+/// A training.
+pub struct Training {
+    engine: Engine,
+    identity: Identity,
+    play: Play,
+    learner: Learner,
+    evaluator: Evaluator,
+    tape: Tape,
+    step: u64,
+}
+
+impl Training {
+    /// Begins one. Threads change no bit of it.
+    ///
+    /// # Errors
+    /// A task without observation or action, or no threads.
+    pub fn new(
+        engine: &Engine,
+        settings: &Settings,
+        (seed, steps): (u64, u64),
+        threads: NonZeroUsize,
+    ) -> Result<Self, TrainError> {
+        let task = engine.task();
+        let lacks = [(task.observation_size(), "no observation"), (engine.action_size(), "no entries of an action")];
+        if let Some((_, what)) = lacks.into_iter().find(|(size, _)| *size == 0) {
+            return Err(TrainError::Nothing { task: task.name.clone(), what });
+        }
+        let kernel: Arc<dyn Kernel> = Arc::new(Processor::new(threads)?);
+        let play = Play::new(engine, settings, seed, threads)?;
+        let learner = match settings.algorithm {
+            Algorithm::Ppo => Learner::Ppo(Box::new(Ppo::new(settings, &play, seed, kernel.clone()))),
+            Algorithm::Sac => Learner::Sac(Box::new(Sac::new(settings, &play, seed, kernel.clone()))),
+        };
+        let identity = Identity {
+            task: task.name.clone(),
+            task_hash: task.hash.clone(),
+            body_hash: body_hash(engine),
+            seed,
+            steps,
+            settings: settings.clone(),
+        };
+        let evaluator = Evaluator::new(engine, seed, settings.evaluation_episodes, threads)?;
+        Ok(Self { engine: engine.clone(), identity, play, learner, evaluator, tape: Tape::new(kernel), step: 0 })
+    }
+
+    /// What decides every number of it.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// The task and its body.
+    pub fn engine(&self) -> &Engine {
+        &self.engine
+    }
+
+    /// Control steps so far, in all episodes together.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+
+    /// Whether all steps have been taken.
+    pub fn is_over(&self) -> bool {
+        self.step >= self.identity.steps
+    }
+
+    /// Plays for a while and learns from it.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, with step, part of the loss and layer.
+    pub fn round(&mut self) -> Result<Round, TrainError> {
+        let progress = (self.step as f64 / self.identity.steps as f64).clamp(0.0, 1.0);
+        self.play.set_progress(progress)?;
+        let (losses, steps) = match &mut self.learner {
+            Learner::Ppo(ppo) => (ppo.round(&mut self.play, progress, self.step)?, ppo.round_steps(self.play.slots())),
+            Learner::Sac(sac) => (sac.round(&mut self.play, self.step)?, sac.round_steps(self.play.slots())),
+        };
+        self.step += steps;
+        Ok(Round { step: self.step, losses, ends: std::mem::take(&mut self.play.ends) })
+    }
+
+    /// The agent as it is now.
+    pub fn agent(&self) -> Agent {
+        let actor = match &self.learner {
+            Learner::Ppo(ppo) => ppo.actor(&self.play),
+            Learner::Sac(sac) => sac.actor(&self.play),
+        };
+        Agent::new(&self.engine, actor, (self.identity.settings.algorithm.name(), self.identity.seed, self.step))
+    }
+
+    /// Plays the episodes of an evaluation; `None` if `stop` became true meanwhile.
+    ///
+    /// # Errors
+    /// None that can be known.
+    pub fn evaluate(&mut self, agent: &Agent, stop: &AtomicBool) -> Result<Option<Evaluation>, TrainError> {
+        self.evaluator.play(agent.actor(), &mut self.tape, stop)
+    }
+
+    /// Whether it can be continued from any round. Where it cannot (a controller stands between policy and body), episodes begin anew
+    /// at each [checkpoint](Self::checkpoint), so there may be no more of them than those that an undisturbed training has.
+    pub fn continues_anywhere(&self) -> bool {
+        self.play.continues()
+    }
+
+    /// The state between two rounds, as bytes.
+    pub fn checkpoint(&mut self) -> Vec<u8> {
+        self.play.at_checkpoint();
+        let learner = match &self.learner {
+            Learner::Ppo(ppo) => LearnerState::Ppo(ppo.state()),
+            Learner::Sac(sac) => LearnerState::Sac(Box::new(sac.state())),
+        };
+        let state = State { step: self.step, play: self.play.state(), learner };
+        // Plain data always has a MessagePack form.
+        let body = rmp_serde::to_vec(&state).unwrap_or_default();
+        let mut bytes = Sha256::digest(&body).to_vec();
+        bytes.extend(body);
+        bytes
+    }
+
+    /// Goes on from a checkpoint of a training of the same identity, bit for bit.
+    ///
+    /// # Errors
+    /// Damaged bytes, or those of another training, in words that follow a colon.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let (digest, body) = bytes.split_at_checked(32).ok_or("it is too short")?;
+        if Sha256::digest(body)[..] != *digest {
+            return Err("it is damaged".into());
+        }
+        let state: State = rmp_serde::from_slice(body).map_err(|error| format!("it was made by another version: {error}"))?;
+        self.play.restore(state.play)?;
+        match (&mut self.learner, state.learner) {
+            (Learner::Ppo(ppo), LearnerState::Ppo(state)) => ppo.restore(state)?,
+            (Learner::Sac(sac), LearnerState::Sac(state)) => sac.restore(*state)?,
+            _ => return Err("it is of another algorithm".into()),
+        }
+        self.step = state.step;
+        Ok(())
+    }
+}

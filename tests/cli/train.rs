@@ -1,0 +1,114 @@
+//! `msk train`: a folder that resumes after any end, agents that act, and what is refused.
+
+use super::project::{Done, Project};
+use crate::support::repository;
+use std::time::{Duration, Instant};
+
+const SETTINGS: &str = "hidden = [16]\nepisodes = 4\nevaluate_every = 2000\nevaluation_episodes = 2\ncheckpoint_every = 1000\n\
+    [ppo]\nhorizon = 50\nminibatch = 50\nepochs = 2\n";
+
+/// A folder with the pendulum of the learners' own tests.
+fn project() -> Project {
+    let project = Project::empty();
+    for file in ["pendulum.msk", "pendulum.xml"] {
+        project.write(file, &std::fs::read_to_string(repository("learn/train/tests").join(file)).unwrap());
+    }
+    project.write("learner.toml", SETTINGS);
+    project
+}
+
+fn train(project: &Project, steps: &str, out: &str) -> std::process::Command {
+    project.command(&["train", "pendulum.msk", "--settings", "learner.toml", "--threads", "1", "--steps", steps, "--out", out])
+}
+
+#[test]
+fn an_agent_is_trained_evaluated_and_acts() {
+    let project = project();
+    let done = Done::from(train(&project, "4000", "out").output().unwrap()).succeeded();
+    assert!(done.err.contains("hold: ppo, 4000 steps, seed 0, in `out`"), "{}", done.err);
+    assert!(done.err.contains("      2000 steps: return ") && done.err.contains("      4000 steps: return "), "{}", done.err);
+    assert!(
+        done.out.contains("best by success: ") && done.out.contains("--policy \"agent out/best-by-success\""),
+        "{}",
+        done.out
+    );
+    for folder in ["out", "out/last", "out/best-by-return"] {
+        let policy = format!("agent {folder}");
+        let out = project.msk(&["run", "pendulum.msk", "--policy", &policy]).succeeded().out;
+        assert!(out.contains("hold, policy agent ") && out.contains("\nreturn "), "{out}");
+    }
+    let network = "network out/last/policy.safetensors";
+    project.msk(&["eval", "pendulum.msk", "--policy", "agent out", "--policy", network, "--episodes", "2"]).succeeded();
+    // Once it is whole, the same command has nothing to do.
+    let again = Done::from(train(&project, "4000", "out").output().unwrap()).succeeded();
+    assert!(again.err.contains("resuming after 4000 steps"), "{}", again.err);
+    assert_eq!(again.out, done.out);
+}
+
+#[test]
+fn a_training_that_is_killed_ends_as_an_undisturbed_one() {
+    let project = project();
+    Done::from(train(&project, "20000", "whole").output().unwrap()).succeeded();
+    let mut child = train(&project, "20000", "parts").spawn().unwrap();
+    let start = Instant::now();
+    while !project.path("parts/checkpoint.bin").exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint has been written");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let resumed = Done::from(train(&project, "20000", "parts").output().unwrap()).succeeded();
+    assert!(resumed.err.contains("resuming after "), "{}", resumed.err);
+    for file in ["last/policy.safetensors", "best-by-success/policy.safetensors", "best-by-return/agent.toml"] {
+        let bytes = |folder: &str| std::fs::read(project.path(folder).join(file)).unwrap();
+        assert!(bytes("parts") == bytes("whole"), "{file}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_training_keeps_what_was_learned() {
+    let project = project();
+    let child = train(&project, "10000000", "out").spawn().unwrap();
+    let start = Instant::now();
+    while !project.path("out/checkpoint.bin").exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint has been written");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let done = Done::from(child.wait_with_output().unwrap());
+    assert_eq!(done.code, Some(130), "{done:?}");
+    assert!(done.err.contains("interrupted after ") && done.err.contains("--out out` resumes"), "{}", done.err);
+}
+
+#[test]
+fn what_cannot_be_trained_is_explained() {
+    let project = project();
+    project.write("wrong.toml", "hidden = [16]\nepisodes = 0\n");
+    let train = |more: &[&str]| project.msk(&[&["train", "pendulum.msk"], more].concat());
+    train(&["--settings", "wrong.toml"]).failed(1, &["`wrong.toml`: line 2: `episodes` is 0; expected a whole number from 1"]);
+    train(&["--settings", "learner.toml", "--preset", "fast"]).failed(2, &["cannot be used with"]);
+    train(&["--algorithm", "dqn"]).failed(2, &["choose one of: ppo, sac"]);
+    train(&["--budget", "soon"]).failed(2, &["`soon` is no time: write 90s, 30m, 2h or 1h30m"]);
+    train(&["--settings", "learner.toml", "--steps", "200", "--out", "out"]).succeeded();
+    train(&["--settings", "learner.toml", "--steps", "400", "--out", "out"])
+        .failed(1, &["holds another training: its number of steps is 200, not 400; choose another folder with --out"]);
+    project.write("changed.msk", &project.read("pendulum.msk").replace("0.5 rad)^2", "0.4 rad)^2"));
+    project
+        .msk(&["run", "changed.msk", "--policy", "agent out"])
+        .failed(1, &["the task `hold` has changed since it was trained"]);
+    project.msk(&["run", "changed.msk", "--policy", "agent --any-task out"]).succeeded();
+    project.msk(&["run", "pendulum.msk", "--policy", "agent nowhere"]).failed(1, &["cannot read `nowhere`"]);
+    project.msk(&["run", "pendulum.msk", "--policy", "agent"]).failed(1, &["`agent` needs a folder"]);
+}
+
+#[test]
+fn a_budget_of_time_becomes_steps_that_are_kept() {
+    let project = project();
+    let train = || project.msk(&["train", "pendulum.msk", "--settings", "learner.toml", "--budget", "1s", "--out", "out"]);
+    let first = train().succeeded();
+    assert!(first.err.contains("steps within the budget"), "{}", first.err);
+    let second = train().succeeded();
+    assert!(second.err.contains("resuming after ") && !second.err.contains("within the budget"), "{}", second.err);
+}
