@@ -134,7 +134,9 @@ impl Training {
     /// # Errors
     /// Numbers that are not finite, with step, part of the loss and layer.
     pub fn round(&mut self) -> Result<Round, TrainError> {
-        let progress = (self.step as f64 / self.identity.steps as f64).clamp(0.0, 1.0);
+        // The last round may go beyond the steps.
+        let share = self.step as f64 / self.identity.steps as f64;
+        let progress = if share < 1.0 { share } else { 1.0 };
         self.play.set_progress(progress)?;
         let (losses, steps) = match &mut self.learner {
             Learner::Ppo(ppo) => (ppo.round(&mut self.play, progress, self.step)?, ppo.round_steps(self.play.slots())),
