@@ -29,6 +29,12 @@ pub enum TrainError {
     /// A file or folder cannot be used.
     #[error(transparent)]
     Storage(#[from] StorageError),
+    /// A folder in which another process trains.
+    #[error("another process trains in `{folder}`: wait for its end, or choose another folder with --out")]
+    InUse {
+        /// The folder.
+        folder: String,
+    },
     /// A folder that holds another training.
     #[error("`{folder}` holds another training: its {what} is {found}, not {expected}; choose another folder with --out")]
     Other {

@@ -94,7 +94,8 @@ impl Session {
     /// A folder that cannot be used, that another process uses, or that holds another training.
     pub fn open(path: &Path, training: Training) -> Result<(Self, bool), TrainError> {
         let folder = Folder::create(path)?;
-        let lock = folder.lock(Path::new("training.lock"))?;
+        let lock = folder.try_lock(Path::new("training.lock"))?;
+        let lock = lock.ok_or_else(|| TrainError::InUse { folder: path.display().to_string() })?;
         let mut training = training;
         let there = folder.read_text(Path::new(IDENTITY), LARGEST_TEXT)?;
         let (record, curve) = match &there {

@@ -183,7 +183,7 @@ pub enum SettingsError {
     #[error("{0}")]
     Invalid(String),
     /// A number that makes no sense.
-    #[error("line {line}: `{key}` is {found}; expected {expected}")]
+    #[error("{place}`{key}` is {found}; expected {expected}", place = if *line > 0 { format!("line {line}: ") } else { String::new() })]
     Range {
         /// Line in the file, from 1; 0 if the file does not set it.
         line: usize,
@@ -294,7 +294,6 @@ impl Settings {
             ("updates", sac.updates, 1e-4..=64.0),
             ("follow", sac.follow, 1e-6..=1.0),
             ("temperature", sac.temperature, 1e-8..=100.0),
-            // Written so that a forgotten bound of a new key is noticed beside the others.
             ("evaluate_every", self.evaluate_every as f64, 1.0..=1e12),
         ];
         for (key, found, range) in numbers {

@@ -7,7 +7,7 @@ use crate::learner::Losses;
 use crate::play::{Play, PlayState};
 use crate::ppo::{Ppo, PpoState};
 use crate::sac::{Sac, SacState};
-use crate::settings::{Algorithm, Settings};
+use crate::settings::{Algorithm, Settings, SettingsError};
 use msk_network::{Kernel, Processor, Tape};
 use msk_runtime::episode::{Engine, EpisodeEnd};
 use serde::{Deserialize, Serialize};
@@ -64,6 +64,21 @@ pub struct Round {
     pub ends: Vec<EpisodeEnd>,
 }
 
+/// Most bytes of a replay buffer: a checkpoint takes as much once more while it is written.
+const MOST_REPLAY: usize = 4 << 30;
+
+/// Whether so many transitions of a task fit into memory.
+fn check_replay(engine: &Engine, replay: usize) -> Result<(), SettingsError> {
+    let task = engine.task();
+    let row = 4 * (2 * (task.observation_size() + task.critic_size()) + engine.action_size() + 2);
+    if replay.saturating_mul(row) <= MOST_REPLAY {
+        return Ok(());
+    }
+    let most = MOST_REPLAY / row;
+    let expected = format!("at most {most}, which take 4 GiB: a transition of `{}` takes {row} bytes", task.name);
+    Err(SettingsError::Range { line: 0, key: "replay", found: replay.to_string(), expected })
+}
+
 /// A training.
 pub struct Training {
     engine: Engine,
@@ -90,6 +105,9 @@ impl Training {
         let lacks = [(task.observation_size(), "no observation"), (engine.action_size(), "no entries of an action")];
         if let Some((_, what)) = lacks.into_iter().find(|(size, _)| *size == 0) {
             return Err(TrainError::Nothing { task: task.name.clone(), what });
+        }
+        if settings.algorithm == Algorithm::Sac {
+            check_replay(engine, settings.sac.replay)?;
         }
         let kernel: Arc<dyn Kernel> = Arc::new(Processor::new(threads)?);
         let play = Play::new(engine, settings, seed, threads)?;

@@ -210,6 +210,9 @@ fn a_folder_of_another_training_is_refused() {
     assert!(message.contains("holds another training: its set of settings is algorithm = \"ppo\""), "{message}");
     let first = open(folder.path(), &engine, &small(Algorithm::Ppo));
     assert_eq!(first.training().step(), 0);
+    let second = Session::open(folder.path(), training(&engine, &small(Algorithm::Ppo), 1));
+    let message = second.err().unwrap().to_string();
+    assert!(message.starts_with("another process trains in `"), "{message}");
 }
 
 #[test]
@@ -241,6 +244,16 @@ fn agents_are_folders_that_say_what_they_fit() {
     let seen = engine(&[("        swing.q\n        swing.qd", "        swing.qd\n        swing.q")]);
     let message = reset(&format!("agent --any-task {shown}"), &seen);
     assert!(message.contains("channel 1 is `swing.qd` (1), expected `swing.q` (1)"), "{message}");
+}
+
+#[test]
+fn a_replay_buffer_that_does_not_fit_into_memory_is_refused() {
+    let engine = engine(&[]);
+    let mut settings = small(Algorithm::Sac);
+    settings.sac.replay = 200_000_000;
+    let message = Training::new(&engine, &settings, (1, 100), NonZeroUsize::MIN).err().unwrap().to_string();
+    let expected = "`replay` is 200000000; expected at most 119304647, which take 4 GiB: a transition of `hold` takes 36 bytes";
+    assert_eq!(message, expected);
 }
 
 #[test]
