@@ -15,6 +15,7 @@ mod error;
 mod eval;
 mod explain;
 mod exploit;
+mod export;
 mod fmt;
 mod help;
 mod html;
@@ -79,6 +80,7 @@ enum Command {
     Mcp(mcp::Args),
     Draw(draw::Args),
     Motion(motion::Args),
+    Export(export::Args),
     Physics(physics::Args),
     Help(help::Args),
 }
@@ -107,6 +109,7 @@ impl Command {
             Self::Mcp(args) => mcp::run(args),
             Self::Draw(args) => draw::run(args),
             Self::Motion(args) => motion::run(args),
+            Self::Export(args) => export::run(args),
             Self::Physics(args) => physics::run(args),
             Self::Help(args) => help::run(args),
         }

@@ -11,6 +11,7 @@ mod directions;
 mod draw;
 mod episodes;
 mod examples;
+mod export;
 mod hand_written;
 mod human;
 mod language_server;

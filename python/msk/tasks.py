@@ -134,6 +134,19 @@ class Task:
         initial state, terminations, success."""
         return Explanation(self._native.explain(format))
 
+    def export(self, folder: str | os.PathLike[str]) -> Path:
+        """Writes the task as a module over MuJoCo's own ``MjModel`` and ``MjData``, with its model, into a folder: observation, terms,
+        terminations, success, for people who stay on MuJoCo. Gives the path of the module.
+
+        Raises:
+            ValueError: the task reads what MuJoCo does not measure, or is a sequence.
+        """
+        files = self._native.export()
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        return Path(folder) / f"{self.name}.py"
+
     def reweighted(self, weights: Weights) -> Task:
         """The same task with other weights; those that are not named stay.
 

@@ -10,6 +10,7 @@ use msk_runtime::library::BoundBody;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A compiled task on its body: immutable, and shared by all its environments.
@@ -221,6 +222,14 @@ impl Task {
             let environment = Environment::of(engine);
             write(environment.task(), &Options { reset: Some(environment.frame()) })
         })
+    }
+
+    /// The task as a module over MuJoCo's model and data: files by name.
+    fn export(&self, py: Python<'_>) -> PyResult<BTreeMap<String, String>> {
+        let engine = self.engine.clone();
+        let exported = detached(py, move || msk_export::python(engine.task(), engine.body(), engine.model()))?;
+        let exported = exported.map_err(|refused| PyValueError::new_err(refused.to_string()))?;
+        Ok(exported.files().into_iter().map(|(name, text)| (name, text.to_owned())).collect())
     }
 
     fn __repr__(&self) -> String {

@@ -203,6 +203,8 @@ impl<'a> Checker<'a> {
             drawn_disturbances.push((disturbance, setting, init.drawn.len()));
             init.drawn.push(node);
         }
+        // What tests name stands in a graph of their own.
+        let lets = std::mem::take(&mut self.lets);
         let tests = match (&terms, &channels, &terminations, &finishes) {
             (Ok(terms), Ok(channels), Ok(_), Ok(_)) => self.own_tests(sequence, &init, (terms, channels), success.node, texts)?,
             _ => None,
@@ -232,7 +234,7 @@ impl<'a> Checker<'a> {
             success_at: success_at.unwrap_or((self.task_place.file, task.task.name.span)),
             init_at: begun_at.unwrap_or((self.task_place.file, task.task.name.span)),
             comparisons: std::mem::take(&mut self.comparisons),
-            lets: std::mem::take(&mut self.lets),
+            lets,
             allowances: std::mem::take(&mut self.allowances),
             randoms: std::mem::take(&mut self.randoms),
             references: self.references.clone(),
