@@ -10,7 +10,9 @@ import pytest
 
 import msk
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+mujoco = pytest.importorskip(
+    "mujoco", minversion="4.0", reason="MuJoCo 4 is not installed; older ones wrap tendons otherwise"
+)
 
 pytestmark = pytest.mark.filterwarnings("ignore::msk.LintWarning")
 

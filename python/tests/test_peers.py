@@ -73,6 +73,43 @@ def test_gymnasium_takes_the_same_steps(name: str):
     assert steps > 50 and (ends > 0 or name == "half_cheetah")
 
 
+DM_CONTROL = {
+    "walker_walk": ("walker", "walk"),
+    "cheetah_run": ("cheetah", "run"),
+    "humanoid_stand": ("humanoid", "stand"),
+}
+"""Our name: their domain and task."""
+
+
+def flat(observation: dict[str, np.ndarray]) -> np.ndarray:
+    return np.concatenate([np.atleast_1d(part) for part in observation.values()])
+
+
+@pytest.mark.parametrize("name", DM_CONTROL)
+def test_dm_control_takes_the_same_steps(name: str):
+    suite = pytest.importorskip("dm_control.suite", reason="dm_control is not installed")
+    ours = msk.make(PEERS / f"{name}.msk", dtype=np.float64)
+    draws = np.random.default_rng(0)
+    for seed in range(4):
+        try:
+            theirs = suite.load(*DM_CONTROL[name], task_kwargs={"random": seed})
+        except AttributeError as missing:
+            pytest.skip(f"dm_control does not run on this MuJoCo: {missing}")
+        assert ours.task.control_frequency == pytest.approx(1 / theirs.control_timestep())
+        assert ours.task.horizon == theirs._step_limit
+        theirs.reset()
+        for _ in range(60):
+            data = theirs.physics.data
+            observation, _ = ours.reset(options={"state": {"qpos": data.qpos.copy(), "qvel": data.qvel.copy()}})
+            equal(observation, flat(theirs.task.get_observation(theirs.physics)), "observation of the state")
+            action = draws.uniform(-1, 1, ours.action_space.shape)
+            step = theirs.step(action)
+            own, own_reward, own_ended, _, _ = ours.step(action)
+            equal(own, flat(step.observation), "observation")
+            equal(own_reward, step.reward, "reward")
+            assert not own_ended and not step.last()
+
+
 def lines_of_class(environment: gymnasium.Env) -> int:
     """Lines of its class that are neither empty nor documentation."""
     source = textwrap.dedent(inspect.getsource(type(environment)))
