@@ -110,6 +110,31 @@ def test_dm_control_takes_the_same_steps(name: str):
             assert not own_ended and not step.last()
 
 
+def test_myosuite_takes_the_same_steps():
+    pytest.importorskip("myosuite", minversion="3.0", reason="MyoSuite is not installed")
+    theirs = gymnasium.make("myoElbowPoseTaskRandom-v0").unwrapped
+    ours = msk.make(PEERS / "elbow_pose.msk", dtype=np.float64)
+    assert ours.observation_space.shape == theirs.observation_space.shape
+    draws = np.random.default_rng(0)
+    for seed in range(4):
+        theirs.reset(seed=seed)
+        for _ in range(60):
+            data = theirs.data
+            state = {"qpos": data.qpos.copy(), "qvel": data.qvel.copy(), "act": data.act.copy()}
+            observation, _ = ours.reset(seed=seed, options={"state": state})
+            # Ours is drawn by the seed; the last channel is target less angle.
+            theirs._task_state["target_angles"] = observation[-1:] + observation[:1]
+            # Their entries are excitations, ours the same from -1 to 1.
+            excitations = draws.uniform(0, 1, ours.action_space.shape).astype(np.float32)
+            observation, reward, _, _, info = theirs.step(excitations)
+            own, own_reward, _, _, own_info = ours.step(2.0 * excitations - 1.0)
+            equal(own, observation, "observation")
+            equal(own_reward, reward, "reward")
+            for term, key in {"pose": "pose/pose", "bonus": "pose/bonus", "act_reg": "act_reg/act_reg"}.items():
+                equal(own_info["contributions"][term], info[key], term)
+            assert (abs(own[-1]) < 0.35) == info["solved"]
+
+
 def lines_of_class(environment: gymnasium.Env) -> int:
     """Lines of its class that are neither empty nor documentation."""
     source = textwrap.dedent(inspect.getsource(type(environment)))
