@@ -96,7 +96,7 @@ impl<T: Real> Newton<T> {
         for (index, unknown) in unknowns.iter().enumerate() {
             self.slope[index] = columns.dot(index, &self.direction) / unknown.cost;
         }
-        Along { start, curvature, problem, free: &self.free, slope: &self.slope }.root()
+        Line { start, curvature, problem, free: &self.free, slope: &self.slope }.root()
     }
 }
 
@@ -132,7 +132,7 @@ impl<T: Real> LaneWork for Search<'_, T> {
 }
 
 /// The dual along a search direction.
-struct Along<'a, T> {
+struct Line<'a, T> {
     /// Its derivative at length 0 without the unknowns' part, and how that changes with the length.
     start: T,
     curvature: T,
@@ -147,7 +147,7 @@ const TRIALS: usize = 40;
 /// The derivative at which a length is taken, relative to that at its beginning.
 const FLAT: f64 = 1e-9;
 
-impl<T: Real> Along<'_, T> {
+impl<T: Real> Line<'_, T> {
     /// The derivative at a length, and its own.
     #[inline(always)]
     fn derivatives(&self, length: T) -> [T; 2] {
