@@ -83,12 +83,11 @@ impl<T: Real> Interior<T> {
         Self { intervals: Vec::new(), missing: zeros(), y: zeros(), change: zeros(), matrix: Vec::new() }
     }
 
-    /// Improves the unknowns `x` and the multiplier `y` of the lanes that try from what they are, and gives the steps that this
-    /// took. Both stay as they are where it leads nowhere.
-    pub fn solve(&mut self, problem: &Problem<'_, T>, target: Target, tries: T::Mask, x: &mut [T], y: &mut [T]) -> T {
+    /// Improves the unknowns `x` and the multiplier `y` of the lanes that try from what they are. Both stay as they are where it
+    /// leads nowhere.
+    pub fn solve(&mut self, problem: &Problem<'_, T>, target: Target, tries: T::Mask, x: &mut [T], y: &mut [T]) {
         self.y.copy_from_slice(y);
         self.matrix.resize(problem.inertia.len(), T::splat(0.0));
-        let mut steps = T::splat(0.0);
         let mut waits = tries;
         for begins_anew in [false, true] {
             if !T::any(waits) {
@@ -99,12 +98,10 @@ impl<T: Real> Interior<T> {
                 Instructions::default().run(Forget { interior: self, problem, x });
             }
             let search = Search { interior: self, problem, target, tries: waits, x: &*x };
-            let (taken, found) = Instructions::default().run(search);
-            steps += T::select(waits, taken, T::splat(0.0));
+            let found = Instructions::default().run(search);
             self.keep(problem, T::and(waits, found), x, y);
             waits = T::and(waits, T::not(found));
         }
-        steps
     }
 
     /// Writes what was found.
@@ -296,16 +293,16 @@ struct Search<'a, T: Real> {
 }
 
 impl<T: Real> LaneWork for Search<'_, T> {
-    /// How many, and the lanes in which the target was met.
-    type Output = (T, T::Mask);
+    /// The lanes in which the target was met.
+    type Output = T::Mask;
 
     #[inline(always)]
-    fn run(self) -> (T, T::Mask) {
+    fn run(self) -> T::Mask {
         let Self { interior, problem, target, tries, x } = self;
         interior.begin(problem, x);
-        let [zero, one] = [0.0, 1.0].map(T::splat);
+        let zero = T::splat(0.0);
         let residual = T::splat(target.residual) * problem.scale();
-        let (mut active, mut found, mut steps) = (tries, zero.less(zero), zero);
+        let (mut active, mut found) = (tries, zero.less(zero));
         for taken in 0..=STEPS {
             let (gap, missing) = (interior.gap(problem, zero), largest(&interior.missing));
             let near = T::and(T::not(T::splat(target.gap).less(gap)), T::not(residual.less(missing)));
@@ -316,7 +313,6 @@ impl<T: Real> LaneWork for Search<'_, T> {
             if taken == STEPS || !T::any(active) {
                 break;
             }
-            steps += T::select(active, one, zero);
             interior.factor(problem);
             interior.step(problem, |_| [zero; 2]);
             let expected = interior.gap(problem, interior.length()) / gap;
@@ -330,7 +326,7 @@ impl<T: Real> LaneWork for Search<'_, T> {
         for &y in &interior.y {
             found = T::and(found, is_finite(y));
         }
-        (steps, found)
+        found
     }
 }
 

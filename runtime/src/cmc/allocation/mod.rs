@@ -76,14 +76,14 @@ fn largest<T: Real>(values: &[T]) -> T {
 pub(super) struct Memory {
     /// y: the acceleration that the remaining error would cause.
     multiplier: Vec<f64>,
-    /// Whether Newton's method alone did not find the last answer.
-    violent: bool,
+    /// Allocations for which Newton's method is not tried: it did not find an answer a short time ago.
+    wait: f64,
 }
 
 impl Memory {
     /// That of a body of so many rows at rest.
     pub fn new(rows: usize) -> Self {
-        Self { multiplier: vec![0.0; rows], violent: false }
+        Self { multiplier: vec![0.0; rows], wait: 0.0 }
     }
 }
 
@@ -91,7 +91,7 @@ impl Memory {
 #[derive(Debug, Clone)]
 pub(super) struct Allocation<T: Real> {
     multiplier: Vec<T>,
-    violent: T::Mask,
+    wait: T,
     /// The unknowns, one per column.
     x: Vec<T>,
     newton: Newton<T>,
@@ -111,8 +111,8 @@ pub(super) struct Effort {
     last: usize,
 }
 
-/// Steps of the interior-point method that show a state in which Newton's method takes fewer.
-const CALM: f64 = 5.0;
+/// For so many allocations after one in which Newton's method found no answer it is not tried: a state that was violent a moment ago still is.
+const PATIENCE: f64 = 8.0;
 
 impl Effort {
     /// For what is acted on.
@@ -127,7 +127,7 @@ impl<T: Real> Allocation<T> {
     pub fn new(rows: usize) -> Self {
         Self {
             multiplier: vec![T::splat(0.0); rows],
-            violent: T::mask(|_| false),
+            wait: T::splat(0.0),
             x: Vec::new(),
             newton: Newton::new(rows),
             interior: Interior::new(rows),
@@ -139,16 +139,16 @@ impl<T: Real> Allocation<T> {
         let Effort { tolerance, first, target, last } = effort;
         self.x.clear();
         self.x.resize(problem.unknowns.len(), T::splat(0.0));
-        // What was violent a control step ago still is.
-        let found = self.newton(problem, tolerance, first, T::not(self.violent));
-        let waits = T::not(found);
-        self.violent = waits;
-        if !T::any(waits) {
+        let [zero, one, patience] = [0.0, 1.0, PATIENCE].map(T::splat);
+        let waited = zero.less(self.wait);
+        let found = self.newton(problem, tolerance, first, T::not(waited));
+        let left = T::not(found);
+        self.wait = T::select(found, zero, T::select(waited, self.wait - one, patience));
+        if !T::any(left) {
             return found;
         }
-        let steps = self.interior.solve(problem, target, waits, &mut self.x, &mut self.multiplier);
-        self.violent = T::and(waits, T::splat(CALM).less(steps));
-        if last > 0 { T::or(found, self.newton(problem, tolerance, last, waits)) } else { found }
+        self.interior.solve(problem, target, left, &mut self.x, &mut self.multiplier);
+        if last > 0 { T::or(found, self.newton(problem, tolerance, last, left)) } else { found }
     }
 
     /// Newton steps in the lanes that try, `most` at most, after which `x` is what the multiplier asks for; gives the lanes in which it
@@ -161,7 +161,7 @@ impl<T: Real> Allocation<T> {
     /// Begins all lanes at rest.
     fn forget(&mut self) {
         self.multiplier.fill(T::splat(0.0));
-        self.violent = T::mask(|_| false);
+        self.wait = T::splat(0.0);
     }
 
     /// Begins a lane where `memory` has ended.
@@ -169,8 +169,7 @@ impl<T: Real> Allocation<T> {
         for (own, &value) in self.multiplier.iter_mut().zip(&memory.multiplier) {
             own.set_lane(lane, value);
         }
-        let violent = self.violent;
-        self.violent = T::mask(|other| if other == lane { memory.violent } else { T::holds(violent, other) });
+        self.wait.set_lane(lane, memory.wait);
     }
 
     /// Ends a lane.
@@ -178,7 +177,7 @@ impl<T: Real> Allocation<T> {
         for (value, own) in memory.multiplier.iter_mut().zip(&self.multiplier) {
             *value = own.lane(lane);
         }
-        memory.violent = T::holds(self.violent, lane);
+        memory.wait = self.wait.lane(lane);
         // What is not finite would never become finite again.
         if !memory.multiplier.iter().all(|value| value.is_finite()) {
             memory.multiplier.fill(0.0);
