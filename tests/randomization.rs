@@ -26,7 +26,8 @@ pub const DRAWN: &[(&str, &str)] = &[
         box post { size [10 cm, 10 cm, tall], at [there[0], there[1], 1 m], orientation 5 * grade }
         stairs flight { count 3, rise rise, run 3 * rise, width 1 m, at [5 m, 0, 0] }
         heights waves { size [2 m, 1 m], samples [21, 3], height wave * (1 + x / 1 m), at [0, 5 m, 0] }
-        sphere ball { radius 0.1 * tall, mass 2 kg, free, at [0, -5 m, 1 m] }
+        sphere ball { radius 0.1 * tall, mass 2 kg, free, at [0, -5 m, 0.27 m] }
+        box belt { size [1 m, 1 m, 0.1 m], at [0, -5 m, 0.1 m], moves [0.1 m * tight * sin(90 deg/s * t), 0, 0], turns 20 deg/s * t }
         body door {
             at [0, -3 m, 0.1 m]
             hinge swing { axis [0, 0, 1], damping 1 N*m*s/rad * tight, stiffness 4 N*m/rad * tight }

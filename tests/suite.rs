@@ -22,6 +22,7 @@ mod mutation;
 mod paper;
 mod physics_doors;
 mod planning;
+mod platforms;
 mod randomization;
 mod registered;
 mod scenes;

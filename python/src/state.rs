@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// The lists of a state file, by name.
-fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 16] {
+fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 17] {
     [
         ("qpos", &mut file.qpos),
         ("qvel", &mut file.qvel),
@@ -23,6 +23,7 @@ fn lists(file: &mut StateFile) -> [(&'static str, &mut Option<Vec<f64>>); 16] {
         ("qacc_warmstart", &mut file.qacc_warmstart),
         ("mocap_pos", &mut file.mocap_pos),
         ("mocap_quat", &mut file.mocap_quat),
+        ("mocap_vel", &mut file.mocap_vel),
         ("strength", &mut file.strength),
         ("mass_scale", &mut file.mass_scale),
         ("friction", &mut file.friction),

@@ -167,6 +167,15 @@ impl CompiledTask {
         Some(place)
     }
 
+    /// What the driven object of this place does in the step to be taken, from the snapshot of `frame`: how far it moves along the axes of
+    /// the world, m, and turns about the vertical, rad.
+    pub fn drive(&self, index: usize, frame: &[f64], state: &TaskState) -> Option<[f64; 4]> {
+        let mut drive = [0.0; 4];
+        let plan = self.phase(state).program.drives.get(index).filter(|plan| plan.width() == drive.len())?;
+        plan.write(&View { frame, record: &state.record }, &mut drive);
+        Some(drive)
+    }
+
     /// Starts the task's state from the reset snapshot. `frame` has `self.frame.size()` values. A state that was not begun
     /// is begun first.
     ///

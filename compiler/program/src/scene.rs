@@ -98,6 +98,8 @@ pub enum Motion {
     Fixed,
     /// Not at all, at a place in the world that is drawn for every episode.
     Placed,
+    /// As a formula of time has it, from its place in the world: the drive of the task.
+    Driven,
     /// Six ways; its place in the scene is where it starts. Only for objects carried by the world.
     Free,
     /// By joints, one after the other.

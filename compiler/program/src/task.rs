@@ -60,6 +60,8 @@ pub struct CompiledTask {
     pub releases: Vec<usize>,
     /// Names of places that are shown and never touched: [`CompiledTask::marker`] tells where each is.
     pub markers: Vec<String>,
+    /// Objects that formulas of time move, by their place in the scene: in the order of [`CompiledTask::drive`].
+    pub driven: Vec<usize>,
     /// Channels of the observation, in order.
     pub channels: Vec<Channel>,
     /// Channels that only a critic sees, beside the observation, in order; their offsets begin at 0.

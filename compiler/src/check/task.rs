@@ -53,6 +53,8 @@ pub(crate) struct CheckedTask<'a> {
     /// Connections of the scene with the conditions on which they let go.
     pub releases: Vec<(usize, NodeId)>,
     pub markers: Vec<(String, NodeId)>,
+    /// Objects that formulas of time move, with what they do in a control step.
+    pub drives: Vec<(usize, NodeId)>,
     pub queries: Vec<Query>,
     pub channels: Vec<ObservedChannel>,
     pub terms: Vec<RewardTerm<'a>>,
@@ -224,6 +226,7 @@ impl<'a> Checker<'a> {
             drawn_disturbances,
             releases: staged.releases,
             markers: staged.markers,
+            drives: staged.drives,
             queries: std::mem::take(&mut self.queries),
             channels: channels?,
             terms: terms?,

@@ -163,6 +163,7 @@ fn begun(heading: &Heading<'_>, first: &CheckedTask<'_>, frame: &FrameLayout) ->
         drawn_disturbances: first.drawn_disturbances.clone(),
         releases: first.releases.iter().map(|(connection, _)| *connection).collect(),
         markers: first.markers.iter().map(|(name, _)| name.clone()).collect(),
+        driven: first.drives.iter().map(|(object, _)| *object).collect(),
         channels: Vec::new(),
         critic: Vec::new(),
         terms: Vec::new(),
@@ -365,6 +366,7 @@ fn outputs(checked: &CheckedTask<'_>) -> Outputs {
         initial_values: checked.initial_values.clone(),
         releases: checked.releases.iter().map(|(_, node)| *node).collect(),
         markers: checked.markers.iter().map(|(_, node)| *node).collect(),
+        drives: checked.drives.iter().map(|(_, node)| *node).collect(),
         until: checked.phase.until,
         succeeded: checked.phase.succeeded,
     }

@@ -113,6 +113,12 @@ impl<T: Real> Kinematics<T> {
         }
     }
 
+    /// The index of a body among those that are placed from outside.
+    #[inline(always)]
+    pub(crate) fn placed(&self, body: usize) -> Option<usize> {
+        self.plan.placed[body]
+    }
+
     /// World position of a point given in the frame of `body`, m.
     #[inline(always)]
     pub fn point(&self, body: usize, local: &Vector3<T>) -> Vector3<T> {

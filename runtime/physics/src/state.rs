@@ -37,6 +37,9 @@ pub struct State<T: Real> {
     pub mocap_position: Vec<Vector3<T>>,
     /// Their orientations w x y z (`mocap_quat`).
     pub mocap_orientation: Vec<[T; 4]>,
+    /// Their angular (rad/s) and linear (m/s) velocities in world axes; zero at first. A body with a velocity moves on by itself, and
+    /// carries by friction what touches it. MuJoCo's mocap bodies have none.
+    pub mocap_velocity: Vec<[Vector3<T>; 2]>,
     /// For each equality of the model whether it holds: 1 if it does, 0 if it is released.
     pub active: Vec<T>,
     /// For each equality of the model where the second frame of a connection or weld stands in its body, position (m) and
@@ -72,6 +75,7 @@ one_lane!(State {
     body_force,
     mocap_position,
     mocap_orientation,
+    mocap_velocity,
     active,
     held,
     strength,
@@ -100,6 +104,7 @@ impl<T: Real> State<T> {
         self.body_force.copy_from_slice(&other.body_force);
         self.mocap_position.copy_from_slice(&other.mocap_position);
         self.mocap_orientation.copy_from_slice(&other.mocap_orientation);
+        self.mocap_velocity.copy_from_slice(&other.mocap_velocity);
         self.strength.copy_from_slice(&other.strength);
         self.mass_scale.copy_from_slice(&other.mass_scale);
         self.friction.copy_from_slice(&other.friction);
@@ -121,7 +126,7 @@ impl<T: Real> State<T> {
             && self.control.len() == actuators
             && [&self.fibre_length, &self.fibre_velocity].iter().all(|part| part.len() == fibres)
             && self.body_force.len() == bodies
-            && [self.mocap_position.len(), self.mocap_orientation.len()] == [placed; 2]
+            && [self.mocap_position.len(), self.mocap_orientation.len(), self.mocap_velocity.len()] == [placed; 3]
             && [self.active.len(), self.held.len()] == [equalities; 2]
             && [self.strength.len(), self.mass_scale.len()] == [actuators, bodies]
             && [self.friction.len(), self.stiffness.len()] == [model.geoms.kind.len(), model.joints.kind.len()]
@@ -145,6 +150,7 @@ impl<T: Real> State<T> {
             applied_force: vec![zero; model.nv],
             body_force: vec![[Vector3::from_element(zero); 2]; model.bodies.parent.len()],
             mocap_position: placed.clone().map(|body| constant(&model.bodies.position[body])).collect(),
+            mocap_velocity: vec![[Vector3::from_element(zero); 2]; placed.clone().count()],
             mocap_orientation: placed.map(|body| constant_quaternion(&model.bodies.orientation[body])).collect(),
             active: model.equalities.active.iter().map(|&active| T::splat(f64::from(u8::from(active)))).collect(),
             held: model.equalities.kind.iter().map(second_frame).collect(),

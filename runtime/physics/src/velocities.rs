@@ -2,7 +2,7 @@
 
 use super::{
     kinematics::Kinematics,
-    spatial::{Spatial, add_scaled, cross_motion, spatial_zero},
+    spatial::{Spatial, add_scaled, cross, cross_motion, spatial_zero},
     state::State,
 };
 use crate::{
@@ -33,7 +33,15 @@ impl<T: Real> Velocities<T> {
 #[inline(always)]
 pub fn update<T: Real>(model: &Model, state: &State<T>, kinematics: &Kinematics<T>, out: &mut Velocities<T>) {
     for body in 1..model.bodies.parent.len() {
-        let mut velocity = out.body[model.bodies.parent[body]];
+        let mut velocity = match kinematics.placed(body) {
+            // Velocities are those of the point at the tree's centre of mass.
+            Some(index) => {
+                let [spin, linear] = state.mocap_velocity[index];
+                let arm = kinematics.reference(model, body) - kinematics.body_position[body];
+                [spin, linear + cross(&spin, &arm)]
+            }
+            None => out.body[model.bodies.parent[body]],
+        };
         for joint in model.bodies.joints[body].clone() {
             let first = model.joints.dof_address[joint];
             match model.joints.kind[joint] {

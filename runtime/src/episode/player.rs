@@ -95,6 +95,19 @@ impl Player<'_> {
         initial_state::hold(model, body, state, workspace);
     }
 
+    /// Sets the velocities with which formulas of time move objects in the step to be taken.
+    pub fn drive(&mut self) {
+        let Engine { body, task, .. } = self.engine;
+        let Episode { state, task: progress, frame, .. } = &mut *self.episode;
+        let period = self.engine.control_period();
+        for (index, &object) in task.driven.iter().enumerate() {
+            let (Some(placed), Some([x, y, z, turn])) = (body.objects[object].placed, task.drive(index, frame, progress)) else {
+                continue;
+            };
+            state.mocap_velocity[placed] = [Vector3::new(0.0, 0.0, turn), Vector3::new(x, y, z)].map(|moved| moved / period);
+        }
+    }
+
     /// Takes one control step; a fault in it gives no reward, is not counted, and ends the episode.
     pub fn step(&mut self, action: Action<'_>) -> Result<(), EpisodeError> {
         if self.episode.ending.is_some() {
@@ -127,6 +140,7 @@ impl Player<'_> {
             self.allocate();
         }
         self.excite(taken);
+        self.drive();
         self.simulate()?;
         self.conclude()?;
         Ok(())
@@ -212,6 +226,7 @@ impl Player<'_> {
     pub fn forces_change(&self) -> bool {
         matches!(self.engine.task.action.target, ActionTarget::Torque { .. })
             || self.is_pushed()
+            || !self.engine.task.driven.is_empty()
             || self.episode.state.body_force.iter().flatten().any(|force| *force != Vector3::zeros())
     }
 

@@ -57,9 +57,16 @@ impl Environment {
     /// # Errors
     /// An episode that has ended.
     pub fn hold(&mut self) -> Result<&StepReport, EpisodeError> {
-        self.player().play(|player| {
-            player.wait();
-            Ok(())
+        self.player().play(|player| match player.engine.task.driven.is_empty() {
+            true => {
+                player.wait();
+                Ok(())
+            }
+            // Formulas of time go on.
+            false => {
+                let activation = player.episode.state.activation.first().copied().unwrap_or(0.0);
+                player.show(&mut |_, _, _, _| activation)
+            }
         })?;
         Ok(&self.episode.report)
     }
@@ -127,6 +134,8 @@ impl Player<'_> {
         let (model, body) = (&self.engine.model, &self.engine.body);
         let before = self.episode.state.position.clone();
         self.scratch.forget();
+        self.drive();
+        physics::integrator::move_placed(&mut self.episode.state, self.engine.control_period());
         let activation = place(model, body, &mut self.episode.state, &mut self.scratch.workspace);
         self.activate(activation);
         let period = self.engine.control_period();

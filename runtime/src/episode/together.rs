@@ -160,6 +160,7 @@ impl Seat<'_> {
         let (alone, taken) = (self.alone, self.taken);
         let mut player = self.player(scratch);
         player.excite(taken);
+        player.drive();
         let pushed = player.is_pushed();
         if alone {
             player.react()?;

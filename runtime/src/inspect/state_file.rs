@@ -46,6 +46,9 @@ pub struct StateFile {
     /// Their orientations, four numbers each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mocap_quat: Option<Vec<f64>>,
+    /// Their angular and linear velocities, six numbers each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mocap_vel: Option<Vec<f64>>,
     /// Factor of the active force of each muscle, `nu`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strength: Option<Vec<f64>>,
@@ -120,6 +123,7 @@ impl StateFile {
             ctrl: Some(state.control.clone()),
             mocap_pos: placed.then(|| state.mocap_position.iter().flatten().copied().collect()),
             mocap_quat: placed.then(|| state.mocap_orientation.concat()),
+            mocap_vel: placed.then(|| state.mocap_velocity.iter().flatten().flatten().copied().collect()),
             eq_active: Some(state.active.iter().map(|active| *active != 0.0).collect()),
             fibre_length: Some(state.fibre_length.clone()).filter(|fibres| !fibres.is_empty()),
             fibre_velocity: Some(state.fibre_velocity.clone()).filter(|fibres| !fibres.is_empty()),
@@ -174,6 +178,11 @@ impl StateFile {
         let mut turns = state.mocap_orientation.concat();
         take("mocap_quat", &self.mocap_quat, &mut turns)?;
         state.mocap_orientation = turns.chunks_exact(4).map(|q| [q[0], q[1], q[2], q[3]]).collect();
+        let mut speeds: Vec<f64> = state.mocap_velocity.iter().flatten().flatten().copied().collect();
+        take("mocap_vel", &self.mocap_vel, &mut speeds)?;
+        for (speed, slot) in speeds.chunks_exact(6).zip(&mut state.mocap_velocity) {
+            *slot = [Vector3::from_column_slice(&speed[..3]), Vector3::from_column_slice(&speed[3..])];
+        }
         let mut wrenches = vec![0.0; 6 * state.body_force.len()];
         take("xfrc_applied", &self.xfrc_applied, &mut wrenches)?;
         for (wrench, slot) in wrenches.chunks_exact(6).zip(&mut state.body_force) {

@@ -177,7 +177,9 @@ fn carrier(object: &Object, model: &Model, body: &Body, bodies: &[usize]) -> Res
     let position = Vector3::from(object.position);
     let unknown = |name: String| SceneError::Unknown { user: format!("object `{}`", object.name), name };
     Ok(match &object.parent {
-        Parent::World => NewBody { name, parent: 0, position, orientation, placed: object.motion == Motion::Placed },
+        Parent::World => {
+            NewBody { name, parent: 0, position, orientation, placed: matches!(object.motion, Motion::Placed | Motion::Driven) }
+        }
         Parent::Object(parent) => {
             let parent = *bodies.get(*parent).ok_or_else(|| unknown(format!("object {parent}")))?;
             NewBody { name, parent, position, orientation, placed: false }
@@ -199,7 +201,7 @@ fn carrier(object: &Object, model: &Model, body: &Body, bodies: &[usize]) -> Res
 
 fn joints(object: &Object) -> Vec<NewJoint> {
     match &object.motion {
-        Motion::Fixed | Motion::Placed => Vec::new(),
+        Motion::Fixed | Motion::Placed | Motion::Driven => Vec::new(),
         Motion::Free => vec![NewJoint { name: object.name.clone(), kind: JointKind::Free, ..NewJoint::default() }],
         Motion::Joints(joints) => joints.iter().map(joint).collect(),
     }

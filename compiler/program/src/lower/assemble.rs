@@ -52,6 +52,7 @@ impl Assembler<'_> {
             initial_values: scalars(&outputs.initial_values),
             releases: scalars(&outputs.releases),
             markers: plans(&outputs.markers),
+            drives: plans(&outputs.drives),
             until: outputs.until.map(|node| self.single(node)),
             succeeded: outputs.succeeded.map(|node| self.single(node)),
             ..Program::default()

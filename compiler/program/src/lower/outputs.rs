@@ -30,6 +30,8 @@ pub struct Outputs {
     pub releases: Vec<NodeId>,
     /// Places that are shown.
     pub markers: Vec<NodeId>,
+    /// What driven objects do in a control step: movement along x, y, z, m, and turn about the vertical, rad.
+    pub drives: Vec<NodeId>,
     /// When the next phase begins.
     pub until: Option<NodeId>,
     /// Whether this phase has succeeded, for those after it.
@@ -49,7 +51,7 @@ impl Outputs {
     /// Every node that is wanted, in the task's order.
     pub fn roots(&self) -> impl Iterator<Item = NodeId> + '_ {
         let ends = [&self.terms, &self.terminations, &self.finishes, &self.metrics, &self.channels, &self.updates];
-        let scene = [&self.initial_values, &self.releases, &self.markers];
+        let scene = [&self.initial_values, &self.releases, &self.markers, &self.drives];
         let lists = ends.into_iter().chain(scene);
         let draws = self.draws.iter().flat_map(|draw| std::iter::once(draw.value).chain(draw.redraw));
         let single = [self.success, self.until, self.succeeded];

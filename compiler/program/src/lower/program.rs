@@ -89,6 +89,7 @@ pub(crate) struct Program {
     pub initial_values: Vec<Scalar>,
     pub releases: Vec<Scalar>,
     pub markers: Vec<Plan>,
+    pub drives: Vec<Plan>,
     /// When the next phase of a sequence begins.
     pub until: Option<Scalar>,
     /// Whether this phase has succeeded, for those after it.

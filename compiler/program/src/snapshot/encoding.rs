@@ -57,6 +57,7 @@ pub(super) fn motion(motion: &Motion) -> String {
     match motion {
         Motion::Fixed => text("Fixed"),
         Motion::Placed => text("Placed"),
+        Motion::Driven => text("Driven"),
         Motion::Free => text("Free"),
         Motion::Joints(joints) => record(&[("Joints", list(joints.iter().map(joint)))]),
     }

@@ -157,6 +157,10 @@ impl CompiledTask {
         for (&connection, &node) in self.releases.iter().zip(&outputs.releases) {
             write(Section::new("release", &labelled(&self.connection_name(connection))), None, node, "when");
         }
+        for (&object, &node) in self.driven.iter().zip(&outputs.drives) {
+            let name = self.scene.objects.get(object).map_or("?", |object| &object.name);
+            write(Section::new("drive", &labelled(name)), None, node, "by");
+        }
         for (name, &node) in self.markers.iter().zip(&outputs.markers) {
             write(Section::new("marker", &labelled(name)), None, node, "at");
         }

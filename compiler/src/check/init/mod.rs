@@ -108,16 +108,15 @@ impl<'a> Checker<'a> {
     fn starting_objects(&self) -> Init {
         let scene = self.scene.map(|scene| &scene.description);
         let objects = scene.into_iter().flat_map(|scene| scene.objects.iter().enumerate());
-        let placed =
-            objects.filter(|(_, object)| matches!(object.motion, Motion::Free | Motion::Placed)).map(|(index, object)| {
-                ObjectStart {
-                    object: index,
-                    position: object.position,
-                    orientation: object.orientation,
-                    velocity: [0.0; 3],
-                    spin: [0.0; 3],
-                }
-            });
+        let placed = objects.filter(|(_, object)| matches!(object.motion, Motion::Free | Motion::Placed | Motion::Driven)).map(
+            |(index, object)| ObjectStart {
+                object: index,
+                position: object.position,
+                orientation: object.orientation,
+                velocity: [0.0; 3],
+                spin: [0.0; 3],
+            },
+        );
         Init { coordinates: vec![0.0; self.vocabulary.joints.len()], objects: placed.collect(), ..Init::default() }
     }
 

@@ -26,6 +26,8 @@ pub(crate) struct Staged {
     /// Connections that let go, with the conditions.
     pub releases: Vec<(usize, NodeId)>,
     pub markers: Vec<(String, NodeId)>,
+    /// Objects that formulas of time move, with what they do in a control step.
+    pub drives: Vec<(usize, NodeId)>,
     pub disturbances: Vec<Disturbance>,
     /// Numbers of these that are drawn.
     pub drawn: Vec<(usize, DisturbanceSetting, NodeId)>,
@@ -49,10 +51,10 @@ impl<'a> Checker<'a> {
                 }
             }
         }
-        let (connections, markers) = (self.connections(), self.markers());
-        let ((connections, releases), markers) = (connections?, markers?);
+        let (connections, markers, drives) = (self.connections(), self.markers(), self.drives());
+        let ((connections, releases), markers, drives) = (connections?, markers?, drives?);
         failures.or(())?;
-        Ok(Staged { scene: SceneDescription { connections, ..scene }, releases, markers, disturbances, drawn })
+        Ok(Staged { scene: SceneDescription { connections, ..scene }, releases, markers, drives, disturbances, drawn })
     }
 
     /// The welds and connections of the scene.

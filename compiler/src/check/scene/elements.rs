@@ -36,12 +36,25 @@ const fn kind(
 }
 
 /// Fields of every solid shape.
-const SOLID: &[&str] = &["at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
+const SOLID: &[&str] = &["at", "orientation", "free", "mass", "density", "friction", "solid", "walkable", "moves", "turns"];
 /// The same for shapes with an axis.
-const LONG: &[&str] =
-    &["length", "from", "along", "at", "orientation", "free", "mass", "density", "friction", "solid", "walkable"];
+const LONG: &[&str] = &[
+    "length",
+    "from",
+    "along",
+    "at",
+    "orientation",
+    "free",
+    "mass",
+    "density",
+    "friction",
+    "solid",
+    "walkable",
+    "moves",
+    "turns",
+];
 /// Fields of terrain.
-const TERRAIN: &[&str] = &["at", "orientation", "friction", "solid", "walkable"];
+const TERRAIN: &[&str] = &["at", "orientation", "friction", "solid", "walkable", "moves", "turns"];
 /// Fields of joints.
 const JOINT: &[&str] = &["at", "range", "damping", "stiffness", "friction"];
 
@@ -55,7 +68,7 @@ pub const KINDS: &[Kind] = &[
     kind("capsule", "a cylinder with hemispherical ends; the length is that of the cylindrical part", &["radius"], LONG),
     kind("cylinder", "a cylinder, its axis along z before rotation", &["radius"], LONG),
     kind("ellipsoid", "an ellipsoid: full extents, its centre at its place", &["size"], SOLID),
-    kind("body", "a frame without a shape, with parts", &[], &["at", "orientation", "free"]),
+    kind("body", "a frame without a shape, with parts", &[], &["at", "orientation", "free", "moves", "turns"]),
     kind("point", "a named place on its parent, for welds, aligned hands or targets", &[], &["at", "orientation"]),
     kind("stairs", "a flight of steps that ascends along x from its place; with a negative rise it descends", &["count", "rise", "run", "width"], TERRAIN),
     kind("slope", "an inclined rectangle that rises along x from its place", &["length", "width", "angle"], TERRAIN),
@@ -97,6 +110,8 @@ pub const FIELDS: &[FieldRow] = &[
     field("friction", "friction 1.5, or friction [1.5, 5 mm, 0.1 mm]", "for shapes: sliding, or sliding, torsional and rolling (default 1, 5 mm and 0.1 mm); for joints, the friction torque or force"),
     field("solid", "solid false", "whether it has contacts; true by default"),
     field("walkable", "walkable", "whether it is ground for `clearance`, `ground_height` and `touching(_, ground)`; stairs, slopes and heights are walkable unless `walkable false`"),
+    field("moves", "moves [0.1 m * sin(90 deg/s * t), 0, 0]", "of what is fixed to the world: a formula of time by which it moves away from `at`, along the axes of the world; it carries by friction what touches it"),
+    field("turns", "turns 10 deg/s * t", "the same about the vertical"),
     field("axis", "axis [0, 0, 1]", "direction of a hinge or slide in the frame of the element that it moves"),
     field("range", "range 0 deg .. 90 deg", "limits of a hinge or slide"),
     field("damping", "damping 0.05 N*m*s/rad", "for a hinge or ball; for a slide in N*s/m"),

@@ -13,6 +13,7 @@
 
 pub(crate) mod connections;
 pub(crate) mod drawn;
+pub(crate) mod driven;
 pub mod elements;
 pub(crate) mod expand;
 mod fields;
@@ -36,6 +37,7 @@ use crate::scene::{Motion, Object, Parent, SceneDescription, Shape, Surface};
 use crate::syntax::tree::{Element, ElementName, Expr, TaskStatement};
 use crate::vocabulary::{Landmark, Vocabulary};
 use drawn::{DrawnField, SceneField};
+use driven::DrivenObject;
 use expand::{Expanded, Locals, Merging, Unrolled};
 use geometry::Known;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,6 +56,8 @@ pub(crate) struct CheckedScene<'a> {
     pub known: BTreeMap<String, Known>,
     /// Fields that are drawn for every episode.
     pub drawn: Vec<DrawnField<'a>>,
+    /// Objects that move as formulas of time have it.
+    pub driven: Vec<DrivenObject<'a>>,
     /// Names of the task that the scene reads.
     pub used: BTreeSet<String>,
     /// The unrolled statements.
@@ -67,6 +71,7 @@ pub(super) struct Stage<'a> {
     /// Where each object was written.
     pub spans: Vec<(FileId, Span)>,
     pub drawn: Vec<DrawnField<'a>>,
+    pub driven: Vec<DrivenObject<'a>>,
     /// Objects as landmarks in the making: their places and axes in the world, if they stand still.
     pub landmarks: Vec<Landmark>,
 }
@@ -87,12 +92,22 @@ impl<'a> Stage<'a> {
         self.spans.push(span);
     }
 
-    /// Whether an object stays where it is over an episode.
+    /// Whether an object stays where the scene has it, or is moved from there by nothing but its formula.
     pub(super) fn stands(&self, index: usize) -> bool {
         let object = &self.scene.objects[index];
         match (&object.motion, &object.parent) {
-            (Motion::Placed, _) | (Motion::Fixed, Parent::World) => true,
+            (Motion::Placed | Motion::Driven, _) | (Motion::Fixed, Parent::World) => true,
             (Motion::Fixed, Parent::Object(parent)) => self.stands(*parent),
+            _ => false,
+        }
+    }
+
+    /// Whether a formula of time moves an object, or what carries it rigidly.
+    pub(super) fn is_driven(&self, index: usize) -> bool {
+        let object = &self.scene.objects[index];
+        match (&object.motion, &object.parent) {
+            (Motion::Driven, _) => true,
+            (Motion::Fixed, Parent::Object(parent)) => self.is_driven(*parent),
             _ => false,
         }
     }
@@ -156,11 +171,12 @@ pub(crate) fn of_task<'a>(
     }
     let statements = merging.merged();
     let (stage, known) = checker.stage(&statements);
-    let (description, fixed, drawn, used) = (stage.scene, stage.fixed, stage.drawn, std::mem::take(&mut checker.used));
+    let Stage { scene: description, fixed, drawn, driven, .. } = stage;
+    let used = std::mem::take(&mut checker.used);
     let graph = std::mem::take(&mut checker.graph);
     let hir = Arc::new(std::mem::take(&mut checker.hir));
     checker.keep_for_editors(hir, &graph);
-    (CheckedScene { description, fixed, known, drawn, used, statements }, checker.diagnostics)
+    (CheckedScene { description, fixed, known, drawn, driven, used, statements }, checker.diagnostics)
 }
 
 /// The level ground of a task without a scene.
@@ -169,8 +185,8 @@ const GROUND: Surface = Surface { friction: [1.0, 0.005, 0.0001], decides: false
 impl<'a> Checker<'a> {
     /// The elements and groups of a scene.
     fn stage(&mut self, statements: &Expanded<'a>) -> (Stage<'a>, BTreeMap<String, Known>) {
-        let (fixed, spans, drawn, landmarks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut stage = Stage { scene: SceneDescription::default(), fixed, spans, drawn, landmarks };
+        let (fixed, spans, drawn, driven, landmarks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut stage = Stage { scene: SceneDescription::default(), fixed, spans, drawn, driven, landmarks };
         let mut broken: Vec<(FileId, Span)> = Vec::new();
         for Unrolled { statement: element, name, locals, file, .. } in &statements.elements {
             // Errors are reported, for one round of a loop; the other elements are checked all the same.
@@ -251,7 +267,7 @@ impl<'a> Checker<'a> {
         let total = stage.scene.masses();
         for (index, object) in objects.iter().enumerate() {
             let (file, span) = stage.spans[index];
-            if !matches!(object.motion, Motion::Fixed | Motion::Placed) && total[index] <= 0.0 {
+            if !matches!(object.motion, Motion::Fixed | Motion::Placed | Motion::Driven) && total[index] <= 0.0 {
                 let message = format!("`{}` moves, but none of its parts has a mass", object.name);
                 let diagnostic = Diagnostic::new(codes::scene::MASS, file, span, message)
                     .help("give one of its shapes `mass 2 kg` or `density 500 kg/m^3`");

@@ -68,6 +68,7 @@ impl<'a> Checker<'a> {
             motion = self.varied(stage, motion, &parent, expr)?;
         }
         self.must_have_own_mass(&fields, &sizes)?;
+        motion = self.driven(stage, element, (&fields, locals), (motion, &parent))?;
         let (surface, friction) = self.surface(&fields, placed.shape.as_ref())?;
         let mass = self.mass(&fields, placed.shape.as_ref())?;
         let fixed = motion == Motion::Fixed
@@ -77,7 +78,7 @@ impl<'a> Checker<'a> {
                 Parent::Landmark(_) => false,
             };
         let stands = match (&motion, &parent) {
-            (Motion::Placed, _) => true,
+            (Motion::Placed | Motion::Driven, _) => true,
             (Motion::Fixed, Parent::Object(index)) => stage.stands(*index),
             _ => fixed,
         };

@@ -18,8 +18,8 @@ codes! {
     }
     PRIVILEGED = "W0581" lint privileged Compile {
         title: "a policy that sees what no sensor measures",
-        explanation: "A channel of the observation reads a draw that decides a mass, a friction or the strength of muscles. No \
-            sensor of a body measures these; a policy that is given them does not learn to find out. Observe what follows \
+        explanation: "A channel of the observation reads a draw that decides a mass, a friction, the strength of muscles, or \
+            damping or stiffness of a joint. No sensor of a body measures these; a policy that is given them does not learn to find out. Observe what follows \
             from them, and leave the draw to `critic { ... }`.",
         example: "random load = uniform(1 kg .. 5 kg)\n\
             scene { ground\n box pack on torso { size [0.1 m, 0.3 m, 0.3 m], at [-0.2 m, 0, 0], mass load, solid false } }\n\

@@ -89,6 +89,7 @@ fn motion(motion: &Motion) -> String {
     match motion {
         Motion::Fixed => "fixed".to_owned(),
         Motion::Placed => "placed for every episode".to_owned(),
+        Motion::Driven => "moved by a formula of time".to_owned(),
         Motion::Free => "free".to_owned(),
         Motion::Joints(joints) => {
             let words = joints.iter().map(|joint| {

@@ -10,11 +10,12 @@ use super::{
 };
 use crate::{
     Workspace,
-    collision::CollisionPair,
+    collision::{CollisionPair, Contact},
     model::{self, Model, SolverParameters},
     scalar::Real,
     state::State,
 };
+use nalgebra::Vector3;
 
 impl Constraints {
     /// Contacts within their margin.
@@ -53,12 +54,53 @@ impl Constraints {
                 bounds: ONE_WAY,
             };
             let kind = RowKind::Contact(index);
+            if let Some(drift) = drift(model, state, workspace, lane, (candidate, contact)) {
+                let first = self.rows.len();
+                each_row(shape, candidate.dimension, &friction, &drift, |row, value| self.drift.push((first + row, value)));
+            }
             match shape {
                 Shape::Plain => self.rows.push(kind, place, candidate.inverse_weight[0]),
                 Shape::Pyramid => add_edges(model, (candidate, &friction), kind, place, &mut self.rows),
                 Shape::Cone(_) => self.cones.push(add_axes(model, (candidate, &friction), kind, place, &mut self.rows)),
             }
         }
+    }
+}
+
+/// How fast the second body of a contact is moved from outside against the first, in the contact's frame: along, then about its axes.
+/// `None` where neither is.
+fn drift<T: Real>(
+    model: &Model,
+    state: &State<T>,
+    workspace: &Workspace<T>,
+    lane: usize,
+    (candidate, contact): (&CollisionPair, &Contact),
+) -> Option<[f64; 6]> {
+    if state.mocap_velocity.is_empty() {
+        return None;
+    }
+    let kinematics = &workspace.kinematics;
+    let mut moves = false;
+    let [first, second] = candidate.bodies.map(|body| {
+        let root = model.bodies.root[body];
+        let Some(index) = kinematics.placed(root) else { return [Vector3::zeros(); 2] };
+        let [spin, linear] = state.mocap_velocity[index].map(|vector| vector.map(|value| value.lane(lane)));
+        moves |= spin != Vector3::zeros() || linear != Vector3::zeros();
+        let arm = contact.position - kinematics.body_position[root].map(|value| value.lane(lane));
+        [linear + spin.cross(&arm), spin]
+    });
+    let [along, about] = [0, 1].map(|part| contact.frame * (second[part] - first[part]));
+    moves.then_some([along.x, along.y, along.z, about.x, about.y, about.z])
+}
+
+/// The rows that a velocity in the contact's frame has, in the order of the Jacobian's.
+fn each_row(shape: Shape, dimension: usize, friction: &[f64; 5], base: &[f64; 6], mut take: impl FnMut(usize, f64)) {
+    if shape != Shape::Pyramid {
+        return base[..dimension].iter().enumerate().for_each(|(row, value)| take(row, *value));
+    }
+    for (direction, (tangent, coefficient)) in base[1..dimension].iter().zip(friction).enumerate() {
+        take(2 * direction, base[0] + coefficient * tangent);
+        take(2 * direction + 1, base[0] - coefficient * tangent);
     }
 }
 

@@ -69,6 +69,8 @@ pub struct Constraints {
     pub(crate) cross_couplings: Vec<CrossCoupling>,
     fixed: Arc<RowPlan>,
     velocity: Vec<f64>,
+    /// Velocities of rows that no dof makes: those of contacts with bodies that are moved from outside.
+    drift: Vec<(usize, f64)>,
     memory: collision::Memory,
     /// A tendon's row of the Jacobian while it is gathered.
     arms: Vec<f64>,
@@ -143,6 +145,7 @@ impl Constraints {
         self.jacobian.clear();
         self.cones.clear();
         self.cross_couplings.clear();
+        self.drift.clear();
         let switches = model.options.switches;
         if switches.equality {
             self.add_equalities(model, state, workspace, lane);
@@ -157,7 +160,7 @@ impl Constraints {
         self.add_contacts(model, state, workspace, lane);
         self.velocity.clear();
         self.velocity.extend(state.velocity.iter().map(|value| value.lane(lane)));
-        self.rows.finish(&self.jacobian, &self.velocity);
+        self.rows.finish(&self.jacobian, &self.velocity, &self.drift);
         if switches.equality {
             self.subtract_curvature(model, state, workspace, lane);
         }

@@ -43,7 +43,7 @@ pub struct Rows {
     pub position: Vec<f64>,
     /// Distance at which the row becomes active (`efc_margin`).
     pub margin: Vec<f64>,
-    /// J v (`efc_vel`).
+    /// J v (`efc_vel`), with the velocity of bodies that are moved from outside.
     pub velocity: Vec<f64>,
     /// Stiffness of the reference before scaling by the impedance, 1/s² (`efc_KBIP`).
     pub stiffness: Vec<f64>,
@@ -132,10 +132,11 @@ impl Rows {
     }
 
     /// Completes the arrays that follow from R, the Jacobian and the velocities.
-    pub(super) fn finish(&mut self, jacobian: &Jacobian, velocity: &[f64]) {
+    pub(super) fn finish(&mut self, jacobian: &Jacobian, velocity: &[f64], drift: &[(usize, f64)]) {
         let count = self.len();
         self.velocity.resize(count, 0.0);
         jacobian.multiply(velocity, &mut self.velocity);
+        drift.iter().for_each(|(row, velocity)| self.velocity[*row] += velocity);
         for row in 0..count {
             let (impedance, regularization) = (self.impedance[row], self.regularization[row]);
             self.diagonal.push(regularization * impedance / (1.0 - impedance));

@@ -51,6 +51,7 @@ pub(super) fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &
         *velocity = T::select(lives, *velocity + step * *acceleration, *velocity);
     }
     advance_positions(model, &mut state.position, &state.velocity, step, lives);
+    advance_placed(state, step, lives);
     state.time = T::select(lives, state.time + step, state.time);
     keep_where(lives, &mut state.warm_start, acceleration);
     outcome
@@ -113,6 +114,27 @@ pub fn advance_positions<T: Real>(model: &Model, positions: &mut [T], velocities
                 }
                 turn(&mut position[3..], &velocity[3..], step, lives);
             }
+        }
+    }
+}
+
+/// Moves the bodies that are placed from outside for `time` seconds at their velocities.
+pub fn move_placed(state: &mut State<f64>, time: f64) {
+    advance_placed(state, time, true);
+}
+
+/// Moves the bodies that are placed from outside at their velocities, which are in world axes.
+#[inline(always)]
+pub(super) fn advance_placed<T: Real>(state: &mut State<T>, step: T, lives: T::Mask) {
+    let places = state.mocap_position.iter_mut().zip(&mut state.mocap_orientation);
+    for ((position, orientation), [spin, linear]) in places.zip(&state.mocap_velocity) {
+        for (value, speed) in position.iter_mut().zip(linear.iter()) {
+            *value = T::select(lives, *value + step * *speed, *value);
+        }
+        if spin.iter().any(|speed| *speed != T::splat(0.0)) {
+            // A rotation vector in world axes turns the body's own axes by its image in them.
+            let own = rotation::matrix(orientation).tr_mul(spin);
+            turn(orientation, own.as_slice(), step, lives);
         }
     }
 }

@@ -4,7 +4,7 @@
 //! velocity w but w + t x w / 2 + t x (t x w) / 12 + ... (Munthe-Kaas, BIT 38, 1998, in the turning frame's own axes; further
 //! terms are beyond the method's order). The rates are what is combined.
 
-use super::{advance_positions, keep_where};
+use super::{advance_placed, advance_positions, keep_where};
 use crate::{
     Fault, Workspace, actuation,
     model::{JointKind, Model},
@@ -123,6 +123,7 @@ pub fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut
             *velocity = T::select(lives, *velocity + step * *rate, *velocity);
         }
         advance_positions(model, &mut state.position, &sums.position, step, lives);
+        advance_placed(state, step, lives);
         keep_where(lives, &mut state.fibre_length, &method.stage.fibre_length);
         keep_where(lives, &mut state.fibre_velocity, &method.stage.fibre_velocity);
         state.fibre_step = T::select(lives, step, state.fibre_step);
