@@ -65,17 +65,21 @@ pub(crate) fn tuple(elements: &[String], column: usize, indent: usize) -> String
 }
 
 /// An expression that begins behind `column` columns, on lines of limited length that are indented by `indent` columns: broken after the
-/// outermost brackets, or before summands, as formatters do.
+/// outermost brackets, or before summands, as formatters do; a product without brackets before its factors.
 pub(crate) fn laid_out(expression: &str, column: usize, indent: usize) -> String {
     if expression.len() + column <= LINE {
         return expression.to_owned();
     }
-    let summands = summands(expression);
-    if summands.len() > 1 {
-        let lines: Vec<String> = summands.iter().map(|part| line(part, indent + 4)).collect();
+    let brackets = widest_brackets(expression);
+    let mut parts = summands(expression);
+    if parts.len() == 1 && brackets.is_none() {
+        parts = factors(expression);
+    }
+    if parts.len() > 1 {
+        let lines: Vec<String> = parts.iter().map(|part| line(part, indent + 4)).collect();
         return format!("(\n{}\n{:indent$})", lines.join("\n"), "");
     }
-    let Some((open, close)) = widest_brackets(expression) else { return expression.to_owned() };
+    let Some((open, close)) = brackets else { return expression.to_owned() };
     let (head, inner, tail) = (&expression[..=open], &expression[open + 1..close], &expression[close..]);
     let parts = split(inner, |bytes, at| (bytes[at] == b',').then_some(1));
     let parts: Vec<&str> = parts.into_iter().map(str::trim).filter(|part| !part.is_empty()).collect();
@@ -92,9 +96,18 @@ fn line(part: &str, indent: usize) -> String {
 
 /// The parts of a sum, each but the first with its sign before it.
 fn summands(expression: &str) -> Vec<&str> {
+    operands(expression, [b" + ", b" - "])
+}
+
+/// The parts of a product, each but the first with its operator before it.
+fn factors(expression: &str) -> Vec<&str> {
+    operands(expression, [b" * ", b" / "])
+}
+
+fn operands<'a>(expression: &'a str, operators: [&[u8; 3]; 2]) -> Vec<&'a str> {
     let parts = split(expression, |bytes, at| {
-        let sign = bytes.get(at..at + 3).is_some_and(|word| matches!(word, b" + " | b" - "));
-        sign.then_some(0)
+        let operator = bytes.get(at..at + 3).is_some_and(|word| operators.iter().any(|known| word == *known));
+        operator.then_some(0)
     });
     parts.into_iter().map(str::trim).collect()
 }
@@ -162,7 +175,9 @@ mod tests {
         let long = format!("np.exp(-5.0 * ({} + self.b()))", "self.a() * ".repeat(10) + "1.0");
         let text = laid_out(&long, 8, 8);
         assert!(text.lines().all(|line| line.len() <= LINE), "{text}");
-        assert_eq!(text.split_whitespace().collect::<String>().replace(",)", ")"), long.split_whitespace().collect::<String>());
+        // But for brackets around what is broken, and commas behind arguments, nothing has changed.
+        let bare = |text: &str| text.replace(|c: char| c.is_whitespace() || "(),".contains(c), "");
+        assert_eq!(bare(&text), bare(&long));
     }
 
     #[test]
