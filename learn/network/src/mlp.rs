@@ -21,7 +21,7 @@ pub struct Shape {
     pub layer_norm: bool,
 }
 
-/// Where the numbers of a linear layer stand: a weight [outputs, inputs] and a bias [outputs].
+/// Where the numbers of a linear layer stand: a weight `[outputs, inputs]` and a bias `[outputs]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layer {
     /// Row by row.

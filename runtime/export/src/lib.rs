@@ -1,9 +1,9 @@
 //! Compiled tasks as modules in Python over MuJoCo's own model and data: the second back end of the compiler.
 //!
-//! 1. [`readers`] finds out which nodes of the graph get a method of their own: values with a name, values with several readers, and
+//! 1. `readers` finds out which nodes of the graph get a method of their own: values with a name, values with several readers, and
 //!    what remembers;
-//! 2. [`expression`] writes a node as an expression, with no more brackets than needed; [`sensors`] writes what is measured;
-//! 3. [`module`] puts the methods into a class, [`anatomy`] the names of the body before it;
+//! 2. `expression` writes a node as an expression, with no more brackets than needed; `sensors` writes what is measured;
+//! 3. `module` puts the methods into a class, `anatomy` the names of the body before it;
 //! 4. `msk_mujoco.py`, which is written beside every module, measures the signals and holds the operators with memory.
 //!
 //! Observation, terms, terminations and success are exported; how an episode begins, what disturbs it and how an action becomes
