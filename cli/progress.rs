@@ -8,14 +8,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How far one episode is, on a terminal: a line of its control steps, which is to be taken away at the end.
-pub fn steps(horizon: u32) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(horizon.into()), ProgressDrawTarget::stderr_with_hz(10));
-    // The template is a constant of this file; without it the bar has its default look.
-    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} steps  {elapsed} (left {eta})") {
+/// A line on a terminal that shows how far something is, drawn at most so often in a second.
+pub fn line(length: u64, template: &'static str, rate: u8) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(rate));
+    // Templates are constants of this program; without one the bar has its default look.
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar
+}
+
+/// How far one episode is, on a terminal: a line of its control steps, which is to be taken away at the end.
+pub fn steps(horizon: u32) -> ProgressBar {
+    line(horizon.into(), "{bar:24} {pos}/{len} steps  {elapsed} (left {eta})", 10)
 }
 
 /// Watches an evaluation.
@@ -51,11 +56,7 @@ impl Task {
 impl Progress {
     /// Of a plan, of which the episodes `done` are there already.
     pub fn new(plan: &Plan, done: &[EpisodeRecord]) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(plan.episodes()), ProgressDrawTarget::stderr_with_hz(10));
-        // The template is a constant of this file; without it the bar has its default look.
-        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} episodes  {msg}  {elapsed} (left {eta})") {
-            bar.set_style(style);
-        }
+        let bar = line(plan.episodes(), "{bar:24} {pos}/{len} episodes  {msg}  {elapsed} (left {eta})", 10);
         bar.set_position(done.len() as u64);
         bar.reset_eta();
         bar.enable_steady_tick(Duration::from_millis(200));

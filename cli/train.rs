@@ -3,8 +3,9 @@
 use crate::condition::Condition;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
+use crate::progress;
 use crate::project::{Project, Settings as Parameters};
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar};
 use msk::compiler::numbers::for_people;
 use msk::runtime::episode::Engine;
 use msk::train::session::{BEST_BY_RETURN, BEST_BY_SUCCESS, Ended, Observer, Progress, Session};
@@ -222,12 +223,7 @@ struct Shown {
 
 impl Shown {
     fn new(steps: u64) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr_with_hz(4));
-        // The template is a constant of this file; without it the bar has its default look.
-        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} steps  {msg}") {
-            bar.set_style(style);
-        }
-        Self { bar }
+        Self { bar: progress::line(steps, "{bar:24} {pos}/{len} steps  {msg}", 4) }
     }
 }
 

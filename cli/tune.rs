@@ -5,8 +5,9 @@ use crate::error::{Error, FAILURE};
 use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
 use crate::policies::Limits;
+use crate::progress;
 use crate::project::{Project, Settings as Parameters};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use msk::compiler::numbers::{beside, for_people};
 use msk::evaluate::EpisodeRecord;
 use msk::tuning::reasoner::{Reasoner, RuleBook, from_file};
@@ -230,11 +231,7 @@ struct Progress {
 
 impl Progress {
     fn new(interval: u64) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(interval), ProgressDrawTarget::stderr_with_hz(10));
-        // The template is a constant of this file; without it the bar has its default look.
-        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} steps  {msg}  {elapsed}") {
-            bar.set_style(style);
-        }
+        let bar = progress::line(interval, "{bar:24} {pos}/{len} steps  {msg}  {elapsed}", 10);
         bar.enable_steady_tick(Duration::from_millis(200));
         Self { bar }
     }

@@ -8,7 +8,7 @@ use crate::numbers::Numbers;
 use crate::play::Play;
 use crate::settings::{PpoSettings, Settings};
 use msk_network::heads::{gaussian_entropy, gaussian_log_density};
-use msk_network::{Kernel, Mlp, Shape, Variable};
+use msk_network::{Kernel, Mlp, Variable};
 use msk_runtime::episode::{EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -52,13 +52,7 @@ pub(crate) struct PpoState {
 impl Ppo {
     pub fn new(settings: &Settings, play: &Play, seed: u64, kernel: Arc<dyn Kernel>) -> Self {
         let [whole, width] = play.widths();
-        let shape = |inputs: usize, outputs: usize| Shape {
-            inputs,
-            hidden: settings.hidden.clone(),
-            outputs,
-            activation: settings.activation,
-            layer_norm: settings.layer_norm,
-        };
+        let shape = |inputs: usize, outputs: usize| settings.shape(inputs, outputs);
         let mut networks = Networks::new(kernel);
         let mut draw = Stream::new(EpisodeKey { seed, episode: 0 }, "train/initial");
         let policy = networks.orthogonal("policy", &shape(width, play.entries()), 0.01, &mut draw);

@@ -9,7 +9,7 @@ use crate::play::Play;
 use crate::replay::{Replay, ReplayState};
 use crate::settings::{SacSettings, Settings};
 use msk_network::heads::squashed_gaussian;
-use msk_network::{Kernel, Mlp, Parameters, Shape, Tape, Variable};
+use msk_network::{Kernel, Mlp, Parameters, Tape, Variable};
 use msk_runtime::episode::{EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -64,13 +64,7 @@ struct Batch {
 impl Sac {
     pub fn new(settings: &Settings, play: &Play, seed: u64, kernel: Arc<dyn Kernel>) -> Self {
         let ([whole, width], entries) = (play.widths(), play.entries());
-        let shape = |inputs: usize, outputs: usize| Shape {
-            inputs,
-            hidden: settings.hidden.clone(),
-            outputs,
-            activation: settings.activation,
-            layer_norm: settings.layer_norm,
-        };
+        let shape = |inputs: usize, outputs: usize| settings.shape(inputs, outputs);
         let mut networks = Networks::new(kernel);
         let mut draw = Stream::new(EpisodeKey { seed, episode: 0 }, "train/initial");
         let actor = networks.uniform("actor", &shape(width, 2 * entries), &mut draw);

@@ -1,6 +1,6 @@
 //! Settings of a training: presets, files, and what they may hold.
 
-use msk_network::Activation;
+use msk_network::{Activation, Shape};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
@@ -94,7 +94,7 @@ pub struct PpoSettings {
     pub epochs: usize,
     /// Decay of the weight of later errors in an advantage: lambda.
     pub lambda: f64,
-    /// Largest change of a ratio of densities that pays: epsilon.
+    /// Largest change of a ratio of densities that the objective rewards: epsilon.
     pub clip: f64,
     /// Whether values are kept near those before the update, too.
     pub clip_values: bool,
@@ -197,6 +197,12 @@ pub enum SettingsError {
 }
 
 impl Settings {
+    /// The shape of a network between so many numbers.
+    pub(crate) fn shape(&self, inputs: usize, outputs: usize) -> Shape {
+        let Self { activation, layer_norm, .. } = *self;
+        Shape { inputs, hidden: self.hidden.clone(), outputs, activation, layer_norm }
+    }
+
     /// Those of a preset.
     pub fn of(algorithm: Algorithm, preset: Preset) -> Self {
         let hidden = match (algorithm, preset) {

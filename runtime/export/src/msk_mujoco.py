@@ -54,7 +54,7 @@ class Anatomy:
 
 
 def measured(signal: Callable[..., Any]) -> Callable[..., Any]:
-    """A signal that is measured once per control step, whoever reads it."""
+    """A signal that is measured once per control step, however many formulas read it."""
 
     @functools.wraps(signal)
     def kept(self: Signals, *arguments: Any) -> Any:

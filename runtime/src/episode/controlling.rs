@@ -1,8 +1,9 @@
 //! Controls of several episodes act together, in the lanes of a group.
 
+use super::together::allocate;
 use super::{Engine, Episode, GroupScratch};
 use crate::action::{Controls, Taken};
-use crate::cmc::{Asking, ControlError};
+use crate::cmc::ControlError;
 
 /// An episode for which controls act.
 pub struct Controlled<'a> {
@@ -37,12 +38,8 @@ impl GroupScratch {
                 taken
             })
             .collect();
-        let mut memories: Vec<_> = lanes.iter_mut().map(|scratch| scratch.control.get_mut()).collect();
         let asking = members.iter_mut().zip(&taken).filter(|(_, taken)| **taken == Ok(Taken::AskingForces));
-        forces.allocate(asking.filter_map(|(member, _)| {
-            let scratch = memories[member.lane].take()?;
-            Some(Asking { lane: member.lane, tracker: member.controls.tracker_mut()?, scratch })
-        }));
+        allocate(forces, lanes, asking.filter_map(|(member, _)| Some((member.lane, member.controls.tracker_mut()?))));
         let finish = |(member, taken): (&mut Controlled<'_>, Result<Taken, ControlError>)| {
             let taken = taken?;
             let scratch = &mut lanes[member.lane];

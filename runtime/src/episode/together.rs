@@ -2,7 +2,7 @@
 
 use super::{Engine, Episode, EpisodeKey, Fault, Player, Scratch};
 use crate::action::{Action, Taken};
-use crate::cmc::{AllocationGroup, Asking};
+use crate::cmc::{AllocationGroup, Asking, Tracker};
 use msk_physics::lanes::WIDTH;
 use msk_physics::{LaneGroup, Rates};
 use std::sync::Arc;
@@ -232,12 +232,9 @@ impl Together<'_> {
 
     /// Shares out the forces that actions have asked for.
     fn allocate(&mut self, seats: &mut [Option<Seat<'_>>]) {
-        let mut controls: Vec<_> = self.lanes.iter_mut().map(|scratch| scratch.control.get_mut()).collect();
-        let asking = seats.iter_mut().flatten().filter(|seat| seat.taken == Taken::AskingForces).filter_map(|seat| {
-            let scratch = controls[seat.lane].take()?;
-            Some(Asking { lane: seat.lane, tracker: seat.member.episode.action.tracker_mut()?, scratch })
-        });
-        self.forces.allocate(asking);
+        let asking = seats.iter_mut().flatten().filter(|seat| seat.taken == Taken::AskingForces);
+        let asking = asking.filter_map(|seat| Some((seat.lane, seat.member.episode.action.tracker_mut()?)));
+        allocate(self.forces, self.lanes, asking);
     }
 
     /// Moves forces from outside along with the bodies on which they act.
@@ -269,4 +266,14 @@ impl Together<'_> {
             seat.end_with(fault, scratch);
         }
     }
+}
+
+/// Shares out the forces that trackers have asked for, each with the memory of another lane.
+pub(super) fn allocate<'a>(
+    forces: &mut AllocationGroup,
+    lanes: &mut [Scratch],
+    asking: impl Iterator<Item = (usize, &'a mut Tracker)>,
+) {
+    let mut controls: Vec<_> = lanes.iter_mut().map(|scratch| scratch.control.get_mut()).collect();
+    forces.allocate(asking.filter_map(|(lane, tracker)| Some(Asking { lane, tracker, scratch: controls[lane].take()? })));
 }
