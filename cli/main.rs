@@ -8,6 +8,7 @@
 
 mod check;
 mod collect;
+mod compare;
 mod condition;
 mod diff;
 mod draw;
@@ -33,11 +34,13 @@ mod progress;
 mod project;
 mod ranking;
 mod renamed;
+mod report;
 mod run;
 mod sensitivity;
 mod snapshot;
 mod test;
 mod texts;
+mod trace;
 mod train;
 mod tune;
 mod vocabulary;
@@ -68,7 +71,10 @@ enum Command {
     Lsp(lsp::Args),
     Run(run::Args),
     Eval(eval::Args),
+    Report(report::Args),
+    Compare(compare::Args),
     Collect(collect::Args),
+    Trace(trace::Args),
     Test(test::Args),
     Mutate(mutate::Args),
     Exploit(exploit::Args),
@@ -97,7 +103,10 @@ impl Command {
             Self::Lsp(args) => lsp::run(args),
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
+            Self::Report(args) => report::run(&args),
+            Self::Compare(args) => compare::run(&args),
             Self::Collect(args) => collect::run(args),
+            Self::Trace(args) => trace::run(args),
             Self::Test(args) => test::run(args),
             Self::Mutate(args) => mutate::run(args),
             Self::Exploit(args) => exploit::run(args),

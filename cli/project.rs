@@ -85,7 +85,7 @@ impl Project {
         let trial = |task: &Arc<CompiledTask>| {
             let body =
                 self.bodies.stage(&task.body, &task.scene).context(|| format!("task `{}` has no body to run on", task.name))?;
-            Ok(Trial { task: task.clone(), body })
+            Ok(Trial::new(task.clone(), body))
         };
         chosen(&self.compilation, only)?.into_iter().map(trial).collect()
     }

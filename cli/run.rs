@@ -8,10 +8,11 @@ use crate::overlays::Overlays;
 use crate::policies::{Limits, Recorder};
 use crate::progress;
 use crate::project::{Project, Settings};
+use crate::trace;
 use msk::compiler::numbers::{exact, for_people};
 use msk::evaluate::{
-    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Summary, Trial, play_to_horizon, play_watched, replay_watched,
-    report,
+    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Summary, TraceRecorder, Tracing, Trial, play_to_horizon,
+    play_watched, replay_watched, report,
 };
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::inspect::StateFile;
@@ -57,6 +58,12 @@ pub struct Args {
     /// without a network
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
+    /// Write the episode to this file step by step: a NumPy archive with a row per control step, for `msk trace`
+    #[arg(long, value_name = "FILE", conflicts_with = "ignore_terminations")]
+    trace: Option<PathBuf>,
+    /// What the trace holds, separated by commas, as `msk eval --trace` has it
+    #[arg(long, value_name = "QUANTITIES", default_value = "all", requires = "trace", value_parser = trace::parse)]
+    trace_columns: trace::Quantities,
     /// Continue up to the horizon, ignoring terminations, and print when the episode would have ended, faults of the
     /// physics, and the largest penetration
     #[arg(long, conflicts_with_all = ["json", "replay", "weights", "weight"])]
@@ -92,9 +99,11 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     }
     let mut film = html::Film::of(&episode, &trial, args.html.is_some())?;
     let steps = progress::steps(trial.task.horizon);
+    let mut recorder = recorder(&args, &episode);
     let mut watch = |episode: &Environment| {
         steps.set_position(episode.steps().into());
         film.look(episode);
+        recorder.look(&episode.context());
     };
     let played = play_watched(&trial, &mut episode, key, &mut policy, interrupt.stop(), &mut watch);
     steps.finish_and_clear();
@@ -107,6 +116,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         policy.write(path)?;
     }
     write_state(&args, &episode)?;
+    write_trace(&args, recorder, &record)?;
     film.write(args.html.as_deref(), html::caption(&record))?;
     let mut out = io::stdout().lock();
     if args.json {
@@ -134,6 +144,18 @@ fn write_state(args: &Args, episode: &Environment) -> Result<(), Error> {
     let Some(path) = &args.state else { return Ok(()) };
     let state = serde_json::to_string(&StateFile::of(episode.engine().model(), episode.state()))?;
     fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))
+}
+
+/// Reads the steps of the episode, as far as a trace is asked for.
+fn recorder(args: &Args, episode: &Environment) -> TraceRecorder {
+    let tracing = args.trace.as_ref().map(|_| Tracing { quantities: args.trace_columns.0.clone(), episodes: u64::MAX });
+    TraceRecorder::new(episode.engine(), args.episode, tracing.as_ref())
+}
+
+/// Writes the trace where it was asked for.
+fn write_trace(args: &Args, recorder: TraceRecorder, record: &EpisodeRecord) -> Result<(), Error> {
+    let (Some(path), Some(trace)) = (&args.trace, recorder.finish(record)) else { return Ok(()) };
+    fs::write(path, trace.archive()?).context(|| format!("`{}` cannot be written", path.display()))
 }
 
 /// Plays an episode up to its horizon, ignoring terminations.
@@ -183,7 +205,13 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
     };
     let episode = trial.episode()?;
     let mut film = html::Film::of(&episode, trial, args.html.is_some())?;
-    let played = replay_watched(trial, record, &mut |episode| film.look(episode))?;
+    let mut recorder = recorder(args, &episode);
+    let mut watch = |episode: &Environment| {
+        film.look(episode);
+        recorder.look(&episode.context());
+    };
+    let played = replay_watched(trial, record, &mut watch)?;
+    write_trace(args, recorder, &played)?;
     film.write(args.html.as_deref(), html::caption(&played))?;
     let mut out = io::stdout().lock();
     if args.json {

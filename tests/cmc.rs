@@ -16,7 +16,7 @@ fn trial(name: &str) -> Trial {
     let compilation = compile(&suite, &FileLoader, &library).unwrap_or_else(|report| panic!("{report:?}"));
     let task = compilation.tasks.into_iter().find(|task| task.name == name).unwrap();
     let body = library.stage(&task.body, &task.scene).unwrap();
-    Trial { task, body }
+    Trial::new(task, body)
 }
 
 /// The first episode of seed 0.

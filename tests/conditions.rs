@@ -16,7 +16,7 @@ fn trial() -> &'static Trial {
         let compilation = compile(Path::new(file), &FileLoader, &library).unwrap_or_else(|report| panic!("{report}"));
         let task = compilation.tasks.iter().find(|task| task.name == "stand").unwrap().clone();
         let body = library.bind(&task.body).unwrap();
-        Trial { task, body }
+        Trial::new(task, body)
     })
 }
 
@@ -96,8 +96,8 @@ fn conditions_are_plain_data() {
 fn tired_muscles_get_what_they_can_bring_up_and_snapshots_keep_how_tired_they_are() {
     let rates = Fatigue { fatigue: 1.0, recovery: 0.01, rest: 10.0 };
     let condition = MuscleCondition { weakness: vec![], fatigue: Some(rates) };
-    let Trial { task, body } = trial().clone();
-    let tired = Trial { task, body: body.under(&condition).unwrap() };
+    let Trial { task, body, .. } = trial().clone();
+    let tired = Trial::new(task, body.under(&condition).unwrap());
     let mut episode = tired.episode().unwrap();
     let effort = vec![1.0; episode.context().body.muscles.len()];
     assert_eq!(episode.compartments().unwrap().of(7), [0.0, 1.0, 0.0]);

@@ -3,6 +3,7 @@
 mod folder;
 mod pages;
 mod protocol;
+mod sweep;
 
 pub use folder::{explain, fresh as fresh_folder, in_path};
 
@@ -14,7 +15,8 @@ use crate::overlays::Overlays;
 use crate::policies::Limits;
 use crate::progress::Progress;
 use crate::project::{Project, Settings};
-use msk::evaluate::{self, Journal, Plan, RunSettings, Summary, report};
+use crate::trace::TraceArgs;
+use msk::evaluate::{self, Extras, Journal, Plan, RunSettings, Summary, report};
 use msk::runtime::policy::PolicySource;
 use msk::tuning::live::Live;
 use protocol::Chosen;
@@ -74,6 +76,12 @@ pub struct Args {
     /// their returns
     #[arg(long, value_name = "WHICH", value_enum, value_delimiter = ',', conflicts_with = "live")]
     html: Vec<pages::Which>,
+    /// Evaluate the policy under growing perturbations instead, along each of these axes, 30 episodes per task and scale unless
+    /// --episodes is given: success at every scale and the area under it, for tasks, families and all tasks
+    #[arg(long, value_name = "AXES", value_enum, value_delimiter = ',', conflicts_with_all = ["live", "html"])]
+    sweep: Vec<sweep::Along>,
+    #[command(flatten)]
+    traces: TraceArgs,
     #[command(flatten)]
     overlays: Overlays,
     /// Reload the file of --weights before every episode; each episode records the version of its weights
@@ -106,6 +114,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if let Some(twice) = names.iter().enumerate().find_map(|(place, name)| names[..place].contains(name).then_some(name)) {
         return Err(Error::usage(format!("the policy `{twice}` is given twice")));
     }
+    if !args.sweep.is_empty() && names.len() > 1 {
+        return Err(Error::usage("a sweep is of one policy: give `--policy` once"));
+    }
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None if names.len() == 1 => folder::fresh(&folder::name(first, &args.file, names[0]))?,
@@ -114,6 +125,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let interrupt = Interrupt::listen()?;
     writeln!(io::stderr(), "{}", chosen.heading(first, &names))?;
     let evaluation = Evaluation { args: &args, interrupt: &interrupt, live: live.as_ref() };
+    if let (false, [plan]) = (args.sweep.is_empty(), plans.as_slice()) {
+        return evaluation.sweep(plan, &folder);
+    }
     let [plan] = plans.as_slice() else { return evaluation.several(&plans, &folder) };
     let (summary, interrupted) = evaluation.one(plan, &folder)?;
     let printed = print(&report::overview(&summary), &folder, "report.md has every term, episodes.jsonl a line per episode");
@@ -145,12 +159,13 @@ impl Evaluation<'_> {
         let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
         let progress = Progress::new(plan, &done);
         let feed = self.live.map(|live| live as &dyn evaluate::Feed);
-        let outcome = evaluate::run_fed(plan, done, &journal, threads, self.interrupt.stop(), &progress, feed).map_err(
-            |error| match error {
-                evaluate::EvaluationError::Journal(error) => explain(error),
-                error => error.into(),
-            },
-        )?;
+        let tracing = self.args.traces.tracing();
+        let extras = Extras { feed, tracing: tracing.as_ref() };
+        let outcome = evaluate::run_with(plan, done, &journal, threads, self.interrupt.stop(), &progress, extras);
+        let outcome = outcome.map_err(|error| match error {
+            evaluate::EvaluationError::Journal(error) => explain(error),
+            error => error.into(),
+        })?;
         progress.finish();
         let summary = Summary::of(plan, &outcome.records).with_skipped(&outcome.skipped);
         journal.write("summary.json", summary.json()).map_err(explain)?;

@@ -86,7 +86,7 @@ impl Project {
     /// A task on its body.
     pub fn trial(&self, task: Arc<CompiledTask>) -> Result<Trial, Failure> {
         let body = self.library.stage(&task.body, &task.scene)?;
-        Ok(Trial { task, body })
+        Ok(Trial::new(task, body))
     }
 }
 

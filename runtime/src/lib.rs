@@ -17,6 +17,7 @@ pub mod episode;
 pub mod files;
 pub mod inspect;
 pub mod library;
+pub mod perturbation;
 pub mod policy;
 #[cfg(feature = "system")]
 pub mod process_group;

@@ -19,10 +19,12 @@ mod new;
 #[cfg(unix)]
 mod policies;
 mod project;
+mod report;
 mod run;
 mod sensitivity;
 mod special_files;
 mod test;
+mod trace;
 mod train;
 mod tune;
 mod weights;

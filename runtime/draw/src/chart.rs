@@ -45,8 +45,16 @@ const TOP: f64 = 80.0;
 const HEIGHT: f64 = 230.0;
 const GAP: f64 = 46.0;
 const BOTTOM: f64 = 90.0;
-/// Strokes of the first, second and third curve of a panel.
-const STROKES: [&str; 3] = ["#b4232f", "#3f6fa8", "#8a8577"];
+/// Strokes of the curves of a panel, one after the other.
+pub(super) const STROKES: [&str; 12] = [
+    "#b4232f", "#3f6fa8", "#8a8577", "#0f7b5f", "#c2541b", "#6b4f9e", "#1f8fa3", "#a3821f", "#7a1f5c", "#4f8a2c", "#2f3f8f",
+    "#5c4a3a",
+];
+
+/// Letters of all charts.
+pub(super) const WORDS: &str = "\
+text{font:22px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-serif;fill:#4b4a47}\
+.title{font-size:27px;font-weight:600}.small{font-size:19px}.middle{text-anchor:middle}.end{text-anchor:end}";
 
 const STYLE: &str = "\
 text{font:22px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-serif;fill:#4b4a47}\

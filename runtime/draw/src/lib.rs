@@ -5,19 +5,23 @@
 //! 3. `panel`: one view, painted from far to near;
 //! 4. `forces`: arrows of contact forces on top, the centre of mass, and the legend.
 //!
-//! Apart from these, [`chart`] draws curves over a common axis, and [`motion`] a body through a motion.
+//! Apart from these, [`chart`] draws curves over a common axis, [`bars`], [`heat`] and [`radar`] other charts, and [`motion`] a body
+//! through a motion.
 //!
 //! The same state gives the same bytes. Units in the file are millimetres.
 
+pub mod bars;
 mod camera;
 pub mod chart;
 mod forces;
+pub mod heat;
 pub mod motion;
 mod muscles;
 mod outline;
 mod palette;
 mod panel;
 mod path;
+pub mod radar;
 mod silhouette;
 mod skeleton;
 

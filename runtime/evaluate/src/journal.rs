@@ -162,6 +162,22 @@ impl Journal {
         self.folder.replace(Path::new(name), content.as_ref()).map_err(|source| self.unusable(source))
     }
 
+    /// [`write`](Self::write) of a file in a folder of the run's folder, which is made if need be.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn write_below(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), JournalError> {
+        if let Some(parent) = Path::new(name).parent() {
+            self.folder.create_subfolder(parent).map_err(|source| self.unusable(source))?;
+        }
+        self.write(name, content)
+    }
+
+    /// Whether the run has a further file of that name.
+    pub fn has(&self, name: &str) -> bool {
+        self.folder.path().join(name).is_file()
+    }
+
     /// The folder.
     pub fn folder(&self) -> &Path {
         self.folder.path()
@@ -235,6 +251,7 @@ mod tests {
             hash: "a".into(),
             model_hash: "b".into(),
             condition: Default::default(),
+            perturbation: String::new(),
             horizon: 10,
             weights: vec![],
             overlaid: vec![],

@@ -14,9 +14,11 @@
 // Results agree between machines to the bit: see `clippy.toml`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod compare;
 mod feed;
 mod journal;
 mod line;
+pub mod metrics;
 pub mod probe;
 mod record;
 pub mod report;
@@ -24,8 +26,11 @@ mod rollout;
 mod settings;
 mod statistics;
 mod summary;
+pub mod sweep;
 pub mod testing;
 mod to_horizon;
+pub mod trace;
+mod tracing;
 mod worker;
 
 pub use feed::{Fed, Feed, ReplayError, replay, replay_watched};
@@ -33,12 +38,15 @@ pub use journal::{Journal, JournalError};
 pub use record::{ByTerm, EpisodeRecord};
 pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
 pub use statistics::{Spread, wilson_interval};
-pub use summary::{GroupSummary, MetricSummary, Summary, TaskSummary, TermSummary};
+pub use summary::{FamilySummary, GroupSummary, MetricSummary, StandardSummary, Summary, TaskSummary, TermSummary};
 pub use to_horizon::{ToHorizon, play_to_horizon};
+pub use tracing::{TRACES, TraceRecorder, Tracing};
 
+use metrics::Measurement;
 use msk_program::task::CompiledTask;
 use msk_runtime::episode::{Engine, Environment, EpisodeError, EpisodeKey};
 use msk_runtime::library::BoundBody;
+use msk_runtime::perturbation::Perturbation;
 use msk_runtime::policy::{Policy, PolicyError, PolicySource};
 use record::Tally;
 use rollout::Rollout;
@@ -56,6 +64,8 @@ pub struct Trial {
     pub task: Arc<CompiledTask>,
     /// Its body.
     pub body: BoundBody,
+    /// What its episodes have to stand beside what the task draws itself.
+    pub perturbation: Perturbation,
 }
 
 /// What is to be run.
@@ -91,6 +101,9 @@ pub enum EvaluationError {
     /// An ended episode could not be kept.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// A trace that does not fit into an archive.
+    #[error("a trace cannot be kept")]
+    Trace(#[from] trace::ArchiveError),
     /// The operating system gives no threads.
     #[error("cannot start {threads} threads")]
     Threads {
@@ -99,6 +112,15 @@ pub enum EvaluationError {
         /// The reason.
         source: rayon::ThreadPoolBuildError,
     },
+}
+
+/// What may go along with an evaluation.
+#[derive(Clone, Copy, Default)]
+pub struct Extras<'a> {
+    /// Weights that may change at the beginning of every episode.
+    pub feed: Option<&'a dyn Feed>,
+    /// Traces that are kept.
+    pub tracing: Option<&'a Tracing>,
 }
 
 /// What [`run`] brings back.
@@ -128,25 +150,27 @@ pub fn run(
     stop: &AtomicBool,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, EvaluationError> {
-    run_fed(plan, done, journal, threads, stop, watcher, None)
+    run_with(plan, done, journal, threads, stop, watcher, Extras::default())
 }
 
-/// [`run`] with weights that may change at the beginning of every episode.
+/// [`run`] with live weights, and with traces of episodes.
+///
+/// Traces of episodes that are among `done` are made by playing these once more, where they are missing.
 ///
 /// # Errors
 /// Those of [`run`].
-pub fn run_fed(
+pub fn run_with(
     plan: &Plan,
     done: Vec<EpisodeRecord>,
     journal: &Journal,
     threads: NonZeroUsize,
     stop: &AtomicBool,
     watcher: &dyn Watcher,
-    feed: Option<&dyn Feed>,
+    extras: Extras<'_>,
 ) -> Result<Outcome, EvaluationError> {
     let settings = RunSettings::of(plan);
     let jobs = settings.missing(&done);
-    let crew = Crew::new(plan, &jobs, threads, (journal, stop), watcher, feed)?;
+    let crew = Crew::new(plan, &jobs, threads, (journal, stop), watcher, extras)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.get())
         .build()
@@ -156,6 +180,9 @@ pub fn run_fed(
     let skipped = crew.outcome()?;
     settings.sort(&mut records);
     let interrupted = settings.missing(&records).iter().any(|(trial, _)| !skipped.contains_key(trial));
+    if let Some(tracing) = extras.tracing.filter(|_| !interrupted) {
+        tracing::complete(plan, &records, tracing, journal, stop)?;
+    }
     let skipped = skipped.into_iter().collect();
     Ok(Outcome { records, skipped, interrupted })
 }
@@ -197,6 +224,8 @@ pub fn play_watched(
     let start = Instant::now();
     let mut rollout = Rollout::reset(episode, key, policy)?;
     let mut tally = Tally::new(&trial.task);
+    let mut measurement = Measurement::new(rollout.episode.engine());
+    measurement.look(&rollout.episode.context());
     watch(rollout.episode);
     while rollout.episode.ending().is_none() {
         if stop.load(Ordering::Relaxed) {
@@ -204,9 +233,11 @@ pub fn play_watched(
         }
         rollout.step::<EvaluationError>()?;
         tally.add(rollout.episode.episode());
+        measurement.look(&rollout.episode.context());
         watch(rollout.episode);
     }
-    Ok(Some(tally.record(trial, episode.episode(), policy.name(), start.elapsed().as_secs_f64())))
+    let record = tally.record(trial, episode.episode(), policy.name(), start.elapsed().as_secs_f64());
+    Ok(Some(measurement.note(record)))
 }
 
 /// An episode to be played: index of the trial and of the episode.
@@ -240,13 +271,18 @@ impl RunSettings {
 }
 
 impl Trial {
+    /// Of a task on its body, unperturbed.
+    pub fn new(task: Arc<CompiledTask>, body: BoundBody) -> Self {
+        Self { task, body, perturbation: Perturbation::default() }
+    }
+
     /// What its episodes are played with.
     ///
     /// # Errors
     /// A task that does not fit the body.
     pub fn engine(&self) -> Result<Engine, EpisodeError> {
         let engine = Engine::new(self.body.model.clone(), self.body.body.clone(), self.task.clone())?;
-        Ok(engine.with_fatigue(self.body.condition.fatigue.clone()))
+        Ok(engine.with_fatigue(self.body.condition.fatigue.clone()).with_perturbation(self.perturbation.clone()))
     }
 
     /// A new episode of this trial.

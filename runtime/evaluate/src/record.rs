@@ -12,6 +12,11 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub struct ByTerm(pub Vec<(String, f64)>);
 
 impl ByTerm {
+    /// The number by a name.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.0.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
+    }
+
     /// Whether there is nothing by any name.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -78,6 +83,12 @@ pub struct EpisodeRecord {
     /// Each metric at the last step.
     #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
     pub last_metrics: ByTerm,
+    /// Its [standard metrics](crate::metrics::STANDARD), those that it has.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub standard: ByTerm,
+    /// Activation mass of every recruitment family.
+    #[serde(default, skip_serializing_if = "ByTerm::is_empty")]
+    pub recruitment: ByTerm,
     /// Hash of the compiled task.
     pub task_hash: String,
     /// Hash of the body file's meaning and the model.
@@ -196,6 +207,8 @@ impl Tally {
             parameters: ByTerm(parameters_of(task, episode)),
             metrics,
             last_metrics,
+            standard: ByTerm::default(),
+            recruitment: ByTerm::default(),
             task_hash: task.hash.clone(),
             model_hash: trial.body.hash().into(),
             condition: trial.body.condition.clone(),
@@ -308,6 +321,8 @@ mod tests {
             parameters: ByTerm(vec![("speed".into(), 1.25)]),
             metrics: ByTerm(vec![("lean".into(), 0.25)]),
             last_metrics: ByTerm(vec![("lean".into(), 0.5)]),
+            standard: ByTerm(vec![("activation_cost".into(), 0.25)]),
+            recruitment: ByTerm(vec![("Calves".into(), 1.5)]),
             task_hash: "t".into(),
             model_hash: "m".into(),
             condition: MuscleCondition::default(),

@@ -5,6 +5,7 @@ use super::line::hex;
 use super::{EpisodeRecord, Plan};
 use msk_program::task::{CompiledTask, Origin};
 use msk_runtime::condition::MuscleCondition;
+use msk_runtime::perturbation::Perturbation;
 use serde::{Deserialize, Serialize};
 
 /// Hash of everything in the program that decides results: the sources of compiler and runtime, the grammar, the bodies inside
@@ -54,6 +55,9 @@ pub struct TaskSettings {
     /// Condition of its muscles.
     #[serde(default, skip_serializing_if = "MuscleCondition::is_none")]
     pub condition: MuscleCondition,
+    /// What its episodes are perturbed by, in words that tell all that differ; empty if by nothing.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub perturbation: String,
     /// Control steps per episode.
     pub horizon: u32,
     /// Weights of the terms, in order.
@@ -87,6 +91,7 @@ impl RunSettings {
             hash: trial.task.hash.clone(),
             model_hash: trial.body.hash().to_owned(),
             condition: trial.body.condition.clone(),
+            perturbation: perturbation(&trial.perturbation),
             horizon: trial.task.horizon,
             weights: trial.task.terms.iter().map(|term| (term.name.clone(), term.weight)).collect(),
             overlaid: overlaid(&trial.task),
@@ -182,10 +187,25 @@ impl RunSettings {
                 if changed.0.condition != changed.1.condition {
                     return Some(format!("the condition of the muscles in task `{}` differs", changed.0.name));
                 }
+                if changed.0.perturbation != changed.1.perturbation {
+                    let words = |words: &str| if words.is_empty() { "none".to_owned() } else { words.to_owned() };
+                    let [here, there] = [&changed.0, &changed.1].map(|task| words(&task.perturbation));
+                    return Some(format!("the perturbation of task `{}` is {here}, not {there}", changed.0.name));
+                }
                 let what = if changed.0.model_hash == changed.1.model_hash { "task" } else { "body of task" };
                 Some(format!("the {what} `{}` has changed since", changed.0.name))
             })
     }
+}
+
+/// A perturbation in words.
+fn perturbation(perturbation: &Perturbation) -> String {
+    if perturbation.is_none() {
+        return String::new();
+    }
+    let normalized = perturbation.normalization.as_ref();
+    let by = normalized.map_or_else(String::new, |by| format!(", normalized by {}", hex(json(by).as_bytes())));
+    format!("{perturbation}{by}")
 }
 
 /// Terms whose weights are not those of the source.
@@ -206,6 +226,7 @@ mod tests {
             hash: "a".into(),
             model_hash: "b".into(),
             condition: MuscleCondition::default(),
+            perturbation: String::new(),
             horizon: 1000,
             weights: vec![("pose".into(), 10.0)],
             overlaid: vec![],
@@ -272,6 +293,8 @@ mod tests {
         let condition = MuscleCondition { weakness: vec![weak], fatigue: None };
         let found = difference(&|s| s.tasks[0].condition = condition.clone());
         assert_eq!(found, "the condition of the muscles in task `stand` differs");
+        let noisy = difference(&|s| s.tasks[0].perturbation = "action 0.1".into());
+        assert_eq!(noisy, "the perturbation of task `stand` is none, not action 0.1");
         assert_eq!(difference(&|s| s.tasks[0].model_hash = "c".into()), "the body of task `stand` has changed since");
     }
 }

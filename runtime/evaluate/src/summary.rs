@@ -1,12 +1,13 @@
 //! All episodes of a run, summed up per task.
 
+use super::metrics::{STANDARD, shares};
 use super::record::metric_units;
 use super::{EpisodeRecord, Plan, Protocol, RunSettings, Spread, wilson_interval};
 use msk_runtime::condition::MuscleCondition;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A run in numbers. It depends on the journal's content alone, not on the order of its lines.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the policy.
     pub policy: String,
@@ -21,7 +22,7 @@ pub struct Summary {
 }
 
 /// Means over several tasks, each of which counts the same however many episodes it has. Tasks without episodes do not count.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GroupSummary {
     /// The family; `all tasks`.
     pub name: String,
@@ -36,17 +37,17 @@ pub struct GroupSummary {
 }
 
 /// The episodes of one task.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TaskSummary {
     /// Name of the task.
     pub task: String,
     /// Family it belongs to.
     pub family: String,
     /// Condition of the body's muscles.
-    #[serde(skip_serializing_if = "MuscleCondition::is_none")]
+    #[serde(default, skip_serializing_if = "MuscleCondition::is_none")]
     pub condition: MuscleCondition,
     /// Why the policy cannot act on it, if it cannot.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skipped: Option<String>,
     /// Control steps of a full episode.
     pub horizon: u32,
@@ -70,14 +71,44 @@ pub struct TaskSummary {
     /// One entry per reward term, in the task's order.
     pub terms: Vec<TermSummary>,
     /// Versions of weights that rewarded the episodes, and how many each did; empty where weights do not change.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub weights_versions: Vec<(String, u64)>,
     /// One entry per number that is logged, in the task's order.
     pub metrics: Vec<MetricSummary>,
+    /// One entry per standard metric that some episode has.
+    #[serde(default)]
+    pub standard: Vec<StandardSummary>,
+    /// One entry per recruitment family.
+    #[serde(default)]
+    pub recruitment: Vec<FamilySummary>,
+}
+
+/// A standard metric over the episodes of a task that have it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StandardSummary {
+    /// Its name.
+    pub name: String,
+    /// Unit; empty if it is dimensionless.
+    pub unit: String,
+    /// Episodes that have it.
+    pub episodes: u64,
+    /// Of these.
+    pub value: Spread,
+}
+
+/// A recruitment family over the episodes of a task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FamilySummary {
+    /// The family.
+    pub name: String,
+    /// Mean activation mass: sum over its muscles of the mean activation.
+    pub mass: f64,
+    /// Its part of the mass of all families, 0..1.
+    pub share: f64,
 }
 
 /// A logged number over the episodes of a task.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MetricSummary {
     /// Label.
     pub name: String,
@@ -90,7 +121,7 @@ pub struct MetricSummary {
 }
 
 /// One reward term over all steps of all episodes of a task.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TermSummary {
     /// Label.
     pub name: String,
@@ -132,6 +163,8 @@ impl Summary {
                 terms: terms(&task.weights, &episodes),
                 weights_versions: versions(&episodes),
                 metrics: metrics(&metric_units(&trial.task), &episodes),
+                standard: standard(&episodes),
+                recruitment: recruitment(&episodes),
             }
         });
         Self::new(settings.policy, settings.protocol, tasks.collect())
@@ -265,6 +298,29 @@ fn metrics(units: &[String], episodes: &[&EpisodeRecord]) -> Vec<MetricSummary> 
     summaries.collect()
 }
 
+/// The standard metrics that some episode has.
+fn standard(episodes: &[&EpisodeRecord]) -> Vec<StandardSummary> {
+    let summaries = STANDARD.iter().filter_map(|(name, unit)| {
+        let of = |record: &&EpisodeRecord| record.standard.get(name);
+        let values: Vec<f64> = episodes.iter().filter_map(of).collect();
+        let value = Spread::of(&values)?;
+        Some(StandardSummary { name: (*name).to_owned(), unit: (*unit).to_owned(), episodes: values.len() as u64, value })
+    });
+    summaries.collect()
+}
+
+/// Mean activation masses of the families, and their shares.
+fn recruitment(episodes: &[&EpisodeRecord]) -> Vec<FamilySummary> {
+    let Some(first) = episodes.iter().find(|record| !record.recruitment.is_empty()) else { return Vec::new() };
+    let mean = |name: &String| {
+        let masses: Vec<f64> = episodes.iter().filter_map(|record| record.recruitment.get(name)).collect();
+        (name.clone(), Spread::of(&masses).map_or(0.0, |spread| spread.mean))
+    };
+    let masses: Vec<(String, f64)> = first.recruitment.0.iter().map(|(name, _)| mean(name)).collect();
+    let shares = shares(&masses);
+    masses.into_iter().zip(shares).map(|((name, mass), (_, share))| FamilySummary { name, mass, share }).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::ByTerm;
@@ -296,6 +352,8 @@ mod tests {
             parameters: ByTerm::default(),
             metrics: ByTerm(vec![("lean".into(), pose)]),
             last_metrics: ByTerm(vec![("lean".into(), f64::NAN)]),
+            standard: ByTerm(vec![("activation_cost".into(), pose)]),
+            recruitment: ByTerm(vec![("Calves".into(), 3.0), ("Glutes".into(), 1.0)]),
             task_hash: String::new(),
             model_hash: String::new(),
             condition: Default::default(),

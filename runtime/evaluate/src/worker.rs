@@ -1,7 +1,9 @@
 //! The workers of an evaluation. Each plays up to eight episodes of one model at once, every one under a policy of its own.
 
+use super::metrics::Measurement;
 use super::record::Tally;
-use super::{EpisodeRecord, EvaluationError, Fed, Feed, Job, Journal, Plan, Watcher};
+use super::tracing::{self, TraceRecorder};
+use super::{EpisodeRecord, EvaluationError, Extras, Fed, Job, Journal, Plan, Watcher};
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
 use msk_runtime::action::{ActionBuffer, ActsOn};
@@ -30,7 +32,7 @@ pub(super) struct Crew<'a> {
     journal: &'a Journal,
     stop: &'a AtomicBool,
     watcher: &'a dyn Watcher,
-    feed: Option<&'a dyn Feed>,
+    extras: Extras<'a>,
 }
 
 /// One worker: its memory, and the episodes that it plays.
@@ -55,6 +57,8 @@ struct Seat<'a> {
     weights: Vec<f64>,
     action: ActionBuffer,
     tally: Tally,
+    measurement: Measurement,
+    trace: TraceRecorder,
     /// Where the weights come from, if not from the task.
     fed: Option<Fed>,
     /// Its share of the clock time, s.
@@ -70,7 +74,7 @@ impl<'a> Crew<'a> {
         threads: NonZeroUsize,
         (journal, stop): (&'a Journal, &'a AtomicBool),
         watcher: &'a dyn Watcher,
-        feed: Option<&'a dyn Feed>,
+        extras: Extras<'a>,
     ) -> Result<Self, EvaluationError> {
         let mut engines = BTreeMap::new();
         for &(trial, _) in jobs {
@@ -90,7 +94,7 @@ impl<'a> Crew<'a> {
             journal,
             stop,
             watcher,
-            feed,
+            extras,
         })
     }
 
@@ -188,7 +192,7 @@ impl<'a> Worker<'a> {
         let known = self.scratch.take().filter(|scratch| scratch.serves(engine));
         let scratch = self.scratch.insert(known.unwrap_or_else(|| engine.group_scratch(crew.width)));
         let task = engine.task();
-        let fed = crew.feed.map(|feed| feed.weights(task));
+        let fed = crew.extras.feed.map(|feed| feed.weights(task));
         let mut seat = Seat {
             trial,
             engine,
@@ -201,6 +205,8 @@ impl<'a> Worker<'a> {
             weights: fed.as_ref().map_or_else(|| task.weights(), |fed| fed.weights.clone()),
             action: engine.action(ActsOn::Task),
             tally: Tally::new(task),
+            measurement: Measurement::new(engine),
+            trace: TraceRecorder::new(engine, index, crew.extras.tracing),
             fed,
             seconds: 0.0,
         };
@@ -209,7 +215,12 @@ impl<'a> Worker<'a> {
         seat.rates = scratch.begin(lane, engine, (key, &[]), &mut seat.episode);
         // An episode that could not begin has nothing that a policy could look at.
         let ready = match seat.episode.ending() {
-            None => seat.policy.reset(&engine.context(&seat.episode, &seat.weights, scratch.lane(lane))),
+            None => {
+                let context = engine.context(&seat.episode, &seat.weights, scratch.lane(lane));
+                seat.measurement.look(&context);
+                seat.trace.look(&context);
+                seat.policy.reset(&context)
+            }
             Some(_) => Ok(()),
         };
         seat.action = engine.action(seat.policy.acts_on());
@@ -255,10 +266,13 @@ impl<'a> Worker<'a> {
         let count = self.seats.iter().flatten().count();
         let share = start.elapsed().as_secs_f64() / (count as f64);
         for lane in 0..WIDTH {
-            let Some(seat) = &mut self.seats[lane] else { continue };
+            let (Some(seat), Some(scratch)) = (&mut self.seats[lane], &self.scratch) else { continue };
             seat.seconds += share;
             if seat.episode.steps() > seat.tally.steps() {
                 seat.tally.add(&seat.episode);
+                let context = seat.engine.context(&seat.episode, &seat.weights, scratch.lane(lane));
+                seat.measurement.look(&context);
+                seat.trace.look(&context);
                 self.crew.watcher.stepped();
             }
             if seat.episode.ending().is_some() {
@@ -272,11 +286,15 @@ impl<'a> Worker<'a> {
     fn end(&mut self, lane: usize, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
         let Some(seat) = self.seats[lane].take() else { return Ok(()) };
         let trial = &self.crew.plan.trials[seat.trial];
-        let mut record = seat.tally.record(trial, &seat.episode, seat.policy.name(), seat.seconds);
+        let record = seat.tally.record(trial, &seat.episode, seat.policy.name(), seat.seconds);
+        let mut record = seat.measurement.note(record);
         if let Some(fed) = &seat.fed {
             fed.note(trial, &mut record);
         }
         self.policies.push(seat.policy);
+        if let Some(trace) = seat.trace.finish(&record) {
+            tracing::keep(self.crew.journal, &trace)?;
+        }
         self.crew.journal.append(&record)?;
         self.crew.watcher.ended(seat.trial, &record);
         records.push(record);

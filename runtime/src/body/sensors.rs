@@ -191,7 +191,8 @@ impl Snapshot<'_> {
         linear + angular.cross(&(point - centre))
     }
 
-    fn metabolic_power(&self, muscle: usize) -> f64 {
+    /// Metabolic power of a muscle, W: see the module `metabolism`.
+    pub fn metabolic_power(&self, muscle: usize) -> f64 {
         let (state, actuation) = (self.state, &self.workspace.actuation);
         let (optimal_length, _) = actuation.lengths(muscle);
         // What is no muscle has neither length nor metabolism.

@@ -4,6 +4,7 @@ use super::{Episode, EpisodeError, EpisodeKey, Player, variation};
 use crate::action::{Action, ActionBuffer, ActionState, ActsOn, ControlMemory};
 use crate::body::{Body, sensors};
 use crate::condition::Fatigue;
+use crate::perturbation::Perturbation;
 use crate::policy::PolicyContext;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, Plan, State, Workspace};
@@ -21,6 +22,7 @@ pub struct Engine {
     /// Physics steps per control step.
     pub(super) substeps: u32,
     pub(super) fatigue: Option<Fatigue>,
+    pub(super) perturbation: Perturbation,
     /// Whether steps that a script shows end with the whole forward pass; else with what of it knows no forces.
     pub(super) forces: bool,
     /// Whether steps write the observation.
@@ -85,12 +87,18 @@ impl Engine {
         }
         let substeps = substeps(&task, model.options.timestep)?;
         variation::check(&model, &body, &task.init)?;
-        Ok(Self { plan: Plan::new(&model), substeps, fatigue: None, forces: true, observes: true, model, body, task })
+        let (plan, perturbation) = (Plan::new(&model), Perturbation::default());
+        Ok(Self { plan, substeps, fatigue: None, perturbation, forces: true, observes: true, model, body, task })
     }
 
     /// The same with muscles that tire.
     pub fn with_fatigue(self, fatigue: Option<Fatigue>) -> Self {
         Self { fatigue, ..self }
+    }
+
+    /// The same with perturbed episodes. What is out of its bounds is for [`Perturbation::check`].
+    pub fn with_perturbation(self, perturbation: Perturbation) -> Self {
+        Self { perturbation, ..self }
     }
 
     /// The same for scripts alone: where the task's frame has no sensor of a force, steps that a script shows leave out what
@@ -119,6 +127,7 @@ impl Engine {
             memory: sensors::Memory::default(),
             compartments: None,
             action: ActionState::new(&self.task.action, self.body.muscles.len()),
+            late: std::collections::VecDeque::new(),
             frame: vec![0.0; self.task.frame.size()],
             observation: vec![0.0; self.task.observation_size()],
             critic: vec![0.0; self.task.critic_size()],
@@ -225,7 +234,10 @@ impl Engine {
 
     /// Whether it is the same, so that memory of one serves the other.
     pub fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.model, &other.model) && Arc::ptr_eq(&self.task, &other.task) && self.fatigue == other.fatigue
+        Arc::ptr_eq(&self.model, &other.model)
+            && Arc::ptr_eq(&self.task, &other.task)
+            && self.fatigue == other.fatigue
+            && self.perturbation == other.perturbation
     }
 
     /// Number of entries of an action in the task's own space.

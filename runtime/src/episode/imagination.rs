@@ -4,6 +4,7 @@
 //! and a force that has not begun to act never does. What was drawn at the reset, a target for example, it knows.
 
 use super::{Engine, Episode, EpisodeError, EpisodeKey, GroupScratch, Streams};
+use crate::perturbation::Perturbation;
 use msk_physics::Plan;
 use msk_physics::model::Model;
 use msk_program::task::Disturbance;
@@ -16,7 +17,8 @@ impl Engine {
     /// # Errors
     /// A control step that is not a whole number of such physics steps.
     pub fn imagining(&self, coarseness: u32) -> Result<Self, EpisodeError> {
-        let mut imagined = Self { task: Arc::new(self.task.deciding()), observes: false, ..self.clone() };
+        let (task, perturbation) = (Arc::new(self.task.deciding()), Perturbation::default());
+        let mut imagined = Self { task, perturbation, observes: false, ..self.clone() };
         if coarseness > 1 {
             let mut model = Model::clone(&self.model);
             model.options.timestep *= f64::from(coarseness);

@@ -19,6 +19,7 @@ mod engine;
 mod environment;
 mod imagination;
 mod initial_state;
+mod perturbing;
 mod player;
 mod playing;
 mod pushes;
@@ -46,6 +47,7 @@ use msk_physics::State;
 use msk_program::task::{Disturbance, StepReport, TaskState};
 use player::Player;
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 use streams::Streams;
 use weights::Weights;
 
@@ -71,6 +73,9 @@ pub struct Episode {
     /// Of muscles that tire.
     compartments: Option<Compartments>,
     action: ActionState,
+    /// Actions that have not taken effect yet, where an evaluation delays them.
+    #[serde(default)]
+    late: VecDeque<Vec<f64>>,
     frame: Vec<f64>,
     observation: Vec<f64>,
     /// What only a critic sees.
@@ -120,6 +125,13 @@ impl Episode {
     /// [`CompiledTask::critic`]: msk_program::task::CompiledTask::critic
     pub fn critic_observation(&self) -> &[f64] {
         &self.critic
+    }
+
+    /// The last action in the task's own space, entries clipped to [-1, 1]; its rest before the first one, and after one of a policy
+    /// that acts on the muscles beside that space.
+    pub fn action(&self) -> &[f64] {
+        // A space of one entry per muscle keeps no entries of its own.
+        if self.action.entries.is_empty() { &self.action.muscles } else { &self.action.entries }
     }
 
     /// What the task reports of the last step.

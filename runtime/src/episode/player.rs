@@ -47,6 +47,7 @@ impl Player<'_> {
         episode.memory = sensors::Memory::default();
         episode.compartments = engine.fatigue.as_ref().map(|_| Compartments::new(engine.body.muscles.len()));
         episode.action.clear(&engine.task.action);
+        episode.late.clear();
         episode.report = StepReport::default();
         episode.total = 0.0;
         episode.totals.fill(0.0);
@@ -74,7 +75,9 @@ impl Player<'_> {
     pub fn vary(&mut self) -> Result<(), Fault> {
         let Engine { model, body, task, .. } = self.engine;
         let Episode { key, state, task: drawn, .. } = &mut *self.episode;
-        variation::vary(model, body, &task.initial_state(drawn), *key, state)
+        variation::vary(model, body, &task.initial_state(drawn), *key, state)?;
+        self.perturb_parameters();
+        Ok(())
     }
 
     /// Puts everything in its place, lets it settle if the task asks for it, and passes forward.
@@ -270,6 +273,8 @@ impl Player<'_> {
             let entry = names.get(index).cloned().unwrap_or_default();
             return Err(Fault::Action { entry, value: action.entries[index], step: self.episode.steps() + 1 });
         }
+        let perturbed = self.perturbed_entries(action);
+        let action = perturbed.as_ref().map_or(action, |entries| Action { entries, ..action });
         let mut state = std::mem::take(&mut self.episode.action);
         let mut control = std::mem::take(&mut self.scratch.control);
         let taken = state.begin(action, &self.engine.task.action, &self.moment(), &mut control);
@@ -354,5 +359,6 @@ impl Player<'_> {
         let episode = &mut *self.episode;
         self.engine.task.observe(&episode.frame, &episode.task, &mut episode.observation);
         self.engine.task.observe_critic(&episode.frame, &episode.task, &mut episode.critic);
+        self.perturb_observation();
     }
 }

@@ -51,7 +51,7 @@ pub fn trial(folder: &Path) -> Trial {
     let compilation = compile(&path, &FileLoader, &bodies).unwrap_or_else(|report| panic!("{report}"));
     let task = compilation.tasks[0].clone();
     let body = bodies.stage(&task.body, &task.scene).unwrap();
-    Trial { task, body }
+    Trial::new(task, body)
 }
 
 /// An episode of `steps` steps in which each term had the same value at every step.

@@ -2,6 +2,7 @@
 
 mod comparison;
 mod overview;
+mod standard;
 mod table;
 
 pub use comparison::comparison;
@@ -49,6 +50,7 @@ pub fn markdown(summary: &Summary) -> String {
     for task in summary.tasks.iter().filter(|task| !task.metrics.is_empty()) {
         let _ = write!(text, "\n## {}: metrics\n\n{}", task.task, metrics(&task.metrics));
     }
+    text.push_str(&standard::markdown(&summary.tasks));
     text.push_str(
         "\nReturn and steps: mean ± standard deviation over episodes. Interval: Wilson's. Families: means over\ntasks; horizon: mean fraction of it that an episode lasted. Value: mean over all steps; reward:\nweight times value; share: reward over the sum of the absolute values of all rewards.\n",
     );
@@ -156,7 +158,7 @@ fn spread(spread: Option<Spread>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Protocol, wilson_interval};
+    use super::super::{FamilySummary, Protocol, StandardSummary, wilson_interval};
     use super::*;
     use msk_runtime::condition::{MuscleCondition, Weakness};
 
@@ -178,7 +180,17 @@ mod tests {
             terms: vec![],
             weights_versions: vec![],
             metrics: vec![],
+            standard: vec![],
+            recruitment: vec![],
         }
+    }
+
+    fn standard(name: &str, mean: f64) -> StandardSummary {
+        StandardSummary { name: name.into(), unit: String::new(), episodes: 50, value: Spread { mean, deviation: Some(0.5) } }
+    }
+
+    fn family(name: &str, mass: f64, share: f64) -> FamilySummary {
+        FamilySummary { name: name.into(), mass, share }
     }
 
     fn nothing(name: &str) -> TaskSummary {
@@ -215,8 +227,11 @@ mod tests {
                 mean: Some(Spread { mean: 0.5, deviation: None }),
                 last: None,
             }],
+            standard: vec![standard("activation_cost", 0.04417), standard("cost_of_transport", 3.25)],
+            recruitment: vec![family("Calves", 1.25, 0.25), family("Glutes", 3.75, 0.75)],
             ..task("single_leg_stand", "stabilization", 47)
         };
+        let summarized = task.clone();
         let text = markdown(&summary(vec![task]));
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
         assert!(text.contains("| task             | success [95 %] |"), "{text}");
@@ -226,6 +241,26 @@ mod tests {
         );
         assert!(text.contains("\nFault in `single_leg_stand`, episode 31: at 0.2 s the velocity of joint `knee`"), "{text}");
         assert!(text.contains("| lean   |  rad |  0.5 |          - |"), "{text}");
+        insta::assert_snapshot!(standard::markdown(&[self::task("run", "", 1), summarized]), @r"
+        ## Standard metrics
+
+        | task             | activation | smoothness | W/kg | transport | ground | joint |
+        |:-----------------|-----------:|-----------:|-----:|----------:|-------:|------:|
+        | single_leg_stand |    0.04417 |          - |    - |      3.25 |      - |     - |
+
+        Activation: mean squared activation. Smoothness: log10 of the mean squared angular jerk,
+        rad^2/s^6. W/kg: metabolic power. Transport: cost of transport. Ground, joint: largest reactions,
+        body weights. Means over episodes.
+
+        ## Recruitment
+
+        | family | single_leg_stand |
+        |:-------|-----------------:|
+        | Calves |      1.25 (25 %) |
+        | Glutes |      3.75 (75 %) |
+
+        Sum over a family's muscles of their mean activations, and its part of that of all families.
+        ");
         assert!(text.contains("| pose |     10 |         0.93 |           9.3 | 25.00 % |"), "{text}");
     }
 

@@ -1,0 +1,84 @@
+//! `msk compare A B`: two evaluations in pairs of episodes.
+
+use crate::error::Error;
+use crate::eval::explain;
+use msk::compiler::numbers::for_people;
+use msk::evaluate::compare::{Estimate, Pairing, compare};
+use msk::evaluate::{EpisodeRecord, Journal, report::Table};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Compare two evaluations of the same tasks: differences of success and return over pairs of episodes, with intervals
+///
+/// Episodes of the same seed and index begin in the same state and are compared in pairs. Returns are summed up by their
+/// interquartile means; [ ] are 95 % intervals of a bootstrap over the pairs. A difference whose interval contains 0 may be chance.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Folder of the results of the first evaluation
+    first: PathBuf,
+    /// Folder of the results of the second one
+    second: PathBuf,
+    /// Print the numbers as JSON instead
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the comparison.
+///
+/// # Errors
+/// A folder without results, damaged ones, or two that have no episode in common.
+pub fn run(args: &Args) -> Result<ExitCode, Error> {
+    let read = |folder: &Path| Journal::records(folder).map_err(explain);
+    let (first, second) = (read(&args.first)?, read(&args.second)?);
+    let pairings = compare(&first, &second);
+    if pairings.is_empty() {
+        let message = format!("`{}` and `{}` have no episode in common", args.first.display(), args.second.display());
+        return Err(Error::new(message).hint("evaluate the same tasks with the same seed"));
+    }
+    let mut out = io::stdout().lock();
+    if args.json {
+        serde_json::to_writer_pretty(&mut out, &pairings)?;
+        writeln!(out)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let policy = |records: &[EpisodeRecord]| records.first().map_or_else(String::new, |record| record.policy.clone());
+    writeln!(out, "A: {}, policy {}", args.first.display(), policy(&first))?;
+    writeln!(out, "B: {}, policy {}", args.second.display(), policy(&second))?;
+    let other = |pairing: &Pairing| {
+        let hash = |records: &[EpisodeRecord]| {
+            records.iter().find(|record| record.task == pairing.task).map(|record| record.task_hash.clone())
+        };
+        hash(&first) != hash(&second)
+    };
+    for pairing in pairings.iter().filter(|pairing| other(pairing)) {
+        writeln!(out, "The task `{}` differs between A and B: their returns are of different rewards", pairing.task)?;
+    }
+    writeln!(out, "\n{}", success(&pairings).markdown())?;
+    write!(out, "{}", returns(&pairings).markdown())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn estimate(estimate: Estimate, scale: f64) -> String {
+    let [low, high] = estimate.interval.map(|bound| for_people(scale * bound));
+    format!("{} [{low}, {high}]", for_people(scale * estimate.value))
+}
+
+fn success(pairings: &[Pairing]) -> Table {
+    let mut table = Table::new(&["task", "pairs", "success A, %", "success B, %", "B - A, % [95 %]"]);
+    for pairing in pairings {
+        let [first, second] = pairing.success.map(|rate| format!("{:.0}", 100.0 * rate));
+        let difference = estimate(pairing.success_difference, 100.0);
+        table.row(vec![pairing.task.clone(), pairing.pairs.to_string(), first, second, difference]);
+    }
+    table
+}
+
+fn returns(pairings: &[Pairing]) -> Table {
+    let mut table = Table::new(&["task", "return A [95 %]", "return B [95 %]", "B - A [95 %]"]);
+    for pairing in pairings {
+        let [first, second] = pairing.returns.map(|returns| estimate(returns, 1.0));
+        table.row(vec![pairing.task.clone(), first, second, estimate(pairing.return_difference, 1.0)]);
+    }
+    table
+}

@@ -1,0 +1,91 @@
+//! What a report is made of: folders of results and trainings.
+
+use crate::error::{Context, Error};
+use msk::evaluate::Summary;
+use msk::evaluate::sweep::Sweep;
+use msk_storage::{StorageError, read_text_file};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Largest file that is read, bytes.
+const LARGEST: u64 = 256 << 20;
+/// Episodes of traces in a report.
+const TRACES: usize = 6;
+
+/// A folder of results, or of a training.
+#[derive(Default)]
+pub struct Source {
+    /// What it is called in tables.
+    pub label: String,
+    /// Of an evaluation, or of the unperturbed episodes of a sweep.
+    pub summary: Option<Summary>,
+    /// Of a sweep.
+    pub sweep: Option<Sweep>,
+    /// Of a training: steps, mean return and success of its evaluations, or of its rounds if it has none.
+    pub curve: Vec<[f64; 3]>,
+    /// Traces, the first of every task.
+    pub traces: Vec<PathBuf>,
+}
+
+/// Reads a folder.
+///
+/// # Errors
+/// A file that cannot be read, or nothing that a report is made of.
+pub fn read(folder: &Path) -> Result<Source, Error> {
+    let text = |name: &str| text(&folder.join(name));
+    let damaged = |error: serde_json::Error| {
+        let error = Error::new(format!("the results in `{}` are damaged: {error}", folder.display()));
+        error.hint("evaluate again: they may be of another version of the program")
+    };
+    let sweep: Option<Sweep> = text("sweep.json")?.map(|text| serde_json::from_str(&text)).transpose().map_err(damaged)?;
+    let summary = text("summary.json")?.map_or_else(|| text("unperturbed/summary.json"), |text| Ok(Some(text)))?;
+    let summary: Option<Summary> = summary.map(|text| serde_json::from_str(&text)).transpose().map_err(damaged)?;
+    let curve = text("curve.jsonl")?.map(|lines| curve(&lines)).unwrap_or_default();
+    let name = folder.file_name().map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
+    let policy = summary.as_ref().map(|summary| summary.policy.clone());
+    let label = policy.map_or_else(|| name.clone(), |policy| format!("{policy} ({name})"));
+    let source = Source { label, summary, sweep, curve, traces: traces(folder) };
+    if source.summary.is_none() && source.sweep.is_none() && source.curve.is_empty() {
+        let error = Error::new(format!("`{}` has no results: no summary.json, sweep.json or curve.jsonl", folder.display()));
+        return Err(error.hint("name a folder that `msk eval` or `msk train` has written"));
+    }
+    Ok(source)
+}
+
+/// The text of a file; `None` if there is none.
+fn text(path: &Path) -> Result<Option<String>, Error> {
+    match read_text_file(path, LARGEST) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if missing(&error) => Ok(None),
+        Err(error) => Err(error).context(|| format!("cannot read `{}`", path.display())),
+    }
+}
+
+fn missing(error: &StorageError) -> bool {
+    matches!(error.kind(), Some(std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory))
+}
+
+/// The points of a learning curve. Lines that were not written whole are left out.
+fn curve(lines: &str) -> Vec<[f64; 3]> {
+    let lines: Vec<serde_json::Value> = lines.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    let point = |step: &serde_json::Value, of: &serde_json::Value| {
+        Some([step.as_f64()?, of["return"].as_f64()?, of["success"].as_f64()?])
+    };
+    let evaluations: Vec<[f64; 3]> = lines.iter().filter_map(|line| point(&line["step"], line.get("evaluation")?)).collect();
+    if evaluations.is_empty() { lines.iter().filter_map(|line| point(&line["step"], line)).collect() } else { evaluations }
+}
+
+/// The first trace of every task, in the order of their names.
+fn traces(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder.join(msk::evaluate::TRACES)).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> =
+        entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "npz")).collect();
+    paths.sort();
+    let task = |path: &PathBuf| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        stem.rsplit_once('-').map(|(task, _)| task.to_owned())
+    };
+    paths.dedup_by_key(|path| task(path));
+    paths.truncate(TRACES);
+    paths
+}

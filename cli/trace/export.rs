@@ -1,0 +1,42 @@
+//! `msk trace export`: a trace as files of OpenSim.
+
+use crate::error::{Context, Error};
+use msk::evaluate::trace::opensim;
+use std::fs;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Write a trace as files of OpenSim: activations.sto, controls.sto, forces.sto, coordinates.mot, ground_reactions.mot
+///
+/// Angles are in degrees, y is up. Joints keep the names of the body file.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The trace
+    trace: PathBuf,
+    /// Folder for the files, which are called after the trace [default: that of the trace]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Writes the files, and their paths to standard output.
+///
+/// # Errors
+/// A file that is no trace, one without anything that OpenSim has a file for, or a file that cannot be written.
+pub fn run(args: &Args) -> Result<ExitCode, Error> {
+    let trace = super::read(&args.trace)?;
+    let folder = args.out.clone().or_else(|| args.trace.parent().map(PathBuf::from)).unwrap_or_default();
+    let stem = args.trace.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let files = opensim(&trace);
+    if files.is_empty() {
+        let error = Error::new(format!("`{}` has nothing that OpenSim has a file for", args.trace.display()));
+        return Err(error.hint("keep activations, positions or ground_reactions with `--trace`"));
+    }
+    fs::create_dir_all(&folder).context(|| format!("cannot make `{}`", folder.display()))?;
+    for file in files {
+        let path = folder.join(format!("{stem}_{}", file.name));
+        fs::write(&path, file.text).context(|| format!("cannot write `{}`", path.display()))?;
+        writeln!(io::stdout(), "{}", path.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,52 @@
+//! `msk trace`: what an evaluation has kept of episodes, step by step.
+
+mod args;
+mod export;
+mod plot;
+
+pub use args::{Quantities, TraceArgs, parse};
+
+use crate::error::{Context, Error};
+use msk::evaluate::trace::{ArchiveError, MOST_BYTES, Trace};
+use msk_storage::read_file;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Work on traces: what `msk run --trace` and `msk eval --trace` keep of an episode, step by step
+///
+/// A trace is a NumPy archive: `time`, and an array for each quantity with a row per state or control step. The entry trace.json
+/// names the columns with their units (docs/traces.md).
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    Plot(plot::Args),
+    Export(export::Args),
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// A file that is no trace, or an output that cannot be written.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    match args.command {
+        Command::Plot(args) => plot::run(&args),
+        Command::Export(args) => export::run(&args),
+    }
+}
+
+/// Reads a trace.
+///
+/// # Errors
+/// A file that cannot be read, or is none.
+pub fn read(path: &Path) -> Result<Trace, Error> {
+    let bytes = read_file(path, MOST_BYTES).context(|| format!("cannot read `{}`", path.display()))?;
+    Trace::read(&bytes).map_err(|error: ArchiveError| {
+        let error = Error::new(format!("`{}` {error}", path.display()));
+        error.hint("a trace is what `msk run TASK --trace FILE` writes")
+    })
+}

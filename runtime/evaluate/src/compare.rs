@@ -1,0 +1,172 @@
+//! Two evaluations of the same episodes, side by side: differences with intervals.
+//!
+//! Episodes of one seed and index begin in the same state, so they are compared in pairs. Intervals are percentile bootstraps (Efron and
+//! Tibshirani 1993) at 95 % over the pairs. Returns are summed up by the interquartile mean, which outliers do not move as they move the
+//! mean and which wastes fewer episodes than the median (Agarwal et al., NeurIPS 2021, "rliable").
+
+use crate::EpisodeRecord;
+use msk_runtime::episode::{EpisodeKey, Stream};
+use serde::Serialize;
+
+/// Resamples of a bootstrap.
+const RESAMPLES: usize = 2000;
+
+/// A number with its interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Of all episodes.
+    pub value: f64,
+    /// 95 % interval.
+    pub interval: [f64; 2],
+}
+
+/// A task under both evaluations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Pairing {
+    /// The task.
+    pub task: String,
+    /// Episodes that both have.
+    pub pairs: usize,
+    /// Success rates, 0..1.
+    pub success: [f64; 2],
+    /// Second minus first.
+    pub success_difference: Estimate,
+    /// Interquartile means of the returns.
+    pub returns: [Estimate; 2],
+    /// Interquartile mean of the differences of the returns, second minus first.
+    pub return_difference: Estimate,
+}
+
+/// Mean of the middle half: a quarter of the values, rounded down, is left out at each end, as SciPy's `trim_mean(values, 0.25)` has it.
+/// NaN without values.
+pub fn interquartile_mean(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let cut = sorted.len() / 4;
+    let middle = &sorted[cut..sorted.len() - cut];
+    middle.iter().sum::<f64>() / middle.len() as f64
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// A statistic with its percentile bootstrap; `name` decides the resamples, so that the same values have the same interval.
+pub fn bootstrap(values: &[f64], statistic: fn(&[f64]) -> f64, name: &str) -> Estimate {
+    let mut stream = Stream::new(EpisodeKey::default(), &format!("bootstrap/{name}"));
+    let count = values.len();
+    let mut resample = vec![0.0; count];
+    let mut found: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            // A uniform number below 1 times the count is below the count.
+            resample.iter_mut().for_each(|value| *value = values[((stream.uniform() * count as f64) as usize).min(count - 1)]);
+            statistic(&resample)
+        })
+        .collect();
+    found.sort_by(f64::total_cmp);
+    Estimate { value: statistic(values), interval: [quantile(&found, 0.025), quantile(&found, 0.975)] }
+}
+
+/// A quantile of sorted values, with linear interpolation between them as in NumPy.
+fn quantile(sorted: &[f64], part: f64) -> f64 {
+    let place = part * (sorted.len() - 1) as f64;
+    let below = place.floor();
+    let (low, high) = (sorted[below as usize], sorted[(below as usize + 1).min(sorted.len() - 1)]);
+    low + (place - below) * (high - low)
+}
+
+/// Compares the episodes that two evaluations have in common, task by task in the order of the first; tasks without a pair are left out.
+/// Pairs are of the same task, seed and index; a return that is not finite makes no pair.
+pub fn compare(first: &[EpisodeRecord], second: &[EpisodeRecord]) -> Vec<Pairing> {
+    let mut tasks: Vec<&str> = Vec::new();
+    for record in first {
+        if !tasks.contains(&record.task.as_str()) {
+            tasks.push(&record.task);
+        }
+    }
+    tasks.into_iter().filter_map(|task| pairing(task, first, second)).collect()
+}
+
+fn pairing(task: &str, first: &[EpisodeRecord], second: &[EpisodeRecord]) -> Option<Pairing> {
+    let partners: std::collections::BTreeMap<(u64, u64), &EpisodeRecord> =
+        second.iter().filter(|record| record.task == task).map(|record| ((record.seed, record.episode), record)).collect();
+    let mut pairs: Vec<(&EpisodeRecord, &EpisodeRecord)> = first
+        .iter()
+        .filter(|record| record.task == task)
+        .filter_map(|record| Some((record, *partners.get(&(record.seed, record.episode))?)))
+        .filter(|(first, second)| first.total.is_finite() && second.total.is_finite())
+        .collect();
+    // Journals have their lines in the order in which episodes ended.
+    pairs.sort_by_key(|(record, _)| (record.seed, record.episode));
+    if pairs.is_empty() {
+        return None;
+    }
+    let of = |value: &dyn Fn(&EpisodeRecord, &EpisodeRecord) -> f64| -> Vec<f64> {
+        pairs.iter().map(|(first, second)| value(first, second)).collect()
+    };
+    let success = |record: &EpisodeRecord| f64::from(u8::from(record.success));
+    let returns = [of(&|first, _| first.total), of(&|_, second| second.total)];
+    let differences = of(&|first, second| success(second) - success(first));
+    Some(Pairing {
+        task: task.to_owned(),
+        pairs: pairs.len(),
+        success: [mean(&of(&|first, _| success(first))), mean(&of(&|_, second| success(second)))],
+        success_difference: bootstrap(&differences, mean, &format!("{task}/success")),
+        returns: returns.map(|returns| bootstrap(&returns, interquartile_mean, &format!("{task}/return"))),
+        return_difference: bootstrap(
+            &of(&|first, second| second.total - first.total),
+            interquartile_mean,
+            &format!("{task}/difference"),
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(task: &str, episode: u64, success: bool, total: f64) -> EpisodeRecord {
+        let line = format!(
+            r#"{{"task":"{task}","policy":"zero","seed":0,"episode":{episode},"success":{success},"terminated_by":[],"truncated":true,
+            "fault":null,"steps":10,"return":{total},"terms":{{}},"values":{{}},"task_hash":"a","model_hash":"b","wall_time":0.1}}"#
+        );
+        serde_json::from_str(&line).unwrap()
+    }
+
+    #[test]
+    fn the_interquartile_mean_is_scipys() {
+        // tests/oracle/metrics.py: trim_mean(values, 0.25)
+        assert!((interquartile_mean(&[9.0, 1.0, 2.0, 3.0, 100.0, -50.0, 4.0]) - 3.8).abs() < 1e-12);
+        assert!((interquartile_mean(&[1.0, 2.0, 3.0, 10.0]) - 2.5).abs() < 1e-12);
+        assert_eq!(interquartile_mean(&[7.0]), 7.0);
+    }
+
+    #[test]
+    fn an_interval_holds_its_value_and_narrows() {
+        let values = |count: u32| (0..count).map(|index| f64::from(index % 10)).collect::<Vec<_>>();
+        let few = bootstrap(&values(20), mean, "a");
+        let many = bootstrap(&values(2000), mean, "a");
+        assert_eq!((few.value, many.value), (4.5, 4.5));
+        let width = |estimate: Estimate| estimate.interval[1] - estimate.interval[0];
+        // The standard error of the mean of ten digits is 2.872 / sqrt(n), the interval 3.92 times as wide.
+        assert!((width(few) - 3.92 * 2.872 / 20_f64.sqrt()).abs() < 0.2, "{few:?}");
+        assert!((width(many) - 3.92 * 2.872 / 2000_f64.sqrt()).abs() < 0.02, "{many:?}");
+        assert_eq!(bootstrap(&values(20), mean, "a"), few);
+        assert_eq!(bootstrap(&[2.0; 5], mean, "b"), Estimate { value: 2.0, interval: [2.0, 2.0] });
+    }
+
+    #[test]
+    fn episodes_are_compared_in_pairs() {
+        let first: Vec<EpisodeRecord> = (0..8).map(|index| record("stand", index, index < 4, index as f64)).collect();
+        // Each is better by one; the order of lines does not matter, and two have no partner.
+        let mut second: Vec<EpisodeRecord> = (2..10).map(|index| record("stand", index, true, index as f64 + 1.0)).collect();
+        second.reverse();
+        second.push(record("walk", 0, true, 1.0));
+        let found = compare(&first, &second);
+        let [stand] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!((stand.pairs, stand.success), (6, [2.0 / 6.0, 1.0]));
+        assert_eq!(stand.return_difference, Estimate { value: 1.0, interval: [1.0, 1.0] });
+        assert!(stand.success_difference.interval[0] > 0.0, "{stand:?}");
+        assert!(compare(&first, &[]).is_empty());
+    }
+}

@@ -1,0 +1,98 @@
+//! Traces of the episodes of an evaluation, one file each beside the journal.
+
+use crate::trace::{Origin, Quantity, StepReader, Trace};
+use crate::{EpisodeRecord, EvaluationError, Journal, Plan, RunSettings, play_watched};
+use msk_runtime::episode::{Ending, Engine, Environment, EpisodeKey};
+use msk_runtime::policy::PolicyContext;
+use std::sync::atomic::AtomicBool;
+
+/// The folder of traces, in that of the results.
+pub const TRACES: &str = "traces";
+
+/// Which traces an evaluation keeps.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tracing {
+    /// Their columns.
+    pub quantities: Vec<Quantity>,
+    /// Episodes of each task that have one: the first so many.
+    pub episodes: u64,
+}
+
+impl Tracing {
+    /// The name of an episode's trace in the folder of the results.
+    pub fn file(task: &str, episode: u64) -> String {
+        format!("{TRACES}/{task}-{episode:04}.npz")
+    }
+}
+
+/// Keeps every step of an episode, if that is wanted.
+pub struct TraceRecorder {
+    recorded: Option<(StepReader, Trace)>,
+    /// Rows so far.
+    rows: u32,
+}
+
+impl TraceRecorder {
+    /// Of the next episode of an engine, kept as a trace if `tracing` wants it.
+    pub fn new(engine: &Engine, episode: u64, tracing: Option<&Tracing>) -> Self {
+        let wanted = tracing.filter(|tracing| episode < tracing.episodes);
+        let recorded = wanted.map(|tracing| {
+            let reader = StepReader::new(engine, &tracing.quantities);
+            let trace = Trace::new(reader.layout().clone());
+            (reader, trace)
+        });
+        Self { recorded, rows: 0 }
+    }
+
+    /// Reads the reset or the step that has just been taken. A step that met a fault has no numbers and is left out.
+    pub fn look(&mut self, context: &PolicyContext<'_>) {
+        let Some((reader, trace)) = &mut self.recorded else { return };
+        if context.step == self.rows && !matches!(context.episode.ending(), Some(Ending::Fault(_))) {
+            self.rows += 1;
+            trace.push(&reader.read(context));
+        }
+    }
+
+    /// The trace, if there is one.
+    pub fn finish(self, record: &EpisodeRecord) -> Option<Trace> {
+        let (_, mut trace) = self.recorded?;
+        trace.origin = Origin::of(record);
+        Some(trace)
+    }
+}
+
+/// Keeps a trace beside the journal: it is on the disk, whole, before the line of its episode is.
+pub(super) fn keep(journal: &Journal, trace: &Trace) -> Result<(), EvaluationError> {
+    let name = Tracing::file(&trace.origin.task, trace.origin.episode);
+    Ok(journal.write_below(&name, trace.archive()?)?)
+}
+
+/// Makes the traces that are missing of episodes that were played before, by playing these once more with the weights that rewarded
+/// them.
+pub(super) fn complete(
+    plan: &Plan,
+    records: &[EpisodeRecord],
+    tracing: &Tracing,
+    journal: &Journal,
+    stop: &AtomicBool,
+) -> Result<(), EvaluationError> {
+    let settings = RunSettings::of(plan);
+    let missing =
+        |record: &&EpisodeRecord| record.episode < tracing.episodes && !journal.has(&Tracing::file(&record.task, record.episode));
+    for record in records.iter().filter(missing) {
+        let Some(trial) = settings.place(record).map(|place| &plan.trials[place]) else { continue };
+        let mut environment = trial.episode()?;
+        for (term, (_, weight)) in record.weights.0.iter().enumerate() {
+            environment.set_weight(term, *weight);
+        }
+        let mut recorder = TraceRecorder::new(environment.engine(), record.episode, Some(tracing));
+        let mut policy = plan.policy.open(stop)?;
+        let key = EpisodeKey { seed: record.seed, episode: record.episode };
+        let mut look = |environment: &Environment| recorder.look(&environment.context());
+        let Some(played) = play_watched(trial, &mut environment, key, policy.as_mut(), stop, &mut look)? else { return Ok(()) };
+        if let Some(trace) = recorder.finish(&played) {
+            keep(journal, &trace)?;
+        }
+    }
+    Ok(())
+}

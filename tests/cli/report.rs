@@ -1,0 +1,69 @@
+//! `msk report` and `msk compare`.
+
+use super::project::Project;
+
+/// Two evaluations of a task, the first with traces, and a sweep.
+fn evaluated() -> Project {
+    let project = Project::lean();
+    let eval = |policy: &str, out: &str, more: &[&str]| {
+        let command = ["eval", "tasks.msk", "--episodes", "2", "--policy", policy, "--out", out];
+        project.msk(&[&command, more].concat()).succeeded();
+    };
+    eval("random", "random", &["--trace=activations,terms", "--trace-episodes", "1"]);
+    eval("zero", "zero", &[]);
+    eval("random", "sweep", &["--sweep", "latency"]);
+    project
+}
+
+#[test]
+fn a_report_has_every_part_and_no_link_outside() {
+    let project = evaluated();
+    let curve = "{\"step\":100,\"evaluation\":{\"episodes\":2,\"success\":0.5,\"return\":7.0,\"steps\":9.0}}\n\
+                 {\"step\":200,\"evaluation\":{\"episodes\":2,\"success\":1.0,\"return\":6.0,\"steps\":9.0}}\n{\"ste";
+    project.write("training/curve.jsonl", curve);
+    let done = project.msk(&["report", "random", "zero", "sweep", "training", "--out", "report", "--title", "A < B"]).succeeded();
+    assert_eq!(done.out.lines().count(), 4, "{}", done.out);
+    let page = project.read("report/report.html");
+    for part in [
+        "A &#60; B",
+        "Leaderboard",
+        "Families",
+        "Standard metrics: random (random)",
+        "Recruitment",
+        "Robustness: random (sweep)",
+        "latency perturbation",
+        "Learning",
+        "Episode 0 of lean",
+        "Mean activation by muscle family",
+        "Reward terms",
+    ] {
+        assert!(page.contains(part), "no `{part}`");
+    }
+    // The name of a namespace is no link.
+    assert!(!page.replace("http://www.w3.org/2000/svg", "").contains("http"), "the page links to something outside");
+    assert!(project.read("report/report.md").contains("| training |"));
+    assert!(project.read("report/report.csv").contains("Learning,training,100,7,200"), "{}", project.read("report/report.csv"));
+    assert!(project.read("report/report.tex").contains("\\toprule"));
+}
+
+#[test]
+fn what_has_no_results_is_named() {
+    let project = Project::lean();
+    project.write("empty/file", "");
+    project.msk(&["report", "empty"]).failed(1, &["`empty` has no results", "hint: name a folder"]);
+    project.write("bad/summary.json", "{");
+    project.msk(&["report", "bad"]).failed(1, &["the results in `bad` are damaged"]);
+    project.msk(&["compare", "empty", "empty"]).failed(1, &["contains no results"]);
+}
+
+#[test]
+fn evaluations_are_compared_in_pairs() {
+    let project = evaluated();
+    let done = project.msk(&["compare", "random", "zero"]).succeeded();
+    for part in ["A: random, policy random", "B: zero, policy zero", "| lean |     2 |", "B - A [95 %]"] {
+        assert!(done.out.contains(part), "no `{part}` in {}", done.out);
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&project.msk(&["compare", "random", "random", "--json"]).succeeded().out).unwrap();
+    assert_eq!((&json[0]["return_difference"]["value"], &json[0]["pairs"]), (&0.0.into(), &2.into()));
+}
