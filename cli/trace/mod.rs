@@ -1,6 +1,7 @@
 //! `msk trace`: what an evaluation has kept of episodes, step by step.
 
 mod args;
+mod emg;
 mod export;
 mod plot;
 
@@ -26,6 +27,7 @@ pub struct Args {
 enum Command {
     Plot(plot::Args),
     Export(export::Args),
+    Emg(emg::Args),
 }
 
 /// Runs the subcommand.
@@ -36,6 +38,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     match args.command {
         Command::Plot(args) => plot::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Emg(args) => emg::run(&args),
     }
 }
 

@@ -57,8 +57,9 @@ fn panel(trace: &Trace, text: &str) -> Result<Panel, Error> {
         Error::new(format!("the trace has no {quantity}")).hint(format!("it has {known}"))
     })?;
     let of_muscles = block.columns.len() == layout.muscles.len() && block.columns[0].name == layout.muscles[0].name;
+    let of_families = name.is_none() && of_muscles && block.columns.len() > MOST_CURVES;
     let curves = match name {
-        None if of_muscles && block.columns.len() > MOST_CURVES => families(trace, quantity),
+        None if of_families => families(trace, quantity),
         name => {
             let wanted = |place: &usize| name.is_none_or(|name| matches(name, &block.columns[*place].name));
             let places: Vec<usize> = (0..block.columns.len()).filter(wanted).collect();
@@ -73,7 +74,8 @@ fn panel(trace: &Trace, text: &str) -> Result<Panel, Error> {
             Error::new(message).hint(format!("there are {known}{}", if block.columns.len() > MOST_CURVES { " ..." } else { "" }))
         );
     }
-    let mut units: Vec<&str> = block.columns.iter().map(|column| column.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
+    let units = block.columns.iter().filter(|column| of_families || curves.iter().any(|(name, _)| *name == column.name));
+    let mut units: Vec<&str> = units.map(|column| column.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
     units.dedup();
     let unit = if let [unit] = units.as_slice() { format!(" [{unit}]") } else { String::new() };
     Ok(Panel { label: format!("{}{unit}", quantity.name().replace('_', " ")), curves })

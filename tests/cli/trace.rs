@@ -38,6 +38,21 @@ fn what_is_no_trace_is_refused() {
 }
 
 #[test]
+fn activations_are_compared_with_envelopes_of_people() {
+    let project = Project::lean();
+    project.msk(&["run", "lean", "--policy", "zero", "--trace", "lean.npz"]).succeeded();
+    project.msk(&["trace", "emg", "lean.npz"]).failed(2, &["there is no `--reference`", "no recordings of people are included"]);
+    project.write("human.csv", "percent,soleus_r,Tibialis\n0,0.1,0.2\n30,0.3,0.1\n60,0.9,0.3\n100,0.1,0.2\n");
+    let emg = |more: &[&str]| project.msk(&[&["trace", "emg", "lean.npz", "--reference", "human.csv"], more].concat());
+    emg(&[]).failed(1, &["there is no whole gait cycle of `soleus_r`"]);
+    emg(&["--map", "tibant_r=Tibia"]).failed(1, &["`human.csv` has no column `Tibia`; it has percent, soleus_r, Tibialis"]);
+    emg(&["--map", "tibialis=Tibialis"]).failed(1, &["the body has no muscle `tibialis`"]);
+    emg(&["--map", "tibialis"]).failed(2, &["expected MUSCLE=COLUMN"]);
+    project.write("human.txt", "");
+    project.msk(&["trace", "emg", "lean.npz", "--reference", "human.txt"]).failed(1, &["`human.txt` has an unknown format"]);
+}
+
+#[test]
 fn an_evaluation_keeps_traces_that_do_not_depend_on_threads() {
     let project = Project::lean();
     let eval = |out: &str, more: &[&str]| {

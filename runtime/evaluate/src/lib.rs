@@ -21,6 +21,7 @@ mod line;
 pub mod metrics;
 pub mod probe;
 mod record;
+pub mod recordings;
 pub mod report;
 mod rollout;
 mod settings;

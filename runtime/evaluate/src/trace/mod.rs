@@ -144,4 +144,4 @@ impl Trace {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -1,0 +1,130 @@
+//! Human recordings: tables of numbers over time or over a gait cycle, in the formats in which they are published.
+//!
+//! * OpenSim's `.sto` and `.mot`: a header up to `endheader`, then names and rows;
+//! * `.trc` of motion capture: three columns for each marker, a row for each frame;
+//! * `.csv` (separated by commas, semicolons or tabs): names and rows, as envelopes of electromyograms are exported.
+//!
+//! Recordings of people are not part of this project: their owners publish them, for example Gait120 (Boo et al. 2025, walking and stairs)
+//! and Van Hooren and Meijer (2024, running). [`OBTAIN`] says how to bring one of them here.
+
+mod csv;
+mod storage;
+mod trc;
+
+use crate::metrics::similarity::Envelope;
+
+/// How to obtain envelopes of human electromyograms.
+pub const OBTAIN: &str = "no recordings of people are included: download those of Gait120 (walking, stairs) or of Van Hooren and Meijer \
+    (running) from where their authors publish them, average the rectified and filtered signal of each muscle over gait cycles from \
+    foot strike to foot strike, and save a table with a column per muscle and a row per percent of the cycle as .csv or .sto";
+
+/// Most rows times columns that are read.
+const MOST_NUMBERS: usize = 50_000_000;
+
+/// A recording.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Recording {
+    /// Whether angles are in degrees, as far as the format tells.
+    pub degrees: bool,
+    /// Names of the columns.
+    pub names: Vec<String>,
+    /// A value for every row, column by column; NaN where a cell is empty.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// Why a text is no recording.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RecordingError {
+    /// An ending that names no format.
+    #[error("has an unknown format: expected a name that ends in .sto, .mot, .trc or .csv")]
+    Format,
+    /// A binary format that is not read.
+    #[error("is a C3D file, which is not read: export it as .trc or .mot, for example by Mokka or ezc3d")]
+    Binary,
+    /// A part of the header is missing.
+    #[error("has no {0}")]
+    Missing(&'static str),
+    /// A row of the wrong length.
+    #[error("line {line} has {found} cells, expected {expected}")]
+    Cells {
+        /// From 1.
+        line: usize,
+        /// Columns of the head.
+        expected: usize,
+        /// As it is.
+        found: usize,
+    },
+    /// A cell that is no number.
+    #[error("line {line}: expected a number, found `{found}`")]
+    Number {
+        /// From 1.
+        line: usize,
+        /// The cell.
+        found: String,
+    },
+    /// More than is read.
+    #[error("has more numbers than are read")]
+    Large,
+    /// A column that is asked for and is not there.
+    #[error("has no column `{0}`; it has {1}")]
+    Column(String, String),
+}
+
+impl Recording {
+    /// Reads the text of a file of that name.
+    ///
+    /// # Errors
+    /// Another format, or a damaged file.
+    pub fn read(name: &str, text: &str) -> Result<Self, RecordingError> {
+        match name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).as_deref() {
+            Some("sto" | "mot") => storage::read(text),
+            Some("trc") => trc::read(text),
+            Some("csv" | "tsv") => csv::read(text),
+            Some("c3d") => Err(RecordingError::Binary),
+            _ => Err(RecordingError::Format),
+        }
+    }
+
+    /// The column of that name.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.names.iter().position(|known| known == name).map(|place| self.columns[place].as_slice())
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// Columns as envelopes of muscles, each pair a muscle and the column that it is compared with. Rows are at equal distances over a
+    /// cycle; those whose cell is empty are left out.
+    ///
+    /// # Errors
+    /// A column that does not exist.
+    pub fn envelopes(&self, pairs: &[(String, String)]) -> Result<Vec<Envelope>, RecordingError> {
+        let envelope = |(muscle, column): &(String, String)| {
+            let values = self.column(column).ok_or_else(|| RecordingError::Column(column.clone(), self.names.join(", ")))?;
+            Ok(Envelope { muscle: muscle.clone(), values: values.iter().copied().filter(|value| value.is_finite()).collect() })
+        };
+        pairs.iter().map(envelope).collect()
+    }
+
+    /// Appends a row.
+    fn push(&mut self, line: usize, cells: &[&str]) -> Result<(), RecordingError> {
+        if cells.len() != self.names.len() {
+            return Err(RecordingError::Cells { line, expected: self.names.len(), found: cells.len() });
+        }
+        if self.rows().saturating_mul(self.names.len()) > MOST_NUMBERS {
+            return Err(RecordingError::Large);
+        }
+        self.columns.resize(self.names.len(), Vec::new());
+        for (column, cell) in self.columns.iter_mut().zip(cells) {
+            let empty = cell.is_empty() || cell.eq_ignore_ascii_case("nan");
+            let value = if empty { Ok(f64::NAN) } else { cell.parse() };
+            column.push(value.map_err(|_| RecordingError::Number { line, found: cell.chars().take(40).collect() })?);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
