@@ -37,6 +37,7 @@ mod renamed;
 mod report;
 mod run;
 mod sensitivity;
+mod session;
 mod snapshot;
 mod test;
 mod texts;
@@ -71,6 +72,7 @@ enum Command {
     Lsp(lsp::Args),
     Run(run::Args),
     Eval(eval::Args),
+    Session(session::Args),
     Report(report::Args),
     Compare(compare::Args),
     Collect(collect::Args),
@@ -103,6 +105,7 @@ impl Command {
             Self::Lsp(args) => lsp::run(args),
             Self::Run(args) => run::run(args),
             Self::Eval(args) => eval::run(args),
+            Self::Session(args) => session::run(args),
             Self::Report(args) => report::run(&args),
             Self::Compare(args) => compare::run(&args),
             Self::Collect(args) => collect::run(args),

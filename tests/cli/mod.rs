@@ -22,6 +22,7 @@ mod project;
 mod report;
 mod run;
 mod sensitivity;
+mod session;
 mod special_files;
 mod test;
 mod trace;

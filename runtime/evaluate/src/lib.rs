@@ -24,6 +24,7 @@ mod record;
 pub mod recordings;
 pub mod report;
 mod rollout;
+pub mod session;
 mod settings;
 mod statistics;
 mod summary;
