@@ -26,9 +26,11 @@ mod lsp;
 mod mcp;
 mod motion;
 mod mutate;
+mod named;
 mod new;
 mod overlays;
 mod physics;
+mod pictures;
 mod policies;
 mod progress;
 mod project;
@@ -44,6 +46,7 @@ mod texts;
 mod trace;
 mod train;
 mod tune;
+mod view;
 mod vocabulary;
 mod weights;
 
@@ -84,6 +87,7 @@ enum Command {
     Weights(weights::Args),
     Train(train::Args),
     Tune(tune::Args),
+    View(view::Args),
     Sensitivity(sensitivity::Args),
     Mcp(mcp::Args),
     Draw(draw::Args),
@@ -117,6 +121,7 @@ impl Command {
             Self::Weights(args) => weights::run(args),
             Self::Train(args) => train::run(args),
             Self::Tune(args) => tune::run(args),
+            Self::View(args) => view::run(args),
             Self::Sensitivity(args) => sensitivity::run(args),
             Self::Mcp(args) => mcp::run(args),
             Self::Draw(args) => draw::run(args),

@@ -5,6 +5,7 @@ use crate::error::{Context, Error};
 use crate::html;
 use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
+use crate::pictures::{PictureArgs, Pictures};
 use crate::policies::{Limits, Recorder};
 use crate::progress;
 use crate::project::{Project, Settings};
@@ -64,6 +65,8 @@ pub struct Args {
     /// What the trace holds, separated by commas, as `msk eval --trace` has it
     #[arg(long, value_name = "QUANTITIES", default_value = "all", requires = "trace", value_parser = trace::parse)]
     trace_columns: trace::Quantities,
+    #[command(flatten)]
+    pictures: PictureArgs,
     /// Continue up to the horizon, ignoring terminations, and print when the episode would have ended, faults of the
     /// physics, and the largest penetration
     #[arg(long, conflicts_with_all = ["json", "replay", "weights", "weight"])]
@@ -98,12 +101,14 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         return to_horizon(&args, &trial, &mut episode, key, &mut policy);
     }
     let mut film = html::Film::of(&episode, &trial, args.html.is_some())?;
+    let mut pictures = Pictures::of(&args.pictures, &episode, &trial)?;
     let steps = progress::steps(trial.task.horizon);
     let mut recorder = recorder(&args, &episode);
     let mut watch = |episode: &Environment| {
         steps.set_position(episode.steps().into());
         film.look(episode);
         recorder.look(&episode.context());
+        pictures.look(episode);
     };
     let played = play_watched(&trial, &mut episode, key, &mut policy, interrupt.stop(), &mut watch);
     steps.finish_and_clear();
@@ -118,6 +123,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     write_state(&args, &episode)?;
     write_trace(&args, recorder, &record)?;
     film.write(args.html.as_deref(), html::caption(&record))?;
+    pictures.write(&episode)?;
     let mut out = io::stdout().lock();
     if args.json {
         serde_json::to_writer(&mut out, &record)?;
@@ -167,7 +173,11 @@ fn to_horizon(
     policy: &mut dyn Policy,
 ) -> Result<ExitCode, Error> {
     let mut film = html::Film::of(episode, trial, args.html.is_some())?;
-    let found = play_to_horizon(episode, key, policy, &mut |episode| film.look(episode))?;
+    let mut pictures = Pictures::of(&args.pictures, episode, trial)?;
+    let found = play_to_horizon(episode, key, policy, &mut |episode| {
+        film.look(episode);
+        pictures.look(episode);
+    })?;
     write_state(args, episode)?;
     let task = &trial.task;
     let first = match &found.first {
@@ -185,6 +195,7 @@ fn to_horizon(
         ..Caption::default()
     };
     film.write(args.html.as_deref(), caption)?;
+    pictures.write(episode)?;
     let summary = format!("{first}; continued to {steps} steps of {}, {fault}", task.horizon);
     let mut out = io::stdout().lock();
     writeln!(
@@ -206,13 +217,16 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
     let episode = trial.episode()?;
     let mut film = html::Film::of(&episode, trial, args.html.is_some())?;
     let mut recorder = recorder(args, &episode);
+    let mut pictures = Pictures::of(&args.pictures, &episode, trial)?;
     let mut watch = |episode: &Environment| {
         film.look(episode);
         recorder.look(&episode.context());
+        pictures.look(episode);
     };
     let played = replay_watched(trial, record, &mut watch)?;
     write_trace(args, recorder, &played)?;
     film.write(args.html.as_deref(), html::caption(&played))?;
+    pictures.write(&episode)?;
     let mut out = io::stdout().lock();
     if args.json {
         serde_json::to_writer(&mut out, &played)?;

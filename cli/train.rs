@@ -3,6 +3,7 @@
 use crate::condition::Condition;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
+use crate::named::by_name;
 use crate::progress;
 use crate::project::{Project, Settings as Parameters};
 use indicatif::{HumanDuration, ProgressBar};
@@ -66,12 +67,6 @@ fn algorithm(name: &str) -> Result<Algorithm, String> {
 
 fn preset(name: &str) -> Result<Preset, String> {
     by_name(name, &Preset::NAMED)
-}
-
-fn by_name<T: Copy>(name: &str, named: &[(&str, T)]) -> Result<T, String> {
-    let found = named.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
-    let known = || named.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", ");
-    found.ok_or_else(|| format!("choose one of: {}", known()))
 }
 
 /// `1h30m`, `90s`, `2h`.

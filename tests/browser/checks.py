@@ -258,6 +258,48 @@ def side_by_side(browser, pages):
     browser.evaluate("document.getElementById('choices').querySelectorAll('select')[1].focus()")
 
 
+def live(browser, program, folder):
+    """The page of a run that goes on: its numbers grow, the last episode plays, and the server ends with the run."""
+    out = folder / "live"
+    run = [program, "eval", "tasks.msk", "--task", "walk", "--policy", "zero", "--episodes", "60", "--threads", "1", "--out", out]
+    evaluation = subprocess.Popen(run, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not (out / "run.json").exists():
+        time.sleep(0.05)
+    server = subprocess.Popen([program, "view", out], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    try:
+        browser.visit(server.stdout.readline().strip())
+        status = "document.getElementById('status').textContent"
+        first = browser.evaluate(status)
+        browser.until("!document.getElementById('episode').hidden")
+        shown = browser.evaluate("document.getElementById('episode').srcdoc.length")
+        if shown < 100_000:
+            raise Failure(f"the page of the last episode has {shown} characters")
+        expect("columns of tasks", browser.evaluate("[...document.querySelectorAll('#tasks thead th')].map((cell) => cell.textContent)"), ["task", "episodes", "success", "return", "steps"])
+        # A list has a button for each episode, which the keyboard reaches.
+        browser.until("document.querySelectorAll('#list button').length > 1")
+        browser.evaluate("[...document.querySelectorAll('#list button')].at(-1).focus()")
+        browser.key("Enter")
+        browser.until("document.getElementById('episode-status').textContent === 'walk, episode 0'")
+        for width in (390, 1280):
+            browser.size(width, 800)
+            browser.settle()
+            if browser.evaluate("document.documentElement.scrollWidth") > width:
+                raise Failure(f"the live page is wider than {width} px")
+        for node in browser.command("Accessibility.getFullAXTree")["nodes"]:
+            role = node.get("role", {}).get("value")
+            if role in ("button", "image", "region", "table", "Iframe") and not node.get("ignored") and not node.get("name", {}).get("value"):
+                raise Failure(f"a {role} of the live page has no name")
+        browser.until(f"{status}.includes('has ended')", 120)
+        print(f"  live: {first}, then {browser.evaluate(status)}")
+        expect("exit code of msk view after the run", server.wait(60), 0)
+        expect("exit code of msk eval", evaluation.wait(60), 0)
+    finally:
+        browser.size(*WINDOW)
+        for process in (server, evaluation):
+            process.kill()
+            process.wait()
+
+
 def main():
     program, update = pathlib.Path(sys.argv[1]).resolve(), "--update" in sys.argv
     began = time.monotonic()
@@ -275,6 +317,7 @@ def main():
             (preferences, pages),
             (accessible, pages),
             (side_by_side, pages),
+            (live, program, pathlib.Path(folder)),
         ]
         for check, *arguments in checks:
             start = time.monotonic()

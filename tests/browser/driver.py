@@ -123,6 +123,11 @@ class Browser:
         self.until("document.documentElement?.dataset.ready !== undefined || document.getElementById('message')?.textContent.includes('cannot')")
         self.settle()
 
+    def visit(self, address):
+        """Opens a live page and waits for its first numbers."""
+        self.command("Page.navigate", {"url": address})
+        self.until("document.documentElement?.dataset.ready !== undefined")
+
     def settle(self):
         """Waits until two pictures have been drawn."""
         self.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")

@@ -17,6 +17,7 @@ mod motion;
 mod mutate;
 mod new;
 #[cfg(unix)]
+mod pictures;
 mod policies;
 mod project;
 mod report;
@@ -28,4 +29,5 @@ mod test;
 mod trace;
 mod train;
 mod tune;
+mod view;
 mod weights;

@@ -8,7 +8,7 @@ const SETTINGS: &str = "hidden = [16]\nepisodes = 4\nevaluate_every = 2000\neval
     [ppo]\nhorizon = 50\nminibatch = 50\nepochs = 2\n";
 
 /// A folder with the pendulum of the learners' own tests.
-fn project() -> Project {
+pub fn project() -> Project {
     let project = Project::empty();
     for file in ["pendulum.msk", "pendulum.xml"] {
         project.write(file, &std::fs::read_to_string(repository("learn/train/tests").join(file)).unwrap());
@@ -17,7 +17,7 @@ fn project() -> Project {
     project
 }
 
-fn train(project: &Project, steps: &str, out: &str) -> std::process::Command {
+pub fn train(project: &Project, steps: &str, out: &str) -> std::process::Command {
     project.command(&["train", "pendulum.msk", "--settings", "learner.toml", "--threads", "1", "--steps", steps, "--out", out])
 }
 

@@ -1,4 +1,4 @@
-//! An episode as one HTML page that works without a network.
+//! An episode as one HTML page that works without a network, and as pictures without a browser ([`render`]).
 //!
 //! 1. [`Recorder`] looks at an episode after its reset and after every control step;
 //! 2. `anatomy` describes the model once: bodies, joints, shapes, muscles with their paths;
@@ -16,6 +16,7 @@ mod page;
 mod recorder;
 mod recording;
 mod reference;
+pub mod render;
 mod shapes;
 mod signals;
 mod task;

@@ -1,4 +1,4 @@
-//! What muscles do: activations and forces.
+//! What muscles do: excitations, activations and forces.
 //!
 //! The force of a muscle is its activation times its gain, which changes as slowly as its length, plus its passive force. Where that
 //! holds, gains and passive forces are stored instead of forces: they take a third of the bytes.
@@ -9,6 +9,8 @@ use msk_runtime::body::sensors::Snapshot;
 
 /// Quantum of activations and of fatigued shares.
 pub(crate) const ACTIVATION: f64 = 1.0 / 255.0;
+/// Quantum of excitations, which policies change from step to step: finer ones would take most of a page.
+pub(crate) const EXCITATION: f64 = 1.0 / 50.0;
 /// Quantum of forces against the peak isometric force of the healthy muscle.
 pub(crate) const FORCE: f64 = 1.0 / 100.0;
 /// A force that is off by more than this share of the peak is not that of the law above.
@@ -17,6 +19,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Muscles over time.
 pub(crate) struct Muscles {
     pub activations: Track,
+    pub excitations: Track,
     forces: Track,
     gains: Track,
     passive: Track,
@@ -26,7 +29,7 @@ pub(crate) struct Muscles {
 impl Muscles {
     pub fn new(count: usize) -> Self {
         let track = || Track::new(count);
-        Self { activations: track(), forces: track(), gains: track(), passive: track(), lawful: true }
+        Self { activations: track(), excitations: track(), forces: track(), gains: track(), passive: track(), lawful: true }
     }
 
     /// Appends a frame.
@@ -43,6 +46,8 @@ impl Muscles {
             all.clone().map(move |index| quantise(share(index, part(snapshot, index)), FORCE))
         };
         self.activations.push(all.clone().map(|index| quantise(activation(index), ACTIVATION)));
+        let excitation = |index: usize| snapshot.state.control.get(index).copied().unwrap_or(0.0);
+        self.excitations.push(all.clone().map(|index| quantise(excitation(index), EXCITATION)));
         self.forces.push(row(|snapshot, index| snapshot.workspace.actuation.force[index]));
         self.gains.push(row(|snapshot, index| snapshot.workspace.actuation.gain[index]));
         self.passive.push(row(|snapshot, index| snapshot.workspace.actuation.bias[index]));

@@ -2,7 +2,7 @@
 
 use crate::anatomy::Anatomy;
 use crate::contacts::Contacts;
-use crate::muscles::{ACTIVATION, FORCE, Muscles};
+use crate::muscles::{ACTIVATION, EXCITATION, FORCE, Muscles};
 use crate::recording::{Caption, Header, Quanta, Recording, RecordingError, Tracks};
 use crate::task::TaskRecorder;
 use crate::track::{Track, quantise};
@@ -144,6 +144,7 @@ impl Recorder {
             coordinates: write(&self.coordinates),
             placed: write(&self.placed),
             activations: write(&self.muscles.activations),
+            excitations: write(&self.muscles.excitations),
             forces: write(&forces),
             gains: write(&gains),
             passive: write(&passive),
@@ -153,8 +154,14 @@ impl Recorder {
             contacts: write(&contacts),
             ..Tracks::default()
         };
-        let quanta =
-            Quanta { coordinate: COORDINATE, activation: ACTIVATION, force: FORCE, length: LENGTH, wrap: wraps::QUANTUM };
+        let quanta = Quanta {
+            coordinate: COORDINATE,
+            activation: ACTIVATION,
+            excitation: EXCITATION,
+            force: FORCE,
+            length: LENGTH,
+            wrap: wraps::QUANTUM,
+        };
         let mut header =
             Header { caption, frames, period: self.period, quanta, contacts: pairs, touched, tracks, ..Header::default() };
         if let Some(task) = &self.task {

@@ -78,6 +78,7 @@ pub(crate) struct Header {
 pub(crate) struct Quanta {
     pub coordinate: f64,
     pub activation: f64,
+    pub excitation: f64,
     pub force: f64,
     pub length: f64,
     pub wrap: f64,
@@ -92,6 +93,7 @@ pub(crate) struct Tracks {
     pub reference: Block,
     pub placed: Block,
     pub activations: Block,
+    pub excitations: Block,
     pub forces: Block,
     pub gains: Block,
     pub passive: Block,

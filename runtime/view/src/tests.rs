@@ -27,7 +27,7 @@ fn human() -> (Model, Body) {
 }
 
 /// A way from standing to a crouch in so many frames.
-fn crouching(frames: u32, mut look: impl FnMut(u32, &Snapshot<'_>)) {
+pub(crate) fn crouching(frames: u32, mut look: impl FnMut(u32, &Snapshot<'_>)) {
     let (model, body) = human();
     let (mut state, mut workspace) = (State::new(&model), Workspace::new(&model));
     let crouch = body.pose("crouch").unwrap();

@@ -57,7 +57,7 @@ fn write(snapshot: &Snapshot<'_>, wrap: &Wrap, touch: &PathVertex<f64>, leave: &
 }
 
 /// Whether an arc of that length leads around the axis of the surface counterclockwise (around a sphere: the shorter way).
-fn turns_forward(sphere: bool, from: Vector3<f64>, to: Vector3<f64>, length: f64) -> bool {
+pub(crate) fn turns_forward(sphere: bool, from: Vector3<f64>, to: Vector3<f64>, length: f64) -> bool {
     let (turned, angle) = match sphere {
         true => (length / from.norm().max(1e-9), libm::atan2(from.cross(&to).norm(), from.dot(&to))),
         false => {

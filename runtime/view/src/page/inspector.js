@@ -20,9 +20,10 @@ function paintMuscle(context, width, height, recording, muscle) {
   if (muscle < 0) return;
   const { tracks, quanta, times: at, duration } = recording;
   const force = Array.from(at, (_, frame) => forceAt(recording, muscle, { frame, next: frame, share: 0 }));
+  const excitation = Array.from(tracks.excitations[muscle], (code) => code * quanta.excitation);
   const activation = Array.from(tracks.activations[muscle], (code) => code * quanta.activation);
   const high = force.reduce((most, value) => Math.max(most, value), 1);
-  for (const [values, colour] of [[force, inked("quiet")], [activation, css(heat(0.55))]]) {
+  for (const [values, colour] of [[excitation, inked("accent")], [force, inked("quiet")], [activation, css(heat(0.55))]]) {
     context.strokeStyle = colour;
     context.lineWidth = 1.5;
     strokeCurve(context, { times: at, values, duration }, [0, width], [2, height - 4], [0, high]);
@@ -31,6 +32,8 @@ function paintMuscle(context, width, height, recording, muscle) {
   context.fillText("activation", 3, 11);
   context.fillStyle = inked("quiet");
   context.fillText("force / peak", 64, 11);
+  context.fillStyle = inked("accent");
+  context.fillText("excitation", 134, 11);
 }
 
 /** Names and numbers of a muscle at the moment of a stage. */
@@ -43,6 +46,7 @@ function muscleFacts(stage, muscle) {
   const facts = [
     ["Family", anatomy.families[family] || "–"],
     ["Activation", short(between(tracks.activations[muscle], moment) * quanta.activation)],
+    ["Excitation", short(between(tracks.excitations[muscle], moment) * quanta.excitation)],
     ["Force", `${short(share * force)} N of ${short(force)} N`],
     ["Length", `${short(1000 * tubes.lengths[muscle])} mm`],
     ["Fibre / optimal", short(fibreLength(recording, muscle, moment, length))],

@@ -116,6 +116,7 @@ const emptyLists = (meshes) => ({ balls: [], small: [], boxes: [], cylinders: []
 /** What colours a muscle, 0 to 1. */
 function shareOf(recording, muscle, by, moment, length) {
   const { tracks, quanta } = recording;
+  if (by === "excitation") return between(tracks.excitations[muscle], moment) * quanta.excitation;
   if (by === "force") return forceAt(recording, muscle, moment);
   if (by === "fibre") return fibreLength(recording, muscle, moment, length) - 0.5;
   if (by === "capacity") return capacity(recording, muscle, moment);

@@ -3,8 +3,8 @@
 const element = (id) => document.getElementById(id);
 /** Layers with their words; skin has three states, the others two. */
 const LAYERS = [["muscles", "muscles"], ["bones", "bones"], ["skin", "skin"], ["contacts", "forces"], ["markers", "markers"], ["reference", "reference"], ["follow", "follow"]];
-const COLOURINGS = ["activation", "force", "fibre", "capacity"];
-const SCALES = { activation: ["0", "1", "activation"], force: ["0", "1", "force / peak"], fibre: ["0.5", "1.5", "fibre / optimal length"], capacity: ["0", "1", "strength left"] };
+const COLOURINGS = ["activation", "excitation", "force", "fibre", "capacity"];
+const SCALES = { activation: ["0", "1", "activation"], excitation: ["0", "1", "excitation"], force: ["0", "1", "force / peak"], fibre: ["0.5", "1.5", "fibre / optimal length"], capacity: ["0", "1", "strength left"] };
 
 class Viewer {
   constructor(recordings) {
