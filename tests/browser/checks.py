@@ -278,7 +278,7 @@ def live(browser, program, folder):
         # A list has a button for each episode, which the keyboard reaches.
         browser.until("document.querySelectorAll('#list button').length > 1")
         browser.evaluate("[...document.querySelectorAll('#list button')].at(-1).focus()")
-        browser.key("Enter")
+        browser.key(" ")
         browser.until("document.getElementById('episode-status').textContent === 'walk, episode 0'")
         for width in (390, 1280):
             browser.size(width, 800)
