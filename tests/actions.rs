@@ -282,3 +282,33 @@ fn an_action_of_another_length_is_refused() {
     assert_eq!(muscles.entries, vec![REST; 416]);
     environment.step(&muscles).unwrap();
 }
+
+/// A task whose policy sees one number, as the network `half.onnx` does, which gives -0.5 for every muscle.
+const ONE: (&str, &str) = ("observe { com.acceleration; prev(pelvis.height); independent.q }", "observe { pelvis.height }");
+
+#[test]
+fn an_action_is_added_to_that_of_a_network() {
+    let mut environment = acting_and("act muscles { of [soleus_{l,r}], residual \"half.onnx\", scale 0.5 }", &[ONE]);
+    environment.step(&[1.0, -0.4]).unwrap();
+    let control = environment.state().control.clone();
+    for (name, action) in [("soleus_l", 0.0), ("soleus_r", -0.7), ("recfem_l", -0.5)] {
+        assert_eq!(control[muscle(&environment, name)], excited(&environment, action), "{name}");
+    }
+    // Asking for nothing is the network itself.
+    let mut plain = acting_and("act muscles", &[ONE]);
+    let mut beside = acting_and("act muscles { residual \"half.onnx\" }", &[ONE]);
+    for _ in 0..5 {
+        plain.step(&[-0.5; 416]).unwrap();
+        beside.step(&[0.0; 416]).unwrap();
+    }
+    assert_eq!(plain.state(), beside.state());
+}
+
+#[test]
+fn a_network_of_another_shape_is_a_fault_with_its_name() {
+    let mut environment = acting_and("act muscles { residual \"actor.onnx\" }", &[ONE]);
+    environment.step(&[0.0; 416]).unwrap();
+    let Some(Ending::Fault(fault @ Fault::Control(_))) = environment.ending() else { panic!("{:?}", environment.ending()) };
+    let expected = "the action space of the task cannot be used: the network `actor.onnx` takes 3 numbers, the observation has 1";
+    assert_eq!(fault.to_string(), expected);
+}

@@ -21,6 +21,11 @@ impl Loader for Text {
     fn load(&self, path: &Path) -> Result<String, LoadError> {
         if path == Path::new("task.msk") { Ok(self.0.clone()) } else { Err(LoadError::Missing(path.into())) }
     }
+
+    fn load_bytes(&self, path: &Path, _limit: u64) -> Result<Vec<u8>, LoadError> {
+        let networks = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/networks");
+        std::fs::read(networks.join(path)).map_err(|_| LoadError::Missing(path.into()))
+    }
 }
 
 /// A task on the human body; `parts` replaces a line of the usual one by another.

@@ -3,6 +3,7 @@
 
 mod actions;
 mod advisories;
+mod alignments;
 mod channels;
 mod cli;
 mod cmc;

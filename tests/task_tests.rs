@@ -41,7 +41,7 @@ fn task(statements: &str) -> Arc<CompiledTask> {
 }
 
 /// The reports of all tests.
-fn played(statements: &str) -> Vec<TestReport> {
+pub fn played(statements: &str) -> Vec<TestReport> {
     let task = task(statements);
     let tests = task.tests.clone().unwrap();
     let body = bodies().stage(&task.body, &task.scene).unwrap();
@@ -50,7 +50,7 @@ fn played(statements: &str) -> Vec<TestReport> {
 }
 
 /// All hold.
-fn holds(statements: &str) {
+pub fn holds(statements: &str) {
     for report in played(statements) {
         assert!(report.passed(), "{report:#?}");
     }

@@ -169,4 +169,8 @@ impl Loader for Pending<'_> {
     fn load(&self, path: &Path) -> Result<String, LoadError> {
         if path == self.path { Ok(self.text.to_owned()) } else { FileLoader.load(path) }
     }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        FileLoader.load_bytes(path, limit)
+    }
 }

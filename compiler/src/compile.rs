@@ -10,6 +10,7 @@
 mod consequences;
 mod inspection;
 mod motions;
+mod networks;
 mod reading;
 mod settings;
 mod units;
@@ -106,6 +107,7 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     reader.read_bodies(entry, bodies);
     let Reader { mut sources, files, mut diagnostics, .. } = reader;
     let motions = motions::read(&files, loader, &mut sources, &mut diagnostics);
+    let networks = networks::read(&files, loader, &mut diagnostics);
     let settings = settings::read(settings, &mut sources, &mut diagnostics);
     let described = describe_bodies(&files, bodies, &mut diagnostics);
     let all_tasks = task_names(&files, &mut diagnostics);
@@ -119,9 +121,9 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     let globals = Globals::collect(files.iter().map(|file| FileInSight { tree: &file.tree, uses: uses(file) }));
     diagnostics.extend(globals.clashes(syntax::MAXIMUM_ERRORS));
     for unit in &units {
-        let (described, texts, motions) = (&described, &texts, &motions);
-        let compiler =
-            units::Compiler { described, bodies, texts, motions, globals: &globals, noting, called: &called, unread: &unread };
+        let (described, texts, motions, networks) = (&described, &texts, &motions, &networks);
+        let (globals, called, unread) = (&globals, &called, &unread);
+        let compiler = units::Compiler { described, bodies, texts, motions, networks, globals, noting, called, unread };
         // One that fails has been reported.
         tasks.extend(compiler.compile(unit, &mut scopes, &mut diagnostics).map(Arc::new));
     }

@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Default)]
 pub struct Inputs {
     texts: Vec<(PathBuf, Result<u64, LoadError>)>,
+    /// Those that are no texts, with their limits.
+    others: Vec<(PathBuf, u64, Result<u64, LoadError>)>,
     bodies: Vec<(BodyDescription, u64)>,
 }
 
@@ -20,11 +22,12 @@ impl Inputs {
     /// unreadable for the same reason.
     pub fn are_unchanged(&self, loader: &dyn Loader, bodies: &dyn BodySource) -> bool {
         self.texts.iter().all(|(path, known)| digest(&loader.load(path)) == *known)
+            && self.others.iter().all(|(path, limit, known)| digest(&loader.load_bytes(path, *limit)) == *known)
             && self.bodies.iter().all(|(description, known)| bodies.revision(description) == *known)
     }
 }
 
-fn digest(text: &Result<String, LoadError>) -> Result<u64, LoadError> {
+fn digest<T: Hash>(text: &Result<T, LoadError>) -> Result<u64, LoadError> {
     let mut hasher = DefaultHasher::new();
     text.as_ref().map_err(Clone::clone)?.hash(&mut hasher);
     Ok(hasher.finish())
@@ -63,6 +66,12 @@ impl Loader for Recorder<'_> {
         let text = self.loader.load(path);
         self.inputs.borrow_mut().texts.push((path.to_path_buf(), digest(&text)));
         text
+    }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        let bytes = self.loader.load_bytes(path, limit);
+        self.inputs.borrow_mut().others.push((path.to_path_buf(), limit, digest(&bytes)));
+        bytes
     }
 }
 

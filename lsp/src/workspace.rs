@@ -226,6 +226,10 @@ impl Loader for Workspace<'_> {
             None => self.loader.load(path),
         }
     }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        self.loader.load_bytes(path, limit)
+    }
 }
 
 /// Texts that are only assumed, over those that are there.
@@ -237,6 +241,10 @@ struct Assumed<'a> {
 impl Loader for Assumed<'_> {
     fn load(&self, path: &Path) -> Result<String, LoadError> {
         self.texts.get(path).map_or_else(|| self.below.load(path), |text| Ok(text.clone()))
+    }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        self.below.load_bytes(path, limit)
     }
 }
 

@@ -82,13 +82,20 @@ impl Loader for Confined {
         if let Some(text) = bodies::text(path) {
             return Ok(text);
         }
-        match self.folder.read_text(&self.spelled(path), LARGEST_FILE) {
-            Ok(text) => text.ok_or_else(|| LoadError::Missing(path.into())),
-            Err(StorageError::Outside { .. }) => {
-                Err(LoadError::Unreadable { path: path.into(), reason: format!("it {LEADS_OUT}") })
-            }
-            Err(error) => Err(load_error(path, &error)),
-        }
+        found(path, LARGEST_FILE, self.folder.read_text(&self.spelled(path), LARGEST_FILE))
+    }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        found(path, limit, self.folder.read(&self.spelled(path), limit))
+    }
+}
+
+/// What was read, or why not, in the words of the compiler.
+fn found<T>(path: &Path, limit: u64, read: Result<Option<T>, StorageError>) -> Result<T, LoadError> {
+    match read {
+        Ok(content) => content.ok_or_else(|| LoadError::Missing(path.into())),
+        Err(StorageError::Outside { .. }) => Err(LoadError::Unreadable { path: path.into(), reason: format!("it {LEADS_OUT}") }),
+        Err(error) => Err(load_error(path, limit, &error)),
     }
 }
 

@@ -110,4 +110,8 @@ impl Loader for Draft<'_> {
         let spelled = |path: &Path| self.confined.spelled(path);
         if spelled(path) == spelled(Path::new(self.name)) { Ok(self.text.to_owned()) } else { self.confined.load(path) }
     }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        self.confined.load_bytes(path, limit)
+    }
 }

@@ -19,6 +19,10 @@ impl Loader for PackageLoader {
             None => FileLoader.load(path),
         }
     }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        FileLoader.load_bytes(path, limit)
+    }
 }
 
 fn find(path: &Path) -> Option<&'static str> {

@@ -2,14 +2,14 @@
 //!
 //! Every number goes smoothly from keyframe to keyframe: a cubic between two, with the slopes of Fritsch and Carlson (1980), so that
 //! nothing overshoots, comes to rest where it turns round and at both ends. Coupled joints follow their couplings at every
-//! step. Between two keyframes on the ground the body stays on it; between two that meet the same places it keeps meeting them.
+//! step. Between two keyframes on the ground the body stays on it; between two that align the same places these stay aligned.
 //! Where a motion is played, its table gives where joints and root are from one keyframe to the next.
 
-use crate::body::Body;
+use crate::body::{Beginning, Body, OutOfReach};
 use msk_physics::model::{Model, rotation};
 use msk_physics::{State, Workspace};
 use msk_program::frame::Origin;
-use msk_program::init::Following;
+use msk_program::init::{Alignment, Following, Moves};
 use msk_program::task::{CompiledTask, Init, ObjectStart, RootPlacement, TaskState};
 use msk_program::testing::Keyframe;
 
@@ -32,6 +32,8 @@ struct Row {
     /// Change per step of each.
     slopes: Vec<f64>,
     hold: Hold,
+    /// What is aligned.
+    alignments: Vec<Alignment>,
     /// What is followed up to the next row.
     playing: Option<Playing>,
 }
@@ -62,6 +64,9 @@ const OBJECT: usize = 7;
 
 impl Script {
     /// The script of keyframes, with what was drawn for the episode.
+    ///
+    /// # Errors
+    /// A keyframe in which joints do not reach what they are aligned to.
     pub fn new(
         keyframes: &[Keyframe],
         task: &CompiledTask,
@@ -69,7 +74,7 @@ impl Script {
         model: &Model,
         body: &Body,
         workspace: &mut Workspace<f64>,
-    ) -> Self {
+    ) -> Result<Self, OutOfReach> {
         let objects = keyframes.first().map_or(Vec::new(), |key| key.init.objects.iter().map(|start| start.object).collect());
         let period = 1.0 / task.control_frequency;
         let mut script = Self { rows: Vec::new(), joints: body.joints.len(), objects, period };
@@ -80,30 +85,52 @@ impl Script {
                 (None, true) => Hold::Ground,
                 (Some(_), true) => Hold::Free,
             };
-            let place = resolved(&init, model, body, workspace);
-            let mut values = init.coordinates.clone();
-            values.resize(script.joints, 0.0);
-            let root = &init.root;
-            values.extend(place);
-            values.extend([root.lift, root.heading, root.pitch, root.roll, key.activation]);
-            for start in &init.objects {
-                values.extend(start.position);
-                values.extend(start.orientation);
-            }
-            script.align(&mut values);
+            let mut values = script.numbers(&init, key.activation, model, body, workspace)?;
+            script.turn_alike(&mut values);
             let slopes = vec![0.0; values.len()];
             let playing = key.init.follows.clone().filter(|_| key.plays).map(|following| {
                 let phase = task.entered(following.start, drawn);
                 Playing { base: init.into_owned(), following, phase }
             });
-            script.rows.push(Row { step: f64::from(key.step), values, slopes, hold, playing });
+            let alignments = key.init.alignments.clone();
+            script.rows.push(Row { step: f64::from(key.step), values, slopes, hold, alignments, playing });
         }
         script.smooth();
-        script
+        Ok(script)
+    }
+
+    /// A keyframe as numbers: the root, joints and objects are where alignments and the ground have brought them.
+    fn numbers(
+        &self,
+        init: &Init,
+        activation: f64,
+        model: &Model,
+        body: &Body,
+        workspace: &mut Workspace<f64>,
+    ) -> Result<Vec<f64>, OutOfReach> {
+        let mut state = State::new(model);
+        put(&init.coordinates, &init.root, init.objects.iter().copied(), model, body, &mut state, workspace);
+        body.align(model, &init.alignments, Beginning::Anywhere, &mut state, workspace)?;
+        let (mut values, root) = (init.coordinates.clone(), &init.root);
+        values.resize(self.joints, 0.0);
+        for alignment in &init.alignments {
+            let Moves::Joints(joints) = &alignment.moves else { continue };
+            joints.iter().for_each(|&joint| values[joint] = state.position[body.joints[joint].position]);
+        }
+        let place = |first: usize| [0, 1, 2].map(|axis| state.position[first + axis]);
+        values.extend(body.root.free.map_or([0.0; 3], |(first, _)| place(first)));
+        values.extend([root.lift, root.heading, root.pitch, root.roll, activation]);
+        for start in &init.objects {
+            let aligned = init.alignments.iter().any(|alignment| alignment.moves == Moves::Object(start.object));
+            let free = body.objects.get(start.object).and_then(|object| object.free).filter(|_| aligned);
+            values.extend(free.map_or(start.position, |(first, _)| place(first)));
+            values.extend(start.orientation);
+        }
+        Ok(values)
     }
 
     /// Turns quaternions the same way round as in the row before.
-    fn align(&self, values: &mut [f64]) {
+    fn turn_alike(&self, values: &mut [f64]) {
         let Some(before) = self.rows.last() else { return };
         for object in 0..self.objects.len() {
             let first = self.joints + ROOT + 1 + object * OBJECT + 3;
@@ -145,11 +172,24 @@ impl Script {
     }
 
     /// Puts everything where it is at a step; velocities become zero. Gives the activation.
-    pub fn place(&self, step: u32, model: &Model, body: &Body, state: &mut State<f64>, workspace: &mut Workspace<f64>) -> f64 {
+    ///
+    /// # Errors
+    /// Joints that do not reach, on the way from keyframe to keyframe, what they are aligned to; they are as near as they come.
+    pub fn place(
+        &self,
+        step: u32,
+        model: &Model,
+        body: &Body,
+        state: &mut State<f64>,
+        workspace: &mut Workspace<f64>,
+    ) -> Result<f64, OutOfReach> {
         self.place_between(f64::from(step), model, body, state, workspace)
     }
 
     /// The same between two steps.
+    ///
+    /// # Errors
+    /// As above.
     pub fn place_between(
         &self,
         step: f64,
@@ -157,15 +197,16 @@ impl Script {
         body: &Body,
         state: &mut State<f64>,
         workspace: &mut Workspace<f64>,
-    ) -> f64 {
+    ) -> Result<f64, OutOfReach> {
         if let Some((row, playing)) = self.played(step) {
             let mut init = playing.base.clone();
             playing.following.write(playing.phase, (step - row.step) * self.period, &mut init);
             (init.root.velocity, init.root.spin) = ([0.0; 3], [0.0; 3]);
             put(&init.coordinates, &init.root, init.objects.iter().copied(), model, body, state, workspace);
-            return row.values[self.joints + ROOT];
+            body.align(model, &init.alignments, Beginning::Near, state, workspace)?;
+            return Ok(row.values[self.joints + ROOT]);
         }
-        let (values, hold) = self.at(step);
+        let Shown { values, hold, alignments } = self.at(step);
         let (joints, rest) = values.split_at(self.joints);
         let (root, rest) = rest.split_at(ROOT);
         let (activation, objects) = rest.split_first().map_or((0.0, rest), |(activation, objects)| (*activation, objects));
@@ -188,7 +229,8 @@ impl Script {
             meets: if let Hold::Meets(meets) = hold { meets } else { Vec::new() },
         };
         put(joints, &placement, starts, model, body, state, workspace);
-        activation
+        body.align(model, &alignments, Beginning::Near, state, workspace)?;
+        Ok(activation)
     }
 
     /// The motion that is followed at a step, with the row at which it began to play.
@@ -198,13 +240,16 @@ impl Script {
         Some((row, row.playing.as_ref()?))
     }
 
-    /// All numbers at a step, and how the root is held there.
-    fn at(&self, step: f64) -> (Vec<f64>, Hold) {
+    /// What is shown at a step that follows no motion.
+    fn at(&self, step: f64) -> Shown {
         let after = self.rows.partition_point(|row| row.step <= step);
         let (Some(before), after) = (after.checked_sub(1).map(|place| &self.rows[place]), self.rows.get(after)) else {
-            return (Vec::new(), Hold::Free);
+            return Shown { values: Vec::new(), hold: Hold::Free, alignments: Vec::new() };
         };
-        let Some(after) = after.filter(|_| step > before.step) else { return (before.values.clone(), before.hold.clone()) };
+        let Some(after) = after.filter(|_| step > before.step) else {
+            // The numbers of a keyframe are those of what is aligned.
+            return Shown { values: before.values.clone(), hold: before.hold.clone(), alignments: Vec::new() };
+        };
         let length = after.step - before.step;
         let u = (step - before.step) / length;
         let (u2, u3) = (u * u, u * u * u);
@@ -214,15 +259,19 @@ impl Script {
             start + (3.0 * u2 - 2.0 * u3) * (end - start) + (u3 - 2.0 * u2 + u) * leaving + (u3 - u2) * arriving
         };
         let hold = if before.hold == after.hold { before.hold.clone() } else { Hold::Free };
-        ((0..before.values.len()).map(blend).collect(), hold)
+        let stays = |alignment: &&Alignment| after.alignments.contains(alignment);
+        let alignments = before.alignments.iter().filter(stays).cloned().collect();
+        Shown { values: (0..before.values.len()).map(blend).collect(), hold, alignments }
     }
 }
 
-/// Where the root is in an initial state, m.
-fn resolved(init: &Init, model: &Model, body: &Body, workspace: &mut Workspace<f64>) -> [f64; 3] {
-    let mut state = State::new(model);
-    put(&init.coordinates, &init.root, init.objects.iter().copied(), model, body, &mut state, workspace);
-    body.root.free.map_or([0.0; 3], |(place, _)| [state.position[place], state.position[place + 1], state.position[place + 2]])
+/// What is shown at a moment.
+struct Shown {
+    /// As those of a [`Row`].
+    values: Vec<f64>,
+    hold: Hold,
+    /// What is aligned still, because it is at the keyframes before and after.
+    alignments: Vec<Alignment>,
 }
 
 fn put(
@@ -239,10 +288,5 @@ fn put(
         state.position[place..place + 3].copy_from_slice(&start.position);
         state.position[place + 3..place + 7].copy_from_slice(&start.orientation);
     }
-    for (joint, &coordinate) in body.joints.iter().zip(coordinates) {
-        state.position[joint.position] = coordinate;
-    }
-    body.solve_couplings(model, &mut state.position);
-    let coordinates: Vec<f64> = body.joints.iter().map(|joint| state.position[joint.position]).collect();
-    body.place(model, root, &coordinates, state, workspace);
+    body.place(model, root, coordinates, state, workspace);
 }

@@ -211,6 +211,11 @@ fn a_network_acts_on_the_task_that_it_was_trained_for() {
     let refused = |name: &str, parts: &[&str]| {
         project.msk(&["run", "lean.msk", "--policy", &format!("network {name}")]).failed(1, parts);
     };
+    let golden = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/networks");
+    write("half.onnx", std::fs::read(golden.join("half.onnx")).unwrap());
+    assert_eq!(episode("network half.onnx")["return"], episode("network half.safetensors")["return"]);
+    write("actor.onnx", std::fs::read(golden.join("actor.onnx")).unwrap());
+    refused("actor.onnx", &["`actor.onnx` takes 3 numbers, the observation has 1"]);
     write("other.safetensors", constant_network(-1.0, 1, &channels.replace("pelvis", "head")));
     refused(
         "other.safetensors",
@@ -220,6 +225,34 @@ fn a_network_acts_on_the_task_that_it_was_trained_for() {
     refused("wide.safetensors", &["`wide.safetensors` takes 3 numbers, the observation has 1"]);
     write("cut.safetensors", constant_network(-1.0, 1, "")[..100].to_vec());
     refused("cut.safetensors", &["cannot read `cut.safetensors`: it is no safetensors file"]);
+}
+
+#[test]
+fn a_residual_is_added_to_a_network_that_sees_its_channels_by_their_names() {
+    let project = Project::lean();
+    let channels = r#""observation":"[{\"name\": \"pelvis.height\", \"size\": 1}]""#;
+    std::fs::write(project.path("half.safetensors"), constant_network(-0.5, 1, channels)).unwrap();
+    let lean = project.read("lean.msk");
+    // The network does not see what was added for the residual.
+    let beside = lean.replace(
+        "observe { pelvis.height }",
+        "act muscles { residual \"half.safetensors\" }\n    observe { com.velocity; pelvis.height }",
+    );
+    assert_ne!(lean, beside);
+    project.write("beside.msk", &beside);
+    let reward = |arguments: &[&str]| -> Value {
+        let done = project.msk(&[&["run", "--json"], arguments].concat()).succeeded();
+        serde_json::from_str::<Value>(&done.out).unwrap()["return"].clone()
+    };
+    assert_eq!(reward(&["beside.msk", "--policy", "zero"]), reward(&["lean.msk", "--policy", "network half.safetensors"]));
+    let hash = || project.msk(&["explain", "beside.msk"]).succeeded().out;
+    assert!(hash().contains("half.safetensors"), "{}", hash());
+    std::fs::remove_file(project.path("half.safetensors")).unwrap();
+    project.msk(&["run", "beside.msk"]).failed(1, &["E0208", "cannot read the network \"half.safetensors\": there is no file"]);
+    std::fs::write(project.path("half.safetensors"), constant_network(-0.5, 1, &channels.replace("pelvis", "head"))).unwrap();
+    let done = project.msk(&["run", "beside.msk", "--policy", "zero"]).succeeded();
+    let reason = "the network `half.safetensors` sees a channel `head.height`, which the task does not observe";
+    assert!(done.out.contains(reason), "{}", done.out);
 }
 
 #[test]

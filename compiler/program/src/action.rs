@@ -4,6 +4,7 @@
 //! muscle (and torques, in [`ActionTarget::Torque`]), which the body's excitation map makes excitations of.
 
 use crate::vocabulary::Vocabulary;
+use std::sync::Arc;
 
 /// The action space of a task.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,21 +69,44 @@ pub struct TrackingOffsets {
 }
 
 /// A controller that acts beside a policy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum BaseController {
     /// Computed muscle control of the task's reference motion, or of the pose of its initial state.
     MuscleControl,
     /// Computed muscle control of the script with which the task's tests show that it can succeed.
     Demonstration,
+    /// A network that sees the observation of the task and gives an action for each muscle.
+    Network(Arc<BaseNetwork>),
 }
 
 impl BaseController {
+    /// Those that the language knows by a name.
+    pub const NAMED: [Self; 2] = [Self::MuscleControl, Self::Demonstration];
+
     /// Its name in texts and results: that of the policy which acts in the same way.
-    pub fn name(self) -> &'static str {
+    pub fn name(&self) -> &'static str {
         match self {
             Self::MuscleControl => "cmc",
             Self::Demonstration => "demonstration",
+            Self::Network(_) => "network",
         }
+    }
+}
+
+/// A network as it was read, unopened: the compiler does not know what is in it.
+#[derive(Clone, PartialEq, Eq)]
+pub struct BaseNetwork {
+    /// As the task names it; the ending tells its format.
+    pub path: String,
+    /// SHA-256 of the bytes, hexadecimal.
+    pub digest: String,
+    /// The file.
+    pub bytes: Arc<[u8]>,
+}
+
+impl core::fmt::Debug for BaseNetwork {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("BaseNetwork").field("path", &self.path).field("digest", &self.digest).finish_non_exhaustive()
     }
 }
 
@@ -93,6 +117,11 @@ impl Default for ActionSpace {
 }
 
 impl ActionSpace {
+    /// Whether what it does depends on the observation, because a network acts beside the policy.
+    pub fn reads_observation(&self) -> bool {
+        matches!(self.residual, Some(BaseController::Network(_)))
+    }
+
     /// Whether an action is one entry per muscle that reaches it unchanged, as in tasks without `act`.
     pub fn is_default(&self) -> bool {
         *self == Self::default()

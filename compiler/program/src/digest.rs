@@ -1,6 +1,12 @@
 //! Digests as text.
 
+use sha2::{Digest, Sha256};
 use std::fmt::Write;
+
+/// SHA-256 of some bytes as text.
+pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
 
 /// The bytes of a digest in lower-case hexadecimal digits, two for each byte.
 pub fn hexadecimal(bytes: &[u8]) -> String {

@@ -152,9 +152,12 @@ impl CompiledTask {
     }
 
     /// The same task measured only as far as reward, terminations and success depend on it: its observation, metrics and markers
-    /// are without meaning.
+    /// are without meaning. One whose action space reads its observation stays whole.
     #[must_use]
     pub fn deciding(&self) -> Self {
+        if self.action.reads_observation() {
+            return self.clone();
+        }
         let read: BTreeSet<_> = self.phases.iter().flat_map(|phase| deciding_sensors(&phase.graph, &phase.outputs)).collect();
         Self { frame: self.frame.only(|sensor| read.contains(&sensor)), ..self.clone() }
     }

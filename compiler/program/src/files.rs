@@ -8,13 +8,25 @@ use std::path::{Component, Path, PathBuf};
 /// Size from which on a file is refused, bytes.
 pub const LARGEST_FILE: u64 = 256 * 1024;
 
-/// Reads the files that a text names with `use`.
+/// Size from which on a network is refused, bytes.
+pub const LARGEST_NETWORK: u64 = 64 << 20;
+
+/// Reads the files that a text names with `use`, and those that it takes something else from.
 pub trait Loader {
     /// The text at `path`.
     ///
     /// # Errors
     /// There is no such file, it is too large, it is not UTF-8, or it cannot be read.
     fn load(&self, path: &Path) -> Result<String, LoadError>;
+
+    /// The bytes at `path`, of a file that is no text, at most `limit`.
+    ///
+    /// # Errors
+    /// There is no such file, it is too large, or it cannot be read; where only texts are at hand, always.
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        let _ = limit;
+        Err(LoadError::Unreadable { path: path.into(), reason: "only texts are at hand here".to_owned() })
+    }
 }
 
 /// Knows the bodies that tasks may name.
@@ -53,9 +65,14 @@ pub enum LoadError {
     /// There is no such file.
     #[error("there is no file `{}`", .0.display())]
     Missing(PathBuf),
-    /// Larger than [`LARGEST_FILE`].
-    #[error("`{}` is larger than the limit of {LARGEST_FILE} bytes", .0.display())]
-    TooLarge(PathBuf),
+    /// Larger than its limit.
+    #[error("`{}` is larger than the limit of {limit} bytes", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// [`LARGEST_FILE`] or [`LARGEST_NETWORK`].
+        limit: u64,
+    },
     /// Not UTF-8.
     #[error("`{}` is not UTF-8 text", .0.display())]
     NotText(PathBuf),

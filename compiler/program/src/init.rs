@@ -7,6 +7,7 @@
 
 use crate::frame::Origin;
 use crate::motion::RootPart;
+use crate::vocabulary::{JointKind, Vocabulary};
 use serde::{Deserialize, Serialize};
 
 mod following;
@@ -30,6 +31,8 @@ pub struct Init {
     pub velocity_noise: Vec<Spread>,
     /// Where each free object starts, and where each object stands that is placed for every episode, in the order of the scene.
     pub objects: Vec<ObjectStart>,
+    /// What is brought to its place once the pose, the root and the objects have theirs, in this order.
+    pub alignments: Vec<Alignment>,
     /// What of body and scene differs from the model.
     pub variation: Variation,
     /// Physics before the first snapshot.
@@ -92,6 +95,27 @@ impl Default for RootPlacement {
             meets: Vec::new(),
         }
     }
+}
+
+/// A place that is brought to another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alignment {
+    /// The landmark that is brought there.
+    pub landmark: usize,
+    /// Where it shall be.
+    pub target: Origin,
+    /// What moves.
+    pub moves: Moves,
+}
+
+/// What an [`Alignment`] moves.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Moves {
+    /// Independent joints of the body, by their places in the vocabulary: they turn and slide within their ranges, from the pose on.
+    /// Those of all such alignments move together.
+    Joints(Vec<usize>),
+    /// A free object, by its place in the scene's list, which is moved and not turned.
+    Object(usize),
 }
 
 /// Where a free object starts, or where one stands that is placed, in world axes.
@@ -223,6 +247,31 @@ pub enum Setting {
     ObjectShape(usize, usize),
 }
 
+impl Setting {
+    /// The unit in which people read it, one of the language: empty for factors and for parameters of joints, which are in SI units;
+    /// none for components of an orientation, which mean nothing by themselves.
+    pub fn unit(self, vocabulary: &Vocabulary) -> Option<&'static str> {
+        Some(match self {
+            Self::Coordinate(joint) => match vocabulary.joints.get(joint)?.kind {
+                JointKind::Hinge => "deg",
+                JointKind::Slide => "m",
+            },
+            Self::RootHeight | Self::RootPosition(_) | Self::ObjectPosition(..) | Self::ObjectShape(..) => "m",
+            Self::RootHeading | Self::RootPitch | Self::RootRoll => "deg",
+            Self::RootVelocity(_) | Self::ObjectVelocity(..) => "m/s",
+            Self::ObjectSpin(..) => "rad/s",
+            Self::ObjectMass(_) => "kg",
+            Self::ObjectOrientation(..) => return None,
+            Self::Strength(_)
+            | Self::SegmentMass(_)
+            | Self::Damping(_)
+            | Self::Stiffness(_)
+            | Self::Friction(_)
+            | Self::ObjectJoint(_) => "",
+        })
+    }
+}
+
 impl Init {
     /// Writes one number.
     pub fn set(&mut self, setting: Setting, value: f64) {
@@ -255,11 +304,27 @@ impl Init {
         }
     }
 
-    /// Writes one number, whatever chance or the motion on which the task begins had decided.
+    /// Writes one number, whatever chance, an alignment, or the motion on which the task begins had decided.
     pub fn decide(&mut self, setting: Setting, value: f64) {
         self.drawn.retain(|(known, _)| *known != setting);
         self.unfollow(setting);
+        self.release(setting);
         self.set(setting, value);
+    }
+
+    /// A number no longer follows from alignments: other joints go on reaching, an object stays where it is put.
+    pub fn release(&mut self, setting: Setting) {
+        let object = match setting {
+            Setting::ObjectPosition(start, _) => self.objects.get(start).map(|start| start.object),
+            _ => None,
+        };
+        self.alignments.retain_mut(|alignment| match &mut alignment.moves {
+            Moves::Joints(joints) => {
+                joints.retain(|joint| setting != Setting::Coordinate(*joint));
+                !joints.is_empty()
+            }
+            Moves::Object(moved) => Some(*moved) != object,
+        });
     }
 
     /// Takes a number no longer from the motion on which the task begins.
@@ -278,14 +343,19 @@ impl Init {
         following.parts.root.retain(|known| *known != part);
     }
 
+    /// Whether body, scene, or where things are, differ between episodes by more than noise.
+    pub fn has_worlds(&self) -> bool {
+        !self.drawn.is_empty() || self.scalings().any(|scaling| scaling.each.is_some())
+    }
+
+    fn scalings(&self) -> impl Iterator<Item = &Scaling> {
+        let Variation { strengths, segments, dampings, stiffnesses, .. } = &self.variation;
+        strengths.iter().chain(segments).chain(dampings).chain(stiffnesses)
+    }
+
     /// Whether nothing scatters.
     pub fn is_exact(&self) -> bool {
         let spreads = self.coordinate_noise.iter().chain(&self.velocity_noise);
-        let Variation { strengths, segments, dampings, stiffnesses, .. } = &self.variation;
-        let scalings = strengths.iter().chain(segments).chain(dampings).chain(stiffnesses);
-        self.drawn.is_empty()
-            && self.follows.is_none()
-            && scalings.clone().all(|scaling| scaling.each.is_none())
-            && spreads.copied().all(|spread| spread == Spread::None)
+        !self.has_worlds() && self.follows.is_none() && spreads.copied().all(|spread| spread == Spread::None)
     }
 }

@@ -1,5 +1,6 @@
 //! What the checker knows while it walks through one task.
 
+use super::action::Networks;
 use super::functions;
 use super::random::KnownRandom;
 use super::ranges::OperatingRange;
@@ -147,6 +148,8 @@ pub(crate) struct Checker<'a> {
     pub randoms: Vec<KnownRandom>,
     /// Motions that texts name; only where a task is checked.
     pub motions: Option<Motions<'a>>,
+    /// Networks that texts name; only where a task is checked.
+    pub networks: Option<&'a Networks>,
     /// References, in the order of the text.
     pub references: Vec<KnownReference>,
     /// References whose motion or start is broken.
@@ -205,6 +208,7 @@ impl<'a> Checker<'a> {
             finishes: Ends::Unknown,
             randoms: Vec::new(),
             motions: None,
+            networks: None,
             references: Vec::new(),
             broken_references: BTreeMap::new(),
             phases: Vec::new(),

@@ -8,6 +8,7 @@ mod unread;
 pub(crate) use phase::{InSequence, PhaseEnd};
 pub(crate) use statements::body_of;
 
+use super::action::Networks;
 use super::context::{Cell, Checked, Checker, End, ReadMode, Reported, Timing};
 use super::init::InitialState;
 use super::observe::ObservedChannel;
@@ -99,6 +100,7 @@ pub(crate) struct Around<'a> {
     pub scene: &'a CheckedScene<'a>,
     pub texts: &'a dyn Texts,
     pub motions: Motions<'a>,
+    pub networks: &'a Networks,
 }
 
 /// What is found of a task.
@@ -119,12 +121,13 @@ pub(crate) fn check<'a>(
     sequence: InSequence<'a>,
     queries: Vec<Query>,
 ) -> (Checker<'a>, Checked<CheckedTask<'a>>, TaskDiagnostics) {
-    let Around { vocabulary, scene, texts, motions } = around;
+    let Around { vocabulary, scene, texts, motions, networks } = around;
     let mut checker = Checker::new(vocabulary, names, Place::of_task(task.file), &task.statements);
     checker.known = scene.known.clone();
     checker.used = scene.used.clone();
     checker.scene = Some(scene);
     checker.motions = Some(motions);
+    checker.networks = Some(networks);
     // Phases of a sequence share one frame, and so the numbers of the queries.
     checker.queries = queries;
     checker.timing.before = sequence.before;

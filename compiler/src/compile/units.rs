@@ -3,6 +3,7 @@
 use super::unread::Unread;
 use super::{Described, SourceFile, TaskScope};
 use crate::body::BodyDescription;
+use crate::check::action::Networks;
 use crate::check::reference::{Motions, Tables};
 use crate::check::task::{Around, InSequence, TaskDiagnostics, body_of};
 use crate::check::{self, CheckedTests};
@@ -291,6 +292,7 @@ pub(super) struct Compiler<'a> {
     pub bodies: &'a dyn BodySource,
     pub texts: &'a dyn Texts,
     pub motions: &'a Tables,
+    pub networks: &'a Networks,
     pub globals: &'a Globals<'a>,
     /// Whether what is understood is kept.
     pub noting: bool,
@@ -332,6 +334,7 @@ impl Compiler<'_> {
             scene: &scene,
             texts: self.texts,
             motions: Motions { tables: self.motions, trace: &trace },
+            networks: self.networks,
         };
         let (tests, is_phase) = (phase_names.is_empty(), unit.is_phase);
         let whole = InSequence { phases: &phase_names, success, tests, is_phase, ..InSequence::default() };

@@ -1,6 +1,6 @@
 //! The action space of a task, for its report.
 
-use crate::action::{ActionSpace, ActionTarget, distinct};
+use crate::action::{ActionSpace, ActionTarget, BaseController, distinct};
 use crate::numbers::for_people;
 use crate::task::CompiledTask;
 use serde::Serialize;
@@ -28,7 +28,7 @@ pub struct ActionReport {
     pub latency: u32,
     /// The controller to whose actions those of the policy are added.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub residual: Option<&'static str>,
+    pub residual: Option<String>,
 }
 
 /// The action space of a task.
@@ -45,7 +45,10 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
         scale: space.scale,
         filter: space.filter,
         latency: space.latency,
-        residual: space.residual.map(|controller| controller.name()),
+        residual: space.residual.as_ref().map(|base| match base {
+            BaseController::Network(network) => format!("network {}", network.path),
+            named => named.name().to_owned(),
+        }),
     }
 }
 
@@ -79,7 +82,7 @@ impl ActionReport {
         parts.extend((self.scale < 1.0).then(|| format!("scaled by {}", for_people(self.scale))));
         parts.extend((self.filter > 0.0).then(|| format!("filtered with {} s", for_people(self.filter))));
         parts.extend((self.latency > 0).then(|| format!("{} late", counted(self.latency as usize, ["step", "steps"]))));
-        parts.extend(self.residual.map(|base| format!("added to the action of `{base}`")));
+        parts.extend(self.residual.as_ref().map(|base| format!("added to the action of `{base}`")));
         parts.join("; ")
     }
 }

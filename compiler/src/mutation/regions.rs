@@ -3,7 +3,7 @@
 use super::Part;
 use crate::diagnostics::Span;
 use crate::syntax::tree::{
-    Block, Channel, Element, Entry, Field, FieldValue, File, InitStatement, Item, SceneStatement, TaskStatement,
+    Align, Block, Channel, Element, Entry, Field, FieldValue, File, InitStatement, Item, SceneStatement, TaskStatement,
 };
 
 /// A stretch of the text.
@@ -120,9 +120,10 @@ impl Found {
             match &field.value {
                 FieldValue::Flag => {}
                 FieldValue::Value(expr) | FieldValue::On(expr) => self.formula(part, expr.span),
-                FieldValue::Meets { place: from, target: to } | FieldValue::FromTo { from, to } => {
-                    self.formula(part, from.span);
-                    self.formula(part, to.span);
+                FieldValue::Align(Align { place: first, target: second, .. })
+                | FieldValue::FromTo { from: first, to: second } => {
+                    self.formula(part, first.span);
+                    self.formula(part, second.span);
                 }
             }
         }

@@ -5,6 +5,7 @@
 //!    residual look at the present state for that.
 //! 3. The excitation map of the body makes excitations of the actions of muscles.
 
+mod base;
 mod controls;
 mod delay;
 mod excitation;
@@ -15,12 +16,14 @@ pub use excitation::{REST, excitation};
 
 use crate::body::Body;
 use crate::cmc::{Along, ControlError, ControlScratch, Moment, Offsets, Tracker};
+use base::Base;
 use delay::Delay;
 use msk_physics::scalar::Real;
-use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
+use msk_program::action::{ActionSpace, ActionTarget, BaseController, BaseNetwork, TrackingOffsets};
 use msk_program::task::CompiledTask;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Which entries an action has.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -207,13 +210,17 @@ impl ActionState {
 
     /// Asks the controller of the space for the forces that what has passed the filter takes.
     fn ask(&mut self, space: &ActionSpace, moment: &Moment<'_>, control: &mut ControlMemory) -> Result<Taken, ControlError> {
+        if let Some(BaseController::Network(base)) = &space.residual {
+            control.act(base, moment, &mut self.muscles)?;
+            return Ok(Taken::Beside);
+        }
         let offsets = match &space.target {
             ActionTarget::MuscleControl(targets) => moved(targets, &self.filtered),
             _ => Offsets::default(),
         };
         match &mut self.tracker {
             Some(tracker) => {
-                let scratch = control.0.get_or_insert_with(|| Box::new(ControlScratch::new(&moment.present)));
+                let scratch = control.scratch.get_or_insert_with(|| Box::new(ControlScratch::new(&moment.present)));
                 tracker.ask(moment, &offsets, scratch)?;
                 Ok(Taken::AskingForces)
             }
@@ -235,6 +242,8 @@ impl ActionState {
         let body = moment.present.body;
         match (taken, tracker, control.get_mut()) {
             (Taken::Wholly, ..) => return,
+            // The muscles hold the action of the network.
+            (Taken::Beside, ..) => {}
             (Taken::AskingForces, Some(tracker), Some(scratch)) => tracker.give(&moment.present, scratch, muscles),
             _ => muscles.fill(REST),
         }
@@ -264,12 +273,24 @@ impl ActionState {
 
 /// A worker's memory for controllers of one model and body: filled when the first one acts.
 #[derive(Debug, Clone, Default)]
-pub struct ControlMemory(Option<Box<ControlScratch>>);
+pub struct ControlMemory {
+    scratch: Option<Box<ControlScratch>>,
+    network: Option<Box<Base>>,
+}
 
 impl ControlMemory {
     /// What it holds for a model, if a controller has acted.
     pub(crate) fn get_mut(&mut self) -> Option<&mut ControlScratch> {
-        self.0.as_deref_mut()
+        self.scratch.as_deref_mut()
+    }
+
+    /// Writes the action of a network for each muscle.
+    fn act(&mut self, network: &Arc<BaseNetwork>, moment: &Moment<'_>, muscles: &mut [f64]) -> Result<(), ControlError> {
+        let base = match self.network.take().filter(|base| base.is_of(network, moment)) {
+            Some(base) => base,
+            None => Box::new(Base::new(network, moment)?),
+        };
+        self.network.insert(base).act(moment, muscles)
     }
 }
 
@@ -280,13 +301,15 @@ pub(crate) enum Taken {
     Wholly,
     /// Its entries have passed the filter.
     Entries,
+    /// They have, and a network has acted beside them.
+    Beside,
     /// They have, and a controller has asked for forces.
     AskingForces,
 }
 
 /// What the controller of an action space follows; `None` for a space without one.
 fn follows(space: &ActionSpace) -> Option<Along> {
-    match (&space.target, space.residual) {
+    match (&space.target, &space.residual) {
         (_, Some(BaseController::Demonstration)) => Some(Along::Demonstration),
         (ActionTarget::MuscleControl(_), None) | (_, Some(BaseController::MuscleControl)) => Some(Along::Reference),
         _ => None,

@@ -7,6 +7,7 @@
 //!
 //! The model may hold more than the body (a ground, scenery): whole-body quantities are those of the root's own subtree.
 
+mod alignment;
 mod bind;
 mod changes;
 pub mod contacts;
@@ -21,6 +22,7 @@ pub mod shape;
 mod support;
 mod vocabulary;
 
+pub use alignment::{Beginning, OutOfReach};
 pub use bind::{BindError, Problem, subtree};
 pub use changes::ChangeError;
 

@@ -1,6 +1,6 @@
 //! A body in the frames of a motion.
 
-use super::Body;
+use super::{Body, Joint};
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
 use msk_program::motion::{Motion, RootPart};
@@ -10,11 +10,9 @@ impl Body {
     /// Puts the body where a motion is at `time` (s): joints that it does not move stand as in the standing pose, coupled ones
     /// follow from their couplings. A motion without the root's height stands on the ground.
     pub fn follow(&self, model: &Model, motion: &Motion, time: f64, state: &mut State<f64>, workspace: &mut Workspace<f64>) {
-        for (joint, neutral) in self.joints.iter().zip(self.neutral()) {
-            state.position[joint.position] = motion.joint(&joint.name).map_or(*neutral, |column| motion.value(column, time));
-        }
-        self.solve_couplings(model, &mut state.position);
-        let coordinates: Vec<f64> = self.joints.iter().map(|joint| state.position[joint.position]).collect();
+        let moved = |joint: &Joint| motion.joint(&joint.name).map(|column| motion.value(column, time));
+        let coordinates: Vec<f64> =
+            self.joints.iter().zip(self.neutral()).map(|(joint, neutral)| moved(joint).unwrap_or(*neutral)).collect();
         let part = |part: RootPart| motion.root(part).map(|column| motion.value(column, time));
         let turn = |part_of: RootPart| part(part_of).unwrap_or(0.0);
         let placement = RootPlacement {

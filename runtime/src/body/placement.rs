@@ -9,8 +9,8 @@ use msk_program::task::{Init, RootPlacement};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 impl Body {
-    /// Sets positions and velocities of the body: `coordinates` (rad or m, in the order of `joints`) and the root's placement.
-    /// All joint velocities become zero. A body fixed to the world ignores the placement.
+    /// Sets positions and velocities of the body: `coordinates` (rad or m, in the order of `joints`), from which coupled joints follow,
+    /// and the root's placement. All joint velocities become zero. A body fixed to the world ignores the placement.
     ///
     /// Without a given height the lowest point of the body's shapes touches the ground, or is as far above it as it is lifted. Where landmarks shall meet places, the
     /// root is moved until the mean of what is missing vanishes; objects must stand in their places by then.
@@ -26,6 +26,7 @@ impl Body {
             state.position[joint.position] = coordinate;
             state.velocity[joint.dof] = 0.0;
         }
+        self.solve_couplings(model, &mut state.position);
         let Some((position, dof)) = self.root.free else { return };
         let orientation = rotation::from_matrix(&self.facing(placement));
         let [x, y] = placement.position;

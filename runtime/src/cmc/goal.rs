@@ -62,16 +62,12 @@ impl Course {
                 let at = [RootPart::X, RootPart::Y, RootPart::Height].map(value);
                 init.root.position = [at[0] + shift[0], at[1] + shift[1]];
                 init.root.height = Some(at[2] + shift[2]);
-                for (joint, &coordinate) in body.joints.iter().zip(&init.coordinates) {
-                    state.position[joint.position] = coordinate;
-                }
-                body.solve_couplings(model, &mut state.position);
-                let solved: Vec<f64> = body.joints.iter().map(|joint| state.position[joint.position]).collect();
-                body.place(model, &init.root, &solved, state, workspace);
+                body.place(model, &init.root, &init.coordinates, state, workspace);
             }
             Self::Script { script, period } => {
                 let step = (time / period).at_least(0.0).at_most(f64::from(script.last()));
-                script.place_between(step, model, body, state, workspace);
+                // Where joints do not reach on the way, they are as near as they come: the body is to be there.
+                let _as_near = script.place_between(step, model, body, state, workspace);
             }
         }
     }

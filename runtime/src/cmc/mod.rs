@@ -41,7 +41,7 @@ pub(crate) use offsets::Offsets;
 pub(crate) use scratch::ControlScratch;
 pub(crate) use tracking::{Along, Moment, Tracker};
 
-use crate::body::Body;
+use crate::body::{Body, OutOfReach};
 use activation::Hold;
 use allocation::{Effort, Memory};
 use coordinates::Coordinates;
@@ -74,6 +74,17 @@ pub enum ControlError {
     NoDemonstration {
         /// The task.
         task: String,
+    },
+    /// The demonstration brings a landmark to a place that its joints do not reach.
+    #[error(transparent)]
+    Reach(#[from] OutOfReach),
+    /// The network of the task's action space cannot act.
+    #[error("the network `{path}` {reason}")]
+    Network {
+        /// As the task names it.
+        path: String,
+        /// Why not, in words that continue its name.
+        reason: String,
     },
     /// An action before the reset.
     #[error("it has not been reset")]

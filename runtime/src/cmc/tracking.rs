@@ -17,6 +17,9 @@ pub(crate) struct Moment<'a> {
     pub progress: &'a TaskState,
     /// Physics steps that an action is held for.
     pub substeps: u32,
+    /// In the order and units of the task's channels.
+    #[cfg_attr(not(feature = "system"), expect(dead_code, reason = "networks see it, and none is evaluated there"))]
+    pub observation: &'a [f64],
     pub present: Present<'a>,
 }
 
@@ -49,7 +52,7 @@ impl Tracker {
     /// # Errors
     /// A body or task that it cannot control.
     pub fn reset(&mut self, moment: &Moment<'_>) -> Result<(), ControlError> {
-        let &Moment { task, progress, substeps, present } = moment;
+        let &Moment { task, progress, substeps, present, .. } = moment;
         let hold = Hold { steps: substeps, timestep: present.model.options.timestep };
         let init = task.initial_state(progress);
         let mut controller = Controller::new(&present, &init.coordinates, hold)?;
@@ -127,6 +130,6 @@ fn schedule(moment: &Moment<'_>) -> Result<Course, ControlError> {
     let keyframes = task.tests.as_ref().and_then(|tests| tests.demonstration());
     let keyframes = keyframes.ok_or_else(|| ControlError::NoDemonstration { task: task.name.clone() })?;
     let mut scratch = Workspace::new(model);
-    let script = Script::new(keyframes, task, progress, model, body, &mut scratch);
+    let script = Script::new(keyframes, task, progress, model, body, &mut scratch)?;
     Ok(Course::Script { script: Arc::new(script), period: 1.0 / task.control_frequency })
 }

@@ -1,5 +1,6 @@
 //! How an episode ends, and what can go wrong within one.
 
+use crate::body::OutOfReach;
 use crate::cmc::ControlError;
 use msk_physics as physics;
 use msk_program::task::{CompiledTask, NonFiniteTerm, NotDrawn, ParameterError, TaskFault};
@@ -72,6 +73,9 @@ pub enum Fault {
         /// What it may be.
         expected: String,
     },
+    /// Joints that are to bring a landmark to its place do not reach it.
+    #[error(transparent)]
+    Reach(#[from] OutOfReach),
     /// The policy gave an action that is not a number.
     #[error("the action for `{entry}` is {value} at step {step}")]
     Action {

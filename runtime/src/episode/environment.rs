@@ -134,7 +134,7 @@ impl Environment {
         streams.start(key, &self.engine.task.randoms);
         self.engine.task.begin(streams, task)?;
         other.player().vary()?;
-        other.player().place(key);
+        other.player().place(key)?;
         physics::forward(&self.engine.model, &other.episode.state, &mut other.scratch.workspace)?;
         Ok(StartReport::of(&self.engine.model, &other.scratch.workspace))
     }

@@ -18,7 +18,8 @@ impl Engine {
     /// A control step that is not a whole number of such physics steps.
     pub fn imagining(&self, coarseness: u32) -> Result<Self, EpisodeError> {
         let (task, perturbation) = (Arc::new(self.task.deciding()), Perturbation::default());
-        let mut imagined = Self { task, perturbation, observes: false, ..self.clone() };
+        let observes = self.task.action.reads_observation();
+        let mut imagined = Self { task, perturbation, observes, ..self.clone() };
         if coarseness > 1 {
             let mut model = Model::clone(&self.model);
             model.options.timestep *= f64::from(coarseness);

@@ -1,7 +1,7 @@
 //! How an episode begins: a pose with noise on what is free, couplings solved, the root where the task wants it.
 
 use super::streams::{EpisodeKey, Stream};
-use crate::body::Body;
+use crate::body::{Beginning, Body, Joint, OutOfReach};
 use msk_physics::model::{Equality, Model, rotation};
 use msk_physics::scalar::Real;
 use msk_physics::{self as physics, State, Workspace};
@@ -15,20 +15,31 @@ use nalgebra::Vector3;
 ///    range, since a pose that violates its limits would begin with a kick.
 /// 2. Coupled joints follow from their couplings.
 /// 3. The root stands upright at its heading, on the ground if the task asks for it: the noisy pose touches it, too.
-/// 4. The task's velocities, with noise on those of the independent joints; coupled velocities follow from the couplings'
+/// 4. What is aligned comes to its place.
+/// 5. The task's velocities, with noise on those of the independent joints; coupled velocities follow from the couplings'
 ///    derivatives.
 ///
 /// The root itself gets no noise, so its quaternion stays a rotation.
-pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &mut State<f64>, workspace: &mut Workspace<f64>) {
+///
+/// # Errors
+/// A place that joints cannot reach.
+pub fn begin(
+    model: &Model,
+    body: &Body,
+    init: &Init,
+    key: EpisodeKey,
+    state: &mut State<f64>,
+    workspace: &mut Workspace<f64>,
+) -> Result<(), OutOfReach> {
     init.objects.iter().for_each(|start| place_object(body, start, state));
     let mut noise = Stream::new(key, "init/noise/joints");
-    for (index, (joint, &coordinate)) in body.joints.iter().zip(&init.coordinates).enumerate() {
+    let noisy = |(index, (joint, &coordinate)): (usize, (&Joint, &f64))| {
         let deviation = draw(init.coordinate_noise.get(index), &mut noise);
-        state.position[joint.position] = fold(coordinate + deviation, coordinate, joint.range);
-    }
-    body.solve_couplings(model, &mut state.position);
-    let coordinates: Vec<f64> = body.joints.iter().map(|joint| state.position[joint.position]).collect();
+        fold(coordinate + deviation, coordinate, joint.range)
+    };
+    let coordinates: Vec<f64> = body.joints.iter().zip(&init.coordinates).enumerate().map(noisy).collect();
     body.place(model, &init.root, &coordinates, state, workspace);
+    body.align(model, &init.alignments, Beginning::Near, state, workspace)?;
 
     let mut noise = Stream::new(key, "init/noise/velocities");
     for (index, joint) in body.joints.iter().enumerate() {
@@ -36,6 +47,7 @@ pub fn begin(model: &Model, body: &Body, init: &Init, key: EpisodeKey, state: &m
         state.velocity[joint.dof] = velocity + draw(init.velocity_noise.get(index), &mut noise);
     }
     body.solve_coupled_velocities(model, &state.position, &mut state.velocity);
+    Ok(())
 }
 
 /// Puts an object that is placed for every episode where it stands in this one.

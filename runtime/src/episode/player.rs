@@ -2,7 +2,7 @@
 
 use super::{Ending, Engine, Episode, EpisodeError, EpisodeKey, Fault, Scratch, initial_state, pushes, variation};
 use crate::action::{Action, ActionState, ActsOn, Taken, excitation};
-use crate::body::sensors;
+use crate::body::{OutOfReach, sensors};
 use crate::cmc::{Moment, Present};
 use crate::condition::Compartments;
 use msk_physics::{self as physics, State};
@@ -81,21 +81,22 @@ impl Player<'_> {
     }
 
     /// Puts everything in its place, lets it settle if the task asks for it, and passes forward.
-    fn begin(&mut self, key: EpisodeKey) -> Result<(), physics::Fault> {
-        self.place(key);
+    fn begin(&mut self, key: EpisodeKey) -> Result<(), Fault> {
+        self.place(key)?;
         let Episode { state, task, .. } = &mut *self.episode;
         if let Some(settle) = &self.engine.task.initial_state(task).settle {
             initial_state::settle(&self.engine.model, settle, state, &mut self.scratch.workspace)?;
         }
-        self.scratch.pass(&self.engine.model, state)
+        Ok(self.scratch.pass(&self.engine.model, state)?)
     }
 
     /// Puts everything in its place.
-    pub fn place(&mut self, key: EpisodeKey) {
+    pub fn place(&mut self, key: EpisodeKey) -> Result<(), OutOfReach> {
         let (model, body, workspace) = (&*self.engine.model, &self.engine.body, &mut self.scratch.workspace);
         let Episode { state, task, .. } = &mut *self.episode;
-        initial_state::begin(model, body, &self.engine.task.initial_state(task), key, state, workspace);
+        initial_state::begin(model, body, &self.engine.task.initial_state(task), key, state, workspace)?;
         initial_state::hold(model, body, state, workspace);
+        Ok(())
     }
 
     /// Sets the velocities with which formulas of time move objects in the step to be taken.
@@ -256,9 +257,9 @@ impl Player<'_> {
     /// The present moment, as controllers see it.
     fn moment(&self) -> Moment<'_> {
         let Engine { model, body, task, substeps, .. } = self.engine;
-        let Episode { state, task: progress, .. } = &*self.episode;
+        let Episode { state, task: progress, observation, .. } = &*self.episode;
         let present = Present { body, model, state, workspace: &self.scratch.workspace };
-        Moment { task, progress, substeps: *substeps, present }
+        Moment { task, progress, substeps: *substeps, observation, present }
     }
 
     /// Takes an action. Where the action space looks at the state, the scratch holds its forward pass; forces that it asks for are to be

@@ -4,7 +4,7 @@
 
 use super::{Ending, Environment, Episode, EpisodeError, EpisodeKey, Fault, Player, initial_state};
 use crate::action::action_for;
-use crate::body::Body;
+use crate::body::{Body, OutOfReach};
 use msk_physics::model::{Model, Quaternion, rotation};
 use msk_physics::{self as physics, State, Workspace};
 use msk_program::frame::Sensor;
@@ -12,8 +12,8 @@ use msk_program::task::{StepReport, TaskState};
 use nalgebra::Vector3;
 
 /// Puts everything in its place at a time: coordinates of the state, with the scratch that this takes. Gives the activation of
-/// all muscles.
-pub type Placing<'a> = dyn FnMut(&Model, &Body, &mut State<f64>, &mut Workspace<f64>) -> f64 + 'a;
+/// all muscles; an error ends the episode with a fault.
+pub type Placing<'a> = dyn FnMut(&Model, &Body, &mut State<f64>, &mut Workspace<f64>) -> Result<f64, OutOfReach> + 'a;
 
 impl Environment {
     /// Begins the episode `key` with what a script shows first. Randoms that are `given` (place, value) are not drawn.
@@ -65,7 +65,7 @@ impl Environment {
             // Formulas of time go on.
             false => {
                 let activation = player.episode.state.activation.first().copied().unwrap_or(0.0);
-                player.show(&mut |_, _, _, _| activation)
+                player.show(&mut |_, _, _, _| Ok(activation))
             }
         })?;
         Ok(&self.episode.report)
@@ -97,7 +97,7 @@ impl Player<'_> {
         prepare(&episode.task);
         self.vary()?;
         let episode = &mut *self.episode;
-        let activation = place(model, body, &mut episode.state, &mut self.scratch.workspace);
+        let activation = place(model, body, &mut episode.state, &mut self.scratch.workspace)?;
         self.activate(activation);
         let state = &mut self.episode.state;
         initial_state::hold(model, body, state, &mut self.scratch.workspace);
@@ -136,7 +136,7 @@ impl Player<'_> {
         self.scratch.forget();
         self.drive();
         physics::integrator::move_placed(&mut self.episode.state, self.engine.control_period());
-        let activation = place(model, body, &mut self.episode.state, &mut self.scratch.workspace);
+        let activation = place(model, body, &mut self.episode.state, &mut self.scratch.workspace)?;
         self.activate(activation);
         let period = self.engine.control_period();
         let state = &mut self.episode.state;

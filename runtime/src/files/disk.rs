@@ -2,7 +2,7 @@
 
 use crate::bodies;
 use msk_program::files::{LARGEST_FILE, LoadError, Loader};
-use msk_storage::{StorageError, read_text_file};
+use msk_storage::{StorageError, read_file, read_text_file};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -14,15 +14,19 @@ impl Loader for FileLoader {
     fn load(&self, path: &Path) -> Result<String, LoadError> {
         match bodies::text(path) {
             Some(text) => Ok(text),
-            None => read_text_file(path, LARGEST_FILE).map_err(|error| load_error(path, &error)),
+            None => read_text_file(path, LARGEST_FILE).map_err(|error| load_error(path, LARGEST_FILE, &error)),
         }
+    }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        read_file(path, limit).map_err(|error| load_error(path, limit, &error))
     }
 }
 
 /// Why a text cannot be had, in the words of the compiler.
-pub fn load_error(path: &Path, error: &StorageError) -> LoadError {
+pub fn load_error(path: &Path, limit: u64, error: &StorageError) -> LoadError {
     match error {
-        StorageError::TooLarge { .. } => LoadError::TooLarge(path.into()),
+        StorageError::TooLarge { .. } => LoadError::TooLarge { path: path.into(), limit },
         StorageError::NotText { .. } => LoadError::NotText(path.into()),
         other if other.kind() == Some(ErrorKind::NotFound) => LoadError::Missing(path.into()),
         other => LoadError::Unreadable { path: path.into(), reason: other.reason() },
@@ -44,7 +48,7 @@ mod tests {
         assert_eq!(file("good.msk", b"task"), Ok("task".into()));
         assert!(matches!(file("binary.msk", &[0xff, 0xfe]), Err(LoadError::NotText(_))));
         let limit = usize::try_from(LARGEST_FILE).unwrap();
-        assert!(matches!(file("large.msk", &vec![b' '; limit + 1]), Err(LoadError::TooLarge(_))));
+        assert!(matches!(file("large.msk", &vec![b' '; limit + 1]), Err(LoadError::TooLarge { .. })));
         assert!(file("largest.msk", &vec![b' '; limit]).is_ok());
         assert!(matches!(FileLoader.load(&folder.path().join("none.msk")), Err(LoadError::Missing(_))));
         assert!(matches!(FileLoader.load(folder.path()), Err(LoadError::Unreadable { .. })));

@@ -25,4 +25,8 @@ impl Loader for WithText<'_> {
     fn load(&self, path: &Path) -> Result<String, LoadError> {
         if path == self.path { Ok(self.text.clone()) } else { self.others.load(path) }
     }
+
+    fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
+        self.others.load_bytes(path, limit)
+    }
 }

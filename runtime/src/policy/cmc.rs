@@ -49,7 +49,7 @@ impl Policy for ComputedMuscleControl {
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
         // No target is moved.
         let target = ActionTarget::MuscleControl(TrackingOffsets::default());
-        let space = ActionSpace { target, residual: Some(self.along), ..ActionSpace::default() };
+        let space = ActionSpace { target, residual: Some(self.along.clone()), ..ActionSpace::default() };
         let controls = self.controls.insert(Controls::new(context, space));
         let ready = controls.reset(context);
         self.memory = ControlMemory::default();

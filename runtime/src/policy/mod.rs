@@ -12,6 +12,8 @@ mod source;
 mod zero;
 
 pub use cmc::ComputedMuscleControl;
+#[cfg(feature = "system")]
+pub(crate) use outside::{Evaluation, NetworkContent};
 pub use random::Random;
 #[cfg(feature = "system")]
 pub use source::{PolicyMaker, PolicySource, TIMEOUT};
@@ -67,8 +69,8 @@ impl<'a> PolicyContext<'a> {
 
     /// The same, as controllers see it.
     pub(crate) fn moment(&self) -> Moment<'a> {
-        let &Self { task, progress, substeps, body, model, state, workspace, .. } = self;
-        Moment { task, progress, substeps, present: Present { body, model, state, workspace } }
+        let &Self { task, progress, substeps, observation, body, model, state, workspace, .. } = self;
+        Moment { task, progress, substeps, observation, present: Present { body, model, state, workspace } }
     }
 
     /// The body in its scene at this moment, as sensors and pictures take it.

@@ -76,11 +76,6 @@ impl Course {
         let at: [f64; 3] = std::array::from_fn(|axis| self.shift[axis].map_or(stands[axis], |shift| value(PLACES[axis]) + shift));
         init.root.position = [at[0], at[1]];
         init.root.height = Some(at[2]);
-        for (joint, &coordinate) in body.joints.iter().zip(&init.coordinates) {
-            state.position[joint.position] = coordinate;
-        }
-        body.solve_couplings(model, &mut state.position);
-        let solved: Vec<f64> = body.joints.iter().map(|joint| state.position[joint.position]).collect();
-        body.place(model, &init.root, &solved, state, workspace);
+        body.place(model, &init.root, &init.coordinates, state, workspace);
     }
 }

@@ -14,7 +14,7 @@ pub use section::{Section, Snapshot, Unreadable};
 
 use crate::body::BodyDescription;
 use crate::debug::ConditionDebug;
-use crate::digest::hexadecimal;
+use crate::digest::sha256;
 use crate::formula::Notation;
 use crate::graph::NodeId;
 use crate::graph::text::{Labels, Writer};
@@ -23,7 +23,6 @@ use crate::scene::{Shape, Terrain};
 use crate::task::{CompiledTask, Phase, RandomValue, Setting};
 use names::Names;
 use section::meant;
-use sha2::{Digest, Sha256};
 
 /// Most operations of one formula that a snapshot writes out; of larger ones it keeps their hash.
 const LONGEST: usize = 1000;
@@ -64,7 +63,7 @@ impl CompiledTask {
             }
         }
         text += &scene::coordinates(self);
-        digest(text.as_bytes())
+        sha256(text.as_bytes())
     }
 
     /// What does not belong to a phase.
@@ -115,7 +114,7 @@ impl CompiledTask {
                     section.graph = match graphs.len() {
                         0 => continue,
                         1 => graphs.remove(0),
-                        samples => vec![format!("{samples} samples, sha256 {}", digest(graphs.concat().join("\n").as_bytes()))],
+                        samples => vec![format!("{samples} samples, sha256 {}", sha256(graphs.concat().join("\n").as_bytes()))],
                     };
                 }
                 Ink::Shared(writer) => {
@@ -245,17 +244,13 @@ fn own_graph(phase: &Phase, names: &dyn Labels, node: NodeId) -> Vec<String> {
     if lines.len() <= LONGEST {
         return lines;
     }
-    let hash = digest(lines.join("\n").as_bytes());
+    let hash = sha256(lines.join("\n").as_bytes());
     vec![format!("{} operations, sha256 {hash}", lines.len())]
 }
 
 /// A short hash of a body: of everything in its file, but not of where the model lies.
 fn body_digest(body: &BodyDescription) -> String {
-    let mut hash = digest(encoding::body(body).as_bytes());
+    let mut hash = sha256(encoding::body(body).as_bytes());
     hash.truncate(16);
     hash
-}
-
-fn digest(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
 }

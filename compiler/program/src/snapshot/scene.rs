@@ -1,10 +1,11 @@
 //! Scene and initial state in a snapshot.
 
 use super::names;
-use super::{Section, digest, encoding};
-use crate::action::{ActionSpace, ActionTarget, distinct};
+use super::{Section, encoding};
+use crate::action::{ActionSpace, ActionTarget, BaseController, distinct};
+use crate::digest::sha256;
 use crate::graph::text::values;
-use crate::init::{Scaling, Variation};
+use crate::init::{Moves, Scaling, Variation};
 use crate::numbers::exact;
 use crate::scene::{Object, Parent};
 use crate::task::{CompiledTask, Setting, Spread};
@@ -80,7 +81,10 @@ impl CompiledTask {
         };
         let section = section.field("scale", exact(*scale)).field("filter", format!("{} s", exact(*filter)));
         let section = section.field("latency", format!("{latency} steps"));
-        Some(residual.iter().fold(section, |section, base| section.field("residual", base.name())))
+        Some(residual.iter().fold(section, |section, base| match base {
+            BaseController::Network(network) => section.field("residual", format!("network {}", network.digest)),
+            named => section.field("residual", named.name()),
+        }))
     }
 
     fn object_section(&self, object: &Object) -> Section {
@@ -173,6 +177,19 @@ impl CompiledTask {
                     .field("spin", format!("{:?} rad/s", start.spin)),
             );
         }
+        for alignment in &self.init.alignments {
+            let moved = match &alignment.moves {
+                Moves::Joints(joints) => self.joint_runs(joints),
+                Moves::Object(object) => {
+                    self.scene.objects.get(*object).map_or_else(|| object.to_string(), |object| object.name.clone())
+                }
+            };
+            sections.push(
+                Section::new("align", &names::landmark(&self.vocabulary, alignment.landmark))
+                    .field("to", names::origin(&self.vocabulary, &alignment.target))
+                    .field("moves", moved),
+            );
+        }
         if let Some(settle) = &self.init.settle {
             sections.push(
                 Section::new("settle", "")
@@ -237,7 +254,7 @@ pub fn by_spread(spreads: &[Spread]) -> Vec<(Spread, Vec<usize>)> {
 
 /// Plain data on one line; long lists, such as the heights of a terrain, as their hash.
 fn plain(text: String) -> String {
-    if text.len() <= LONGEST { text } else { format!("{} characters, sha256 {}", text.len(), digest(text.as_bytes())) }
+    if text.len() <= LONGEST { text } else { format!("{} characters, sha256 {}", text.len(), sha256(text.as_bytes())) }
 }
 
 /// The numbers of a pose that the hash covers whether or not they are those of the neutral one.

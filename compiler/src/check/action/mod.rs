@@ -6,12 +6,17 @@ mod synergies;
 use super::context::{Checked, Checker};
 use super::dimension::Dimension;
 use super::value::{EntityRef, Value};
-use crate::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
-use crate::diagnostics::{codes, nearest};
+use crate::action::{ActionSpace, ActionTarget, BaseController, BaseNetwork, TrackingOffsets};
+use crate::diagnostics::{FileId, codes, nearest};
 use crate::spoken;
 use crate::syntax::tree::{Act, Expr, ExprKind, Field, FieldValue};
 use crate::vocabulary::JointKind;
 use spaces::{SPACES, Space, form};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Networks by the file that names them and the path as it stands there, as far as they could be read.
+pub(crate) type Networks = BTreeMap<(FileId, String), Checked<Arc<BaseNetwork>>>;
 
 /// The largest values of settings, in SI units: beyond what any body does, and small enough to compute with.
 const MOST_ANGLE: f64 = std::f64::consts::PI;
@@ -182,14 +187,20 @@ impl<'a> Checker<'a> {
         let Some(field) = settings.get("residual") else { return Ok(None) };
         let expr = self.setting_value(field)?;
         let word = if let ExprKind::Name(name) = &expr.kind { name.text.as_str() } else { "" };
-        let controllers = [BaseController::MuscleControl, BaseController::Demonstration];
-        if let Some(controller) = controllers.into_iter().find(|controller| controller.name() == word) {
+        if let Some(controller) = BaseController::NAMED.into_iter().find(|controller| controller.name() == word) {
             return Ok(Some(controller));
+        }
+        if let ExprKind::Text(path) = &expr.kind {
+            let known = self.networks.and_then(|networks| networks.get(&(self.place.file, path.clone())));
+            return match known {
+                Some(network) => network.clone().map(|network| Some(BaseController::Network(network))),
+                None => Err(self.error(codes::names::FILE, expr.span, "this network has not been read")),
+            };
         }
         let diagnostic = self
             .diagnostic(codes::tasks::UNKNOWN_SETTING, expr.span, "an action cannot be added to this")
-            .expected("`residual cmc` or `residual demonstration`")
-            .help("these act on the body by themselves; programs and networks are policies of the command line");
+            .expected("`residual cmc`, `residual demonstration` or a network, `residual \"agent.onnx\"`")
+            .help("these act on the body by themselves; programs are policies of the command line");
         Err(self.report(diagnostic))
     }
 
@@ -217,7 +228,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn entities_of(&mut self, expr: &'a Expr) -> Checked<Vec<EntityRef>> {
+    pub(super) fn entities_of(&mut self, expr: &'a Expr) -> Checked<Vec<EntityRef>> {
         Ok(match self.value(expr)? {
             Value::Entity(entity) => vec![entity],
             Value::Entities { members, .. } => members,

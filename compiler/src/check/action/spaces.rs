@@ -47,7 +47,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("range", "range 0.5 rad, range 60 N*m, or range [60 N*m, 40 N*m]", "what an entry of 1 asks of a joint: an offset of its target, or a torque, one for all joints or one for each"),
     setting("com", "com 10 cm", "three entries that shift the target of the centre of mass forward, left and up in the root's heading"),
     setting("root", "root 20 deg", "three entries that turn the target of the root's orientation about its axes forward, left and up"),
-    setting("residual", "residual cmc", "the action is added to that of `cmc` or `demonstration`, muscle by muscle"),
+    setting("residual", "residual cmc", "the action is added to that of `cmc`, `demonstration` or a network, `residual \"agent.onnx\"`, muscle by muscle"),
     setting("scale", "scale 0.5", "factor of every entry, above 0 and at most 1"),
     setting("filter", "filter 50 ms", "time constant of a low-pass filter of first order"),
     setting("latency", "latency 2 steps", "control steps until an action takes effect"),

@@ -1,5 +1,6 @@
 //! How an episode begins: a pose with adjustments, the root, objects, noise, and physics before the first snapshot.
 
+mod align;
 mod drawn;
 mod layers;
 mod noise;

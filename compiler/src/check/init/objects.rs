@@ -12,11 +12,11 @@ use crate::diagnostics::{codes, nearest};
 use crate::graph::operation::{Binary, Unary};
 use crate::init::{Friction, JointValue, ObjectMass, ObjectShape};
 use crate::scene::{Motion, SceneDescription};
-use crate::syntax::tree::{Expr, Field, Placement};
+use crate::syntax::tree::{Align, Expr, Field, FieldValue, Placement};
 use crate::task::Setting;
 
 /// The settings of a free object.
-const FREE: [&str; 4] = ["at", "orientation", "velocity", "spin"];
+const FREE: [&str; 5] = ["at", "align", "orientation", "velocity", "spin"];
 
 impl<'a> Checker<'a> {
     /// Fields of the scene that are drawn.
@@ -132,6 +132,10 @@ impl<'a> Checker<'a> {
             Value::Typed(_) => Vec::new(),
         };
         let mut failures = Failures::default();
+        let placed = |word: &str| element.fields.iter().find(|field| field.name.text == word);
+        if let (Some(_), Some(at)) = (placed("align"), placed("at")) {
+            return Err(self.error(codes::tasks::REPEATED, at.span, "`align` already places the object; `at` is redundant"));
+        }
         for thing in things {
             for field in &element.fields {
                 failures.catch(self.placement_field(thing, field, initial));
@@ -183,6 +187,9 @@ impl<'a> Checker<'a> {
         let Some(place) = initial.init.objects.iter().position(|start| free(start.object)) else {
             return Err(self.not_free(&name, field));
         };
+        if let FieldValue::Align(align) = &field.value {
+            return self.align_own(align, &name, place, initial);
+        }
         let expr = self.field_value(field)?;
         let three = |setting: fn(usize, usize) -> Setting| [0, 1, 2].map(|axis| setting(place, axis));
         match word {
@@ -204,6 +211,22 @@ impl<'a> Checker<'a> {
                 Err(self.report(diagnostic))
             }
         }
+    }
+
+    /// `cube { align cube.grip to palm_r }`
+    fn align_own(&mut self, align: &'a Align, name: &str, place: usize, initial: &mut InitialState) -> Checked<()> {
+        if let Some(joints) = &align.joints {
+            let message = "an object is moved as a whole, without joints";
+            return Err(self.error(codes::tasks::UNKNOWN_SETTING, joints.span, message));
+        }
+        let object = self.align_object(align, &mut initial.init)?;
+        if object != initial.init.objects[place].object {
+            let message = format!("this place does not belong to `{name}`");
+            let diagnostic = self.diagnostic(codes::types::WRONG_TYPE, align.place.span, message);
+            return Err(self.report(diagnostic.help(format!("write `align {name} to ...`, or a point of `{name}`"))));
+        }
+        initial.forget(&[0, 1, 2].map(|axis| Setting::ObjectPosition(place, axis)));
+        Ok(())
     }
 
     fn not_free(&mut self, name: &str, field: &Field) -> Reported {

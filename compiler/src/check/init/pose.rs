@@ -6,7 +6,7 @@ use crate::check::dimension::Dimension;
 use crate::check::scene::drawn::FieldNumber;
 use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::{Span, codes};
-use crate::init::{Following, Parts, Start};
+use crate::init::{Following, Moves, Parts, Start};
 use crate::motion::RootPart;
 use crate::numbers::distinguished;
 use crate::resolve::scope::{Declared, Definition};
@@ -75,6 +75,9 @@ impl<'a> Checker<'a> {
         for (coordinate, value) in init.coordinates.iter_mut().zip(&known.coordinates) {
             *coordinate = *value;
         }
+        let own = |joint: usize| joint < known.coordinates.len();
+        init.drawn.retain(|(setting, _)| !matches!(setting, Setting::Coordinate(joint) if own(*joint)));
+        init.alignments.retain(|alignment| matches!(alignment.moves, Moves::Object(_)));
         init.velocities.clear();
         // Who has walked to where he is stays there, whatever pose he takes.
         init.follows.take_if(|following| following.path.is_none());

@@ -3,9 +3,7 @@
 use super::InitialState;
 use crate::check::context::{Checked, Checker, Failures};
 use crate::check::dimension::Dimension;
-use crate::check::value::{EntityRef, Value};
 use crate::diagnostics::codes;
-use crate::frame::Origin;
 use crate::motion::RootPart;
 use crate::syntax::tree::{Expr, ExprKind, Field, FieldValue, Placement};
 use crate::task::Setting;
@@ -85,46 +83,12 @@ impl<'a> Checker<'a> {
                 initial.init.root.lift = self.fixed_number(value, Dimension::LENGTH, "`lift`")?;
                 Ok(())
             }
-            ("align", FieldValue::Meets { place, target }) => self.meeting(place, target, &mut initial.init.root.meets),
+            ("align", FieldValue::Align(align)) => self.align_root(align, &mut initial.init),
             (name, _) => {
                 let message = format!("`root` does not take `{name}` like this");
                 let diagnostic = self.diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message).help(HELP);
                 Err(self.report(diagnostic))
             }
         }
-    }
-
-    /// `align palm_l to bar.grip_l`
-    pub(in crate::check) fn meeting(
-        &mut self,
-        place: &'a Expr,
-        target: &'a Expr,
-        meets: &mut Vec<(usize, Origin)>,
-    ) -> Checked<()> {
-        let (value, target_value) = (self.value(place)?, self.value(target)?);
-        let landmark = match value {
-            Value::Entity(EntityRef::Landmark(index)) if !self.vocabulary.landmarks[index].of_scene => index,
-            _ => {
-                let message = "`align` places a landmark of the body";
-                let diagnostic =
-                    self.diagnostic(codes::types::WRONG_TYPE, place.span, message).help("write `align palm_l to bar.grip_l`");
-                return Err(self.report(diagnostic));
-            }
-        };
-        let origin = match target_value {
-            Value::Entity(EntityRef::Landmark(index)) if self.stands_still(index) => {
-                Origin::World(self.vocabulary.landmarks[index].neutral_position)
-            }
-            Value::Entity(EntityRef::Landmark(index)) if self.vocabulary.landmarks[index].of_scene => {
-                Origin::Landmark(index, [0.0; 3])
-            }
-            Value::Entity(_) | Value::Entities { .. } => {
-                let message = "`align` moves the body to a place of the scene, not to a part of the body";
-                return Err(self.error(codes::types::WRONG_TYPE, target.span, message));
-            }
-            Value::Typed(_) => Origin::World(self.fixed_bracket(target, Dimension::LENGTH, "`align`")?),
-        };
-        meets.push((landmark, origin));
-        Ok(())
     }
 }

@@ -168,7 +168,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The object that a landmark is, by its place in the scene.
-    pub(super) fn object_of(&self, landmark: usize) -> Option<usize> {
+    pub(in crate::check) fn object_of(&self, landmark: usize) -> Option<usize> {
         let first = self.vocabulary.landmarks.iter().position(|landmark| landmark.of_scene)?;
         landmark.checked_sub(first)
     }

@@ -190,6 +190,7 @@ fn forget(init: &mut Init, parts: &Parts) {
         _ => false,
     };
     init.drawn.retain(|(setting, _)| !moved(setting));
+    parts.joints.iter().for_each(|(joint, _)| init.release(Setting::Coordinate(*joint)));
     init.follows = None;
     init.velocities.clear();
 }

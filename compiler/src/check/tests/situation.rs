@@ -24,11 +24,14 @@ impl<'a> Checker<'a> {
         for change in &situation.changes {
             let changed = match change {
                 Change::Assign(assignment) => self.assign(assignment, scene, &mut set),
-                Change::Meet { place, target, .. } => {
-                    if !std::mem::replace(&mut met, true) {
-                        scene.init.root.meets.clear();
+                Change::Align(align) => {
+                    // The first that places the root replaces those of earlier keyframes, the others stand beside it.
+                    let before = std::mem::take(&mut scene.init.root.meets);
+                    let aligned = self.align(align, &mut scene.init);
+                    if scene.init.root.meets.is_empty() || std::mem::replace(&mut met, true) {
+                        scene.init.root.meets.splice(..0, before);
                     }
-                    self.meeting(place, target, &mut scene.init.root.meets)
+                    aligned
                 }
             };
             failures.catch(changed);
@@ -57,12 +60,10 @@ impl<'a> Checker<'a> {
                 self.assign_object(base, name, &assignment.value, &mut scene.init)
             }
             _ => {
-                let before = set.to_vec();
                 for joint in self.adjusted(assignment, set)? {
-                    scene.init.coordinates[joint] = self.coordinate(joint, &assignment.value, assignment.target.span)?;
+                    let value = self.coordinate(joint, &assignment.value, assignment.target.span)?;
+                    scene.init.decide(Setting::Coordinate(joint), value);
                 }
-                let fresh = set.iter().zip(before).enumerate().filter(|(_, (now, before))| **now && !before);
-                fresh.for_each(|(joint, _)| scene.init.unfollow(Setting::Coordinate(joint)));
                 Ok(())
             }
         }

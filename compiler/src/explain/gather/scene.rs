@@ -2,7 +2,7 @@
 
 use super::super::report::*;
 use super::{drawn, varies};
-use crate::init::Variation;
+use crate::init::{Alignment, Moves, Variation};
 use crate::numbers::for_people;
 use crate::scene::{Motion, Object, ObjectJointKind, Parent, Shape, Terrain};
 use crate::snapshot::names;
@@ -235,6 +235,14 @@ fn objects(task: &CompiledTask, init: &Init) -> Vec<String> {
     let texts = init.objects.iter().filter_map(|start| {
         let object = task.scene.objects.get(start.object)?;
         let mut parts = Vec::new();
+        let aligned = init.alignments.iter().filter(|alignment| alignment.moves == Moves::Object(start.object));
+        for Alignment { landmark, target, .. } in aligned {
+            let place = match names::landmark(&task.vocabulary, *landmark) {
+                place if place == object.name => String::new(),
+                place => format!("with {place} "),
+            };
+            parts.push(format!("{place}at {}", names::origin(&task.vocabulary, target)));
+        }
         if start.position != object.position {
             parts.push(format!("at {} m", vector(start.position)));
         }

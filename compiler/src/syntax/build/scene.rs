@@ -3,8 +3,8 @@
 use super::{Builder, is_mark, part, parts};
 use crate::syntax::grammar::{Pair, Rule};
 use crate::syntax::tree::{
-    Act, Assignment, Connection, Element, ElementName, Expr, Field, FieldValue, Group, Ident, InitStatement, Marker, Noise,
-    Placement, PoseUse, Repeat, ScaledQuantity, Scaling, SceneStatement, Settle,
+    Act, Align, Assignment, Connection, Element, ElementName, Expr, Field, FieldValue, Group, Ident, InitStatement, Marker,
+    Noise, Placement, PoseUse, Repeat, ScaledQuantity, Scaling, SceneStatement, Settle,
 };
 use crate::syntax::wording;
 
@@ -69,8 +69,8 @@ impl Builder<'_> {
         (fields, elements)
     }
 
-    /// `align PLACE to TARGET`
-    pub(super) fn meeting(&mut self, pair: &Pair<'_>) -> (Expr, Expr) {
+    /// `align PLACE to TARGET with JOINTS`
+    pub(super) fn align(&mut self, pair: &Pair<'_>) -> Align {
         let former = part(pair, Rule::former_meets);
         let meets = former.as_ref().unwrap_or(pair);
         let (place, target) = (part(meets, Rule::postfixed), part(meets, Rule::expression));
@@ -78,15 +78,16 @@ impl Builder<'_> {
             let words = |pair: &Option<Pair<'_>>| pair.as_ref().map_or("", |pair| pair.as_str().trim_end()).to_owned();
             self.report(wording::former_align(self.file, self.span(meets), &words(&place), &words(&target)));
         }
-        (self.expression(place), self.expression(target))
+        let joints = part(pair, Rule::with_joints).map(|joints| self.expression_in(&joints));
+        Align { place: self.expression(place), target: self.expression(target), joints, span: self.span(pair) }
     }
 
     fn field(&mut self, pair: &Pair<'_>) -> Field {
         let span = self.span(pair);
         if let Some(meets) = part(pair, Rule::meets) {
-            let (place, target) = self.meeting(&meets);
+            let align = self.align(&meets);
             let name = self.field_word(&meets, Rule::kw_align);
-            return Field { name, value: FieldValue::Meets { place, target }, span };
+            return Field { name, value: FieldValue::Align(align), span };
         }
         if let Some(ends) = part(pair, Rule::from_to) {
             let mut places = parts(&ends, Rule::expression);

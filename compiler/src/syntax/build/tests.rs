@@ -98,8 +98,7 @@ impl Builder<'_> {
                     span: self.span(&pair),
                 })),
                 Rule::meets => {
-                    let (place, target) = self.meeting(&pair);
-                    changes.push(Change::Meet { place, target, span: self.span(&pair) });
+                    changes.push(Change::Align(self.align(&pair)));
                 }
                 Rule::field_junk => self.junk(&pair, Rule::one_change),
                 rule => debug_assert!(is_mark(rule)),

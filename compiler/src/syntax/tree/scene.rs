@@ -71,6 +71,19 @@ pub struct Field {
     pub span: Span,
 }
 
+/// `align palm_l to rack.grip_l`, `align palm_l to rack.grip_l with arms`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Align {
+    /// A place of the body or of an object.
+    pub place: Expr,
+    /// Where it shall be.
+    pub target: Expr,
+    /// The joints that bring it there; without them, what owns the place is moved.
+    pub joints: Option<Expr>,
+    /// The field.
+    pub span: Span,
+}
+
 /// What follows the word of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FieldValue {
@@ -80,13 +93,8 @@ pub enum FieldValue {
     Value(Expr),
     /// `height on ground`
     On(Expr),
-    /// `align palm_l to rack.grip_l`: the root is moved until they meet.
-    Meets {
-        /// A place of the body.
-        place: Expr,
-        /// Where it shall be.
-        target: Expr,
-    },
+    /// `align palm_l to rack.grip_l`: the root or the object is moved until they coincide.
+    Align(Align),
     /// `from [..] to [..]`
     FromTo {
         /// First end.

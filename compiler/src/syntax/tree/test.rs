@@ -1,6 +1,6 @@
 //! Tests inside files.
 
-use super::{Assignment, Expr, Ident, Placement, Text};
+use super::{Align, Assignment, Expr, Ident, Placement, Text};
 use crate::diagnostics::Span;
 
 /// `test "a fall ends the episode" { ... }` or `cheat "heel raises" { ... }`
@@ -144,12 +144,5 @@ pub enum Change {
     /// `knee_angle_r = 80 deg`, `root.height = 0.6 m`, `cube.at = [1 m, 0, 1 m]`, `activation = 0.2`
     Assign(Assignment),
     /// `align palm_l to rack.grip_l`
-    Meet {
-        /// The landmark.
-        place: Expr,
-        /// Where it shall be.
-        target: Expr,
-        /// The field.
-        span: Span,
-    },
+    Align(Align),
 }

@@ -206,10 +206,7 @@ fn walk_situation<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, situation: &'a S
     for change in &situation.changes {
         match change {
             Change::Assign(assignment) => visitor.assignment(assignment),
-            Change::Meet { place, target, .. } => {
-                visitor.expression(place);
-                visitor.expression(target);
-            }
+            Change::Align(align) => walk_align(visitor, align),
         }
     }
 }
@@ -242,11 +239,18 @@ pub fn walk_field<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, field: &'a Field
     match &field.value {
         FieldValue::Flag => {}
         FieldValue::Value(value) | FieldValue::On(value) => visitor.expression(value),
-        FieldValue::Meets { place: first, target: second } | FieldValue::FromTo { from: first, to: second } => {
-            visitor.expression(first);
-            visitor.expression(second);
+        FieldValue::Align(align) => walk_align(visitor, align),
+        FieldValue::FromTo { from, to } => {
+            visitor.expression(from);
+            visitor.expression(to);
         }
     }
+}
+
+fn walk_align<'a, V: Visitor<'a> + ?Sized>(visitor: &mut V, align: &'a Align) {
+    visitor.expression(&align.place);
+    visitor.expression(&align.target);
+    align.joints.iter().for_each(|joints| visitor.expression(joints));
 }
 
 /// Goes on inside an expression.

@@ -18,6 +18,7 @@ pub use report::{Failure, SideValue, TestReport};
 pub use returns::{DISCOUNT, Demonstration, Measure, Ranking, Returns, TermReturn};
 
 use msk_program::task::TaskTests;
+use msk_runtime::body::OutOfReach;
 use msk_runtime::episode::{Environment, EpisodeError};
 use msk_runtime::library::BoundBody;
 use msk_runtime::policy::{PolicyError, PolicySource};
@@ -31,6 +32,9 @@ pub enum TestError {
     /// The task does not fit its body.
     #[error(transparent)]
     Episode(#[from] EpisodeError),
+    /// Joints do not reach what they are aligned to.
+    #[error(transparent)]
+    Reach(#[from] OutOfReach),
     /// What was to act cannot.
     #[error(transparent)]
     Policy(#[from] PolicyError),

@@ -189,11 +189,15 @@ pub(super) fn begin(episode: &mut Environment, take: &Take, key: EpisodeKey) -> 
         let _ = script.set(Script::new(&take.script, &task, drawn, &model, &body, &mut scratch));
     };
     episode.reset_playing(key, &take.given, &mut prepare, &mut |model, body, state, workspace| {
-        let activation = script.get().map_or(0.0, |script| script.place(0, model, body, state, workspace));
+        let activation = match script.get() {
+            Some(Ok(script)) => script.place(0, model, body, state, workspace)?,
+            Some(Err(out_of_reach)) => return Err(out_of_reach.clone()),
+            None => 0.0,
+        };
         if let (true, Some(first)) = (take.run.is_some() && take.script.len() == 1, take.script.first()) {
             body.launch(&first.init, state);
         }
-        activation
+        Ok(activation)
     });
-    script.into_inner()
+    script.into_inner()?.ok()
 }

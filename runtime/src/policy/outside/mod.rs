@@ -7,6 +7,7 @@ mod process;
 mod replay;
 
 pub(super) use message::Encoding;
+pub(crate) use network::{Evaluation, NetworkContent};
 pub(super) use network::{Network, Weights};
 pub(super) use process::Process;
 pub(super) use replay::Replay;

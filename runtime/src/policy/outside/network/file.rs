@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 /// A network with what it was trained to see.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct NetworkFile {
+pub(crate) struct NetworkFile {
     pub network: Mlp,
     pub normaliser: Option<Normaliser>,
     /// The channels of the observation, if the file names them.
@@ -18,15 +18,29 @@ pub(super) struct NetworkFile {
 
 /// `clip((observation - mean) / std, -clip, clip)`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Normaliser {
+pub(crate) struct Normaliser {
     pub mean: Vec<f32>,
     pub std: Vec<f32>,
     pub clip: Option<f32>,
 }
 
+impl Normaliser {
+    /// Normalises an observation.
+    pub fn apply(&self, values: &mut [f32]) {
+        for ((value, mean), std) in values.iter_mut().zip(&self.mean).zip(&self.std) {
+            let scaled = (*value - mean) / std;
+            *value = match self.clip {
+                Some(clip) if scaled > clip => clip,
+                Some(clip) if scaled < -clip => -clip,
+                _ => scaled,
+            };
+        }
+    }
+}
+
 /// A channel of an observation.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-pub(super) struct Channel {
+pub(crate) struct Channel {
     pub name: String,
     pub size: usize,
 }

@@ -6,7 +6,7 @@ const COLUMNS: usize = 8;
 
 /// What follows a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Activation {
+pub(crate) enum Activation {
     Identity,
     Tanh,
     Relu,
@@ -36,7 +36,7 @@ impl Activation {
 
 /// `activation(weight * input + bias)`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Layer {
+pub(crate) struct Layer {
     /// Row by row, as many rows as outputs.
     pub weight: Vec<f32>,
     /// One per output; never none.
@@ -69,7 +69,7 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
 
 /// Layers, each of which takes what the one before gives; never none.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Mlp {
+pub(crate) struct Mlp {
     pub layers: Vec<Layer>,
 }
 
