@@ -5,8 +5,10 @@ use crate::physics::read_state;
 use crate::project::{Project, style};
 use msk::compiler::body::BodyDescription;
 use msk::compiler::compile;
-use msk::compiler::task::RootPlacement;
-use msk::draw::{Options, View, svg};
+use msk::compiler::numbers::for_people;
+use msk::compiler::snapshot::names;
+use msk::compiler::task::{CompiledTask, RootPlacement, Setting, TaskState};
+use msk::draw::{Options, Sheet, View, svg};
 use msk::physics::model::Model;
 use msk::physics::{self, State, Workspace};
 use msk::runtime::body::sensors::Snapshot;
@@ -35,6 +37,9 @@ pub struct Args {
     /// Seed of the initial state of a task
     #[arg(long, default_value_t = 0, requires = "task")]
     seed: u64,
+    /// Draw this many initial states of a task beside each other, with the numbers that are drawn for each
+    #[arg(long, value_name = "COUNT", default_value_t = 1, requires = "task", value_parser = clap::value_parser!(u64).range(1..=24))]
+    draws: u64,
     /// Omit muscles and bones
     #[arg(long)]
     plain: bool,
@@ -76,7 +81,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         return Err(Error::usage(format!("an activation is between 0 and 1, found {}", args.activation)));
     }
     if let Some(task) = &args.task {
-        let picture = initial_state(task, &args)?;
+        let picture = initial_states(task, &args)?;
         return write(&args, &picture);
     }
     let library = BodyLibrary::default();
@@ -110,17 +115,33 @@ fn write(args: &Args, picture: &str) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The initial state of a task's episode.
-fn initial_state(task: &str, args: &Args) -> Result<String, Error> {
+/// The initial states of the first episodes of a task.
+fn initial_states(task: &str, args: &Args) -> Result<String, Error> {
     let (_, trial) = Project::find(task, &[])?;
     let mut episode = trial.episode()?;
-    episode.reset(EpisodeKey { seed: args.seed, episode: 0 });
-    if let Some(Ending::Fault(fault)) = episode.ending() {
-        return Err(Error::new(format!("the task `{task}` cannot be reset: {fault}")));
-    }
     let caption = args.caption.clone().unwrap_or_else(|| format!("{} begins", trial.task.name.replace('_', " ")));
-    let options = Options { views: args.view.list(), caption, anatomy: !args.plain, markers: episode.markers() };
-    Ok(svg(&episode.context().snapshot(), &options))
+    let options = Options { views: args.view.list(), caption, anatomy: !args.plain, ..Options::default() };
+    let mut sheet = Sheet::new(options);
+    for number in 0..args.draws {
+        episode.reset(EpisodeKey { seed: args.seed, episode: number });
+        if let Some(Ending::Fault(fault)) = episode.ending() {
+            return Err(Error::new(format!("the task `{task}` cannot be reset: {fault}")));
+        }
+        let context = episode.context();
+        let drawn = if args.draws > 1 { drawn(context.task, context.progress) } else { Vec::new() };
+        sheet.add(&context.snapshot(), episode.markers(), &drawn);
+    }
+    Ok(sheet.svg())
+}
+
+/// The numbers of body and scene that an episode has drawn, as lines of text.
+fn drawn(task: &CompiledTask, progress: &TaskState) -> Vec<String> {
+    let line = |&(setting, place): &(Setting, usize)| {
+        let (unit, value) = (setting.unit(&task.vocabulary)?, task.drawn(place, progress));
+        let value = if unit == "deg" { value.to_degrees() } else { value };
+        Some(format!("{} {} {unit}", names::setting(task, setting), for_people(value)).trim_end().to_owned())
+    };
+    task.init.drawn.iter().filter_map(line).collect()
 }
 
 impl Views {

@@ -71,3 +71,38 @@ fn a_task_is_drawn_as_it_begins_with_its_scene() {
     assert_eq!(whole.matches(r#"class="muscle""#).count(), 416);
     assert!(complaint(&["--task", "nothing.msk"]).contains("nothing.msk"));
 }
+
+#[test]
+fn several_draws_of_a_task_stand_beside_each_other_with_their_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("load.msk");
+    let text = "task load {
+        body human; control 100 Hz; horizon 10 steps
+        random load = uniform(1 kg .. 9 kg)
+        random bend = uniform(0 deg .. 90 deg)
+        scene { ground; box pack on torso { size [15 cm, 30 cm, 40 cm], at [-20 cm, 0, 0], mass load, solid false } }
+        init { pose neutral { knee_angle_r = bend } }
+        observe { pelvis.height }
+        reward { 1 tall = pelvis.height / 1 m }
+        terminate { fallen when pelvis.height < 0.3 m }
+        success survived
+    }";
+    std::fs::write(&file, text).unwrap();
+    let drawn = picture(&["--task", file.to_str().unwrap(), "--plain", "--view", "side", "--draws", "4"]);
+    let document = roxmltree::Document::parse(&drawn).unwrap();
+    let lines = |name: &str| -> Vec<&str> {
+        let texts = document.descendants().filter(|node| node.has_tag_name("text")).filter_map(|node| node.text());
+        texts.filter(|text| text.starts_with(name)).collect()
+    };
+    for (name, unit) in [("pack.mass ", "kg"), ("knee_angle_r ", "deg")] {
+        let found = lines(name);
+        assert!(found.len() == 4 && found.iter().all(|line| line.ends_with(unit)), "{found:?}");
+        assert!(found[1..].iter().all(|line| *line != found[0]), "{found:?}");
+    }
+    // Definitions of one view do not hide those of the others.
+    let mut ids: Vec<&str> = document.descendants().filter_map(|node| node.attribute("id")).collect();
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count);
+}

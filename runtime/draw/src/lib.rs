@@ -68,6 +68,9 @@ const DEEPEST: f64 = 2000.0;
 /// Height of the strip under the ground for scale, captions and legend, mm.
 const FOOTER: f64 = 190.0;
 
+/// Height of a line of text under a view, mm.
+const LINE: f64 = 32.0;
+
 const STYLE: &str = "\
 text{font:30px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-serif;fill:#4b4a47}\
 .edge{fill:#a89c8b;stroke:#a89c8b;stroke-width:5;stroke-linejoin:round}\
@@ -84,29 +87,64 @@ text{font:30px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-se
 
 /// Draws the body of `snapshot` with its scene.
 pub fn svg(snapshot: &Snapshot<'_>, options: &Options) -> String {
-    let mut views: Vec<Drawing> = options.views.iter().map(|&view| Drawing::new(snapshot, view, options)).collect();
-    let top = views.iter().map(|view| view.bounds.low.y).fold(0.0, f64::min) - MARGIN - TITLE;
-    let extent = views.iter().map(|view| view.bounds.high.x - view.bounds.low.x + MARGIN).sum::<f64>() + MARGIN;
-    let width = extent.max(NARROWEST);
-    let depth = views.iter().map(|view| view.bounds.high.y).fold(GROUND, f64::max);
-    let height = depth - top + FOOTER;
+    let mut sheet = Sheet::new(options.clone());
+    sheet.add(snapshot, options.markers.clone(), &[]);
+    sheet.svg()
+}
 
-    let mut out = String::new();
-    header(&mut out, options, [width, height]);
-    // From here on y = 0 is the ground.
-    let _ = writeln!(out, r#"<g transform="translate(0 {})">"#, number(-top));
-    if has_level_ground(snapshot) {
-        let _ = writeln!(out, r#"<path class="ground" d="M0 0h{}v{}H0z"/>"#, number(width), number(GROUND));
-        let _ = writeln!(out, r#"<path class="horizon" d="M0 0h{}"/>"#, number(width));
+/// Several states beside each other, on one ground and in one scale.
+pub struct Sheet {
+    options: Options,
+    views: Vec<Drawing>,
+    level: bool,
+}
+
+impl Sheet {
+    /// Nothing yet; the markers of the options are not used.
+    pub fn new(options: Options) -> Self {
+        Self { options, views: Vec::new(), level: false }
     }
-    let mut left = MARGIN + 0.5 * (width - extent);
-    for view in &mut views {
-        view.write(left, depth, &mut out);
-        left += view.bounds.high.x - view.bounds.low.x + MARGIN;
+
+    /// Adds all views of a state, with lines of text under the first of them.
+    pub fn add(&mut self, snapshot: &Snapshot<'_>, markers: Vec<(String, [f64; 3])>, lines: &[String]) {
+        self.level |= has_level_ground(snapshot);
+        let options = Options { markers, ..self.options.clone() };
+        for (place, &view) in options.views.iter().enumerate() {
+            let lines = if place == 0 { lines.to_vec() } else { Vec::new() };
+            self.views.push(Drawing { lines, ..Drawing::new(snapshot, view, &options) });
+        }
     }
-    legend(&mut out, width, depth, options.anatomy);
-    out.push_str("</g>\n</svg>\n");
-    out
+
+    /// The picture.
+    pub fn svg(mut self) -> String {
+        let views = &mut self.views;
+        let top = views.iter().map(|view| view.bounds.low.y).fold(0.0, f64::min) - MARGIN - TITLE;
+        let extent = views.iter().map(|view| view.bounds.high.x - view.bounds.low.x + MARGIN).sum::<f64>() + MARGIN;
+        let width = extent.max(NARROWEST);
+        let depth = views.iter().map(|view| view.bounds.high.y).fold(GROUND, f64::max);
+        let written = LINE * views.iter().map(|view| view.lines.len()).max().unwrap_or(0) as f64;
+        let height = depth - top + written + FOOTER;
+
+        let mut out = String::new();
+        header(&mut out, &self.options, [width, height]);
+        // From here on y = 0 is the ground.
+        let _ = writeln!(out, r#"<g transform="translate(0 {})">"#, number(-top));
+        if self.level {
+            let _ = writeln!(out, r#"<path class="ground" d="M0 0h{}v{}H0z"/>"#, number(width), number(GROUND));
+            let _ = writeln!(out, r#"<path class="horizon" d="M0 0h{}"/>"#, number(width));
+        }
+        let mut left = MARGIN + 0.5 * (width - extent);
+        for (place, view) in views.iter_mut().enumerate() {
+            // The definitions of the first picture of a view have its name alone.
+            let number = place / self.options.views.len().max(1);
+            let id = if number == 0 { view.view.name().to_owned() } else { format!("{}{number}-", view.view.name()) };
+            view.write(&id, left, depth, &mut out);
+            left += view.bounds.high.x - view.bounds.low.x + MARGIN;
+        }
+        legend(&mut out, width, depth + written, self.options.anatomy);
+        out.push_str("</g>\n</svg>\n");
+        out
+    }
 }
 
 /// Whether the level z = 0 is to stand on: a plane of the scene, or what a body without a scene stands on.
@@ -123,6 +161,8 @@ struct Drawing {
     com: Vector2<f64>,
     markers: Vec<(String, Vector2<f64>)>,
     bounds: Bounds,
+    /// Text under it.
+    lines: Vec<String>,
 }
 
 impl Drawing {
@@ -149,19 +189,19 @@ impl Drawing {
         bounds.low.x = bounds.low.x.max(com.x - window[0]);
         bounds.high.x = bounds.high.x.min(com.x + window[1]);
         bounds.high.y = bounds.high.y.min(com.y + DEEPEST);
-        Self { view, panel, arrows, com, markers, bounds }
+        Self { view, panel, arrows, com, markers, bounds, lines: Vec::new() }
     }
 
-    /// Writes the view with its left edge at `left` and its name `depth` mm under the ground.
-    fn write(&mut self, left: f64, depth: f64, out: &mut String) {
+    /// Writes the view with its left edge at `left` and its name `depth` mm under the ground; `id` tells its definitions apart.
+    fn write(&mut self, id: &str, left: f64, depth: f64, out: &mut String) {
         let name = self.view.name();
         let _ = writeln!(out, r#"<g transform="translate({} 0)">"#, number(left - self.bounds.low.x));
         // Scenes may reach far beyond what is shown.
         let Bounds { low, high } = self.bounds;
         let [x, y, width, height] = [low.x, low.y, high.x - low.x, high.y - low.y].map(number);
-        let _ = writeln!(out, r#"<clipPath id="{name}"><rect x="{x}" y="{y}" width="{width}" height="{height}"/></clipPath>"#);
-        let _ = writeln!(out, r##"<g clip-path="url(#{name})">"##);
-        self.panel.write(name, out);
+        let _ = writeln!(out, r#"<clipPath id="{id}"><rect x="{x}" y="{y}" width="{width}" height="{height}"/></clipPath>"#);
+        let _ = writeln!(out, r##"<g clip-path="url(#{id})">"##);
+        self.panel.write(id, out);
         out.push_str("</g>\n");
         centre_of_mass(self.com, out);
         self.arrows.iter().for_each(|arrow| arrow.write_shaft(out));
@@ -169,6 +209,10 @@ impl Drawing {
         self.markers.iter().for_each(|(name, place)| marker(name, *place, out));
         let middle = number(0.5 * (self.bounds.low.x + self.bounds.high.x));
         let _ = writeln!(out, r#"<text class="middle" x="{middle}" y="{}">{name}</text>"#, number(depth + 42.0));
+        for (place, line) in self.lines.iter().enumerate() {
+            let y = number(depth + 42.0 + LINE * (place + 1) as f64);
+            let _ = writeln!(out, r#"<text class="small middle" x="{middle}" y="{y}">{}</text>"#, escape(line));
+        }
         out.push_str("</g>\n");
     }
 }

@@ -62,6 +62,18 @@ fn codes_of(statements: &str) -> Vec<&'static str> {
 }
 
 #[test]
+fn a_world_that_is_drawn_rarely_is_probed_too() {
+    // The post stands in the body in one of twenty episodes, and in none of the first three.
+    let post =
+        "random place = uniform(0.2 m .. 4 m)\nscene { ground; box post { size [20 cm, 20 cm, 1 m], at [place, 0, 0.5 m] } }";
+    let found = findings(post);
+    let starts_inside = |(diagnostic, _): &(Diagnostic, String)| diagnostic.code.id == codes::probing::STARTS_INSIDE.id;
+    assert!(found.iter().any(starts_inside), "{found:?}");
+    let free = post.replace("0.2 m ..", "1 m ..");
+    assert!(!findings(&free).iter().any(starts_inside));
+}
+
+#[test]
 fn examples_of_codes_cause_them_and_fixes_do_not() {
     for code in codes::probing::ALL.iter().filter(|code| code.lint.unwrap().stage == Stage::Probe) {
         assert!(codes_of(code.example).contains(&code.id), "{}: {:?}", code.id, findings(code.example));

@@ -15,8 +15,10 @@ use msk_runtime::episode::{Ending, Environment, EpisodeKey, Penetration, Residua
 use msk_runtime::library::{BodyLibrary, BoundBody, in_words};
 use std::sync::Arc;
 
-/// How often a task is begun: enough to see through its noise.
-const SEEDS: u64 = 3;
+/// How often a task is begun: enough to see through its noise, and more often where body or scene differ between episodes, so that
+/// an impossible or unlucky world in twenty is seen.
+const EPISODES: u64 = 3;
+const WORLDS: u64 = 60;
 
 /// How many overlaps or gaps are listed one by one.
 const MOST_LISTED: usize = 4;
@@ -40,6 +42,8 @@ pub(super) struct Begun {
 /// What was found over all seeds.
 #[derive(Default)]
 struct Tally {
+    /// How often the task was begun.
+    episodes: u64,
     /// The deepest of each pair of shapes.
     penetrations: Vec<Penetration>,
     /// The largest of each connection.
@@ -80,7 +84,7 @@ fn dead(task: &CompiledTask, found: &Tally, diagnostics: &mut Vec<Diagnostic>) {
             let message = format!("the term `{}` is almost zero in the initial state", term.name);
             let diagnostic = at(lints::DEAD_AT_RESET, subject.at, message)
                 .expected(format!("more than a twentieth of its highest value, {}", for_people(range.high)))
-                .found(format!("{} at most in {SEEDS} episodes", for_people(most)))
+                .found(format!("{} at most in {} episodes", for_people(most), found.episodes))
                 .help("look for a wrong axis, side or sign; if the term becomes relevant later, write `allow dead_at_reset \"...\"`");
             diagnostics.push(diagnostic);
         }
@@ -137,10 +141,14 @@ fn begin(task: &Arc<CompiledTask>, bodies: &BodyLibrary) -> Result<(Begun, Tally
     let mut episode =
         Environment::new(staged.model.clone(), staged.body.clone(), task.clone()).map_err(|error| in_words(&error))?;
     let rest = episode.engine().action(msk_runtime::action::ActsOn::Task);
-    let mut found =
-        Tally { terminations: vec![0; task.terminations.len()], finishes: vec![0; task.finishes.len()], ..Tally::default() };
+    let mut found = Tally {
+        episodes: if task.init.has_worlds() { WORLDS } else { EPISODES },
+        terminations: vec![0; task.terminations.len()],
+        finishes: vec![0; task.finishes.len()],
+        ..Tally::default()
+    };
     let (mut states, mut frames) = (Vec::new(), Vec::new());
-    for seed in 0..SEEDS {
+    for seed in 0..found.episodes {
         let key = EpisodeKey { seed, episode: 0 };
         let start = episode.inspect_start(key).map_err(|error| in_words(&error))?;
         start.penetrations.into_iter().for_each(|overlap| found.overlap(overlap));
@@ -214,21 +222,22 @@ fn warnings(task: &CompiledTask, found: &Tally) -> Vec<Diagnostic> {
     // A failure is wrong in any episode; what is no failure may be met by chance, but not always.
     let failures = task.terminations.iter().zip(&places.terminations).zip(&found.terminations);
     for ((name, place), &count) in failures.filter(|(_, count)| **count > 0) {
-        diagnostics.push(holds(&format!("the termination `{name}`"), *place, count));
+        diagnostics.push(holds(&format!("the termination `{name}`"), *place, count, found));
     }
     let finishes = task.finishes.iter().zip(&places.finishes).zip(&found.finishes);
-    for ((name, place), &count) in finishes.filter(|(_, count)| **count == SEEDS) {
-        diagnostics.push(holds(&format!("the reason to finish `{name}`"), *place, count));
+    for ((name, place), &count) in finishes.filter(|(_, count)| **count == found.episodes) {
+        diagnostics.push(holds(&format!("the reason to finish `{name}`"), *place, count, found));
     }
     // The last step of an episode may well succeed.
-    if found.success == SEEDS && task.horizon > 1 {
-        diagnostics.push(holds("success", places.success, found.success));
+    if found.success == found.episodes && task.horizon > 1 {
+        diagnostics.push(holds("success", places.success, found.success, found));
     }
     diagnostics
 }
 
-fn holds(what: &str, place: (FileId, Span), count: u64) -> Diagnostic {
-    let message = format!("{what} holds at the first step, with muscles at rest, in {count} of {SEEDS} episodes");
+fn holds(what: &str, place: (FileId, Span), count: u64, found: &Tally) -> Diagnostic {
+    let all = found.episodes;
+    let message = format!("{what} holds at the first step, with muscles at rest, in {count} of {all} episodes");
     at(lints::HOLDS_AT_RESET, place, message)
         .help("fix the condition or the initial state, or write `allow holds_at_reset \"...\"`")
 }
