@@ -9,7 +9,7 @@ The tasks are written in the language of ``.msk`` files and run in Rust; :func:`
 
 from . import physics
 from .diagnostics import Diagnostic, Diagnostics, Fix, Place
-from .environment import Env, Page, Picture, Snapshot, show
+from .environment import CAMERAS, Env, Page, Picture, Snapshot, show
 from .errors import CompileError, InternalError, LintWarning
 from .registration import id_of, make, make_vec, register
 from .tasks import TASKS, Channel, Explanation, Parameter, Task, Term, check, compile, compile_text
@@ -17,6 +17,7 @@ from .vector import VectorEnv
 from .weights import LiveWeights
 
 __all__ = [
+    "CAMERAS",
     "TASKS",
     "Channel",
     "CompileError",

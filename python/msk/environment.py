@@ -21,6 +21,9 @@ from .weights import LiveWeights
 #: Greatest seed: NumPy's integers hold it, too.
 LARGEST_SEED = 2**63 - 1
 
+#: Where the camera of pictures stands; it follows the body.
+CAMERAS = ("three-quarter", "front", "right", "back", "left", "above")
+
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -55,13 +58,14 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         task: a compiled task, the name of one of ``msk.TASKS``, or the path of a file.
         params: values of the task's parameters.
         weights: weights of its terms, or a weights file.
-        render_mode: ``ansi`` or none.
+        render_mode: ``ansi``, ``rgb_array`` or none.
+        width, height, camera: of pictures: pixels, and where the camera stands, one of :data:`CAMERAS`.
         clip_actions: whether actions outside of [-1, 1] are clipped; else they are errors.
         dtype: of observations, ``float32`` or ``float64``.
         record: whether the steps of the present episode are kept, for :meth:`page`.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 50}  # noqa: RUF012 (as Gymnasium declares it)
+    metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 50}  # noqa: RUF012 (as Gymnasium declares it)
 
     def __init__(
         self,
@@ -73,6 +77,9 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         clip_actions: bool = False,
         dtype: DTypeLike = np.float32,
         record: bool = False,
+        width: int = 640,
+        height: int = 480,
+        camera: str = CAMERAS[0],
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"there is no render mode `{render_mode}`; there are: {self.metadata['render_modes']}")
@@ -82,6 +89,7 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self.observation_space, self.action_space = spaces(self.task, dtype)
         single = self.observation_space.dtype == np.float32
         self._native = _native.Environment(self.task._native, clip_actions, single, record)
+        self._camera = None if render_mode != "rgb_array" else _native.Camera(self.task._native, width, height, camera)
         #: Weights, by term; assign to change them.
         self.weights = LiveWeights(self._native, self.task)
         self._describe = Describer(self.task)
@@ -136,8 +144,18 @@ class Env(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             info |= self._describe.end(self._native.end(), truncated, self._native.steps(), total, totals)
         return observation, reward, terminated, truncated, info | identity(self._native.key())
 
-    def render(self) -> str | None:
-        """With ``render_mode="ansi"`` the present step as text: time, reward, and a line per term."""
+    def render(self) -> Any:
+        """With ``render_mode="rgb_array"`` the present step as a picture, an array of shape ``(height, width, 3)`` and type uint8: the body
+        with its muscles by activation, scene, contact forces and reference motion. It needs no display. With ``ansi`` the step as text: time,
+        reward, and a line per term.
+
+        Raises:
+            gymnasium.error.ResetNeeded: a picture before an episode has begun.
+        """
+        if self._camera is not None:
+            if not self._begun:
+                raise ResetNeeded("no episode has begun: call reset() or restore() before render()")
+            return self._camera.render(self._native.snapshot())[0]
         if self.render_mode is None:
             return None
         return self._describe.text(

@@ -13,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import DTypeLike, NDArray
 
 from . import _native
-from .environment import LARGEST_SEED, Describer, Snapshot, checked_seed, prepared, spaces
+from .environment import CAMERAS, LARGEST_SEED, Describer, Snapshot, checked_seed, prepared, spaces
 from .tasks import Parameters, Task, Weights
 from .weights import LiveWeights
 
@@ -38,9 +38,15 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         num_envs: number of slots; multiples of 8 fill the lanes.
         threads: number of threads; by default one per processor that this process may use. Results do not depend on it.
         autoreset_mode: see above.
+        render_mode: ``rgb_array`` or none.
+        width, height, camera: of pictures, as for :class:`Env`.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012
+    metadata: dict[str, Any] = {  # noqa: RUF012
+        "render_modes": ["rgb_array"],
+        "render_fps": 50,
+        "autoreset_mode": AutoresetMode.SAME_STEP,
+    }
 
     def __init__(
         self,
@@ -54,15 +60,20 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
         render_mode: str | None = None,
         clip_actions: bool = False,
         dtype: DTypeLike = np.float32,
+        width: int = 640,
+        height: int = 480,
+        camera: str = CAMERAS[0],
     ) -> None:
-        if render_mode is not None:
-            raise ValueError("a vector environment is not rendered: render an `Env`")
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"there is no render mode `{render_mode}`; there are: {self.metadata['render_modes']}")
         if num_envs < 1 or (threads is not None and threads < 1):
             raise ValueError(f"expected at least one environment and one thread, found {num_envs} and {threads}")
         self.task = prepared(task, params, weights)
         self.num_envs = num_envs
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.render_mode = render_mode
+        fps = round(self.task.control_frequency)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": fps}
         self.single_observation_space, self.single_action_space = spaces(self.task, dtype)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -74,6 +85,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             clip_actions,
             self.single_observation_space.dtype == np.float32,
         )
+        self._camera = None if render_mode is None else _native.Camera(self.task._native, width, height, camera)
         #: Weights in all episodes, by term; assign to change them.
         self.weights = LiveWeights(self._native, self.task)
         self._describe = Describer(self.task)
@@ -137,6 +149,19 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             else:
                 infos |= {name: value for name, value in endings.items() if name.lstrip("_") in _AT_END}
         return observations, rewards, terminated, truncated, infos
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """With ``render_mode="rgb_array"`` the present step of each slot as a picture, an array of shape ``(height, width, 3)``: see
+        :meth:`Env.render`.
+
+        Raises:
+            gymnasium.error.ResetNeeded: no episode has begun.
+        """
+        if self._camera is None:
+            return None
+        if not self._begun:
+            raise gymnasium.error.ResetNeeded("no episode has begun: call reset() or restore() before render()")
+        return tuple(self._camera.render(self._native.snapshot()))
 
     def _reports(self) -> dict[str, Any]:
         """What the present episodes report of their last step."""

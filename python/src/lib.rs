@@ -4,6 +4,7 @@
 //! class holds the interpreter's lock while it computes, and no panic reaches Python (both in [`guard`]).
 
 mod arrays;
+mod camera;
 mod compilation;
 mod environment;
 mod guard;
@@ -22,6 +23,8 @@ use pyo3::prelude::*;
 /// The native part of the package `msk`; use the package instead.
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::camera::Camera;
     #[pymodule_export]
     use super::compilation::{check, compile};
     #[pymodule_export]

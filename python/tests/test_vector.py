@@ -194,5 +194,5 @@ def test_wrong_numbers_of_environments(task: msk.Task):
     for settings in ({"num_envs": 0}, {"num_envs": 2, "threads": 0}):
         with pytest.raises(ValueError, match="at least one environment and one thread"):
             msk.make_vec(task, **settings)
-    with pytest.raises(ValueError, match="render an `Env`"):
+    with pytest.raises(ValueError, match="there is no render mode `ansi`"):
         msk.make_vec(task, 2, render_mode="ansi")
