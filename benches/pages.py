@@ -1,4 +1,4 @@
-"""Sizes of pages: bytes per second of motion, beside those of other ways to keep the same rollout.
+"""Sizes of pages: bytes per second of motion, beside those of other ways to keep a rollout.
 
 Usage: pages.py MSK [TASK:POLICY ...]
 
@@ -6,7 +6,7 @@ Compares for each rollout, at 60 frames per second or the control frequency if t
 
 * the page of `msk run --html`, and what of it are program and description of the model;
 * MuJoCo's own way: the model as XML, and a dump of its states (time, qpos, qvel, act as float64; also as float32, compressed by NumPy),
-  if the package `msk` and NumPy can be imported; the same rollout is played again;
+  if the package `msk` and NumPy can be imported: of an episode of the same task and length under random actions;
 * a page of `brax.io.html`, if brax can be imported: of its humanoid, as long, because it shows capsules and no muscles.
 """
 
