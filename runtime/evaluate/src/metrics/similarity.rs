@@ -1,6 +1,6 @@
 //! Similarity of activations with envelopes of human electromyograms over the gait cycle.
 //!
-//! 1. Cycles run from strike to strike of the foot on the muscle's side ([`Gait`](super::Gait)); without strikes there is no result.
+//! 1. Cycles run from strike to strike of the foot on the muscle's side ([`Gait`]); without strikes there is no result.
 //! 2. Each cycle of activations is resampled to 101 points by a cubic spline; cycles are averaged, and the mean is scaled to 0..1. The
 //!    deviation over cycles is divided by the range of the mean.
 //! 3. r_m is the largest Pearson correlation of mean and human envelope over all cyclic shifts. 0 % and 100 % are the same point of the
