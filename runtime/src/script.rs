@@ -5,7 +5,7 @@
 //! step. Between two keyframes on the ground the body stays on it; between two that align the same places these stay aligned.
 //! Where a motion is played, its table gives where joints and root are from one keyframe to the next.
 
-use crate::body::{Beginning, Body, OutOfReach};
+use crate::body::{Body, InitialGuess, OutOfReach};
 use msk_physics::model::{Model, rotation};
 use msk_physics::{State, Workspace};
 use msk_program::frame::Origin;
@@ -110,7 +110,7 @@ impl Script {
     ) -> Result<Vec<f64>, OutOfReach> {
         let mut state = State::new(model);
         put(&init.coordinates, &init.root, init.objects.iter().copied(), model, body, &mut state, workspace);
-        body.align(model, &init.alignments, Beginning::Anywhere, &mut state, workspace)?;
+        body.align(model, &init.alignments, InitialGuess::Anywhere, &mut state, workspace)?;
         let (mut values, root) = (init.coordinates.clone(), &init.root);
         values.resize(self.joints, 0.0);
         for alignment in &init.alignments {
@@ -203,7 +203,7 @@ impl Script {
             playing.following.write(playing.phase, (step - row.step) * self.period, &mut init);
             (init.root.velocity, init.root.spin) = ([0.0; 3], [0.0; 3]);
             put(&init.coordinates, &init.root, init.objects.iter().copied(), model, body, state, workspace);
-            body.align(model, &init.alignments, Beginning::Near, state, workspace)?;
+            body.align(model, &init.alignments, InitialGuess::Pose, state, workspace)?;
             return Ok(row.values[self.joints + ROOT]);
         }
         let Shown { values, hold, alignments } = self.at(step);
@@ -229,7 +229,7 @@ impl Script {
             meets: if let Hold::Meets(meets) = hold { meets } else { Vec::new() },
         };
         put(joints, &placement, starts, model, body, state, workspace);
-        body.align(model, &alignments, Beginning::Near, state, workspace)?;
+        body.align(model, &alignments, InitialGuess::Pose, state, workspace)?;
         Ok(activation)
     }
 

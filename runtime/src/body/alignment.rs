@@ -45,12 +45,12 @@ const WORSE: f64 = 5.0;
 const LEAST_DAMPING: f64 = 1e-9;
 const MOST_DAMPING: f64 = 1e8;
 
-/// Where joints that reach begin.
+/// Where the search for joint coordinates starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Beginning {
-    /// In the pose that is given, which is near what is looked for.
-    Near,
-    /// In the pose that is given, then anywhere within their ranges.
+pub enum InitialGuess {
+    /// At the pose that is given, which is near what is looked for.
+    Pose,
+    /// At the pose that is given, then anywhere within their ranges.
     Anywhere,
 }
 
@@ -64,7 +64,7 @@ impl Body {
         &self,
         model: &Model,
         alignments: &[Alignment],
-        beginning: Beginning,
+        guess: InitialGuess,
         state: &mut State<f64>,
         workspace: &mut Workspace<f64>,
     ) -> Result<(), OutOfReach> {
@@ -75,7 +75,7 @@ impl Body {
         let reaching: Vec<&Alignment> = alignments.iter().filter(|known| matches!(known.moves, Moves::Joints(_))).collect();
         let reached = match reaching.is_empty() {
             true => Ok(()),
-            false => Reaching::new(self, model, &reaching).reach(beginning, state, kinematics),
+            false => Reaching::new(self, model, &reaching).reach(guess, state, kinematics),
         };
         for alignment in alignments {
             let Moves::Object(object) = alignment.moves else { continue };
@@ -133,11 +133,11 @@ impl<'a> Reaching<'a> {
     }
 
     /// Reaches from the pose on, or from elsewhere; where nothing leads there, comes as near as it can.
-    fn reach(&self, beginning: Beginning, state: &mut State<f64>, kinematics: &mut Kinematics<f64>) -> Result<(), OutOfReach> {
+    fn reach(&self, guess: InitialGuess, state: &mut State<f64>, kinematics: &mut Kinematics<f64>) -> Result<(), OutOfReach> {
         let pose = state.position.clone();
         let mut nearest = self.search(state, kinematics);
         let mut found = state.position.clone();
-        let restarts = if beginning == Beginning::Anywhere { RESTARTS } else { 0 };
+        let restarts = if guess == InitialGuess::Anywhere { RESTARTS } else { 0 };
         for restart in 1..=restarts {
             if nearest.is_reached() {
                 break;

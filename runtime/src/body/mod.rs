@@ -22,7 +22,7 @@ pub mod shape;
 mod support;
 mod vocabulary;
 
-pub use alignment::{Beginning, OutOfReach};
+pub use alignment::{InitialGuess, OutOfReach};
 pub use bind::{BindError, Problem, subtree};
 pub use changes::ChangeError;
 

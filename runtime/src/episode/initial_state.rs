@@ -1,7 +1,7 @@
 //! How an episode begins: a pose with noise on what is free, couplings solved, the root where the task wants it.
 
 use super::streams::{EpisodeKey, Stream};
-use crate::body::{Beginning, Body, Joint, OutOfReach};
+use crate::body::{Body, InitialGuess, Joint, OutOfReach};
 use msk_physics::model::{Equality, Model, rotation};
 use msk_physics::scalar::Real;
 use msk_physics::{self as physics, State, Workspace};
@@ -39,7 +39,7 @@ pub fn begin(
     };
     let coordinates: Vec<f64> = body.joints.iter().zip(&init.coordinates).enumerate().map(noisy).collect();
     body.place(model, &init.root, &coordinates, state, workspace);
-    body.align(model, &init.alignments, Beginning::Near, state, workspace)?;
+    body.align(model, &init.alignments, InitialGuess::Pose, state, workspace)?;
 
     let mut noise = Stream::new(key, "init/noise/velocities");
     for (index, joint) in body.joints.iter().enumerate() {

@@ -59,8 +59,7 @@ impl<'a> Checker<'a> {
         {
             return Err(self.error(codes::types::WRONG_TYPE, align.target.span, "a thing cannot be aligned to a part of itself"));
         }
-        let aligned_twice = |known: &&Alignment| known.moves == Moves::Object(object);
-        init.alignments.retain(|known| !aligned_twice(&known));
+        init.alignments.retain(|known| known.moves != Moves::Object(object));
         init.alignments.push(Alignment { landmark, target, moves: Moves::Object(object) });
         Ok(object)
     }
