@@ -6,6 +6,7 @@
 // Results agree between machines to the bit: see `clippy.toml`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod agent;
 mod check;
 mod collect;
 mod compare;
@@ -86,6 +87,7 @@ enum Command {
     Vocabulary(vocabulary::Args),
     Weights(weights::Args),
     Train(train::Args),
+    Agent(agent::Args),
     Tune(tune::Args),
     View(view::Args),
     Sensitivity(sensitivity::Args),
@@ -120,6 +122,7 @@ impl Command {
             Self::Vocabulary(args) => vocabulary::run(args),
             Self::Weights(args) => weights::run(args),
             Self::Train(args) => train::run(args),
+            Self::Agent(args) => agent::run(args),
             Self::Tune(args) => tune::run(args),
             Self::View(args) => view::run(args),
             Self::Sensitivity(args) => sensitivity::run(args),

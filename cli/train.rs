@@ -1,5 +1,7 @@
 //! `msk train TASK`: an agent learns from the reward of a task.
 
+mod lessons;
+
 use crate::condition::Condition;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
@@ -7,10 +9,11 @@ use crate::named::by_name;
 use crate::progress;
 use crate::project::{Project, Settings as Parameters};
 use indicatif::{HumanDuration, ProgressBar};
+use lessons::Named;
 use msk::compiler::numbers::for_people;
 use msk::runtime::episode::Engine;
 use msk::train::session::{BEST_BY_RETURN, BEST_BY_SUCCESS, Ended, Observer, Progress, Session};
-use msk::train::{Algorithm, Evaluation, Preset, Round, Settings, TrainError, Training};
+use msk::train::{Algorithm, Evaluation, Lessons, Preset, Round, Settings, TrainError, Training};
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -30,7 +33,8 @@ use std::time::{Duration, Instant};
 pub struct Args {
     /// Name of a task in tasks.msk, or a file with one task
     task: String,
-    /// The algorithm: ppo (proximal policy optimisation), sac (soft actor-critic) [default: ppo]
+    /// The algorithm: ppo (proximal policy optimisation), sac (soft actor-critic), clone (imitation of --data and --teacher)
+    /// [default: ppo]
     #[arg(long, value_name = "NAME", value_parser = algorithm)]
     algorithm: Option<Algorithm>,
     /// The settings: fast (networks that take about as long as the simulation), paper (those of the benchmark's paper: days on two cores)
@@ -52,9 +56,14 @@ pub struct Args {
     /// Threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    lessons: Named,
     /// Folder of the training [default: a new one under results/]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write returns, success, terms and losses as event files of TensorBoard into the folder, too
+    #[arg(long)]
+    tensorboard: bool,
     #[command(flatten)]
     condition: Condition,
     #[command(flatten)]
@@ -99,17 +108,19 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         .with_fatigue(trial.body.condition.fatigue);
     let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
     let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    let lessons = args.lessons.lessons(&engine)?;
     let interrupt = Interrupt::listen()?;
-    let there = args.out.as_deref().map(Session::steps_in).transpose()?.flatten();
+    let there = args.out.as_deref().map(Session::identity_in).transpose()?.flatten();
     let steps = match (args.budget, there) {
-        (Some(_), Some(steps)) => steps,
-        (Some(budget), None) => match steps_within(budget, &engine, &settings, args.seed, threads, interrupt.stop())? {
+        // A budget of time becomes steps only once.
+        (Some(_), Some(training)) => training.steps,
+        (Some(budget), None) => match steps_within(budget, &engine, &settings, &lessons, args.seed, threads, interrupt.stop())? {
             Some(steps) => steps,
             None => return Ok(interrupt.code()),
         },
         (None, _) => args.steps.unwrap_or(1_000_000),
     };
-    let training = Training::new(&engine, &settings, (args.seed, steps), threads)?;
+    let training = Training::with(&engine, &settings, &lessons, (args.seed, steps), threads)?;
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => crate::eval::fresh_folder(&format!("{}-{}", trial.task.name, settings.algorithm.name()))?,
@@ -119,6 +130,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     writeln!(io::stderr(), "{}: {name}, {steps} steps, seed {}, in `{}`", trial.task.name, args.seed, folder.display())?;
     if resumed {
         writeln!(io::stderr(), "resuming after {} steps", session.training().step())?;
+    }
+    if args.tensorboard {
+        session = session.with_events().map_err(|error| explain(error, &folder))?;
     }
     let mut shown = Shown::new(steps);
     let ended = session.run(interrupt.stop(), &mut shown);
@@ -147,6 +161,7 @@ fn steps_within(
     budget: Duration,
     engine: &Engine,
     settings: &Settings,
+    lessons: &Lessons,
     seed: u64,
     threads: NonZeroUsize,
     stop: &AtomicBool,
@@ -154,7 +169,7 @@ fn steps_within(
     let mut trial = settings.clone();
     // What is slow begins at once.
     trial.sac.start = 1;
-    let mut training = Training::new(engine, &trial, (seed, u64::MAX), threads)?;
+    let mut training = Training::with(engine, &trial, lessons, (seed, u64::MAX), threads)?;
     let begin = Instant::now();
     let enough = Duration::from_secs(5).min(budget / 20);
     training.round()?;

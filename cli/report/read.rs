@@ -3,6 +3,7 @@
 use crate::error::{Context, Error};
 use msk::evaluate::Summary;
 use msk::evaluate::sweep::Sweep;
+use msk::train::curve::Curve;
 use msk_storage::{StorageError, read_text_file};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -40,7 +41,7 @@ pub fn read(folder: &Path) -> Result<Source, Error> {
     let sweep: Option<Sweep> = text("sweep.json")?.map(|text| serde_json::from_str(&text)).transpose().map_err(damaged)?;
     let summary = text("summary.json")?.map_or_else(|| text("unperturbed/summary.json"), |text| Ok(Some(text)))?;
     let summary: Option<Summary> = summary.map(|text| serde_json::from_str(&text)).transpose().map_err(damaged)?;
-    let curve = text("curve.jsonl")?.map(|lines| curve(&lines)).unwrap_or_default();
+    let curve = text(msk::train::curve::FILE)?.map(|lines| points(&Curve::of(lines.as_bytes()))).unwrap_or_default();
     let name = folder.file_name().map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
     let policy = summary.as_ref().map(|summary| summary.policy.clone());
     let label = policy.map_or_else(|| name.clone(), |policy| format!("{policy} ({name})"));
@@ -65,14 +66,11 @@ fn missing(error: &StorageError) -> bool {
     matches!(error.kind(), Some(std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory))
 }
 
-/// The points of a learning curve. Lines that were not written whole are left out.
-fn curve(lines: &str) -> Vec<[f64; 3]> {
-    let lines: Vec<serde_json::Value> = lines.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    let point = |step: &serde_json::Value, of: &serde_json::Value| {
-        Some([step.as_f64()?, of["return"].as_f64()?, of["success"].as_f64()?])
-    };
-    let evaluations: Vec<[f64; 3]> = lines.iter().filter_map(|line| point(&line["step"], line.get("evaluation")?)).collect();
-    if evaluations.is_empty() { lines.iter().filter_map(|line| point(&line["step"], line)).collect() } else { evaluations }
+/// The points of a learning curve.
+fn points(curve: &Curve) -> Vec<[f64; 3]> {
+    let evaluations: Vec<[f64; 3]> = curve.evaluations().map(|(step, found)| [step as f64, found.total, found.success]).collect();
+    let ended = || curve.ended().map(|(step, found)| [step as f64, found.total, found.success]).collect();
+    if evaluations.is_empty() { ended() } else { evaluations }
 }
 
 /// The first trace of every task, in the order of their names.

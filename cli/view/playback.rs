@@ -71,7 +71,7 @@ impl Playback<'_> {
         if !agent.is_dir() {
             return Ok(None);
         }
-        let trial = self.trial(&training.task, &training.hash)?;
+        let trial = self.trial(&training.task, &training.task_hash)?;
         self.play(&trial, &format!("agent {}", agent.display()), [training.seed, place as u64], &[], None)
     }
 

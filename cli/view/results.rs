@@ -2,7 +2,10 @@
 
 use crate::error::{Context, Error};
 use msk::evaluate::{EpisodeRecord, Journal, RunSettings, TaskSettings};
-use msk_storage::{Folder, Log};
+use msk::train::curve::{Curve, Ended};
+use msk::train::session::Session;
+use msk::train::{Evaluation, Identity};
+use msk_storage::Folder;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,18 +21,6 @@ pub enum Results {
     Evaluation(PathBuf),
     /// Of `msk train`.
     Training(PathBuf),
-}
-
-/// What decides a training, as far as a page needs it.
-pub struct Training {
-    /// Name of the task.
-    pub task: String,
-    /// Hash of its meaning.
-    pub hash: String,
-    /// Control steps of the whole training.
-    pub steps: u64,
-    /// Random seed.
-    pub seed: u64,
 }
 
 impl Results {
@@ -63,15 +54,9 @@ impl Results {
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn training(path: &Path) -> Result<Training, Error> {
-        let damaged = || Error::new(format!("`{}` is damaged", path.join("training.toml").display()));
-        let table: toml::Table = text(path, "training.toml")?.parse().map_err(|_| damaged())?;
-        let word = |name: &str| table.get(name).and_then(toml::Value::as_str).map(str::to_owned).ok_or_else(damaged);
-        let number = |name: &str| {
-            let value = table.get(name).and_then(toml::Value::as_integer);
-            value.and_then(|value| u64::try_from(value).ok()).ok_or_else(damaged)
-        };
-        Ok(Training { task: word("task")?, hash: word("task_hash")?, steps: number("steps")?, seed: number("seed")? })
+    pub fn training(path: &Path) -> Result<Identity, Error> {
+        let gone = || Error::new(format!("`{}` is gone", path.join("training.toml").display()));
+        Session::identity_in(path)?.ok_or_else(gone)
     }
 
     /// Whether all of the run is there, and what the page shows of it.
@@ -134,21 +119,18 @@ fn summed_up(path: &Path) -> bool {
 
 fn curve(path: &Path) -> Result<(bool, Value), Error> {
     let training = Results::training(path)?;
-    let bytes = Folder::open(path)?.read(Path::new("curve.jsonl"), LARGEST)?.unwrap_or_default();
-    // A line that is just being written is left out.
-    let lines = Log::whole_lines(&bytes).split(|byte| *byte == b'\n');
-    let lines: Vec<Value> = lines.filter_map(|line| serde_json::from_slice(line).ok()).collect();
-    let (evaluations, rounds): (Vec<&Value>, Vec<&Value>) = lines.iter().partition(|line| line.get("evaluation").is_some());
-    let step = rounds.last().and_then(|round| round["step"].as_u64()).unwrap_or(0);
-    let over = step >= training.steps && evaluations.last().is_some_and(|last| last["step"].as_u64() == Some(step));
-    let ended: Vec<&&Value> = rounds.iter().filter(|round| round.get("return").is_some()).collect();
+    let curve = Curve::in_folder(path)?.unwrap_or_default();
+    let step = curve.rounds().next_back().map_or(0, |round| round.step);
+    let over = step >= training.steps && curve.evaluations().next_back().is_some_and(|(last, _)| last == step);
+    let ended: Vec<(u64, &Ended)> = curve.ended().collect();
     let stride = ended.len().div_ceil(MOST).max(1);
-    let round = |round: &&&Value| json!({ "step": round["step"], "return": round["return"], "success": round["success"], "length": round["length"] });
-    let terms = ended.last().map_or(Value::Null, |round| round["terms"].clone());
+    let round = |(step, ended): &(u64, &Ended)| json!({ "step": step, "return": ended.total, "success": ended.success, "length": ended.length });
+    let evaluation = |(step, found): (u64, &Evaluation)| json!({ "step": step, "return": found.total, "success": found.success });
     let state = json!({
-        "kind": "training", "title": training.task, "over": over, "step": step, "steps": training.steps, "terms": terms,
+        "kind": "training", "title": training.task, "over": over, "step": step, "steps": training.steps,
+        "terms": ended.last().map(|(_, last)| &last.terms),
         "curve": ended.iter().step_by(stride).chain(ended.last()).map(round).collect::<Vec<_>>(),
-        "evaluations": evaluations.iter().map(|line| json!({ "step": line["step"], "return": line["evaluation"]["return"], "success": line["evaluation"]["success"] })).collect::<Vec<_>>(),
+        "evaluations": curve.evaluations().map(evaluation).collect::<Vec<_>>(),
     });
     Ok((over, state))
 }

@@ -20,6 +20,8 @@ const DECISIVE: &[&str] = &[
     "learn/network/src",
     "learn/plan/Cargo.toml",
     "learn/plan/src",
+    "learn/settings/Cargo.toml",
+    "learn/settings/src",
     "learn/train/Cargo.toml",
     "learn/train/src",
     "compiler/Cargo.toml",

@@ -89,7 +89,7 @@ fn what_cannot_be_trained_is_explained() {
     let train = |more: &[&str]| project.msk(&[&["train", "pendulum.msk"], more].concat());
     train(&["--settings", "wrong.toml"]).failed(1, &["`wrong.toml`: line 2: `episodes` is 0; expected a whole number from 1"]);
     train(&["--settings", "learner.toml", "--preset", "fast"]).failed(2, &["cannot be used with"]);
-    train(&["--algorithm", "dqn"]).failed(2, &["choose one of: ppo, sac"]);
+    train(&["--algorithm", "dqn"]).failed(2, &["choose one of: ppo, sac, clone"]);
     train(&["--budget", "soon"]).failed(2, &["`soon` is no time: write 90s, 30m, 2h or 1h30m"]);
     train(&["--settings", "learner.toml", "--steps", "200", "--out", "out"]).succeeded();
     train(&["--settings", "learner.toml", "--steps", "400", "--out", "out"])
@@ -111,4 +111,74 @@ fn a_budget_of_time_becomes_steps_that_are_kept() {
     assert!(first.err.contains("steps within the budget"), "{}", first.err);
     let second = train().succeeded();
     assert!(second.err.contains("resuming after ") && !second.err.contains("within the budget"), "{}", second.err);
+}
+
+#[test]
+fn a_curve_is_written_for_tensorboard_too() {
+    let project = project();
+    let train = |steps: &str| {
+        let mut command = train(&project, steps, "out");
+        command.arg("--tensorboard");
+        Done::from(command.output().unwrap()).succeeded();
+        let names = std::fs::read_dir(project.path("out")).unwrap().map(|entry| entry.unwrap().path());
+        let events: Vec<_> = names.filter(|path| path.to_string_lossy().contains("events.out.tfevents.")).collect();
+        assert_eq!(events.len(), 1, "{events:?}");
+        String::from_utf8_lossy(&std::fs::read(&events[0]).unwrap()).into_owned()
+    };
+    let events = train("4000");
+    let lines = project.read("out/curve.jsonl");
+    for (tag, key) in [("evaluation/success", "\"evaluation\""), ("losses/entropy", "\"losses\""), ("terms/near", "\"terms\"")] {
+        assert_eq!(events.matches(tag).count(), lines.matches(key).count(), "{tag}");
+    }
+    // A process that has nothing left to do writes the same curve again.
+    assert_eq!(train("4000").matches("terms/near").count(), events.matches("terms/near").count());
+}
+
+/// What is short enough for a test.
+const CLONE: &str =
+    "algorithm = \"clone\"\nhidden = [32]\nepisodes = 2\nevaluation_episodes = 2\n[clone]\nupdates = 0.2\nbatch = 64\n";
+
+#[test]
+fn a_controller_is_cloned_from_its_episodes_and_as_a_teacher() {
+    let project = Project::lean();
+    project.write("clone.toml", CLONE);
+    let observe = "observe { pelvis.height, hip_flexion_{l,r}.q, knee_angle_{l,r}.q, ankle_angle_{l,r}.q }";
+    let lean = project.read("lean.msk").replace("observe { pelvis.height }", observe);
+    project.write("lean.msk", &lean);
+    // The same in a space of synergies: muscles that share an action ask for their mean.
+    project.write(
+        "synergies.msk",
+        &lean.replace("    init {", "    act synergies { of [calves, hamstrings, quadriceps], sides }\n\n    init {"),
+    );
+    for task in ["lean.msk", "synergies.msk"] {
+        let data = format!("data-{task}");
+        project.msk(&["collect", task, "--policy", "cmc", "--episodes", "2", "--out", &data]).succeeded();
+        let common = ["train", task, "--settings", "clone.toml", "--steps", "2048"];
+        let recorded = project.msk(&[&common[..], &["--data", &data, "--out", &format!("recorded-{task}")]].concat()).succeeded();
+        assert!(recorded.err.contains(": clone, 2048 steps"), "{}", recorded.err);
+        let lines = project.read(&format!("recorded-{task}/curve.jsonl"));
+        let errors: Vec<f64> = lines
+            .lines()
+            .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap()["losses"]["error"].as_f64())
+            .collect();
+        assert!(errors.len() == 2 && errors[1] < 0.5 * errors[0], "{task}: {errors:?}");
+        let taught =
+            project.msk(&[&common[..4], &["--steps", "80", "--teacher", "cmc", "--out", &format!("taught-{task}")]].concat());
+        let lines = taught.succeeded().err;
+        assert!(lines.contains("80 steps: return "), "{lines}");
+        project.msk(&["run", task, "--policy", &format!("agent taught-{task}")]).succeeded();
+    }
+    let start = ["train", "lean.msk", "--steps", "2000", "--out", "started", "--start", "recorded-lean.msk"];
+    project.msk(&start).succeeded();
+    assert!(project.read("started/training.toml").contains("hidden = [32]"));
+    let refused = |more: &[&str], expected: &str| {
+        project.msk(&[&["train", "lean.msk", "--steps", "100"], more].concat()).failed(1, &[expected]);
+    };
+    refused(&["--algorithm", "clone"], "there is nothing to imitate");
+    refused(&["--data", "data-lean.msk"], "the algorithm `ppo` learns from rewards");
+    refused(&["--algorithm", "clone", "--data", "nowhere"], "`nowhere` holds no data set");
+    refused(&["--algorithm", "clone", "--data", "data-synergies.msk", "--start", "nowhere"], "cannot read `nowhere`");
+    project
+        .write("data-lean.msk/data.json", &project.read("data-lean.msk/data.json").replacen("pelvis.height", "pelvis.width", 1));
+    refused(&["--algorithm", "clone", "--data", "data-lean.msk"], "observes other channels than the task `lean`");
 }

@@ -25,6 +25,12 @@ impl Moments {
         self.squares += distance * (value - self.mean);
     }
 
+    /// Those of a mean and a [deviation](Self::deviation), as if so many numbers had come.
+    pub fn of(mean: f64, deviation: f64, count: f64) -> Self {
+        let variance = deviation * deviation - EPSILON;
+        Self { count, mean, squares: if variance > 0.0 { variance * count } else { 0.0 } }
+    }
+
     /// The variance of what has come; 1 before anything has.
     pub fn variance(&self) -> f64 {
         if self.count > 0.0 { self.squares / self.count } else { 1.0 }
@@ -71,9 +77,24 @@ impl Normaliser {
         }
     }
 
+    /// Takes in the first entries of a row alone.
+    pub fn update_first(&mut self, entries: &[f32]) {
+        self.moments.iter_mut().zip(entries).for_each(|(moments, value)| moments.add(f64::from(*value)));
+    }
+
+    /// Replaces the moments of the first entries.
+    pub fn begin_with(&mut self, moments: impl IntoIterator<Item = Moments>) {
+        self.moments.iter_mut().zip(moments).for_each(|(own, moments)| *own = moments);
+    }
+
     /// Writes normalised rows.
     pub fn apply(&self, rows: &[f64], out: &mut [f32]) {
-        let width = self.moments.len().max(1);
+        self.apply_first(self.moments.len(), rows, out);
+    }
+
+    /// Writes normalised rows that have the first `width` entries alone.
+    pub fn apply_first(&self, width: usize, rows: &[f64], out: &mut [f32]) {
+        let width = width.max(1);
         for (row, out) in rows.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
             for ((value, moments), out) in row.iter().zip(&self.moments).zip(out) {
                 let scaled = (value - moments.mean) / moments.deviation();

@@ -23,6 +23,7 @@ mod source;
 mod space;
 mod value;
 
+pub use msk_settings::SettingsError;
 pub use planner::Planner;
-pub use settings::{Along, Interpolation, Method, Preset, Settings, SettingsError, SpaceChoice, Targets};
+pub use settings::{Along, Interpolation, Method, Preset, Settings, SpaceChoice, Targets};
 pub use source::source;

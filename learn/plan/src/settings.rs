@@ -1,5 +1,6 @@
 //! Settings of a planner: presets, files, and what they may hold.
 
+use msk_settings::{Checked, SettingsError};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
@@ -173,26 +174,6 @@ impl Default for Settings {
     }
 }
 
-/// What is wrong with settings.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SettingsError {
-    /// No TOML, an unknown key, or a value of another kind.
-    #[error("{0}")]
-    Invalid(String),
-    /// A number that makes no sense, or takes for ever.
-    #[error("line {line}: `{key}` is {found}; expected {expected}")]
-    Range {
-        /// Line in the file, from 1.
-        line: usize,
-        /// Its name.
-        key: &'static str,
-        /// What it was set to.
-        found: String,
-        /// What it may be.
-        expected: String,
-    },
-}
-
 impl Settings {
     /// Those of a preset.
     pub fn of(preset: Preset) -> Self {
@@ -237,29 +218,14 @@ impl Settings {
     /// # Errors
     /// No TOML, an unknown key, a value of another kind, or one that makes no sense.
     pub fn read(text: &str) -> Result<Self, SettingsError> {
-        // The message shows the place in the file.
-        let written: Self = toml::from_str(text).map_err(|error| SettingsError::Invalid(error.to_string()))?;
-        let invalid = |error: &dyn ToString| SettingsError::Invalid(error.to_string());
-        let mut table = toml::Table::try_from(Self::of(written.preset)).map_err(|error| invalid(&error))?;
-        let changes: toml::Table = text.parse().map_err(|error: toml::de::Error| invalid(&error))?;
-        for (key, value) in changes {
-            match (table.get_mut(&key), value) {
-                (Some(toml::Value::Table(inner)), toml::Value::Table(changes)) => inner.extend(changes),
-                (_, value) => drop(table.insert(key, value)),
-            }
-        }
-        let settings: Self = table.try_into().map_err(|error| invalid(&error))?;
+        let settings = msk_settings::read(text, |written: &Self| Self::of(written.preset))?;
         settings.check(text)?;
         Ok(settings)
     }
 
     /// Whether every number lies where it makes sense.
     fn check(&self, text: &str) -> Result<(), SettingsError> {
-        let refuse = |key: &'static str, found: String, expected: String| {
-            let is_of = |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
-            let line = text.lines().position(is_of).map_or(0, |index| index + 1);
-            Err(SettingsError::Range { line, key, found, expected })
-        };
+        let checked = Checked::of(text);
         let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 18] = [
             ("horizon", self.horizon, 0.01..=10.0, "s"),
             ("tail", self.tail, 0.0..=10.0, "s"),
@@ -281,10 +247,7 @@ impl Settings {
             ("priority_factor", self.targets.priority_factor, 1.0..=100.0, ""),
         ];
         for (key, found, range, unit) in numbers {
-            if !range.contains(&found) {
-                let expected = format!("a number from {} to {} {unit}", range.start(), range.end());
-                return refuse(key, found.to_string(), expected.trim_end().to_owned());
-            }
+            checked.number(key, found, range, unit)?;
         }
         let counts: [(&'static str, usize, RangeInclusive<usize>); 8] = [
             ("samples", self.samples, 4..=4096),
@@ -296,11 +259,6 @@ impl Settings {
             ("hold", self.hold as usize, 1..=100),
             ("coarseness", self.coarseness as usize, 1..=10),
         ];
-        for (key, found, range) in counts {
-            if !range.contains(&found) {
-                return refuse(key, found.to_string(), format!("a whole number from {} to {}", range.start(), range.end()));
-            }
-        }
-        Ok(())
+        counts.into_iter().try_for_each(|(key, found, range)| checked.count(key, found, range))
     }
 }

@@ -3,10 +3,12 @@
 //! A folder holds `agent.toml` (what it was trained on and how well it does), `policy.safetensors` (its network with the normaliser of
 //! observations, as the policy `network` reads it) and `curve.jsonl` (how it became what it is).
 
+use crate::curve;
 use crate::evaluate::Evaluation;
+use crate::onnx;
 use crate::play::Play;
 use msk_network::file::TensorFile;
-use msk_network::{Kernel, Mlp, Parameters, Processor, Shape, Tape};
+use msk_network::{Kernel, Mlp, Moments, Parameters, Processor, Shape, Tape};
 use msk_program::digest::hexadecimal;
 use msk_program::task::CompiledTask;
 use msk_runtime::episode::{Engine, single_precision};
@@ -23,8 +25,6 @@ use std::sync::atomic::AtomicBool;
 const DESCRIPTION: &str = "agent.toml";
 /// Its network.
 const NETWORK: &str = "policy.safetensors";
-/// Its curve.
-const CURVE: &str = "curve.jsonl";
 /// Largest description, bytes.
 const LARGEST_DESCRIPTION: u64 = 1 << 20;
 /// Largest network, bytes.
@@ -134,6 +134,21 @@ impl Actor {
             clip: play.normaliser.clip() as f32,
             squash,
         }
+    }
+
+    /// Writes its numbers into a network among the parameters of a learner whose hidden layers are the same; rows of the last layer that
+    /// mean something else stay as they are.
+    pub(crate) fn copy_to(&self, network: &Mlp, all: &mut Parameters) {
+        let to: Vec<_> = all.tensors().iter().filter(|tensor| network.range().contains(&tensor.range.start)).cloned().collect();
+        for (from, to) in self.parameters.tensors().iter().zip(to) {
+            let part = to.range.start..to.range.start + from.range.len();
+            all.values_mut()[part].copy_from_slice(&self.parameters.values()[from.range.clone()]);
+        }
+    }
+
+    /// The moments by which it normalises, as if it had seen so many rows.
+    pub(crate) fn moments(&self, rows: f64) -> impl Iterator<Item = Moments> {
+        self.mean.iter().zip(&self.std).map(move |(mean, std)| Moments::of(f64::from(*mean), f64::from(*std), rows))
     }
 
     /// Writes an action for each row of observations.
@@ -248,14 +263,14 @@ impl Agent {
         &self.actor
     }
 
-    /// Writes its folder beneath another; `curve` is how it became what it is, a line of JSON per round.
+    /// Writes its folder beneath another; `lines` are the curve by which it became what it is, a line of JSON per round.
     ///
     /// # Errors
     /// A full disk, a folder that cannot be written.
-    pub fn write(&self, folder: &Folder, name: &str, curve: &[u8]) -> Result<(), StorageError> {
+    pub fn write(&self, folder: &Folder, name: &str, lines: &[u8]) -> Result<(), StorageError> {
         let own = folder.create_subfolder(Path::new(name))?;
         own.replace(Path::new(NETWORK), &self.actor.file(&self.description.observation).bytes())?;
-        own.replace(Path::new(CURVE), curve)?;
+        own.replace(Path::new(curve::FILE), lines)?;
         // Last: what has a description is whole. Plain data of names and numbers always has a TOML form.
         own.replace(Path::new(DESCRIPTION), toml::to_string(&self.description).unwrap_or_default().as_bytes())
     }
@@ -294,10 +309,36 @@ impl Agent {
         Ok(Self { description, actor })
     }
 
-    /// Why it cannot act on a task; `any_task` allows one that only means something else.
-    fn unfit(&self, context: &PolicyContext<'_>, any_task: bool) -> Option<String> {
+    /// It as an ONNX file, the normaliser included: `observation` [batch, numbers] to `action` [batch, entries].
+    pub fn onnx(&self) -> Vec<u8> {
+        let Actor { network, parameters, mean, std, clip, squash } = &self.actor;
         let known = &self.description;
-        let channels = channels(context.task);
+        // Strings and numbers always have a JSON form.
+        let channels = serde_json::to_string(&known.observation).unwrap_or_default();
+        let remarks = [("task", &known.task), ("task_hash", &known.task_hash), ("body", &known.body), ("observation", &channels)];
+        let remarks = remarks.map(|(key, value)| (key.to_owned(), value.clone()));
+        onnx::file(&onnx::Source { network, parameters, mean, std, clip: *clip, squash: *squash, remarks: &remarks })
+    }
+
+    /// The sizes of its network.
+    pub(crate) fn shape(&self) -> &Shape {
+        &self.description.network
+    }
+
+    /// Whether the hyperbolic tangent of its output acts.
+    pub(crate) fn squashes(&self) -> bool {
+        self.actor.squash
+    }
+
+    /// What tells it from others: a hash of its network.
+    pub fn digest(&self) -> String {
+        hexadecimal(&Sha256::digest(self.actor.file(&self.description.observation).bytes())[..4])
+    }
+
+    /// Why it cannot act on any task that shows these channels and takes so many entries.
+    pub(crate) fn unlike(&self, task: &CompiledTask, entries: usize) -> Option<String> {
+        let known = &self.description;
+        let channels = channels(task);
         if channels != known.observation {
             let place = (0..channels.len().max(known.observation.len()))
                 .find(|place| channels.get(*place) != known.observation.get(*place))
@@ -308,8 +349,17 @@ impl Agent {
             let (found, expected) = (shown(&channels), shown(&known.observation));
             return Some(format!("it was trained to see something else: channel {} is {found}, expected {expected}", place + 1));
         }
-        if context.action_size() != known.network.outputs {
-            return Some(format!("it gives {} numbers, the action has {}", known.network.outputs, context.action_size()));
+        if entries != known.network.outputs {
+            return Some(format!("it gives {} numbers, the action has {entries}", known.network.outputs));
+        }
+        None
+    }
+
+    /// Why it cannot act on a task; `any_task` allows one that only means something else.
+    fn unfit(&self, context: &PolicyContext<'_>, any_task: bool) -> Option<String> {
+        let known = &self.description;
+        if let Some(reason) = self.unlike(context.task, context.action_size()) {
+            return Some(reason);
         }
         if any_task {
             return None;
@@ -405,8 +455,7 @@ fn named(rest: &str) -> Result<PolicySource, PolicyError> {
     }
     let unreadable = |reason: String| PolicyError::Unreadable { path: path.to_owned(), reason };
     let agent = Agent::read(Path::new(path)).map_err(|error| unreadable(error.to_string()))?;
-    let bytes = agent.actor.file(&agent.description.observation).bytes();
-    let name = format!("agent {path} ({})", hexadecimal(&Sha256::digest(&bytes)[..4]));
+    let name = format!("agent {path} ({})", agent.digest());
     let kernel = Processor::new(std::num::NonZeroUsize::MIN).map_err(|error| unreadable(error.to_string()))?;
     let maker = Maker { name: name.clone(), agent: Arc::new(agent), any_task, kernel: Arc::new(kernel) };
     Ok(PolicySource::made(name, Arc::new(maker)))

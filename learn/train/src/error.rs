@@ -1,7 +1,8 @@
 //! Why a training cannot begin or go on.
 
-use crate::settings::SettingsError;
 use msk_runtime::episode::EpisodeError;
+use msk_runtime::policy::PolicyError;
+use msk_settings::SettingsError;
 use msk_storage::StorageError;
 
 /// Why a training cannot begin or go on.
@@ -47,6 +48,14 @@ pub enum TrainError {
         /// Here.
         expected: String,
     },
+    /// A file that says of which training a folder is, and is damaged.
+    #[error("`{folder}/training.toml` is damaged: {reason}; remove the folder to begin anew")]
+    Identity {
+        /// The folder.
+        folder: String,
+        /// Why.
+        reason: String,
+    },
     /// A checkpoint that cannot be used.
     #[error("`{folder}/checkpoint.bin` cannot be used: {reason}; remove the folder to begin anew")]
     Checkpoint {
@@ -55,6 +64,41 @@ pub enum TrainError {
         /// Why.
         reason: String,
     },
+    /// Imitation without anything to imitate.
+    #[error("there is nothing to imitate: name data sets of `msk collect` with --data, or a policy with --teacher")]
+    NoTeacher,
+    /// Something to imitate for an algorithm that learns from rewards.
+    #[error(
+        "the algorithm `{0}` learns from rewards: --data and --teacher are for `--algorithm clone`, whose agent it can --start as"
+    )]
+    NoImitation(&'static str),
+    /// A data set that cannot be imitated.
+    #[error("the data set `{name}` {reason}")]
+    Data {
+        /// Which one.
+        name: String,
+        /// Why not, in words that continue its name.
+        reason: String,
+    },
+    /// A teacher that cannot be imitated.
+    #[error("the teacher `{teacher}` {reason}")]
+    Teacher {
+        /// Which one.
+        teacher: String,
+        /// Why not, in words that continue its name.
+        reason: String,
+    },
+    /// An agent that a training cannot begin as.
+    #[error("a training of `{algorithm}` cannot start as this agent: {reason}")]
+    Start {
+        /// The algorithm.
+        algorithm: &'static str,
+        /// Why not.
+        reason: String,
+    },
+    /// A teacher that cannot act.
+    #[error(transparent)]
+    Policy(#[from] PolicyError),
     /// A task without anything to decide or to see.
     #[error("task `{task}` has {what}, so there is nothing to learn")]
     Nothing {

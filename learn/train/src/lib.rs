@@ -13,21 +13,29 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod agent;
+pub mod curve;
 mod error;
 mod evaluate;
+mod imitation;
 mod learner;
 mod numbers;
+mod onnx;
 mod play;
 mod ppo;
+mod protobuf;
 mod replay;
 mod sac;
 pub mod session;
 mod settings;
+mod teaching;
+mod tensorboard;
 mod training;
 
 pub use agent::{Actor, Agent, AgentError, Description, source};
 pub use error::TrainError;
 pub use evaluate::Evaluation;
 pub use learner::Losses;
-pub use settings::{Algorithm, PpoSettings, Preset, SacSettings, Settings, SettingsError};
+pub use msk_settings::SettingsError;
+pub use settings::{Algorithm, CloneSettings, PpoSettings, Preset, SacSettings, Settings};
+pub use teaching::{DataSet, Lessons};
 pub use training::{Identity, Round, Training};

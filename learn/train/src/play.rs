@@ -1,5 +1,6 @@
 //! The episodes that a learner plays: what networks see of them, how rewards are scaled, and how they end.
 
+use crate::agent::Actor;
 use crate::error::TrainError;
 use crate::settings::Settings;
 use msk_network::{Moments, Normaliser};
@@ -87,6 +88,23 @@ impl Play {
     /// Writes rows as networks see them.
     pub fn normalize(&self, rows: &[f64], out: &mut [f32]) {
         self.normaliser.apply(rows, out);
+    }
+
+    /// Writes rows without critic channels as networks see them.
+    pub fn normalize_seen(&self, rows: &[f64], out: &mut [f32]) {
+        self.normaliser.apply_first(self.widths()[1], rows, out);
+    }
+
+    /// Takes in a row, without critic channels, that was seen elsewhere.
+    pub fn saw(&mut self, row: &[f32]) {
+        if self.normalizes[0] {
+            self.normaliser.update_first(row);
+        }
+    }
+
+    /// Begins with the moments by which an agent normalises what it sees, as if it had seen so many rows.
+    pub fn begin_as(&mut self, actor: &Actor, rows: f64) {
+        self.normaliser.begin_with(actor.moments(rows));
     }
 
     /// A reward as learners see it.

@@ -26,6 +26,8 @@ pub(crate) struct Ppo {
     chance: Stream,
     rollout: Rollout,
     means: Means,
+    /// Control steps before which the policy stays as it is.
+    critics_first: u64,
 }
 
 /// What is remembered between two updates: a row per control step and slot, in the order of steps.
@@ -71,7 +73,14 @@ impl Ppo {
             chance: Stream::new(EpisodeKey { seed, episode: 0 }, "train/chance"),
             rollout: Rollout::default(),
             means: Means::default(),
+            critics_first: 0,
         }
+    }
+
+    /// Begins as an agent, which stays as it is until the values have learned what it is worth.
+    pub fn begin_as(&mut self, actor: &Actor, critics_first: u64) {
+        actor.copy_to(&self.policy, &mut self.networks.parameters);
+        self.critics_first = critics_first;
     }
 
     /// Control steps of a round, in all slots together.
@@ -171,15 +180,15 @@ impl Ppo {
             shuffle(&mut order, &mut self.chance);
             // A rest that is smaller than the others would weigh as much: it is left out, another one in every epoch.
             for batch in order.chunks_exact(self.settings.minibatch) {
-                let loss = self.loss(batch, play);
+                let loss = self.loss(batch, play, step >= self.critics_first);
                 self.networks.descend(loss, ("the loss of PPO", step), rate, &mut self.optimizer)?;
             }
         }
         Ok(())
     }
 
-    /// The negative of equation 9 of Schulman et al. 2017 on some transitions.
-    fn loss(&mut self, batch: &[usize], play: &Play) -> Variable {
+    /// The negative of equation 9 of Schulman et al. 2017 on some transitions; of its error of the values alone unless the policy improves.
+    fn loss(&mut self, batch: &[usize], play: &Play, improves: bool) -> Variable {
         let ([whole, width], entries, rows) = (play.widths(), play.entries(), batch.len());
         let (rollout, settings) = (&self.rollout, &self.settings);
         let Networks { tape, parameters, .. } = &mut self.networks;
@@ -226,8 +235,10 @@ impl Ppo {
         let entropy = tape.mean(entropy);
 
         // Equation 9: surrogate - c1 error + c2 entropy.
-        let objective = [(gain, settings.value_weight), (entropy, settings.entropy)];
-        let objective = objective.into_iter().fold(surrogate, |sum, (part, weight)| {
+        let share = if improves { 1.0 } else { 0.0 };
+        let objective = [(gain, settings.value_weight), (entropy, share * settings.entropy)];
+        let policy = tape.affine(surrogate, share as f32, 0.0);
+        let objective = objective.into_iter().fold(policy, |sum, (part, weight)| {
             let part = tape.affine(part, weight as f32, 0.0);
             tape.add(sum, part)
         });

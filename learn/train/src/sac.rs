@@ -17,6 +17,8 @@ use std::sync::Arc;
 
 /// Bounds of the logarithm of a standard deviation.
 const LOG_STD: [f32; 2] = [-20.0, 2.0];
+/// Logarithm of the standard deviation, before squashing, of one that begins as an agent.
+const STARTING_LOG_STD: f32 = -2.0;
 /// Control steps of each slot in a round, which is what a report is about and no part of the algorithm.
 const ROUND: usize = 128;
 
@@ -38,6 +40,8 @@ pub(crate) struct Sac {
     due: f64,
     updates: u64,
     means: Means,
+    /// Control steps before which the actor stays as it is, where it begins as an agent.
+    critics_first: Option<u64>,
 }
 
 /// What of it a checkpoint keeps.
@@ -91,7 +95,21 @@ impl Sac {
             updates: 0,
             means: Means::default(),
             settings: settings.sac.clone(),
+            critics_first: None,
         }
+    }
+
+    /// Begins as an agent, with small deviations: it acts from the first step on, and stays as it is until the critics have learned what
+    /// it is worth.
+    pub fn begin_as(&mut self, actor: &Actor, critics_first: u64) {
+        actor.copy_to(&self.actor, &mut self.networks.parameters);
+        if let Some(last) = self.actor.layers().last() {
+            let (entries, inputs) = (last.outputs / 2, last.inputs);
+            let values = self.networks.parameters.values_mut();
+            values[last.weight.clone()][entries * inputs..].fill(0.0);
+            values[last.bias.clone()][entries..].fill(STARTING_LOG_STD);
+        }
+        self.critics_first = Some(critics_first);
     }
 
     /// Control steps of a round, in all slots together.
@@ -124,7 +142,7 @@ impl Sac {
     fn act(&mut self, play: &Play, step: u64) -> Vec<f32> {
         let ([whole, width], slots, entries) = (play.widths(), play.slots(), play.entries());
         let chance = &mut self.chance;
-        if step < self.settings.start as u64 {
+        if step < self.settings.start as u64 && self.critics_first.is_none() {
             return (0..slots * entries).map(|_| (2.0 * chance.uniform() - 1.0) as f32).collect();
         }
         let mut rows = vec![0.0; slots * whole];
@@ -152,7 +170,8 @@ impl Sac {
     fn update(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
         self.update_critics(play, step)?;
         self.updates += 1;
-        if self.updates.is_multiple_of(self.settings.actor_delay as u64) {
+        let improves = self.critics_first.is_none_or(|first| step >= self.settings.start as u64 + first);
+        if improves && self.updates.is_multiple_of(self.settings.actor_delay as u64) {
             for _ in 0..self.settings.actor_delay {
                 self.update_actor(play, step)?;
             }

@@ -8,13 +8,13 @@
 //! | `last/`, `best-by-success/`, `best-by-return/` | agents |
 
 use crate::agent::Agent;
+use crate::curve::{self, Curve, Line};
 use crate::error::TrainError;
 use crate::evaluate::Evaluation;
+use crate::tensorboard::Events;
 use crate::training::{Identity, Round, Training};
-use msk_program::task::CompiledTask;
 use msk_storage::{Folder, Lock, Log};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -27,7 +27,6 @@ pub const BEST_BY_RETURN: &str = "best-by-return";
 pub const LAST: &str = "last";
 
 const IDENTITY: &str = "training.toml";
-const CURVE: &str = "curve.jsonl";
 const CHECKPOINT: &str = "checkpoint.bin";
 /// Largest files that are read, bytes.
 const LARGEST_TEXT: u64 = 1 << 30;
@@ -85,6 +84,7 @@ pub struct Session {
     record: Record,
     curve: Vec<u8>,
     log: Log,
+    events: Option<Events>,
 }
 
 impl Session {
@@ -108,21 +108,30 @@ impl Session {
             }
         };
         // Lines after the checkpoint will be written again.
-        folder.replace(Path::new(CURVE), &curve)?;
-        let log = folder.log(CURVE)?;
-        Ok((Self { folder, _lock: lock, training, record, curve, log }, there.is_some()))
+        folder.replace(Path::new(curve::FILE), &curve)?;
+        let log = folder.log(curve::FILE)?;
+        Ok((Self { folder, _lock: lock, training, record, curve, log, events: None }, there.is_some()))
     }
 
-    /// The number of steps that the training in a folder has, if there is one: a budget of time becomes steps only once.
+    /// What decides the training in a folder; `None` where there is none.
     ///
     /// # Errors
-    /// A folder that cannot be read.
-    pub fn steps_in(path: &Path) -> Result<Option<u64>, TrainError> {
+    /// A folder or file that cannot be read, or a damaged one.
+    pub fn identity_in(path: &Path) -> Result<Option<Identity>, TrainError> {
         if !path.exists() {
             return Ok(None);
         }
-        let text = Folder::open(path)?.read_text(Path::new(IDENTITY), LARGEST_TEXT)?;
-        Ok(text.and_then(|text| toml::from_str::<Identity>(&text).ok()).map(|identity| identity.steps))
+        let Some(text) = Folder::open(path)?.read_text(Path::new(IDENTITY), LARGEST_TEXT)? else { return Ok(None) };
+        identity(path, &text).map(Some)
+    }
+
+    /// Writes the curve as event files of TensorBoard, too: what there is of it, and from now on each line.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn with_events(self) -> Result<Self, TrainError> {
+        let events = Events::begin(self.folder.path(), &Curve::of(&self.curve).lines)?;
+        Ok(Self { events: Some(events), ..self })
     }
 
     /// The training.
@@ -164,7 +173,7 @@ impl Session {
             let round = self.training.round()?;
             let seconds = begin.elapsed().as_secs_f64();
             lately.add(&round);
-            self.add_line(&line(&round, self.training.engine().task(), seconds))?;
+            self.add_line(&Line::of(&round, self.training.engine().task(), seconds))?;
             let rate = (round.step - first) as f64 / if seconds > 1e-6 { seconds } else { 1e-6 };
             let [total, success] = lately.means();
             let progress = Progress { step: round.step, steps: self.training.identity().steps, rate, total, success };
@@ -195,7 +204,7 @@ impl Session {
         let mut agent = self.training.agent();
         let Some(evaluation) = self.training.evaluate(&agent, stop)? else { return Ok(None) };
         agent.description.evaluation = Some(evaluation);
-        self.add_line(&json!({ "step": self.training.step(), "evaluation": evaluation }))?;
+        self.add_line(&Line::Evaluation { step: self.training.step(), evaluation })?;
         agent.write(&self.folder, LAST, &self.curve)?;
         let by_success = |evaluation: &Evaluation| (evaluation.success, evaluation.total);
         if self.record.best_by_success.is_none_or(|best| by_success(&evaluation) > by_success(&best)) {
@@ -210,11 +219,14 @@ impl Session {
     }
 
     /// Adds a line to the curve.
-    fn add_line(&mut self, line: &Value) -> Result<(), TrainError> {
-        let line = line.to_string().into_bytes();
-        self.log.append(&line)?;
-        self.curve.extend(line);
+    fn add_line(&mut self, line: &Line) -> Result<(), TrainError> {
+        let bytes = line.bytes();
+        self.log.append(&bytes)?;
+        self.curve.extend(bytes);
         self.curve.push(b'\n');
+        if let Some(events) = &mut self.events {
+            events.add(line)?;
+        }
         Ok(())
     }
 
@@ -235,19 +247,25 @@ impl Session {
     }
 }
 
+/// What the file of a training in a folder says.
+fn identity(folder: &Path, text: &str) -> Result<Identity, TrainError> {
+    toml::from_str(text).map_err(|error| TrainError::Identity { folder: folder.display().to_string(), reason: error.to_string() })
+}
+
 /// Goes on from the checkpoint in a folder; gives what a session knows and the curve up to it.
 fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Record, Vec<u8>), TrainError> {
     let shown = folder.path().display().to_string();
     let unusable = |reason: String| TrainError::Checkpoint { folder: shown.clone(), reason };
-    let found: Identity = toml::from_str(text).map_err(|error| unusable(format!("`{IDENTITY}` is damaged: {error}")))?;
+    let found = identity(folder.path(), text)?;
     let own = training.identity();
     let settings = |identity: &Identity| identity.settings.text().replace('\n', "; ");
-    let same: [(&'static str, String, String); 6] = [
+    let same: [(&'static str, String, String); 7] = [
         ("task", found.task.clone(), own.task.clone()),
         ("hash of the task", found.task_hash.clone(), own.task_hash.clone()),
         ("hash of the body", found.body_hash.clone(), own.body_hash.clone()),
         ("seed", found.seed.to_string(), own.seed.to_string()),
         ("number of steps", found.steps.to_string(), own.steps.to_string()),
+        ("list of lessons", found.lessons.join("; "), own.lessons.join("; ")),
         ("set of settings", settings(&found), settings(own)),
     ];
     if let Some((what, found, expected)) = same.into_iter().find(|(_, found, own)| found != own) {
@@ -261,11 +279,11 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
     let (record, state) = rest.split_at_checked(usize::try_from(length).unwrap_or(usize::MAX)).ok_or_else(short)?;
     let record: Record = rmp_serde::from_slice(record).map_err(|error| unusable(error.to_string()))?;
     training.restore(state).map_err(unusable)?;
-    let curve = folder.read(Path::new(CURVE), LARGEST_TEXT)?.unwrap_or_default();
+    let curve = folder.read(Path::new(curve::FILE), LARGEST_TEXT)?.unwrap_or_default();
     let known = usize::try_from(record.curve).unwrap_or(usize::MAX);
     let lacks = || TrainError::Checkpoint {
         folder: folder.path().display().to_string(),
-        reason: format!("`{CURVE}` is shorter than it was"),
+        reason: format!("`{}` is shorter than it was", curve::FILE),
     };
     Ok((record, curve.get(..known).ok_or_else(lacks)?.to_vec()))
 }
@@ -293,27 +311,4 @@ impl Lately {
         };
         [mean(&|(total, _)| *total), mean(&|(_, success)| f64::from(u8::from(*success)))]
     }
-}
-
-/// A round as a line of JSON: means over the episodes that ended in it.
-fn line(round: &Round, task: &CompiledTask, seconds: f64) -> Value {
-    let mut line = Map::new();
-    line.insert("step".into(), json!(round.step));
-    let count = round.ends.len() as f64;
-    if !round.ends.is_empty() {
-        let mean = |value: &dyn Fn(usize) -> f64| (0..round.ends.len()).map(value).sum::<f64>() / count;
-        line.insert("episodes".into(), json!(round.ends.len()));
-        line.insert("return".into(), json!(mean(&|index| round.ends[index].total)));
-        line.insert("success".into(), json!(mean(&|index| f64::from(u8::from(round.ends[index].success)))));
-        line.insert("length".into(), json!(mean(&|index| f64::from(round.ends[index].steps))));
-        let terms = task.terms.iter().enumerate().map(|(term, known)| {
-            let total = mean(&|index| round.ends[index].totals.get(term).copied().unwrap_or_default());
-            (known.name.clone(), json!(total))
-        });
-        line.insert("terms".into(), Value::Object(terms.collect()));
-    }
-    let losses: Map<String, Value> = round.losses.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
-    line.insert("losses".into(), Value::Object(losses));
-    line.insert("seconds".into(), json!(seconds));
-    Value::Object(line)
 }

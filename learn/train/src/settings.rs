@@ -1,6 +1,7 @@
 //! Settings of a training: presets, files, and what they may hold.
 
 use msk_network::{Activation, Shape};
+use msk_settings::{Checked, SettingsError};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
@@ -13,6 +14,8 @@ pub enum Algorithm {
     Ppo,
     /// Soft actor-critic.
     Sac,
+    /// Imitation: behaviour cloning, and DAgger with a teacher.
+    Clone,
 }
 
 /// A named set of settings.
@@ -28,13 +31,14 @@ pub enum Preset {
 
 impl Algorithm {
     /// All of them, with their names.
-    pub const NAMED: [(&'static str, Self); 2] = [("ppo", Self::Ppo), ("sac", Self::Sac)];
+    pub const NAMED: [(&'static str, Self); 3] = [("ppo", Self::Ppo), ("sac", Self::Sac), ("clone", Self::Clone)];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ppo => "ppo",
             Self::Sac => "sac",
+            Self::Clone => "clone",
         }
     }
 }
@@ -72,10 +76,14 @@ pub struct Settings {
     pub evaluation_episodes: usize,
     /// Control steps from one checkpoint to the next.
     pub checkpoint_every: u64,
+    /// Control steps for which a training that starts as an agent improves its critics alone.
+    pub critics_first: u64,
     /// Those of PPO.
     pub ppo: PpoSettings,
     /// Those of SAC.
     pub sac: SacSettings,
+    /// Those of imitation.
+    pub clone: CloneSettings,
 }
 
 /// Settings of PPO alone.
@@ -134,6 +142,32 @@ pub struct SacSettings {
     pub automatic: bool,
 }
 
+/// Settings of imitation alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CloneSettings {
+    /// Step of Adam.
+    pub learning_rate: f64,
+    /// Whether it falls to 0 over the training.
+    pub anneal: bool,
+    /// Rows of a gradient step.
+    pub batch: usize,
+    /// Gradient steps for each control step.
+    pub updates: f64,
+    /// Share of the steps in which the teacher acts, which is taken to the power of the round.
+    pub guided: f64,
+    /// Rows that are kept of what was played, beside the data sets.
+    pub memory: usize,
+    /// Whether the hyperbolic tangent of the output acts, as SAC has it.
+    pub squash: bool,
+}
+
+impl Default for CloneSettings {
+    fn default() -> Self {
+        Self { learning_rate: 1e-3, anneal: true, batch: 256, updates: 0.05, guided: 0.0, memory: 200_000, squash: false }
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self::of(Algorithm::default(), Preset::default())
@@ -176,26 +210,6 @@ impl Default for SacSettings {
     }
 }
 
-/// Why settings are rejected.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SettingsError {
-    /// No TOML, an unknown key, or a value of another kind: the message shows the place in the file.
-    #[error("{0}")]
-    Invalid(String),
-    /// A number that makes no sense.
-    #[error("{place}`{key}` is {found}; expected {expected}", place = if *line > 0 { format!("line {line}: ") } else { String::new() })]
-    Range {
-        /// Line in the file, from 1; 0 if the file does not set it.
-        line: usize,
-        /// Its name.
-        key: &'static str,
-        /// What it is.
-        found: String,
-        /// What it may be.
-        expected: String,
-    },
-}
-
 impl Settings {
     /// The shape of a network between so many numbers.
     pub(crate) fn shape(&self, inputs: usize, outputs: usize) -> Shape {
@@ -208,7 +222,7 @@ impl Settings {
         let hidden = match (algorithm, preset) {
             (_, Preset::Paper) => vec![1024, 1024],
             (Algorithm::Ppo, Preset::Fast) => vec![64, 64],
-            (Algorithm::Sac, Preset::Fast) => vec![256, 256],
+            (Algorithm::Sac | Algorithm::Clone, Preset::Fast) => vec![256, 256],
         };
         let fast = Self {
             algorithm,
@@ -223,8 +237,10 @@ impl Settings {
             evaluate_every: 50_000,
             evaluation_episodes: 10,
             checkpoint_every: 50_000,
+            critics_first: 10_000,
             ppo: PpoSettings::default(),
             sac: SacSettings::default(),
+            clone: CloneSettings::default(),
         };
         if preset == Preset::Fast {
             return fast;
@@ -256,18 +272,7 @@ impl Settings {
     /// # Errors
     /// No TOML, an unknown key, a value of another kind, or one that makes no sense.
     pub fn read(text: &str) -> Result<Self, SettingsError> {
-        let written: Self = toml::from_str(text).map_err(|error| SettingsError::Invalid(error.to_string()))?;
-        let invalid = |error: &dyn ToString| SettingsError::Invalid(error.to_string());
-        let base = Self::of(written.algorithm, written.preset);
-        let mut table = toml::Table::try_from(base).map_err(|error| invalid(&error))?;
-        let changes: toml::Table = text.parse().map_err(|error: toml::de::Error| invalid(&error))?;
-        for (key, value) in changes {
-            match (table.get_mut(&key), value) {
-                (Some(toml::Value::Table(inner)), toml::Value::Table(changes)) => inner.extend(changes),
-                (_, value) => drop(table.insert(key, value)),
-            }
-        }
-        let settings: Self = table.try_into().map_err(|error| invalid(&error))?;
+        let settings = msk_settings::read(text, |written: &Self| Self::of(written.algorithm, written.preset))?;
         settings.check(text)?;
         Ok(settings)
     }
@@ -280,13 +285,9 @@ impl Settings {
 
     /// Whether every number lies where it makes sense; NaN does not.
     fn check(&self, text: &str) -> Result<(), SettingsError> {
-        let refuse = |key: &'static str, found: String, expected: String| {
-            let is_of = |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
-            let line = text.lines().position(is_of).map_or(0, |index| index + 1);
-            Err(SettingsError::Range { line, key, found, expected })
-        };
-        let (ppo, sac) = (&self.ppo, &self.sac);
-        let numbers: [(&'static str, f64, RangeInclusive<f64>); 14] = [
+        let checked = Checked::of(text);
+        let (ppo, sac, clone) = (&self.ppo, &self.sac, &self.clone);
+        let numbers: [(&'static str, f64, RangeInclusive<f64>); 18] = [
             ("discount", self.discount, 0.0..=1.0),
             ("learning_rate", ppo.learning_rate, 1e-8..=1.0),
             ("lambda", ppo.lambda, 0.0..=1.0),
@@ -300,14 +301,16 @@ impl Settings {
             ("updates", sac.updates, 1e-4..=64.0),
             ("follow", sac.follow, 1e-6..=1.0),
             ("temperature", sac.temperature, 1e-8..=100.0),
+            ("learning_rate", clone.learning_rate, 1e-8..=1.0),
+            ("updates", clone.updates, 1e-4..=64.0),
+            ("guided", clone.guided, 0.0..=1.0),
+            ("critics_first", self.critics_first as f64, 0.0..=1e12),
             ("evaluate_every", self.evaluate_every as f64, 1.0..=1e12),
         ];
         for (key, found, range) in numbers {
-            if !range.contains(&found) {
-                return refuse(key, found.to_string(), format!("a number from {} to {}", range.start(), range.end()));
-            }
+            checked.number(key, found, range, "")?;
         }
-        let counts: [(&'static str, usize, RangeInclusive<usize>); 11] = [
+        let counts: [(&'static str, usize, RangeInclusive<usize>); 12] = [
             ("episodes", self.episodes, 1..=4096),
             ("evaluation_episodes", self.evaluation_episodes, 1..=1000),
             ("checkpoint_every", usize::try_from(self.checkpoint_every).unwrap_or(usize::MAX), 1..=1_000_000_000_000),
@@ -317,22 +320,26 @@ impl Settings {
             ("replay", sac.replay, 1..=100_000_000),
             ("start", sac.start, 1..=100_000_000),
             ("batch", sac.batch, 1..=1_000_000),
+            ("batch", clone.batch, 1..=1_000_000),
+            ("memory", clone.memory, 1..=100_000_000),
             ("actor_delay", sac.actor_delay, 1..=1000),
-            ("hidden", self.hidden.len(), 1..=16),
         ];
         for (key, found, range) in counts {
-            if !range.contains(&found) {
-                let what = if key == "hidden" { "sizes of layers" } else { "" };
-                let expected = format!("a whole number from {} to {} {what}", range.start(), range.end());
-                return refuse(key, found.to_string(), expected.trim_end().to_owned());
-            }
+            checked.count(key, found, range)?;
+        }
+        if !(1..=16).contains(&self.hidden.len()) {
+            return checked.refuse("hidden", format!("{:?}", self.hidden), "1 to 16 sizes of layers".into());
         }
         if let Some(size) = self.hidden.iter().find(|size| !(1..=16384).contains(*size)) {
-            return refuse("hidden", size.to_string(), "sizes from 1 to 16384".into());
+            return checked.refuse("hidden", size.to_string(), "sizes from 1 to 16384".into());
         }
         if self.algorithm == Algorithm::Ppo && ppo.minibatch > ppo.horizon * self.episodes {
             let all = ppo.horizon * self.episodes;
-            return refuse("minibatch", ppo.minibatch.to_string(), format!("at most `horizon` x `episodes`, which is {all}"));
+            return checked.refuse(
+                "minibatch",
+                ppo.minibatch.to_string(),
+                format!("at most `horizon` x `episodes`, which is {all}"),
+            );
         }
         Ok(())
     }
@@ -362,12 +369,12 @@ mod tests {
         assert!(unknown.contains("line 2") && unknown.contains("unknown field `learning_rat`"), "{unknown}");
         assert_eq!(message("\ndiscount = nan"), "line 2: `discount` is NaN; expected a number from 0 to 1");
         assert_eq!(message("episodes = 0"), "line 1: `episodes` is 0; expected a whole number from 1 to 4096");
-        assert_eq!(message("hidden = []"), "line 1: `hidden` is 0; expected a whole number from 1 to 16 sizes of layers");
+        assert_eq!(message("hidden = []"), "line 1: `hidden` is []; expected 1 to 16 sizes of layers");
         assert_eq!(message("hidden = [64, 0]"), "line 1: `hidden` is 0; expected sizes from 1 to 16384");
         assert_eq!(
             message("[ppo]\nminibatch = 5000"),
             "line 2: `minibatch` is 5000; expected at most `horizon` x `episodes`, which is 2048"
         );
-        assert!(message("algorithm = \"ddpg\"").contains("expected `ppo` or `sac`"));
+        assert!(message("algorithm = \"ddpg\"").contains("expected one of `ppo`, `sac`, `clone`"));
     }
 }

@@ -3,13 +3,16 @@
 use crate::agent::{Agent, body_hash};
 use crate::error::TrainError;
 use crate::evaluate::{Evaluation, Evaluator};
+use crate::imitation::{Imitation, ImitationState};
 use crate::learner::Losses;
 use crate::play::{Play, PlayState};
 use crate::ppo::{Ppo, PpoState};
 use crate::sac::{Sac, SacState};
-use crate::settings::{Algorithm, Settings, SettingsError};
+use crate::settings::{Algorithm, Settings};
+use crate::teaching::Lessons;
 use msk_network::{Kernel, Processor, Tape};
 use msk_runtime::episode::{Engine, EpisodeEnd};
+use msk_settings::SettingsError;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::num::NonZeroUsize;
@@ -30,6 +33,9 @@ pub struct Identity {
     pub seed: u64,
     /// Control steps of the whole training.
     pub steps: u64,
+    /// What it learns from beside the reward.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lessons: Vec<String>,
     /// How it learns.
     pub settings: Settings,
 }
@@ -37,12 +43,14 @@ pub struct Identity {
 enum Learner {
     Ppo(Box<Ppo>),
     Sac(Box<Sac>),
+    Imitation(Box<Imitation>),
 }
 
 #[derive(Serialize, Deserialize)]
 enum LearnerState {
     Ppo(PpoState),
     Sac(Box<SacState>),
+    Imitation(Box<ImitationState>),
 }
 
 /// The state of a training, as a checkpoint has it.
@@ -79,6 +87,26 @@ fn check_replay(engine: &Engine, replay: usize) -> Result<(), SettingsError> {
     Err(SettingsError::Range { line: 0, key: "replay", found: replay.to_string(), expected })
 }
 
+/// Settings with the networks of an agent, which the training begins as.
+fn starting_as(agent: &Agent, engine: &Engine, settings: &Settings) -> Result<Settings, TrainError> {
+    let algorithm = settings.algorithm;
+    let refuse = |reason: String| TrainError::Start { algorithm: algorithm.name(), reason };
+    if let Some(reason) = agent.unlike(engine.task(), engine.action_size()) {
+        return Err(refuse(reason));
+    }
+    let squashes = match algorithm {
+        Algorithm::Ppo => false,
+        Algorithm::Sac => true,
+        Algorithm::Clone => settings.clone.squash,
+    };
+    if squashes != agent.squashes() {
+        let (has, needs) = if squashes { ("does not squash", "squash = true") } else { ("squashes", "squash = false") };
+        return Err(refuse(format!("it {has} its actions; clone with `{needs}` in `[clone]`")));
+    }
+    let shape = agent.shape().clone();
+    Ok(Settings { hidden: shape.hidden, activation: shape.activation, layer_norm: shape.layer_norm, ..settings.clone() })
+}
+
 /// A training.
 pub struct Training {
     engine: Engine,
@@ -91,13 +119,22 @@ pub struct Training {
 }
 
 impl Training {
-    /// Begins one. Threads change no bit of it.
+    /// Begins one that learns from the reward of its task alone. Threads change no bit of it.
     ///
     /// # Errors
     /// A task without observation or action, or no threads.
-    pub fn new(
+    pub fn new(engine: &Engine, settings: &Settings, key: (u64, u64), threads: NonZeroUsize) -> Result<Self, TrainError> {
+        Self::with(engine, settings, &Lessons::default(), key, threads)
+    }
+
+    /// Begins one with a seed and a number of control steps. One that starts as an agent has networks of its sizes.
+    ///
+    /// # Errors
+    /// A task without observation or action, lessons that do not fit it or the algorithm, or no threads.
+    pub fn with(
         engine: &Engine,
         settings: &Settings,
+        lessons: &Lessons,
         (seed, steps): (u64, u64),
         threads: NonZeroUsize,
     ) -> Result<Self, TrainError> {
@@ -106,21 +143,42 @@ impl Training {
         if let Some((_, what)) = lacks.into_iter().find(|(size, _)| *size == 0) {
             return Err(TrainError::Nothing { task: task.name.clone(), what });
         }
-        if settings.algorithm == Algorithm::Sac {
+        let settings = match &lessons.start {
+            Some(agent) => starting_as(agent, engine, settings)?,
+            None => settings.clone(),
+        };
+        let algorithm = settings.algorithm;
+        if algorithm == Algorithm::Sac {
             check_replay(engine, settings.sac.replay)?;
         }
+        if algorithm != Algorithm::Clone && (lessons.teacher.is_some() || !lessons.data.is_empty()) {
+            return Err(TrainError::NoImitation(algorithm.name()));
+        }
         let kernel: Arc<dyn Kernel> = Arc::new(Processor::new(threads)?);
-        let play = Play::new(engine, settings, seed, threads)?;
-        let learner = match settings.algorithm {
-            Algorithm::Ppo => Learner::Ppo(Box::new(Ppo::new(settings, &play, seed, kernel.clone()))),
-            Algorithm::Sac => Learner::Sac(Box::new(Sac::new(settings, &play, seed, kernel.clone()))),
+        let mut play = Play::new(engine, &settings, seed, threads)?;
+        let mut learner = match algorithm {
+            Algorithm::Ppo => Learner::Ppo(Box::new(Ppo::new(&settings, &play, seed, kernel.clone()))),
+            Algorithm::Sac => Learner::Sac(Box::new(Sac::new(&settings, &play, seed, kernel.clone()))),
+            Algorithm::Clone => {
+                let tools = (kernel.clone(), threads);
+                Learner::Imitation(Box::new(Imitation::new(engine, &settings, lessons, &mut play, seed, tools)?))
+            }
         };
+        if let Some(agent) = &lessons.start {
+            play.begin_as(agent.actor(), agent.description.steps.max(1) as f64);
+            match &mut learner {
+                Learner::Ppo(ppo) => ppo.begin_as(agent.actor(), settings.critics_first),
+                Learner::Sac(sac) => sac.begin_as(agent.actor(), settings.critics_first),
+                Learner::Imitation(imitation) => imitation.begin_as(agent.actor()),
+            }
+        }
         let identity = Identity {
             task: task.name.clone(),
             task_hash: task.hash.clone(),
             body_hash: body_hash(engine),
             seed,
             steps,
+            lessons: lessons.names(),
             settings: settings.clone(),
         };
         let evaluator = Evaluator::new(engine, seed, settings.evaluation_episodes, threads)?;
@@ -159,6 +217,7 @@ impl Training {
         let (losses, steps) = match &mut self.learner {
             Learner::Ppo(ppo) => (ppo.round(&mut self.play, progress, self.step)?, ppo.round_steps(self.play.slots())),
             Learner::Sac(sac) => (sac.round(&mut self.play, self.step)?, sac.round_steps(self.play.slots())),
+            Learner::Imitation(imitation) => imitation.round(&mut self.play, progress, self.step)?,
         };
         self.step += steps;
         Ok(Round { step: self.step, losses, ends: std::mem::take(&mut self.play.ends) })
@@ -169,6 +228,7 @@ impl Training {
         let actor = match &self.learner {
             Learner::Ppo(ppo) => ppo.actor(&self.play),
             Learner::Sac(sac) => sac.actor(&self.play),
+            Learner::Imitation(imitation) => imitation.actor(&self.play),
         };
         Agent::new(&self.engine, actor, (self.identity.settings.algorithm.name(), self.identity.seed, self.step))
     }
@@ -193,6 +253,7 @@ impl Training {
         let learner = match &self.learner {
             Learner::Ppo(ppo) => LearnerState::Ppo(ppo.state()),
             Learner::Sac(sac) => LearnerState::Sac(Box::new(sac.state())),
+            Learner::Imitation(imitation) => LearnerState::Imitation(Box::new(imitation.state())),
         };
         let state = State { step: self.step, play: self.play.state(), learner };
         // Plain data always has a MessagePack form.
@@ -216,6 +277,7 @@ impl Training {
         match (&mut self.learner, state.learner) {
             (Learner::Ppo(ppo), LearnerState::Ppo(state)) => ppo.restore(state)?,
             (Learner::Sac(sac), LearnerState::Sac(state)) => sac.restore(*state)?,
+            (Learner::Imitation(imitation), LearnerState::Imitation(state)) => imitation.restore(*state)?,
             _ => return Err("it is of another algorithm".into()),
         }
         self.step = state.step;

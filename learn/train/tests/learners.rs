@@ -3,13 +3,16 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use msk_compiler::compile;
-use msk_runtime::episode::Engine;
+use msk_runtime::action::ActsOn;
+use msk_runtime::episode::{Engine, Environment, EpisodeKey};
 use msk_runtime::library::{BodyLibrary, FileLoader};
+use msk_runtime::policy::{Policy, PolicyContext, PolicyError, PolicyMaker, PolicySource};
 use msk_train::session::{Ended, Observer, Progress, Session};
-use msk_train::{Agent, Algorithm, Evaluation, Preset, Round, Settings, TrainError, Training, source};
+use msk_train::{Agent, Algorithm, DataSet, Evaluation, Lessons, Preset, Round, Settings, TrainError, Training, source};
 use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use tempfile::tempdir;
 
@@ -44,12 +47,48 @@ fn small(algorithm: Algorithm) -> Settings {
     settings.sac.start = 300;
     settings.sac.replay = 500;
     settings.sac.updates = 0.05;
+    settings.clone.batch = 16;
+    settings.clone.memory = 400;
     settings.evaluation_episodes = 2;
     settings
 }
 
+/// Knows how to hold the pendulum: the torque against gravity at 0.5 rad, a spring and a damper.
+#[derive(Debug)]
+struct Teacher;
+
+impl Policy for Teacher {
+    fn name(&self) -> &str {
+        "teacher"
+    }
+    fn reset(&mut self, _: &PolicyContext<'_>) -> Result<(), PolicyError> {
+        Ok(())
+    }
+    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
+        let [angle, rate] = [context.observation[0], context.observation[1]];
+        action[0] = (1.18 + 8.0 * (0.5 - angle) - 1.5 * rate) / 3.0;
+        Ok(())
+    }
+}
+
+impl PolicyMaker for Teacher {
+    fn open<'a>(&self, _: &'a AtomicBool) -> Result<Box<dyn Policy + 'a>, PolicyError> {
+        Ok(Box::new(Teacher))
+    }
+}
+
+fn taught() -> Lessons {
+    Lessons { teacher: Some(PolicySource::made("teacher".into(), Arc::new(Teacher))), ..Lessons::default() }
+}
+
+/// What an algorithm learns from.
+fn lessons(algorithm: Algorithm) -> Lessons {
+    if algorithm == Algorithm::Clone { taught() } else { Lessons::default() }
+}
+
 fn training(engine: &Engine, settings: &Settings, threads: usize) -> Training {
-    Training::new(engine, settings, (7, 2000), NonZeroUsize::new(threads).unwrap()).unwrap()
+    let lessons = lessons(settings.algorithm);
+    Training::with(engine, settings, &lessons, (7, 2000), NonZeroUsize::new(threads).unwrap()).unwrap()
 }
 
 /// The state after so many rounds, checkpoints and continuations after each of them included if asked for.
@@ -280,16 +319,19 @@ fn numbers_that_are_not_finite_stop_a_training() {
 }
 
 #[test]
-fn both_algorithms_learn_to_hold_a_pendulum() {
+fn every_algorithm_learns_to_hold_a_pendulum() {
     let engine = engine(&[]);
     let mut ppo = small(Algorithm::Ppo);
     ppo.ppo.epochs = 10;
     ppo.ppo.learning_rate = 1e-3;
     let mut sac = small(Algorithm::Sac);
     (sac.sac.replay, sac.sac.updates, sac.sac.batch) = (10_000, 0.5, 64);
-    for (settings, steps) in [(ppo, 20_000), (sac, 8_000)] {
+    let mut clone = small(Algorithm::Clone);
+    (clone.clone.updates, clone.clone.memory) = (0.3, 10_000);
+    for (settings, steps) in [(ppo, 20_000), (sac, 8_000), (clone, 4_000)] {
         let settings = Settings { evaluation_episodes: 20, ..settings };
-        let mut training = Training::new(&engine, &settings, (1, steps), NonZeroUsize::MIN).unwrap();
+        let lessons = lessons(settings.algorithm);
+        let mut training = Training::with(&engine, &settings, &lessons, (1, steps), NonZeroUsize::MIN).unwrap();
         let agent = training.agent();
         let before = training.evaluate(&agent, &STOP).unwrap().unwrap();
         while !training.is_over() {
@@ -303,5 +345,104 @@ fn both_algorithms_learn_to_hold_a_pendulum() {
             "{:?}: {before:?} {after:?}",
             settings.algorithm
         );
+    }
+}
+
+/// Episodes of the teacher as `msk collect` keeps them.
+fn recorded(engine: &Engine, episodes: u64) -> DataSet {
+    let mut environment = Environment::of(engine.clone());
+    let (mut observations, mut actions, mut action) = (Vec::new(), Vec::new(), vec![0.0]);
+    for episode in 0..episodes {
+        environment.reset(EpisodeKey { seed: 99, episode });
+        while environment.ending().is_none() {
+            Teacher.act(&environment.context(), &mut action).unwrap();
+            observations.extend(environment.observation().iter().map(|value| *value as f32));
+            actions.extend_from_slice(&action);
+            environment.step(&action).unwrap();
+        }
+    }
+    DataSet::new("recorded", ActsOn::Task, observations, actions)
+}
+
+#[test]
+fn a_clone_of_recorded_episodes_acts_as_they_do_and_is_where_others_start() {
+    let engine = engine(&[]);
+    let lessons = Lessons { data: vec![recorded(&engine, 10)], ..Lessons::default() };
+    for (squash, algorithm) in [(false, Algorithm::Ppo), (true, Algorithm::Sac)] {
+        let mut settings = Settings { evaluation_episodes: 20, ..small(Algorithm::Clone) };
+        (settings.clone.updates, settings.clone.squash) = (0.3, squash);
+        let mut clone = Training::with(&engine, &settings, &lessons, (1, 5_000), NonZeroUsize::MIN).unwrap();
+        let mut rounds = Vec::new();
+        while !clone.is_over() {
+            rounds.push(clone.round().unwrap());
+        }
+        let error = |round: &Round| round.losses.iter().find(|(name, _)| *name == "error").unwrap().1;
+        assert!(error(&rounds[4]) < 0.05 * error(&rounds[0]), "{} {}", error(&rounds[0]), error(&rounds[4]));
+        let agent = clone.agent();
+        let cloned = clone.evaluate(&agent, &STOP).unwrap().unwrap();
+        assert!(cloned.total > 52.0 && cloned.success == 1.0, "squash = {squash}: {cloned:?}");
+
+        let start = Lessons { start: Some(Arc::new(agent)), ..Lessons::default() };
+        let settings = Settings { evaluation_episodes: 20, critics_first: 200, hidden: vec![8], ..small(algorithm) };
+        let mut training = Training::with(&engine, &settings, &start, (1, 2_000), NonZeroUsize::MIN).unwrap();
+        assert_eq!(training.identity().settings.hidden, [16, 16], "networks are those of the agent");
+        let begun = training.agent();
+        let before = training.evaluate(&begun, &STOP).unwrap().unwrap();
+        assert!((before.total - cloned.total).abs() < 0.1, "{algorithm:?}: {before:?} {cloned:?}");
+        training.round().unwrap();
+        let agent = training.agent();
+        let after = training.evaluate(&agent, &STOP).unwrap().unwrap();
+        assert!(after.total > 50.0, "{algorithm:?} does not forget: {after:?}");
+    }
+}
+
+#[test]
+fn lessons_that_do_not_fit_are_refused() {
+    let engine = engine(&[]);
+    let refuse = |algorithm: Algorithm, lessons: &Lessons| {
+        let training = Training::with(&engine, &small(algorithm), lessons, (1, 100), NonZeroUsize::MIN);
+        training.and_then(|mut training| training.round()).err().unwrap().to_string()
+    };
+    let message = refuse(Algorithm::Clone, &Lessons::default());
+    assert!(message.starts_with("there is nothing to imitate: name data sets"), "{message}");
+    let message = refuse(Algorithm::Ppo, &taught());
+    assert!(message.starts_with("the algorithm `ppo` learns from rewards"), "{message}");
+    let muscles = DataSet { acts_on: ActsOn::Muscles, ..recorded(&engine, 1) };
+    let message = refuse(Algorithm::Clone, &Lessons { data: vec![muscles], ..Lessons::default() });
+    assert!(message.contains("acts on muscles, and actions of the task are torque"), "{message}");
+    let teacher = Lessons { teacher: Some(PolicySource::built_in("cmc").unwrap()), ..Lessons::default() };
+    let message = refuse(Algorithm::Clone, &teacher);
+    assert!(message.contains("cmc"), "{message}");
+    let mut training = training(&engine, &small(Algorithm::Ppo), 1);
+    training.round().unwrap();
+    let agent = Lessons { start: Some(Arc::new(training.agent())), ..Lessons::default() };
+    let message = refuse(Algorithm::Sac, &agent);
+    assert!(message.ends_with("it does not squash its actions; clone with `squash = true` in `[clone]`"), "{message}");
+}
+
+#[test]
+fn an_agent_as_onnx_acts_as_the_agent_does() {
+    let engine = engine(&[]);
+    let folder = tempdir().unwrap();
+    for (name, activation) in msk_network::Activation::NAMED {
+        // The two kinds of output, with and without layer norm.
+        let tanh = name == "tanh";
+        let algorithm = if tanh { Algorithm::Sac } else { Algorithm::Ppo };
+        let settings = Settings { activation, layer_norm: !tanh, ..small(algorithm) };
+        let mut training = training(&engine, &settings, 1);
+        training.round().unwrap();
+        let path = folder.path().join(format!("{name}.onnx"));
+        fs::write(&path, training.agent().onnx()).unwrap();
+        let mut network = PolicySource::parse(&format!("network {}", path.display())).unwrap().open(&STOP).unwrap();
+        let mut environment = Environment::of(engine.clone());
+        network.reset(&environment.context()).unwrap();
+        let mut tape = msk_network::Tape::new(Arc::new(msk_network::Processor::new(NonZeroUsize::MIN).unwrap()));
+        for step in 0..60 {
+            let (mut found, mut expected) = ([0.0], [0.0]);
+            network.act(&environment.context(), &mut found).unwrap();
+            training.agent().actor().act(&mut tape, environment.observation(), &mut expected);
+            assert!((found[0] - expected[0]).abs() < 1e-6, "{name}, {step}: {found:?} {expected:?}");
+            environment.step(&[(f64::from(step) * 0.3).sin()]).unwrap();
+        }
     }
 }

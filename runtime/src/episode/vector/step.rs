@@ -58,7 +58,7 @@ pub struct EpisodeEnd {
 
 impl EpisodeEnd {
     /// Of an episode that has ended; `None` of one that goes on.
-    pub(super) fn of(slot: usize, episode: &Episode) -> Option<Self> {
+    pub fn of(slot: usize, episode: &Episode) -> Option<Self> {
         let ending = episode.ending.clone()?;
         Some(Self {
             slot,

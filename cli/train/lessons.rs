@@ -1,0 +1,126 @@
+//! What an agent learns from beside the reward: data sets of `msk collect`, a teacher, an agent to start as.
+
+use crate::error::{Context, Error};
+use crate::policies::Limits;
+use msk::compiler::task::Channel;
+use msk::runtime::episode::Engine;
+use msk::runtime::policy::ActsOn;
+use msk::train::{Agent, DataSet, Lessons};
+use msk_storage::{read_file, read_text_file};
+use npyz::NpyFile;
+use npyz::npz::NpzArchive;
+use serde_json::Value;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Largest files that are read, bytes.
+const LARGEST: u64 = 4 << 30;
+const LARGEST_TEXT: u64 = 64 << 20;
+
+/// Lessons as a command line names them.
+#[derive(clap::Args)]
+pub struct Named {
+    /// For the algorithm clone: data set of `msk collect` to imitate; may be given several times
+    #[arg(long, value_name = "DIR")]
+    data: Vec<PathBuf>,
+    /// For the algorithm clone: the policy that knows what to do in the states to which the agent comes, as `msk run --policy` names it
+    #[arg(long, value_name = "POLICY")]
+    teacher: Option<String>,
+    /// The agent that the training begins as: the folder of an agent or of a training
+    #[arg(long, value_name = "DIR")]
+    start: Option<PathBuf>,
+    #[command(flatten)]
+    limits: Limits,
+}
+
+impl Named {
+    /// Reads them.
+    ///
+    /// # Errors
+    /// A folder that holds no data set of this task or no agent, or a policy that does not exist.
+    pub fn lessons(&self, engine: &Engine) -> Result<Lessons, Error> {
+        let data = self.data.iter().map(|folder| read(folder, engine)).collect::<Result<_, _>>()?;
+        let teacher = self.teacher.as_deref().map(|policy| self.limits.source(policy)).transpose()?;
+        let start = self.start.as_deref().map(Agent::read).transpose()?;
+        Ok(Lessons { data, teacher, start: start.map(Arc::new) })
+    }
+}
+
+/// Reads a data set.
+fn read(folder: &Path, engine: &Engine) -> Result<DataSet, Error> {
+    let shown = folder.display();
+    let refuse = |reason: String| {
+        let error = Error::new(format!("the data set `{shown}` {reason}"));
+        error.hint("`msk collect TASK --policy cmc --out DIR` makes one")
+    };
+    let layout = folder.join("data.json");
+    let text = read_text_file(&layout, LARGEST_TEXT).context(|| format!("`{shown}` holds no data set"))?;
+    let layout: Value = serde_json::from_str(&text).map_err(|error| refuse(format!("is damaged: {error}")))?;
+    let acts_on = match layout["acts_on"].as_str() {
+        Some("muscles") => ActsOn::Muscles,
+        _ => ActsOn::Task,
+    };
+    check(&layout, engine, acts_on).map_err(refuse)?;
+    let [width, entries] = [engine.task().observation_size(), acts_on.size(engine.task(), engine.body())];
+    let (mut observations, mut actions) = (Vec::new(), Vec::new());
+    for path in episodes(folder)? {
+        let bytes = read_file(&path, LARGEST)?;
+        let damaged = |reason: String| refuse(format!("is damaged: `{}` {reason}", path.display()));
+        let mut archive = NpzArchive::new(Cursor::new(bytes)).map_err(|error| damaged(error.to_string()))?;
+        let seen: Vec<f32> = array(&mut archive, "observations", width).map_err(damaged)?;
+        let done: Vec<f64> = array(&mut archive, "actions", entries).map_err(damaged)?;
+        let rows = done.len() / entries;
+        if seen.len() != (rows + 1) * width {
+            return Err(damaged(format!("has {} observations for {rows} actions", seen.len() / width)));
+        }
+        // The last observation is what came of the last action.
+        observations.extend_from_slice(&seen[..rows * width]);
+        actions.extend(done);
+    }
+    if actions.is_empty() {
+        return Err(refuse("has no episodes".into()));
+    }
+    Ok(DataSet::new(&shown.to_string(), acts_on, observations, actions))
+}
+
+/// Whether a data set has the columns of a task; if not, why, in words that follow its name.
+fn check(layout: &Value, engine: &Engine, acts_on: ActsOn) -> Result<(), String> {
+    let task = engine.task();
+    let channel = |channel: &Channel| (channel.name.clone(), channel.size as u64);
+    let expected: Vec<(String, u64)> = task.channels.iter().map(channel).collect();
+    let named = |part: &Value| Some((part["name"].as_str()?.to_owned(), part["size"].as_u64()?));
+    let found: Option<Vec<(String, u64)>> = layout["observations"].as_array().and_then(|parts| parts.iter().map(named).collect());
+    if found.as_ref() != Some(&expected) {
+        return Err(format!("observes other channels than the task `{}`: it is of another task, or of what it was", task.name));
+    }
+    let expected: Vec<String> = match acts_on {
+        ActsOn::Task => task.action.names(&task.vocabulary),
+        ActsOn::Muscles => engine.body().muscles.iter().map(|muscle| muscle.name.clone()).collect(),
+    };
+    let names = layout["actions"].as_array().map(|names| names.iter().filter_map(Value::as_str).collect::<Vec<_>>());
+    if names.as_deref().is_none_or(|names| names != expected) {
+        return Err(format!("has actions of other entries than the task `{}`", task.name));
+    }
+    Ok(())
+}
+
+/// The archives of a data set, in the order of its episodes.
+fn episodes(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let entries = std::fs::read_dir(folder).context(|| format!("cannot read `{}`", folder.display()))?;
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "npz"));
+    paths.sort();
+    Ok(paths)
+}
+
+/// The numbers of an array with so many columns.
+fn array<T: npyz::Deserialize>(archive: &mut NpzArchive<Cursor<Vec<u8>>>, name: &str, columns: usize) -> Result<Vec<T>, String> {
+    let lacks = || format!("has no array `{name}`");
+    let entry = archive.by_name(name).map_err(|error| error.to_string())?.ok_or_else(lacks)?;
+    let shape = entry.shape().to_vec();
+    if shape.len() != 2 || shape[1] != columns as u64 {
+        return Err(format!("has an array `{name}` of shape {shape:?}, expected {columns} columns"));
+    }
+    entry.into_vec().map_err(|error| error.to_string())
+}
