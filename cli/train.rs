@@ -33,8 +33,8 @@ use std::time::{Duration, Instant};
 pub struct Args {
     /// Name of a task in tasks.msk, or a file with one task
     task: String,
-    /// The algorithm: ppo (proximal policy optimisation), sac (soft actor-critic), clone (imitation of --data and --teacher)
-    /// [default: ppo]
+    /// The algorithm: ppo (proximal policy optimisation), sac (soft actor-critic), mpo (maximum a posteriori policy optimisation, with
+    /// differential extrinsic plasticity: DepRL), clone (imitation of --data and --teacher) [default: ppo]
     #[arg(long, value_name = "NAME", value_parser = algorithm)]
     algorithm: Option<Algorithm>,
     /// The settings: fast (networks that take about as long as the simulation), paper (those of the benchmark's paper: days on two cores)
@@ -168,7 +168,7 @@ fn steps_within(
 ) -> Result<Option<u64>, Error> {
     let mut trial = settings.clone();
     // What is slow begins at once.
-    trial.sac.start = 1;
+    (trial.sac.start, trial.mpo.start) = (1, 1);
     let mut training = Training::with(engine, &trial, lessons, (seed, u64::MAX), threads)?;
     let begin = Instant::now();
     let enough = Duration::from_secs(5).min(budget / 20);

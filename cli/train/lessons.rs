@@ -7,7 +7,6 @@ use msk::runtime::episode::Engine;
 use msk::runtime::policy::ActsOn;
 use msk::train::{Agent, DataSet, Lessons};
 use msk_storage::{read_file, read_text_file};
-use npyz::NpyFile;
 use npyz::npz::NpzArchive;
 use serde_json::Value;
 use std::io::Cursor;

@@ -39,6 +39,15 @@ fn an_agent_is_trained_evaluated_and_acts() {
     }
     let network = "network out/last/policy.safetensors";
     project.msk(&["eval", "pendulum.msk", "--policy", "agent out", "--policy", network, "--episodes", "2"]).succeeded();
+    let shown = project.msk(&["agent", "show", "out"]).succeeded().out;
+    assert!(shown.starts_with("task       hold (") && shown.contains("network    2 - 16 - 1, tanh\n"), "{shown}");
+    project.msk(&["agent", "export", "out", "--onnx", "agent.onnx"]).succeeded();
+    let returned = |policy: &str| {
+        let out = project.msk(&["run", "pendulum.msk", "--policy", policy]).succeeded().out;
+        out.lines().find(|line| line.starts_with("return ")).unwrap().to_owned()
+    };
+    assert_eq!(returned("network agent.onnx"), returned("agent out"));
+    project.msk(&["agent", "export", "nowhere", "--onnx", "agent.onnx"]).failed(1, &["cannot open the folder `nowhere`"]);
     // Once it is whole, the same command has nothing to do.
     let again = Done::from(train(&project, "4000", "out").output().unwrap()).succeeded();
     assert!(again.err.contains("resuming after 4000 steps"), "{}", again.err);
@@ -89,7 +98,7 @@ fn what_cannot_be_trained_is_explained() {
     let train = |more: &[&str]| project.msk(&[&["train", "pendulum.msk"], more].concat());
     train(&["--settings", "wrong.toml"]).failed(1, &["`wrong.toml`: line 2: `episodes` is 0; expected a whole number from 1"]);
     train(&["--settings", "learner.toml", "--preset", "fast"]).failed(2, &["cannot be used with"]);
-    train(&["--algorithm", "dqn"]).failed(2, &["choose one of: ppo, sac, clone"]);
+    train(&["--algorithm", "dqn"]).failed(2, &["choose one of: ppo, sac, mpo, clone"]);
     train(&["--budget", "soon"]).failed(2, &["`soon` is no time: write 90s, 30m, 2h or 1h30m"]);
     train(&["--settings", "learner.toml", "--steps", "200", "--out", "out"]).succeeded();
     train(&["--settings", "learner.toml", "--steps", "400", "--out", "out"])
@@ -142,7 +151,7 @@ const CLONE: &str =
 fn a_controller_is_cloned_from_its_episodes_and_as_a_teacher() {
     let project = Project::lean();
     project.write("clone.toml", CLONE);
-    let observe = "observe { pelvis.height, hip_flexion_{l,r}.q, knee_angle_{l,r}.q, ankle_angle_{l,r}.q }";
+    let observe = "observe {\n        pelvis.height\n        hip_flexion_{l,r}.q\n        knee_angle_{l,r}.q\n        ankle_angle_{l,r}.q\n    }";
     let lean = project.read("lean.msk").replace("observe { pelvis.height }", observe);
     project.write("lean.msk", &lean);
     // The same in a space of synergies: muscles that share an action ask for their mean.
@@ -156,7 +165,7 @@ fn a_controller_is_cloned_from_its_episodes_and_as_a_teacher() {
         let common = ["train", task, "--settings", "clone.toml", "--steps", "2048"];
         let recorded = project.msk(&[&common[..], &["--data", &data, "--out", &format!("recorded-{task}")]].concat()).succeeded();
         assert!(recorded.err.contains(": clone, 2048 steps"), "{}", recorded.err);
-        let lines = project.read(&format!("recorded-{task}/curve.jsonl"));
+        let lines = project.read(format!("recorded-{task}/curve.jsonl"));
         let errors: Vec<f64> = lines
             .lines()
             .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap()["losses"]["error"].as_f64())
@@ -177,7 +186,7 @@ fn a_controller_is_cloned_from_its_episodes_and_as_a_teacher() {
     refused(&["--algorithm", "clone"], "there is nothing to imitate");
     refused(&["--data", "data-lean.msk"], "the algorithm `ppo` learns from rewards");
     refused(&["--algorithm", "clone", "--data", "nowhere"], "`nowhere` holds no data set");
-    refused(&["--algorithm", "clone", "--data", "data-synergies.msk", "--start", "nowhere"], "cannot read `nowhere`");
+    refused(&["--algorithm", "clone", "--data", "data-synergies.msk", "--start", "nowhere"], "cannot open the folder `nowhere`");
     project
         .write("data-lean.msk/data.json", &project.read("data-lean.msk/data.json").replacen("pelvis.height", "pelvis.width", 1));
     refused(&["--algorithm", "clone", "--data", "data-lean.msk"], "observes other channels than the task `lean`");

@@ -82,6 +82,9 @@ enum Operation {
     Softplus {
         x: usize,
     },
+    Ln {
+        x: usize,
+    },
     Square {
         x: usize,
     },
@@ -328,6 +331,11 @@ impl Tape {
     /// `ln(1 + e^x)` for each element.
     pub fn softplus(&mut self, x: Variable) -> Variable {
         self.map(x, Operation::Softplus { x: x.0 }, functions::softplus)
+    }
+
+    /// The natural logarithm of each element, all of which are greater than 0.
+    pub fn ln(&mut self, x: Variable) -> Variable {
+        self.map(x, Operation::Ln { x: x.0 }, libm::logf)
     }
 
     /// The hyperbolic tangent of each element.

@@ -70,6 +70,11 @@ proptest! {
         compare("affine", salt, |tape, a, _| tape.affine(a, -2.5, 1.0));
         compare("exp", salt, |tape, a, _| tape.exp(a));
         compare("softplus", salt, |tape, a, _| tape.softplus(a));
+        compare("ln", salt, |tape, a, _| {
+            let square = tape.square(a);
+            let positive = tape.affine(square, 1.0, 0.5);
+            tape.ln(positive)
+        });
         compare("square", salt, |tape, a, _| tape.square(a));
         compare("clip", salt, |tape, a, _| tape.clip(a, -0.8, 0.7));
         compare("join", salt, |tape, a, b| tape.join(a, b));

@@ -325,6 +325,13 @@ impl Agent {
         &self.description.network
     }
 
+    /// The sizes of its network, from what it sees to what it gives, in words.
+    pub fn sizes(&self) -> String {
+        let Shape { inputs, hidden, outputs, activation, .. } = &self.description.network;
+        let sizes: Vec<String> = [inputs].into_iter().chain(hidden).chain([outputs]).map(ToString::to_string).collect();
+        format!("{}, {}", sizes.join(" - "), activation.name())
+    }
+
     /// Whether the hyperbolic tangent of its output acts.
     pub(crate) fn squashes(&self) -> bool {
         self.actor.squash

@@ -96,6 +96,12 @@ pub enum TrainError {
         /// Why not.
         reason: String,
     },
+    /// An action space in which nothing explores.
+    #[error("{reason}; set `explores = false` in `[dep]`")]
+    Exploration {
+        /// Why not.
+        reason: String,
+    },
     /// A teacher that cannot act.
     #[error(transparent)]
     Policy(#[from] PolicyError),

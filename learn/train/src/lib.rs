@@ -2,7 +2,7 @@
 //!
 //! 1. [`Settings`] choose algorithm and sizes; presets are `fast` and `paper`;
 //! 2. `play` steps the episodes, scales what networks see, and keeps how episodes end;
-//! 3. `ppo` and `sac` are the algorithms, each a file that reads like its paper;
+//! 3. `ppo`, `sac`, `mpo` and `imitation` are the algorithms, `dep` explores, each a file that reads like its paper;
 //! 4. a [`Training`] plays and learns in rounds; its state can be written between any two and continued bit for bit;
 //! 5. a [`Session`](session::Session) keeps a training in a folder, evaluates it and keeps the best agents;
 //! 6. an [`Agent`] is a folder, and a policy of `run`, `eval` and `test` by [`source`].
@@ -14,10 +14,12 @@
 
 mod agent;
 pub mod curve;
+mod dep;
 mod error;
 mod evaluate;
 mod imitation;
 mod learner;
+mod mpo;
 mod numbers;
 mod onnx;
 mod play;
@@ -36,6 +38,6 @@ pub use error::TrainError;
 pub use evaluate::Evaluation;
 pub use learner::Losses;
 pub use msk_settings::SettingsError;
-pub use settings::{Algorithm, CloneSettings, PpoSettings, Preset, SacSettings, Settings};
+pub use settings::{Algorithm, CloneSettings, DepSettings, MpoSettings, PpoSettings, Preset, SacSettings, Settings};
 pub use teaching::{DataSet, Lessons};
 pub use training::{Identity, Round, Training};

@@ -138,6 +138,11 @@ impl Play {
         Ok(())
     }
 
+    /// The present episodes, slot by slot.
+    pub fn episodes(&self) -> impl Iterator<Item = &Episode> {
+        self.environment.episodes()
+    }
+
     pub fn last(&self) -> &VectorStep {
         self.environment.last()
     }
@@ -159,14 +164,16 @@ impl Play {
     }
 
     /// Begins the next episodes, where those of a checkpoint could not be continued: a training goes on from it as one that was
-    /// interrupted.
-    pub fn at_checkpoint(&mut self) {
-        if !self.continues() {
-            let every = vec![true; self.slots()];
-            self.environment.reset_where(&every);
-            self.returns.running.fill(0.0);
-            self.look();
+    /// interrupted. Gives whether it did.
+    pub fn at_checkpoint(&mut self) -> bool {
+        if self.continues() {
+            return false;
         }
+        let every = vec![true; self.slots()];
+        self.environment.reset_where(&every);
+        self.returns.running.fill(0.0);
+        self.look();
+        true
     }
 
     pub fn state(&self) -> PlayState {

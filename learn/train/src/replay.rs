@@ -10,7 +10,7 @@ pub(crate) struct Replay {
     capacity: usize,
     /// Numbers of a row of observations and of an action.
     widths: [usize; 2],
-    /// Row, action, next row, reward, and 1 where the end was one that ends all value: one after the other.
+    /// Row, action, next row, reward, and what the value of the next row is multiplied with: one after the other.
     numbers: Vec<f32>,
     /// Where the next transition is written, once the ring is full.
     next: usize,
@@ -29,7 +29,8 @@ pub(crate) struct Transition<'a> {
     pub action: &'a [f32],
     pub next: &'a [f32],
     pub reward: f32,
-    pub terminated: f32,
+    /// What the value of the next row is multiplied with; 0 where the end was one that ends all value.
+    pub discount: f32,
 }
 
 impl Replay {
@@ -46,9 +47,9 @@ impl Replay {
         self.numbers.len() / self.length()
     }
 
-    pub fn push(&mut self, row: &[f64], action: &[f32], next: &[f64], reward: f64, terminated: bool) {
+    pub fn push(&mut self, row: &[f64], action: &[f32], next: &[f64], reward: f64, discount: f32) {
         let single = |value: &f64| msk_runtime::episode::single_precision(*value);
-        let rest = [single(&reward), if terminated { 1.0 } else { 0.0 }];
+        let rest = [single(&reward), discount];
         let numbers = row.iter().map(single).chain(action.iter().copied()).chain(next.iter().map(single)).chain(rest);
         if self.len() < self.capacity {
             self.numbers.extend(numbers);
@@ -67,7 +68,7 @@ impl Replay {
         let (row, rest) = numbers.split_at(width);
         let (action, rest) = rest.split_at(entries);
         let (next, rest) = rest.split_at(width);
-        Transition { row, action, next, reward: rest[0], terminated: rest[1] }
+        Transition { row, action, next, reward: rest[0], discount: rest[1] }
     }
 
     pub fn state(&self) -> ReplayState {
@@ -104,15 +105,15 @@ mod tests {
         };
         for index in 0..5 {
             let number = f64::from(index);
-            replay.push(&[number], &[0.5], &[number + 1.0], number, index == 4);
+            replay.push(&[number], &[0.5], &[number + 1.0], number, if index == 4 { 0.0 } else { 0.9 });
             assert_eq!(replay.len(), 3.min(index as usize + 1));
         }
         assert_eq!(drawn(&replay), [2.0, 3.0, 4.0]);
         let mut chance = Stream::new(EpisodeKey::default(), "draw");
         for _ in 0..20 {
-            let Transition { row, action, next, reward, terminated } = replay.draw(&mut chance);
+            let Transition { row, action, next, reward, discount } = replay.draw(&mut chance);
             assert_eq!((row, action, next), (&[reward][..], &[0.5][..], &[reward + 1.0][..]));
-            assert_eq!(terminated, if reward == 4.0 { 1.0 } else { 0.0 });
+            assert_eq!(discount, if reward == 4.0 { 0.0 } else { 0.9 });
         }
         let mut other = Replay::new(3, [1, 1]);
         other.restore(replay.state()).unwrap();

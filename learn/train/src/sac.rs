@@ -62,7 +62,7 @@ struct Batch {
     action: Variable,
     next: Variable,
     reward: Vec<f32>,
-    terminated: Vec<f32>,
+    discounts: Vec<f32>,
 }
 
 impl Sac {
@@ -162,7 +162,8 @@ impl Sac {
             let part = slot * whole..(slot + 1) * whole;
             let next = if last.ended[slot] { &play.final_rows } else { play.rows() };
             let action = &actions[slot * entries..(slot + 1) * entries];
-            self.replay.push(&before[part.clone()], action, &next[part], last.rewards[slot], last.terminated[slot]);
+            let discount = if last.terminated[slot] { 0.0 } else { self.discount as f32 };
+            self.replay.push(&before[part.clone()], action, &next[part], last.rewards[slot], discount);
         }
     }
 
@@ -190,14 +191,14 @@ impl Sac {
     fn batch(&mut self, play: &Play) -> Batch {
         let ([whole, _], entries, rows) = (play.widths(), play.entries(), self.settings.batch);
         let (mut row, mut next) = (Vec::new(), Vec::new());
-        let (mut action, mut reward, mut terminated) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut action, mut reward, mut discounts) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..rows {
             let drawn = self.replay.draw(&mut self.chance);
             row.extend(drawn.row.iter().map(|value| f64::from(*value)));
             next.extend(drawn.next.iter().map(|value| f64::from(*value)));
             action.extend_from_slice(drawn.action);
             reward.push(play.scaled(f64::from(drawn.reward)));
-            terminated.push(drawn.terminated);
+            discounts.push(drawn.discount);
         }
         let tape = &mut self.networks.tape;
         tape.clear();
@@ -206,15 +207,15 @@ impl Sac {
         let seen = tape.constant(rows, whole, normal.iter().copied());
         play.normalize(&next, &mut normal);
         let next = tape.constant(rows, whole, normal.iter().copied());
-        Batch { rows, seen, action: tape.constant(rows, entries, action), next, reward, terminated }
+        Batch { rows, seen, action: tape.constant(rows, entries, action), next, reward, discounts }
     }
 
     /// Equations 5 and 6 of arXiv 1812.05905, with the lesser of the target critics: half the squared distance of Q from
     /// r + gamma (min Q'(s', a') - alpha ln pi(a' | s')).
     fn update_critics(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
         let [_, width] = play.widths();
-        let (alpha, discount) = (self.temperature(), self.discount as f32);
-        let Batch { rows, seen, action, next, reward, terminated } = self.batch(play);
+        let alpha = self.temperature();
+        let Batch { rows, seen, action, next, reward, discounts } = self.batch(play);
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.set_training(false);
         let [next_action, density] = sample(tape, &self.actor, parameters, (next, width), &mut self.chance);
@@ -227,8 +228,8 @@ impl Sac {
             .values(value)
             .iter()
             .zip(reward)
-            .zip(terminated)
-            .map(|((value, reward), terminated)| reward + discount * (1.0 - terminated) * value)
+            .zip(discounts)
+            .map(|((value, reward), discount)| reward + discount * value)
             .collect();
         let wanted = tape.constant(rows, 1, wanted);
         tape.set_training(true);

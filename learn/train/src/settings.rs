@@ -14,6 +14,8 @@ pub enum Algorithm {
     Ppo,
     /// Soft actor-critic.
     Sac,
+    /// Maximum a posteriori policy optimisation, which differential extrinsic plasticity may explore for: DepRL.
+    Mpo,
     /// Imitation: behaviour cloning, and DAgger with a teacher.
     Clone,
 }
@@ -31,13 +33,15 @@ pub enum Preset {
 
 impl Algorithm {
     /// All of them, with their names.
-    pub const NAMED: [(&'static str, Self); 3] = [("ppo", Self::Ppo), ("sac", Self::Sac), ("clone", Self::Clone)];
+    pub const NAMED: [(&'static str, Self); 4] =
+        [("ppo", Self::Ppo), ("sac", Self::Sac), ("mpo", Self::Mpo), ("clone", Self::Clone)];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ppo => "ppo",
             Self::Sac => "sac",
+            Self::Mpo => "mpo",
             Self::Clone => "clone",
         }
     }
@@ -82,6 +86,10 @@ pub struct Settings {
     pub ppo: PpoSettings,
     /// Those of SAC.
     pub sac: SacSettings,
+    /// Those of MPO.
+    pub mpo: MpoSettings,
+    /// Those of what explores for MPO.
+    pub dep: DepSettings,
     /// Those of imitation.
     pub clone: CloneSettings,
 }
@@ -142,6 +150,101 @@ pub struct SacSettings {
     pub automatic: bool,
 }
 
+/// Settings of MPO alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MpoSettings {
+    /// Step of Adam for the actor.
+    pub actor_rate: f64,
+    /// Step of Adam for the critic.
+    pub critic_rate: f64,
+    /// Step of Adam for the duals.
+    pub dual_rate: f64,
+    /// Transitions that are kept.
+    pub replay: usize,
+    /// Transitions before it learns.
+    pub start: usize,
+    /// Transitions of a gradient step.
+    pub batch: usize,
+    /// Gradient steps for each transition.
+    pub updates: f64,
+    /// Gradient steps that are taken one after the other.
+    pub block: usize,
+    /// Rewards that are summed up before the critic is asked.
+    pub steps: usize,
+    /// Actions that are drawn for each state.
+    pub samples: usize,
+    /// Share by which the targets follow: tau.
+    pub follow: f64,
+    /// How far weights of samples may be from equal ones.
+    pub epsilon: f64,
+    /// The same for those by which actions lie out of bounds.
+    pub epsilon_penalty: f64,
+    /// How far the mean of an entry may go from that of the target policy.
+    pub epsilon_mean: f64,
+    /// How far the deviation of an entry may go from that of the target policy.
+    pub epsilon_std: f64,
+}
+
+/// Settings of differential extrinsic plasticity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DepSettings {
+    /// Whether it explores for MPO.
+    pub explores: bool,
+    /// How strongly it answers: kappa.
+    pub gain: f64,
+    /// Changes of sensors that it remembers: tau.
+    pub horizon: usize,
+    /// How fast biases follow what was done: beta.
+    pub bias_rate: f64,
+    /// Control steps from a change to what it is thought to have brought about.
+    pub delay: usize,
+    /// Control steps over which sensors are smoothed.
+    pub smoothing: usize,
+    /// The chance of a step of the policy to be the last before it acts.
+    pub probability: f64,
+    /// Control steps for which it acts then.
+    pub length: usize,
+}
+
+impl Default for MpoSettings {
+    fn default() -> Self {
+        Self {
+            actor_rate: 3e-4,
+            critic_rate: 3e-4,
+            dual_rate: 1e-2,
+            replay: 1_000_000,
+            start: 5_000,
+            batch: 128,
+            updates: 0.1,
+            block: 30,
+            steps: 3,
+            samples: 10,
+            follow: 0.005,
+            epsilon: 0.1,
+            epsilon_penalty: 1e-3,
+            epsilon_mean: 1e-3,
+            epsilon_std: 1e-6,
+        }
+    }
+}
+
+impl Default for DepSettings {
+    fn default() -> Self {
+        Self {
+            explores: true,
+            gain: 1169.7,
+            horizon: 40,
+            bias_rate: 0.002,
+            delay: 5,
+            smoothing: 2,
+            probability: 0.001,
+            length: 5,
+        }
+    }
+}
+
 /// Settings of imitation alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -164,7 +267,7 @@ pub struct CloneSettings {
 
 impl Default for CloneSettings {
     fn default() -> Self {
-        Self { learning_rate: 1e-3, anneal: true, batch: 256, updates: 0.05, guided: 0.0, memory: 200_000, squash: false }
+        Self { learning_rate: 1e-3, anneal: true, batch: 256, updates: 0.5, guided: 0.0, memory: 200_000, squash: false }
     }
 }
 
@@ -222,7 +325,7 @@ impl Settings {
         let hidden = match (algorithm, preset) {
             (_, Preset::Paper) => vec![1024, 1024],
             (Algorithm::Ppo, Preset::Fast) => vec![64, 64],
-            (Algorithm::Sac | Algorithm::Clone, Preset::Fast) => vec![256, 256],
+            (Algorithm::Sac | Algorithm::Mpo | Algorithm::Clone, Preset::Fast) => vec![256, 256],
         };
         let fast = Self {
             algorithm,
@@ -233,13 +336,15 @@ impl Settings {
             layer_norm: false,
             discount: 0.99,
             normalize_observations: true,
-            normalize_rewards: algorithm == Algorithm::Ppo || preset == Preset::Paper,
+            normalize_rewards: algorithm == Algorithm::Ppo || (algorithm == Algorithm::Sac && preset == Preset::Paper),
             evaluate_every: 50_000,
             evaluation_episodes: 10,
             checkpoint_every: 50_000,
             critics_first: 10_000,
             ppo: PpoSettings::default(),
             sac: SacSettings::default(),
+            mpo: MpoSettings::default(),
+            dep: DepSettings::default(),
             clone: CloneSettings::default(),
         };
         if preset == Preset::Fast {
@@ -263,8 +368,19 @@ impl Settings {
             automatic: false,
             ..SacSettings::default()
         };
+        let mpo = MpoSettings {
+            actor_rate: 5e-5,
+            critic_rate: 8e-5,
+            dual_rate: 2e-3,
+            start: 100_000,
+            batch: 256,
+            updates: 0.03,
+            samples: 20,
+            ..MpoSettings::default()
+        };
+        let episodes = if algorithm == Algorithm::Mpo { 16 } else { fast.episodes };
         let evaluate_every = if algorithm == Algorithm::Ppo { 500_000 } else { 200_000 };
-        Self { evaluate_every, checkpoint_every: evaluate_every, ppo, sac, ..fast }
+        Self { episodes, evaluate_every, checkpoint_every: evaluate_every, ppo, sac, mpo, ..fast }
     }
 
     /// Reads a TOML file: keys that it does not set are those of its `algorithm` and its `preset`.
@@ -286,8 +402,8 @@ impl Settings {
     /// Whether every number lies where it makes sense; NaN does not.
     fn check(&self, text: &str) -> Result<(), SettingsError> {
         let checked = Checked::of(text);
-        let (ppo, sac, clone) = (&self.ppo, &self.sac, &self.clone);
-        let numbers: [(&'static str, f64, RangeInclusive<f64>); 18] = [
+        let Self { ppo, sac, mpo, dep, clone, .. } = self;
+        let numbers: [(&'static str, f64, RangeInclusive<f64>); 30] = [
             ("discount", self.discount, 0.0..=1.0),
             ("learning_rate", ppo.learning_rate, 1e-8..=1.0),
             ("lambda", ppo.lambda, 0.0..=1.0),
@@ -301,6 +417,18 @@ impl Settings {
             ("updates", sac.updates, 1e-4..=64.0),
             ("follow", sac.follow, 1e-6..=1.0),
             ("temperature", sac.temperature, 1e-8..=100.0),
+            ("actor_rate", mpo.actor_rate, 1e-8..=1.0),
+            ("critic_rate", mpo.critic_rate, 1e-8..=1.0),
+            ("dual_rate", mpo.dual_rate, 1e-8..=1.0),
+            ("updates", mpo.updates, 1e-4..=64.0),
+            ("follow", mpo.follow, 1e-6..=1.0),
+            ("epsilon", mpo.epsilon, 1e-6..=10.0),
+            ("epsilon_penalty", mpo.epsilon_penalty, 1e-9..=10.0),
+            ("epsilon_mean", mpo.epsilon_mean, 1e-9..=10.0),
+            ("epsilon_std", mpo.epsilon_std, 1e-12..=10.0),
+            ("gain", dep.gain, 1e-3..=1e9),
+            ("bias_rate", dep.bias_rate, 0.0..=1.0),
+            ("probability", dep.probability, 0.0..=1.0),
             ("learning_rate", clone.learning_rate, 1e-8..=1.0),
             ("updates", clone.updates, 1e-4..=64.0),
             ("guided", clone.guided, 0.0..=1.0),
@@ -310,7 +438,7 @@ impl Settings {
         for (key, found, range) in numbers {
             checked.number(key, found, range, "")?;
         }
-        let counts: [(&'static str, usize, RangeInclusive<usize>); 12] = [
+        let counts: [(&'static str, usize, RangeInclusive<usize>); 22] = [
             ("episodes", self.episodes, 1..=4096),
             ("evaluation_episodes", self.evaluation_episodes, 1..=1000),
             ("checkpoint_every", usize::try_from(self.checkpoint_every).unwrap_or(usize::MAX), 1..=1_000_000_000_000),
@@ -320,6 +448,16 @@ impl Settings {
             ("replay", sac.replay, 1..=100_000_000),
             ("start", sac.start, 1..=100_000_000),
             ("batch", sac.batch, 1..=1_000_000),
+            ("replay", mpo.replay, 1..=100_000_000),
+            ("start", mpo.start, 1..=100_000_000),
+            ("batch", mpo.batch, 1..=1_000_000),
+            ("block", mpo.block, 1..=100_000),
+            ("steps", mpo.steps, 1..=1000),
+            ("samples", mpo.samples, 1..=10_000),
+            ("horizon", dep.horizon, 3..=10_000),
+            ("delay", dep.delay, 0..=1000),
+            ("smoothing", dep.smoothing, 1..=1000),
+            ("length", dep.length, 1..=100_000),
             ("batch", clone.batch, 1..=1_000_000),
             ("memory", clone.memory, 1..=100_000_000),
             ("actor_delay", sac.actor_delay, 1..=1000),
@@ -375,6 +513,6 @@ mod tests {
             message("[ppo]\nminibatch = 5000"),
             "line 2: `minibatch` is 5000; expected at most `horizon` x `episodes`, which is 2048"
         );
-        assert!(message("algorithm = \"ddpg\"").contains("expected one of `ppo`, `sac`, `clone`"));
+        assert!(message("algorithm = \"ddpg\"").contains("expected one of `ppo`, `sac`, `mpo`, `clone`"));
     }
 }

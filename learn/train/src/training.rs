@@ -5,6 +5,7 @@ use crate::error::TrainError;
 use crate::evaluate::{Evaluation, Evaluator};
 use crate::imitation::{Imitation, ImitationState};
 use crate::learner::Losses;
+use crate::mpo::{Mpo, MpoState};
 use crate::play::{Play, PlayState};
 use crate::ppo::{Ppo, PpoState};
 use crate::sac::{Sac, SacState};
@@ -43,6 +44,7 @@ pub struct Identity {
 enum Learner {
     Ppo(Box<Ppo>),
     Sac(Box<Sac>),
+    Mpo(Box<Mpo>),
     Imitation(Box<Imitation>),
 }
 
@@ -50,6 +52,7 @@ enum Learner {
 enum LearnerState {
     Ppo(PpoState),
     Sac(Box<SacState>),
+    Mpo(Box<MpoState>),
     Imitation(Box<ImitationState>),
 }
 
@@ -96,7 +99,7 @@ fn starting_as(agent: &Agent, engine: &Engine, settings: &Settings) -> Result<Se
     }
     let squashes = match algorithm {
         Algorithm::Ppo => false,
-        Algorithm::Sac => true,
+        Algorithm::Sac | Algorithm::Mpo => true,
         Algorithm::Clone => settings.clone.squash,
     };
     if squashes != agent.squashes() {
@@ -148,8 +151,10 @@ impl Training {
             None => settings.clone(),
         };
         let algorithm = settings.algorithm;
-        if algorithm == Algorithm::Sac {
-            check_replay(engine, settings.sac.replay)?;
+        match algorithm {
+            Algorithm::Sac => check_replay(engine, settings.sac.replay)?,
+            Algorithm::Mpo => check_replay(engine, settings.mpo.replay)?,
+            Algorithm::Ppo | Algorithm::Clone => {}
         }
         if algorithm != Algorithm::Clone && (lessons.teacher.is_some() || !lessons.data.is_empty()) {
             return Err(TrainError::NoImitation(algorithm.name()));
@@ -159,6 +164,7 @@ impl Training {
         let mut learner = match algorithm {
             Algorithm::Ppo => Learner::Ppo(Box::new(Ppo::new(&settings, &play, seed, kernel.clone()))),
             Algorithm::Sac => Learner::Sac(Box::new(Sac::new(&settings, &play, seed, kernel.clone()))),
+            Algorithm::Mpo => Learner::Mpo(Box::new(Mpo::new(engine, &settings, &play, seed, kernel.clone())?)),
             Algorithm::Clone => {
                 let tools = (kernel.clone(), threads);
                 Learner::Imitation(Box::new(Imitation::new(engine, &settings, lessons, &mut play, seed, tools)?))
@@ -169,6 +175,7 @@ impl Training {
             match &mut learner {
                 Learner::Ppo(ppo) => ppo.begin_as(agent.actor(), settings.critics_first),
                 Learner::Sac(sac) => sac.begin_as(agent.actor(), settings.critics_first),
+                Learner::Mpo(mpo) => mpo.begin_as(agent.actor(), settings.critics_first),
                 Learner::Imitation(imitation) => imitation.begin_as(agent.actor()),
             }
         }
@@ -217,6 +224,10 @@ impl Training {
         let (losses, steps) = match &mut self.learner {
             Learner::Ppo(ppo) => (ppo.round(&mut self.play, progress, self.step)?, ppo.round_steps(self.play.slots())),
             Learner::Sac(sac) => (sac.round(&mut self.play, self.step)?, sac.round_steps(self.play.slots())),
+            Learner::Mpo(mpo) => {
+                let losses = mpo.round(&mut self.play, &self.identity.settings, self.step)?;
+                (losses, mpo.round_steps(self.play.slots()))
+            }
             Learner::Imitation(imitation) => imitation.round(&mut self.play, progress, self.step)?,
         };
         self.step += steps;
@@ -228,6 +239,7 @@ impl Training {
         let actor = match &self.learner {
             Learner::Ppo(ppo) => ppo.actor(&self.play),
             Learner::Sac(sac) => sac.actor(&self.play),
+            Learner::Mpo(mpo) => mpo.actor(&self.play),
             Learner::Imitation(imitation) => imitation.actor(&self.play),
         };
         Agent::new(&self.engine, actor, (self.identity.settings.algorithm.name(), self.identity.seed, self.step))
@@ -249,10 +261,15 @@ impl Training {
 
     /// The state between two rounds, as bytes.
     pub fn checkpoint(&mut self) -> Vec<u8> {
-        self.play.at_checkpoint();
+        if self.play.at_checkpoint()
+            && let Learner::Mpo(mpo) = &mut self.learner
+        {
+            mpo.forget_pending();
+        }
         let learner = match &self.learner {
             Learner::Ppo(ppo) => LearnerState::Ppo(ppo.state()),
             Learner::Sac(sac) => LearnerState::Sac(Box::new(sac.state())),
+            Learner::Mpo(mpo) => LearnerState::Mpo(Box::new(mpo.state())),
             Learner::Imitation(imitation) => LearnerState::Imitation(Box::new(imitation.state())),
         };
         let state = State { step: self.step, play: self.play.state(), learner };
@@ -277,6 +294,7 @@ impl Training {
         match (&mut self.learner, state.learner) {
             (Learner::Ppo(ppo), LearnerState::Ppo(state)) => ppo.restore(state)?,
             (Learner::Sac(sac), LearnerState::Sac(state)) => sac.restore(*state)?,
+            (Learner::Mpo(mpo), LearnerState::Mpo(state)) => mpo.restore(*state)?,
             (Learner::Imitation(imitation), LearnerState::Imitation(state)) => imitation.restore(*state)?,
             _ => return Err("it is of another algorithm".into()),
         }

@@ -47,7 +47,14 @@ fn small(algorithm: Algorithm) -> Settings {
     settings.sac.start = 300;
     settings.sac.replay = 500;
     settings.sac.updates = 0.05;
+    settings.mpo.batch = 16;
+    settings.mpo.start = 300;
+    settings.mpo.replay = 500;
+    settings.mpo.updates = 0.05;
+    settings.mpo.block = 4;
+    settings.dep.probability = 0.05;
     settings.clone.batch = 16;
+    settings.clone.updates = 0.05;
     settings.clone.memory = 400;
     settings.evaluation_episodes = 2;
     settings
@@ -326,9 +333,12 @@ fn every_algorithm_learns_to_hold_a_pendulum() {
     ppo.ppo.learning_rate = 1e-3;
     let mut sac = small(Algorithm::Sac);
     (sac.sac.replay, sac.sac.updates, sac.sac.batch) = (10_000, 0.5, 64);
+    let mut mpo = small(Algorithm::Mpo);
+    (mpo.mpo.replay, mpo.mpo.updates, mpo.mpo.batch, mpo.mpo.epsilon_mean) = (10_000, 0.5, 64, 1e-2);
+    (mpo.mpo.actor_rate, mpo.mpo.critic_rate) = (1e-3, 1e-3);
     let mut clone = small(Algorithm::Clone);
     (clone.clone.updates, clone.clone.memory) = (0.3, 10_000);
-    for (settings, steps) in [(ppo, 20_000), (sac, 8_000), (clone, 4_000)] {
+    for (settings, steps) in [(ppo, 20_000), (sac, 8_000), (mpo, 8_000), (clone, 4_000)] {
         let settings = Settings { evaluation_episodes: 20, ..settings };
         let lessons = lessons(settings.algorithm);
         let mut training = Training::with(&engine, &settings, &lessons, (1, steps), NonZeroUsize::MIN).unwrap();

@@ -97,6 +97,7 @@ impl Step<'_> {
             Operation::Affine { x, scale } => self.one(x, move |_, _| scale),
             Operation::Exp { x } => self.one(x, |_, y| y),
             Operation::Softplus { x } => self.one(x, |x, _| softplus_slope(x)),
+            Operation::Ln { x } => self.one(x, |x, _| 1.0 / x),
             Operation::Square { x } => self.one(x, |x, _| 2.0 * x),
             Operation::Clip { x, low, high } => self.one(x, move |x, _| if x < low || x > high { 0.0 } else { 1.0 }),
             Operation::Add { left, right } => {

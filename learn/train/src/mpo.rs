@@ -1,0 +1,606 @@
+//! Maximum a posteriori policy optimisation (Abdolmaleki et al. 2018, arXiv 1806.06920; with the decoupled bounds of arXiv 1812.02256 and
+//! the penalty of actions out of bounds of Acme, arXiv 2006.00979), and the exploration of DepRL.
+
+use crate::agent::Actor;
+use crate::dep::{Dep, Sensors};
+use crate::error::TrainError;
+use crate::learner::{Losses, Means, Networks, Optimizer};
+use crate::numbers::Numbers;
+use crate::play::Play;
+use crate::replay::{Replay, ReplayState};
+use crate::settings::{MpoSettings, Settings};
+use msk_network::{Kernel, Mlp, Parameters, Tape, Variable};
+use msk_runtime::episode::{Engine, EpisodeKey, Stream};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Bounds of a standard deviation.
+const STD: [f32; 2] = [1e-4, 1.0];
+/// Least value of a dual before it is made positive.
+const LEAST_DUAL: f32 = -18.0;
+/// First values of the duals before they are made positive: of both temperatures, and of the bounds of mean and deviation.
+const FIRST_DUALS: [f32; 3] = [1.0, 1.0, 10.0];
+/// Deviation, before it is made positive, of one that begins as an agent: about 0.13.
+const STARTING_STD: f32 = -2.0;
+/// Control steps of each slot in a round, which is what a report is about and no part of the algorithm.
+const ROUND: usize = 128;
+
+/// The learner.
+pub(crate) struct Mpo {
+    settings: MpoSettings,
+    discount: f64,
+    networks: Networks,
+    actor: Mlp,
+    critic: Mlp,
+    /// What follows actor and critic.
+    targets: [Mlp; 2],
+    duals: Duals,
+    /// Of actor, critic and duals.
+    optimizers: [Optimizer; 3],
+    replay: Replay,
+    /// Transitions of each slot whose returns are not yet known over all steps.
+    pending: Vec<VecDeque<Pending>>,
+    exploration: Option<(Dep, Sensors)>,
+    chance: Stream,
+    due: f64,
+    means: Means,
+    /// Control steps before which the actor stays as it is, where it begins as an agent.
+    critics_first: Option<u64>,
+}
+
+/// A transition that waits for later rewards.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Pending {
+    row: Vec<f64>,
+    action: Vec<f32>,
+    reward: f64,
+}
+
+/// Where the duals stand among the parameters: of the temperature, that of the penalty, and one per entry for mean and deviation.
+#[derive(Debug, Clone)]
+struct Duals {
+    temperatures: [Range<usize>; 2],
+    bounds: [Range<usize>; 2],
+}
+
+/// What of it a checkpoint keeps.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct MpoState {
+    parameters: Numbers,
+    optimizers: [Optimizer; 3],
+    replay: ReplayState,
+    pending: Vec<VecDeque<Pending>>,
+    exploration: Option<Dep>,
+    chance: Stream,
+    due: f64,
+}
+
+/// Rows that were drawn, as networks see them.
+struct Batch {
+    seen: Vec<f32>,
+    actions: Vec<f32>,
+    next: Vec<f32>,
+    rewards: Vec<f32>,
+    discounts: Vec<f32>,
+}
+
+/// Samples of actions for each row, with what the target critic says of them.
+struct Samples {
+    /// Sample after sample of a row, row after row.
+    actions: Vec<f32>,
+    values: Vec<f32>,
+    /// Mean and deviation of the target policy, row by row.
+    mean: Vec<f32>,
+    std: Vec<f32>,
+}
+
+impl Mpo {
+    /// # Errors
+    /// An action space without sensors, where plasticity explores.
+    pub fn new(
+        engine: &Engine,
+        settings: &Settings,
+        play: &Play,
+        seed: u64,
+        kernel: Arc<dyn Kernel>,
+    ) -> Result<Self, TrainError> {
+        let ([whole, width], entries) = (play.widths(), play.entries());
+        let mut networks = Networks::new(kernel);
+        let mut draw = Stream::new(EpisodeKey { seed, episode: 0 }, "train/initial");
+        let [policy, value] = [settings.shape(width, 2 * entries), settings.shape(whole + entries, 1)];
+        let actor = networks.uniform("actor", &policy, &mut draw);
+        let critic = networks.uniform("critic", &value, &mut draw);
+        let targets = [("target_actor", &policy), ("target_critic", &value)];
+        let targets = targets.map(|(name, shape)| networks.uniform(name, shape, &mut draw));
+        for (target, network) in targets.iter().zip([&actor, &critic]) {
+            networks.parameters.follow(target.range(), network.range(), 1.0);
+        }
+        let duals = Duals::new(entries, &mut networks.parameters);
+        let ranges = [actor.range(), critic.range(), duals.range()];
+        let exploration = match settings.dep.explores {
+            true => {
+                let refuse = |reason: String| TrainError::Exploration { reason };
+                Some((Dep::new(&settings.dep, play.slots(), seed), Sensors::of(engine).map_err(refuse)?))
+            }
+            false => None,
+        };
+        Ok(Self {
+            discount: settings.discount,
+            networks,
+            actor,
+            critic,
+            targets,
+            duals,
+            optimizers: ranges.map(|range| Optimizer::new(range, f32::INFINITY, 1e-8)),
+            replay: Replay::new(settings.mpo.replay, [whole, entries]),
+            pending: vec![VecDeque::new(); play.slots()],
+            exploration,
+            chance: Stream::new(EpisodeKey { seed, episode: 0 }, "train/chance"),
+            due: 0.0,
+            means: Means::default(),
+            settings: settings.mpo.clone(),
+            critics_first: None,
+        })
+    }
+
+    /// Begins as an agent, with small deviations: it acts from the first step on, and stays as it is until the critic has learned what it
+    /// is worth.
+    pub fn begin_as(&mut self, actor: &Actor, critics_first: u64) {
+        for network in [&self.actor, &self.targets[0]] {
+            actor.copy_to(network, &mut self.networks.parameters);
+            if let Some(last) = network.layers().last() {
+                let (entries, inputs) = (last.outputs / 2, last.inputs);
+                let values = self.networks.parameters.values_mut();
+                values[last.weight.clone()][entries * inputs..].fill(0.0);
+                values[last.bias.clone()][entries..].fill(STARTING_STD);
+            }
+        }
+        self.critics_first = Some(critics_first);
+    }
+
+    /// Control steps of a round, in all slots together.
+    pub fn round_steps(&self, slots: usize) -> u64 {
+        (ROUND * slots) as u64
+    }
+
+    /// Plays, and learns in blocks of gradient steps.
+    pub fn round(&mut self, play: &mut Play, settings: &Settings, step: u64) -> Result<Losses, TrainError> {
+        let mut before = Vec::new();
+        for round in 0..ROUND {
+            let step = step + (round * play.slots()) as u64;
+            let actions = self.act(play, settings, step);
+            before.clear();
+            before.extend_from_slice(play.rows());
+            play.step(&actions)?;
+            if let Some((dep, _)) = &mut self.exploration {
+                dep.count(play.last().ends.len());
+            }
+            self.remember(play, &before, &actions);
+            if step >= self.settings.start as u64 {
+                self.due += self.settings.updates * play.slots() as f64;
+                // A block at a time, as the reference has it.
+                if self.due >= self.settings.block as f64 {
+                    while self.due >= 1.0 {
+                        self.due -= 1.0;
+                        self.update(play, step)?;
+                    }
+                }
+            }
+        }
+        Ok(self.means.take())
+    }
+
+    /// Actions of the present policy, or of what explores; uniform ones before it learns if nothing does.
+    fn act(&mut self, play: &Play, settings: &Settings, step: u64) -> Vec<f32> {
+        let ([whole, width], slots, entries) = (play.widths(), play.slots(), play.entries());
+        let collecting = step < self.settings.start as u64 && self.critics_first.is_none();
+        if let Some((dep, sensors)) = &mut self.exploration {
+            if let Some(actions) = dep.act(&settings.dep, sensors, play.episodes(), collecting) {
+                return actions;
+            }
+        } else if collecting {
+            let chance = &mut self.chance;
+            return (0..slots * entries).map(|_| (2.0 * chance.uniform() - 1.0) as f32).collect();
+        }
+        let mut rows = vec![0.0; slots * whole];
+        play.normalize(play.rows(), &mut rows);
+        let Networks { tape, parameters, .. } = &mut self.networks;
+        tape.clear();
+        let seen = tape.constant(slots, whole, rows);
+        let [mean, std] = policy(tape, &self.actor, parameters, (seen, width));
+        let chance = &mut self.chance;
+        let drawn = tape.values(mean).iter().zip(tape.values(std));
+        drawn.map(|(mean, std)| mean + std * chance.normal() as f32).collect()
+    }
+
+    /// Keeps the transitions of a step whose rewards are now known over `steps`, or to the end of their episode.
+    fn remember(&mut self, play: &Play, before: &[f64], actions: &[f32]) {
+        let ([whole, _], entries, last) = (play.widths(), play.entries(), play.last());
+        for (slot, pending) in self.pending.iter_mut().enumerate() {
+            let part = slot * whole..(slot + 1) * whole;
+            let action = actions[slot * entries..(slot + 1) * entries].to_vec();
+            pending.push_back(Pending { row: before[part.clone()].to_vec(), action, reward: last.rewards[slot] });
+            let ended = last.ended[slot];
+            let next = if ended { &play.final_rows } else { play.rows() };
+            while !pending.is_empty() && (ended || pending.len() >= self.settings.steps) {
+                // r + gamma r' + ..., and gamma to the power of their number before the value of what follows.
+                let later = pending.iter().rev().map(|transition| transition.reward);
+                let total = later.fold(0.0, |sum, reward| reward + self.discount * sum);
+                let discount = pending.iter().fold(1.0, |product, _| product * self.discount);
+                let Some(first) = pending.pop_front() else { break };
+                let discount = if last.terminated[slot] { 0.0 } else { discount as f32 };
+                self.replay.push(&first.row, &first.action, &next[part.clone()], total, discount);
+            }
+        }
+    }
+
+    fn draw(&mut self, play: &Play) -> Batch {
+        let ([whole, _], rows) = (play.widths(), self.settings.batch);
+        let (mut row, mut next) = (Vec::new(), Vec::new());
+        let (mut actions, mut rewards, mut discounts) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..rows {
+            let drawn = self.replay.draw(&mut self.chance);
+            row.extend(drawn.row.iter().map(|value| f64::from(*value)));
+            next.extend(drawn.next.iter().map(|value| f64::from(*value)));
+            actions.extend_from_slice(drawn.action);
+            rewards.push(play.scaled(f64::from(drawn.reward)));
+            discounts.push(drawn.discount);
+        }
+        let normal = |rows_of: &[f64]| {
+            let mut out = vec![0.0; rows * whole];
+            play.normalize(rows_of, &mut out);
+            out
+        };
+        Batch { seen: normal(&row), actions, next: normal(&next), rewards, discounts }
+    }
+
+    /// Samples of the target policy at rows as networks see them.
+    fn sample(&mut self, play: &Play, rows: &[f32]) -> Samples {
+        let ([whole, width], entries, count) = (play.widths(), play.entries(), self.settings.samples);
+        let states = rows.len() / whole;
+        let Networks { tape, parameters, .. } = &mut self.networks;
+        tape.clear();
+        tape.set_training(false);
+        let seen = tape.constant(states, whole, rows.iter().copied());
+        let [mean, std] = policy(tape, &self.targets[0], parameters, (seen, width));
+        let (mean, std) = (tape.values(mean).to_vec(), tape.values(std).to_vec());
+        let mut actions = Vec::with_capacity(states * count * entries);
+        let chance = &mut self.chance;
+        for (mean, std) in mean.chunks_exact(entries).zip(std.chunks_exact(entries)) {
+            for _ in 0..count {
+                actions.extend(mean.iter().zip(std).map(|(mean, std)| mean + std * chance.normal() as f32));
+            }
+        }
+        let repeated = rows.chunks_exact(whole).flat_map(|row| std::iter::repeat_n(row, count)).flatten().copied();
+        let repeated = tape.constant(states * count, whole, repeated);
+        let drawn = tape.constant(states * count, entries, actions.iter().copied());
+        let chosen = tape.join(repeated, drawn);
+        let values = self.targets[1].forward(tape, parameters, chosen);
+        Samples { values: tape.values(values).to_vec(), actions, mean, std }
+    }
+
+    /// A gradient step of critic, actor and duals.
+    fn update(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
+        let batch = self.draw(play);
+        self.update_critic(play, &batch, step)?;
+        if self.critics_first.is_none_or(|first| step >= self.settings.start as u64 + first) {
+            self.update_actor(play, &batch, step)?;
+        }
+        for (target, network) in self.targets.iter().zip([&self.actor, &self.critic]) {
+            self.networks.parameters.follow(target.range(), network.range(), self.settings.follow as f32);
+        }
+        Ok(())
+    }
+
+    /// The squared distance of Q from the rewards of some steps and the mean of the target critic over samples of the target policy.
+    fn update_critic(&mut self, play: &Play, batch: &Batch, step: u64) -> Result<(), TrainError> {
+        let ([whole, _], entries, rows) = (play.widths(), play.entries(), self.settings.batch);
+        let after = self.sample(play, &batch.next);
+        let count = self.settings.samples as f32;
+        let means = after.values.chunks_exact(self.settings.samples).map(|values| values.iter().sum::<f32>() / count);
+        let wanted = means.zip(&batch.rewards).zip(&batch.discounts).map(|((value, reward), discount)| reward + discount * value);
+        let wanted: Vec<f32> = wanted.collect();
+        let Networks { tape, parameters, .. } = &mut self.networks;
+        tape.clear();
+        let seen = tape.constant(rows, whole, batch.seen.iter().copied());
+        let action = tape.constant(rows, entries, batch.actions.iter().copied());
+        let chosen = tape.join(seen, action);
+        let found = self.critic.forward(tape, parameters, chosen);
+        let wanted = tape.constant(rows, 1, wanted);
+        let error = tape.subtract(found, wanted);
+        let square = tape.square(error);
+        let loss = tape.mean(square);
+        let rate = self.settings.critic_rate;
+        let value = self.networks.descend(loss, ("the error of the critic", step), rate, &mut self.optimizers[1])?;
+        self.means.add("critic", value);
+        Ok(())
+    }
+
+    /// The steps E and M of the paper, and the duals.
+    fn update_actor(&mut self, play: &Play, batch: &Batch, step: u64) -> Result<(), TrainError> {
+        let ([whole, width], entries, rows) = (play.widths(), play.entries(), self.settings.batch);
+        let samples = self.sample(play, &batch.seen);
+        let costs: Vec<f32> = samples.actions.chunks_exact(entries).map(cost).collect();
+        // Step E: how much each sample counts, by value and by what lies out of bounds.
+        let values = self.duals.values(&self.networks.parameters);
+        let [temperature, penalty] = values.temperatures;
+        let (by_value, slope) = weights(&samples.values, self.settings.samples, temperature, self.settings.epsilon);
+        let (by_cost, other) = weights(&costs, self.settings.samples, penalty, self.settings.epsilon_penalty);
+        let counts: Vec<f64> = by_value.iter().zip(&by_cost).map(|(a, b)| a + b).collect();
+        let fit = Fit::of(&samples, &counts, [entries, self.settings.samples]);
+
+        // Step M: weighted likelihood of the samples, where mean and deviation are fitted one with the other of the target policy
+        // (equation 8 of arXiv 1812.02256). Of the samples only mean and spread count.
+        let Networks { tape, parameters, .. } = &mut self.networks;
+        tape.clear();
+        let seen = tape.constant(rows, whole, batch.seen.iter().copied());
+        let [mean, std] = policy(tape, &self.actor, parameters, (seen, width));
+        let precision = tape.constant(rows, entries, samples.std.iter().map(|std| 1.0 / std));
+        let distance = |tape: &mut Tape, from: &[f32]| {
+            let from = tape.constant(rows, entries, from.iter().copied());
+            let difference = tape.subtract(mean, from);
+            let unit = tape.multiply(difference, precision);
+            let square = tape.square(unit);
+            tape.affine(square, 0.5, 0.0)
+        };
+        let fits = distance(tape, &fit.mean);
+        let moved = distance(tape, &samples.mean);
+        let logarithm = tape.ln(std);
+        let narrow = tape.affine(logarithm, -2.0, 0.0);
+        let inverse = tape.exp(narrow);
+        let spread = tape.constant(rows, entries, fit.spread.iter().copied());
+        let spread = tape.multiply(spread, inverse);
+        let spread = tape.affine(spread, 0.5, 0.0);
+        let likely = tape.affine(logarithm, 2.0, 0.0);
+        let likely = tape.add(likely, spread);
+        // The divergence of deviations: ln(new / old) + old^2 / (2 new^2) - 1 / 2.
+        let variance = tape.constant(rows, entries, samples.std.iter().map(|std| 0.5 * std * std));
+        let ratio = tape.multiply(variance, inverse);
+        let old = tape.constant(rows, entries, samples.std.iter().map(|std| libm::logf(*std) + 0.5));
+        let widened = tape.subtract(logarithm, old);
+        let widened = tape.add(widened, ratio);
+        let mut loss = tape.affine(fits, 2.0, 0.0);
+        loss = tape.add(loss, likely);
+        for (divergence, bound) in [(moved, &values.bounds[0]), (widened, &values.bounds[1])] {
+            let weight = tape.constant(rows, entries, (0..rows).flat_map(|_| bound.iter().copied()));
+            let part = tape.multiply(divergence, weight);
+            loss = tape.add(loss, part);
+        }
+        let loss = tape.sum_columns(loss);
+        let loss = tape.mean(loss);
+        let excess = [(moved, self.settings.epsilon_mean), (widened, self.settings.epsilon_std)].map(|(divergence, allowed)| {
+            let column =
+                |entry: usize| tape.values(divergence).iter().skip(entry).step_by(entries).map(|value| f64::from(*value));
+            (0..entries).map(|entry| (allowed - column(entry).sum::<f64>() / rows as f64) as f32).collect::<Vec<f32>>()
+        });
+        let divergence = |excess: &[f32], allowed: f64| allowed - f64::from(excess.iter().sum::<f32>()) / entries as f64;
+        self.means.add("divergence_mean", divergence(&excess[0], self.settings.epsilon_mean));
+        self.means.add("divergence_std", divergence(&excess[1], self.settings.epsilon_std));
+        let rate = self.settings.actor_rate;
+        let value = self.networks.descend(loss, ("the objective of the actor", step), rate, &mut self.optimizers[0])?;
+        self.means.add("actor", value);
+        self.means.add("temperature", f64::from(temperature));
+        self.update_duals([slope, other], &excess, step)
+    }
+
+    /// Descends along derivatives that are known: of temperatures, and of the bounds of mean and deviation.
+    fn update_duals(&mut self, slopes: [f32; 2], excess: &[Vec<f32>; 2], step: u64) -> Result<(), TrainError> {
+        let Networks { tape, parameters, .. } = &mut self.networks;
+        tape.clear();
+        let Duals { temperatures, bounds } = &self.duals;
+        let ranges = temperatures.iter().chain(bounds);
+        let all = slopes.iter().map(std::slice::from_ref).chain(excess.iter().map(Vec::as_slice));
+        let mut sum = tape.constant(1, 1, [0.0]);
+        for (range, slopes) in ranges.zip(all) {
+            let raw = tape.parameter(1, range.clone(), parameters);
+            let dual = tape.softplus(raw);
+            let slopes = tape.constant(1, range.len(), slopes.iter().copied());
+            let part = tape.multiply(dual, slopes);
+            let part = tape.sum_columns(part);
+            sum = tape.add(sum, part);
+        }
+        let rate = self.settings.dual_rate;
+        self.networks.descend(sum, ("the duals", step), rate, &mut self.optimizers[2])?;
+        for value in &mut self.networks.parameters.values_mut()[self.duals.range()] {
+            *value = if *value < LEAST_DUAL { LEAST_DUAL } else { *value };
+        }
+        Ok(())
+    }
+
+    /// What acts: the mean.
+    pub fn actor(&self, play: &Play) -> Actor {
+        Actor::new(&self.actor, &self.networks.parameters, play, play.entries(), true)
+    }
+
+    pub fn state(&self) -> MpoState {
+        MpoState {
+            parameters: self.networks.state(),
+            optimizers: self.optimizers.clone(),
+            replay: self.replay.state(),
+            pending: self.pending.clone(),
+            exploration: self.exploration.as_ref().map(|(dep, _)| dep.clone()),
+            chance: self.chance.clone(),
+            due: self.due,
+        }
+    }
+
+    /// # Errors
+    /// Other sizes.
+    pub fn restore(&mut self, state: MpoState) -> Result<(), String> {
+        self.networks.restore(&state.parameters)?;
+        self.replay.restore(state.replay)?;
+        match (&mut self.exploration, state.exploration) {
+            (Some((dep, _)), Some(known)) if dep.fits(&known) => *dep = known,
+            (None, None) => {}
+            _ => return Err("it explores otherwise".into()),
+        }
+        if state.pending.len() != self.pending.len() {
+            return Err("its transitions are of another number of episodes".into());
+        }
+        (self.pending, self.optimizers, self.chance) = (state.pending, state.optimizers, state.chance);
+        self.due = state.due;
+        Ok(())
+    }
+
+    /// Forgets transitions whose episodes do not go on.
+    pub fn forget_pending(&mut self) {
+        self.pending.iter_mut().for_each(VecDeque::clear);
+    }
+}
+
+/// Mean and deviation of the policy at each row: Gaussians whose means lie within -1 and 1.
+fn policy(tape: &mut Tape, actor: &Mlp, parameters: &Parameters, (seen, width): (Variable, usize)) -> [Variable; 2] {
+    let entries = actor.shape().outputs / 2;
+    let observed = tape.columns(seen, 0..width);
+    let head = actor.forward(tape, parameters, observed);
+    let (mean, raw) = (tape.columns(head, 0..entries), tape.columns(head, entries..2 * entries));
+    let soft = tape.softplus(raw);
+    [tape.tanh(mean), tape.clip(soft, STD[0], STD[1])]
+}
+
+/// Minus how far an action lies out of bounds.
+fn cost(action: &[f32]) -> f32 {
+    let beyond = action.iter().map(|entry| if entry.abs() > 1.0 { entry.abs() - 1.0 } else { 0.0 });
+    -beyond.map(|distance| distance * distance).sum::<f32>().sqrt()
+}
+
+/// Step E: weights exp(q / eta) of the samples of each state, which sum up to 1, and the derivative of the dual
+/// eta (epsilon + E ln mean exp(q / eta)) with respect to the temperature eta (equation 9 of arXiv 1806.06920).
+fn weights(values: &[f32], samples: usize, temperature: f32, epsilon: f64) -> (Vec<f64>, f32) {
+    let eta = f64::from(temperature);
+    let (mut weights, mut slope) = (Vec::with_capacity(values.len()), 0.0);
+    for values in values.chunks_exact(samples) {
+        let scaled = || values.iter().map(|value| f64::from(*value) / eta);
+        let most = scaled().fold(f64::NEG_INFINITY, |most, value| if value > most { value } else { most });
+        let sum: f64 = scaled().map(|value| libm::exp(value - most)).sum();
+        let begin = weights.len();
+        weights.extend(scaled().map(|value| libm::exp(value - most) / sum));
+        let mean: f64 = weights[begin..].iter().zip(scaled()).map(|(weight, value)| weight * value).sum();
+        slope += most + libm::log(sum / samples as f64) - mean;
+    }
+    let states = (values.len() / samples.max(1)).max(1) as f64;
+    (weights, (epsilon + slope / states) as f32)
+}
+
+/// What weighted samples ask for, row by row: the sum of the weights of a row is 2.
+struct Fit {
+    mean: Vec<f32>,
+    /// Sum of weight times square of the distance from the mean of the target policy.
+    spread: Vec<f32>,
+}
+
+impl Fit {
+    fn of(samples: &Samples, weights: &[f64], [entries, count]: [usize; 2]) -> Self {
+        let (mut mean, mut spread) = (Vec::new(), Vec::new());
+        let rows = samples.actions.chunks_exact(entries * count).zip(weights.chunks_exact(count));
+        for ((actions, weights), old) in rows.zip(samples.mean.chunks_exact(entries)) {
+            for (entry, old) in old.iter().enumerate() {
+                let of = || actions.iter().skip(entry).step_by(entries).zip(weights);
+                mean.push(of().map(|(action, weight)| 0.5 * weight * f64::from(*action)).sum::<f64>() as f32);
+                let distance = |action: f32| f64::from(action) - f64::from(*old);
+                let square = |(action, weight): (&f32, &f64)| weight * distance(*action) * distance(*action);
+                spread.push(of().map(square).sum::<f64>() as f32);
+            }
+        }
+        Self { mean, spread }
+    }
+}
+
+/// The duals after they were made positive.
+struct DualValues {
+    temperatures: [f32; 2],
+    bounds: [Vec<f32>; 2],
+}
+
+impl Duals {
+    fn new(entries: usize, parameters: &mut Parameters) -> Self {
+        let temperatures = ["temperature", "penalty"].map(|name| parameters.add(name, &[1]));
+        let bounds = ["bound_mean", "bound_std"].map(|name| parameters.add(name, &[entries]));
+        let firsts = [FIRST_DUALS[0], FIRST_DUALS[0], FIRST_DUALS[1], FIRST_DUALS[2]];
+        for (range, first) in temperatures.iter().chain(&bounds).zip(firsts) {
+            parameters.values_mut()[range.clone()].fill(first);
+        }
+        Self { temperatures, bounds }
+    }
+
+    fn range(&self) -> Range<usize> {
+        self.temperatures[0].start..self.bounds[1].end
+    }
+
+    fn values(&self, parameters: &Parameters) -> DualValues {
+        let of = |range: &Range<usize>| -> Vec<f32> {
+            let positive = |raw: &f32| libm::log1pf(libm::expf(-raw.abs())) + if *raw > 0.0 { *raw } else { 0.0 };
+            parameters.values()[range.clone()].iter().map(|raw| positive(raw) + 1e-8).collect()
+        };
+        DualValues {
+            temperatures: [0, 1].map(|place: usize| of(&self.temperatures[place])[0]),
+            bounds: [0, 1].map(|place: usize| of(&self.bounds[place])),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_derivative_of_the_temperature_is_that_of_its_dual() {
+        let values: Vec<f32> = (0..12).map(|index| libm::sinf(index as f32 * 1.7) * 3.0).collect();
+        let dual = |eta: f64| {
+            let per_state = values.chunks_exact(4).map(|values| {
+                let mean = values.iter().map(|value| libm::exp(f64::from(*value) / eta)).sum::<f64>() / 4.0;
+                libm::log(mean)
+            });
+            eta * (0.1 + per_state.sum::<f64>() / 3.0)
+        };
+        let (weights, slope) = weights(&values, 4, 1.3, 0.1);
+        let eta = f64::from(1.3_f32);
+        let expected = (dual(eta + 1e-5) - dual(eta - 1e-5)) / 2e-5;
+        assert!((f64::from(slope) - expected).abs() < 1e-6, "{slope}, expected {expected}");
+        assert!(weights.chunks_exact(4).all(|weights| (weights.iter().sum::<f64>() - 1.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn mean_and_spread_stand_for_the_likelihood_of_all_samples() {
+        let number = |index: usize| libm::sinf(index as f32 * 2.3 + 0.4);
+        let samples = Samples {
+            actions: (0..2 * 5 * 3).map(number).collect(),
+            values: (0..2 * 5).map(|index| 2.0 * number(index + 50)).collect(),
+            mean: (0..6).map(|index| 0.5 * number(index + 90)).collect(),
+            std: vec![0.4; 6],
+        };
+        let [by_value, by_cost] = [0.7, 1.5].map(|temperature| weights(&samples.values, 5, temperature, 0.1).0);
+        let counts: Vec<f64> = by_value.iter().zip(&by_cost).map(|(a, b)| a + b).collect();
+        let fit = Fit::of(&samples, &counts, [3, 5]);
+        // Minus the weighted logarithm of the density, but for what no parameter changes: of a mean with the old deviation, and of a
+        // deviation with the old mean.
+        let direct = |row: usize, entry: usize, mean: f64, std: f64| {
+            let of_sample = |sample: usize| {
+                let action = f64::from(samples.actions[(row * 5 + sample) * 3 + entry]);
+                let (old, width) = (f64::from(samples.mean[row * 3 + entry]), f64::from(samples.std[row * 3 + entry]));
+                let [of_mean, of_std] = [(action - mean) / width, (action - old) / std].map(|unit| 0.5 * unit * unit);
+                counts[row * 5 + sample] * (of_mean + of_std + libm::log(std))
+            };
+            (0..5).map(of_sample).sum::<f64>()
+        };
+        let fitted = |row: usize, entry: usize, mean: f64, std: f64| {
+            let place = row * 3 + entry;
+            let unit = (mean - f64::from(fit.mean[place])) / f64::from(samples.std[place]);
+            unit * unit + 2.0 * libm::log(std) + 0.5 * f64::from(fit.spread[place]) / (std * std)
+        };
+        for (row, entry) in [(0, 0), (0, 2), (1, 1)] {
+            let difference =
+                |loss: &dyn Fn(usize, usize, f64, f64) -> f64| loss(row, entry, 0.3, 0.5) - loss(row, entry, -0.2, 0.9);
+            let (found, expected) = (difference(&fitted), difference(&direct));
+            assert!((found - expected).abs() < 1e-5, "{found}, expected {expected}");
+        }
+    }
+
+    #[test]
+    fn what_lies_out_of_bounds_costs() {
+        assert_eq!(cost(&[0.5, -1.0]), 0.0);
+        assert_eq!(cost(&[4.0, -5.0]), -5.0);
+    }
+}
