@@ -121,5 +121,10 @@ fn array<T: npyz::Deserialize>(archive: &mut NpzArchive<Cursor<Vec<u8>>>, name: 
     if shape.len() != 2 || shape[1] != columns as u64 {
         return Err(format!("has an array `{name}` of shape {shape:?}, expected {columns} columns"));
     }
+    // A small archive may describe a large array.
+    let bytes = shape.iter().try_fold(size_of::<T>() as u64, |bytes, length| bytes.checked_mul(*length));
+    if bytes.is_none_or(|bytes| bytes > LARGEST) {
+        return Err(format!("has an array `{name}` of shape {shape:?}, more than are read"));
+    }
     entry.into_vec().map_err(|error| error.to_string())
 }

@@ -331,45 +331,12 @@ impl Mpo {
         let counts: Vec<f64> = by_value.iter().zip(&by_cost).map(|(a, b)| a + b).collect();
         let fit = Fit::of(&samples, &counts, [entries, self.settings.samples]);
 
-        // Step M: weighted likelihood of the samples, where mean and deviation are fitted one with the other of the target policy
-        // (equation 8 of arXiv 1812.02256). Of the samples only mean and spread count.
+        // Step M.
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.clear();
         let seen = tape.constant(rows, whole, batch.seen.iter().copied());
         let [mean, std] = policy(tape, &self.actor, parameters, (seen, width));
-        let precision = tape.constant(rows, entries, samples.std.iter().map(|std| 1.0 / std));
-        let distance = |tape: &mut Tape, from: &[f32]| {
-            let from = tape.constant(rows, entries, from.iter().copied());
-            let difference = tape.subtract(mean, from);
-            let unit = tape.multiply(difference, precision);
-            let square = tape.square(unit);
-            tape.affine(square, 0.5, 0.0)
-        };
-        let fits = distance(tape, &fit.mean);
-        let moved = distance(tape, &samples.mean);
-        let logarithm = tape.ln(std);
-        let narrow = tape.affine(logarithm, -2.0, 0.0);
-        let inverse = tape.exp(narrow);
-        let spread = tape.constant(rows, entries, fit.spread.iter().copied());
-        let spread = tape.multiply(spread, inverse);
-        let spread = tape.affine(spread, 0.5, 0.0);
-        let likely = tape.affine(logarithm, 2.0, 0.0);
-        let likely = tape.add(likely, spread);
-        // The divergence of deviations: ln(new / old) + old^2 / (2 new^2) - 1 / 2.
-        let variance = tape.constant(rows, entries, samples.std.iter().map(|std| 0.5 * std * std));
-        let ratio = tape.multiply(variance, inverse);
-        let old = tape.constant(rows, entries, samples.std.iter().map(|std| libm::logf(*std) + 0.5));
-        let widened = tape.subtract(logarithm, old);
-        let widened = tape.add(widened, ratio);
-        let mut loss = tape.affine(fits, 2.0, 0.0);
-        loss = tape.add(loss, likely);
-        for (divergence, bound) in [(moved, &values.bounds[0]), (widened, &values.bounds[1])] {
-            let weight = tape.constant(rows, entries, (0..rows).flat_map(|_| bound.iter().copied()));
-            let part = tape.multiply(divergence, weight);
-            loss = tape.add(loss, part);
-        }
-        let loss = tape.sum_columns(loss);
-        let loss = tape.mean(loss);
+        let (loss, [moved, widened]) = objective(tape, [mean, std], &samples, &fit, &values.bounds);
         let excess = [(moved, self.settings.epsilon_mean), (widened, self.settings.epsilon_std)].map(|(divergence, allowed)| {
             let column =
                 |entry: usize| tape.values(divergence).iter().skip(entry).step_by(entries).map(|value| f64::from(*value));
@@ -458,6 +425,52 @@ fn policy(tape: &mut Tape, actor: &Mlp, parameters: &Parameters, (seen, width): 
     let (mean, raw) = (tape.columns(head, 0..entries), tape.columns(head, entries..2 * entries));
     let soft = tape.softplus(raw);
     [tape.tanh(mean), tape.clip(soft, STD[0], STD[1])]
+}
+
+/// Step M: minus the weighted likelihood of the samples, where mean and deviation are fitted one with the other of the target policy, and
+/// the divergences from it, entry by entry, times the duals of their bounds (equation 8 of arXiv 1812.02256). Of the samples only mean and
+/// spread count.
+fn objective(
+    tape: &mut Tape,
+    [mean, std]: [Variable; 2],
+    samples: &Samples,
+    fit: &Fit,
+    bounds: &[Vec<f32>; 2],
+) -> (Variable, [Variable; 2]) {
+    let [rows, entries] = tape.size(mean);
+    let precision = tape.constant(rows, entries, samples.std.iter().map(|std| 1.0 / std));
+    // Half the squared distance of the mean, in old deviations.
+    let distance = |tape: &mut Tape, from: &[f32]| {
+        let from = tape.constant(rows, entries, from.iter().copied());
+        let difference = tape.subtract(mean, from);
+        let unit = tape.multiply(difference, precision);
+        let square = tape.square(unit);
+        tape.affine(square, 0.5, 0.0)
+    };
+    let (fits, moved) = (distance(tape, &fit.mean), distance(tape, &samples.mean));
+    let logarithm = tape.ln(std);
+    let narrow = tape.affine(logarithm, -2.0, 0.0);
+    let inverse = tape.exp(narrow);
+    let spread = tape.constant(rows, entries, fit.spread.iter().map(|spread| 0.5 * spread));
+    let spread = tape.multiply(spread, inverse);
+    // The weights of a row sum up to 2.
+    let likely = tape.affine(logarithm, 2.0, 0.0);
+    let likely = tape.add(likely, spread);
+    // The divergence of deviations: ln(new / old) + old^2 / (2 new^2) - 1 / 2.
+    let variance = tape.constant(rows, entries, samples.std.iter().map(|std| 0.5 * std * std));
+    let ratio = tape.multiply(variance, inverse);
+    let old = tape.constant(rows, entries, samples.std.iter().map(|std| libm::logf(*std) + 0.5));
+    let widened = tape.subtract(logarithm, old);
+    let widened = tape.add(widened, ratio);
+    let fits = tape.affine(fits, 2.0, 0.0);
+    let mut loss = tape.add(fits, likely);
+    for (divergence, bound) in [moved, widened].into_iter().zip(bounds) {
+        let weight = tape.constant(rows, entries, (0..rows).flat_map(|_| bound.iter().copied()));
+        let part = tape.multiply(divergence, weight);
+        loss = tape.add(loss, part);
+    }
+    let loss = tape.sum_columns(loss);
+    (tape.mean(loss), [moved, widened])
 }
 
 /// Minus how far an action lies out of bounds.
@@ -562,39 +575,48 @@ mod tests {
         assert!(weights.chunks_exact(4).all(|weights| (weights.iter().sum::<f64>() - 1.0).abs() < 1e-12));
     }
 
+    /// Numbers that `tests/oracle/mpo.py` has, too.
+    fn filled(count: usize, salt: usize, scale: f64, shift: f64) -> Vec<f32> {
+        let number = |index: usize| ((index * 7919 + salt * 104_729) % 10007) as f64 / 10007.0 - 0.5;
+        (0..count).map(|index| (scale * number(index) + shift) as f32).collect()
+    }
+
     #[test]
-    fn mean_and_spread_stand_for_the_likelihood_of_all_samples() {
-        let number = |index: usize| libm::sinf(index as f32 * 2.3 + 0.4);
+    fn the_step_m_is_that_of_pytorch_over_all_samples() {
+        let golden: serde_json::Value = serde_json::from_str(include_str!("../tests/golden/mpo.json")).unwrap();
+        let (rows, entries, count) = (4, 3, 5);
+        let size = rows * entries;
         let samples = Samples {
-            actions: (0..2 * 5 * 3).map(number).collect(),
-            values: (0..2 * 5).map(|index| 2.0 * number(index + 50)).collect(),
-            mean: (0..6).map(|index| 0.5 * number(index + 90)).collect(),
-            std: vec![0.4; 6],
+            actions: filled(size * count, 5, 3.0, 0.0),
+            values: filled(rows * count, 6, 4.0, 0.0),
+            mean: filled(size, 3, 1.6, 0.0),
+            std: filled(size, 4, 0.8, 0.6),
         };
-        let [by_value, by_cost] = [0.7, 1.5].map(|temperature| weights(&samples.values, 5, temperature, 0.1).0);
-        let counts: Vec<f64> = by_value.iter().zip(&by_cost).map(|(a, b)| a + b).collect();
-        let fit = Fit::of(&samples, &counts, [3, 5]);
-        // Minus the weighted logarithm of the density, but for what no parameter changes: of a mean with the old deviation, and of a
-        // deviation with the old mean.
-        let direct = |row: usize, entry: usize, mean: f64, std: f64| {
-            let of_sample = |sample: usize| {
-                let action = f64::from(samples.actions[(row * 5 + sample) * 3 + entry]);
-                let (old, width) = (f64::from(samples.mean[row * 3 + entry]), f64::from(samples.std[row * 3 + entry]));
-                let [of_mean, of_std] = [(action - mean) / width, (action - old) / std].map(|unit| 0.5 * unit * unit);
-                counts[row * 5 + sample] * (of_mean + of_std + libm::log(std))
-            };
-            (0..5).map(of_sample).sum::<f64>()
+        let costs: Vec<f32> = samples.actions.chunks_exact(entries).map(cost).collect();
+        let parts = [weights(&samples.values, count, 0.7, 0.1).0, weights(&costs, count, 1.5, 0.1).0];
+        let counts: Vec<f64> = parts[0].iter().zip(&parts[1]).map(|(a, b)| a + b).collect();
+        let fit = Fit::of(&samples, &counts, [entries, count]);
+        let mut tape = Tape::new(Arc::new(msk_network::Processor::new(std::num::NonZeroUsize::MIN).unwrap()));
+        let mean = tape.watched(rows, entries, filled(size, 1, 1.6, 0.0));
+        let std = tape.watched(rows, entries, filled(size, 2, 0.8, 0.6));
+        let bounds = [filled(entries, 7, 1.0, 1.0), filled(entries, 8, 1.0, 5.0)];
+        let (loss, divergences) = objective(&mut tape, [mean, std], &samples, &fit, &bounds);
+        tape.backward(loss, &Parameters::default(), &mut []);
+        let agree = |name: &str, found: &[f32], expected: &serde_json::Value| {
+            let expected: Vec<f64> = expected.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
+            let largest = expected.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((f64::from(*found) - expected).abs() < 1e-5 * largest, "{name}: {found}, expected {expected}");
+            }
         };
-        let fitted = |row: usize, entry: usize, mean: f64, std: f64| {
-            let place = row * 3 + entry;
-            let unit = (mean - f64::from(fit.mean[place])) / f64::from(samples.std[place]);
-            unit * unit + 2.0 * libm::log(std) + 0.5 * f64::from(fit.spread[place]) / (std * std)
-        };
-        for (row, entry) in [(0, 0), (0, 2), (1, 1)] {
-            let difference =
-                |loss: &dyn Fn(usize, usize, f64, f64) -> f64| loss(row, entry, 0.3, 0.5) - loss(row, entry, -0.2, 0.9);
-            let (found, expected) = (difference(&fitted), difference(&direct));
-            assert!((found - expected).abs() < 1e-5, "{found}, expected {expected}");
+        agree("derivatives of means", tape.slopes(mean), &golden["mean"]);
+        agree("derivatives of deviations", tape.slopes(std), &golden["std"]);
+        for (place, divergence) in divergences.into_iter().enumerate() {
+            let values = tape.values(divergence);
+            let of = |entry: usize| values.iter().skip(entry).step_by(entries).sum::<f32>() / rows as f32;
+            let means: Vec<f32> = (0..entries).map(of).collect();
+            agree("divergences", &means, &golden["divergences"][place]);
         }
     }
 
