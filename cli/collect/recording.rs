@@ -3,14 +3,11 @@
 use crate::error::Error;
 use crate::policies::Recorder;
 use msk::compiler::task::Channel;
-use msk::evaluate::EpisodeRecord;
+use msk::evaluate::{EpisodeRecord, npz::NpzWriter};
 use msk::runtime::episode::{Ending, Environment, single_precision};
 use msk::runtime::policy::{ActsOn, Policy};
-use npyz::npz::NpzWriter;
-use npyz::zip::{DateTime, write::FileOptions};
-use npyz::{AutoSerialize, WriterBuilder};
 use serde_json::{Value, json};
-use std::io::{self, Cursor};
+use std::io::Cursor;
 
 /// The file that names the columns.
 pub const LAYOUT: &str = "data.json";
@@ -58,37 +55,20 @@ impl Recording {
         let [observation, critic, terms] = self.widths;
         let rows = self.steps;
         let last = |ends: bool| (0..rows).map(|step| ends && step + 1 == rows).collect::<Vec<bool>>();
-        let mut bytes = Cursor::new(Vec::new());
-        let mut archive = Archive(NpzWriter::new(&mut bytes));
-        archive.add("observations", &self.observations, &[rows + 1, observation])?;
+        let mut archive = NpzWriter::new(Cursor::new(Vec::new()));
+        archive.array("observations", &self.observations, &[rows + 1, observation])?;
         if critic > 0 {
-            archive.add("critic_observations", &self.critic, &[rows + 1, critic])?;
+            archive.array("critic_observations", &self.critic, &[rows + 1, critic])?;
         }
         // In a step that met a fault the policy has acted, but nothing has come of it.
         let actions = actions.get(..rows * width).unwrap_or(actions);
-        archive.add("actions", actions, &[rows, width])?;
-        archive.add("rewards", &self.rewards, &[rows])?;
-        archive.add("terms", &self.terms, &[rows, terms])?;
-        archive.add("terminations", &last(self.terminates), &[rows])?;
-        archive.add("truncations", &last(self.truncates), &[rows])?;
-        archive.add("success", &[record.success], &[1])?;
-        archive.0.zip_writer().finish()?;
-        drop(archive);
-        Ok(bytes.into_inner())
-    }
-}
-
-/// An archive that is being written.
-struct Archive<'a>(NpzWriter<&'a mut Cursor<Vec<u8>>>);
-
-impl Archive<'_> {
-    fn add<T: AutoSerialize + Copy>(&mut self, name: &str, values: &[T], shape: &[usize]) -> io::Result<()> {
-        let shape: Vec<u64> = shape.iter().map(|length| *length as u64).collect();
-        // The same episode has the same bytes whenever it is written.
-        let options = FileOptions::default().last_modified_time(DateTime::default());
-        let mut writer = self.0.array(name, options)?.default_dtype().shape(&shape).begin_nd()?;
-        writer.extend(values.iter().copied())?;
-        writer.finish()
+        archive.array("actions", actions, &[rows, width])?;
+        archive.array("rewards", &self.rewards, &[rows])?;
+        archive.array("terms", &self.terms, &[rows, terms])?;
+        archive.array("terminations", &last(self.terminates), &[rows])?;
+        archive.array("truncations", &last(self.truncates), &[rows])?;
+        archive.array("success", &[record.success], &[1])?;
+        Ok(archive.finish()?.into_inner())
     }
 }
 

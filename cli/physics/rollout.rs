@@ -2,10 +2,10 @@
 
 use super::Start;
 use crate::error::{Context, Error};
+use msk::evaluate::npz::NpzWriter;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
 use msk_runtime::inspect::Excitations;
-use npyz::{WriterBuilder, npz::NpzWriter};
 use std::fs::File;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -90,17 +90,10 @@ impl Trajectory {
     fn write(&self, model: &Model, out: impl Write + Seek) -> io::Result<()> {
         let steps = self.time.len();
         let mut archive = NpzWriter::new(out);
-        let arrays = [
-            ("time", &self.time, vec![steps as u64]),
-            ("qpos", &self.position, vec![steps as u64, model.nq as u64]),
-            ("qvel", &self.velocity, vec![steps as u64, model.nv as u64]),
-            ("act", &self.activation, vec![steps as u64, model.na as u64]),
-        ];
-        for (name, values, shape) in arrays {
-            let mut writer = archive.array(name, Default::default())?.default_dtype().shape(&shape).begin_nd()?;
-            writer.extend(values.iter())?;
-            writer.finish()?;
-        }
-        archive.zip_writer().finish()?.flush()
+        archive.array("time", &self.time, &[steps])?;
+        archive.array("qpos", &self.position, &[steps, model.nq])?;
+        archive.array("qvel", &self.velocity, &[steps, model.nv])?;
+        archive.array("act", &self.activation, &[steps, model.na])?;
+        archive.finish().map(drop)
     }
 }

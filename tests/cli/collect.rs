@@ -1,7 +1,8 @@
 //! `msk collect`: data sets.
 
 use super::project::Project;
-use npyz::npz::NpzArchive;
+use msk::evaluate::npz::NpzReader;
+use npyz::NpyFile;
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
@@ -11,8 +12,10 @@ const COMMAND: [&str; 8] = ["collect", "lean", "--policy", "random", "--episodes
 /// An array of an episode, with its shape.
 fn array<T: npyz::Deserialize>(project: &Project, episode: u64, name: &str) -> (Vec<u64>, Vec<T>) {
     let file: PathBuf = project.path(&format!("data/{episode:04}.npz"));
-    let mut archive = NpzArchive::open(file).unwrap();
-    let array = archive.by_name(name).unwrap().unwrap_or_else(|| panic!("no array `{name}`"));
+    let bytes = fs::read(file).unwrap();
+    let entry = NpzReader::new(&bytes).unwrap().entry(&format!("{name}.npy"), u64::MAX);
+    let entry = entry.unwrap_or_else(|error| panic!("no array `{name}`: {error}"));
+    let array = NpyFile::new(&entry[..]).unwrap();
     (array.shape().to_vec(), array.into_vec().unwrap())
 }
 

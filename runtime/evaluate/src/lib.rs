@@ -19,6 +19,7 @@ mod feed;
 mod journal;
 mod line;
 pub mod metrics;
+pub mod npz;
 pub mod probe;
 mod record;
 pub mod recordings;

@@ -9,13 +9,12 @@
 //! ```
 
 use super::{Layout, Origin, Trace};
+use crate::npz::{NpzReader, NpzWriter};
 use msk_runtime::inspect::{Excitations, ExcitationsError};
-use npyz::WriterBuilder;
-use npyz::npz::NpzWriter;
-use npyz::zip::{DateTime, ZipArchive, result::ZipError, write::FileOptions};
 use serde::{Deserialize, Serialize};
-use std::io::{self, Cursor, Read, Write};
+use std::io::{self, Cursor};
 use std::sync::Arc;
+use zip::result::ZipError;
 
 /// Largest file and largest array that are read, bytes.
 pub const MOST_BYTES: u64 = 4 << 30;
@@ -80,30 +79,19 @@ impl Trace {
     /// # Errors
     /// More than an archive holds.
     pub fn archive(&self) -> Result<Vec<u8>, ArchiveError> {
-        let mut bytes = Cursor::new(Vec::new());
-        let mut archive = NpzWriter::new(&mut bytes);
-        let options = FileOptions::default().last_modified_time(DateTime::default());
+        let mut archive = NpzWriter::new(Cursor::new(Vec::new()));
         let description = Description {
             format: FORMAT.to_owned(),
             origin: self.origin.clone(),
             rows: self.rows,
             layout: Layout::clone(self.layout()),
         };
-        archive.zip_writer().start_file(DESCRIPTION, options)?;
-        archive.zip_writer().write_all(&serde_json::to_vec_pretty(&description)?)?;
-        let mut add = |name: &str, values: &[f64], shape: &[u64]| -> Result<(), ArchiveError> {
-            let mut writer = archive.array(name, options)?.default_dtype().shape(shape).begin_nd()?;
-            writer.extend(values.iter().copied())?;
-            Ok(writer.finish()?)
-        };
-        add("time", &self.times(), &[self.rows as u64])?;
+        archive.file(DESCRIPTION, &serde_json::to_vec_pretty(&description)?)?;
+        archive.array("time", &self.times(), &[self.rows])?;
         for (block, values) in self.layout.blocks.iter().zip(&self.blocks) {
-            let rows = self.rows_of(block.quantity) as u64;
-            add(block.quantity.name(), values, &[rows, block.columns.len() as u64])?;
+            archive.array(block.quantity.name(), values, &[self.rows_of(block.quantity), block.columns.len()])?;
         }
-        archive.zip_writer().finish()?;
-        drop(archive);
-        Ok(bytes.into_inner())
+        Ok(archive.finish()?.into_inner())
     }
 
     /// Reads the bytes of a NumPy archive that [`archive`](Self::archive) made.
@@ -111,10 +99,8 @@ impl Trace {
     /// # Errors
     /// Bytes that are no trace, or a damaged one.
     pub fn read(bytes: &[u8]) -> Result<Self, ArchiveError> {
-        let mut archive = ZipArchive::new(Cursor::new(bytes))?;
-        let mut text = Vec::new();
-        archive.by_name(DESCRIPTION)?.take(MOST_TEXT).read_to_end(&mut text)?;
-        let description: Description = serde_json::from_slice(&text)?;
+        let mut archive = NpzReader::new(bytes)?;
+        let description: Description = serde_json::from_slice(&archive.entry(DESCRIPTION, MOST_TEXT)?)?;
         if description.format != FORMAT {
             return Err(ArchiveError::Format(description.format));
         }
@@ -125,8 +111,7 @@ impl Trace {
             let expected = trace.rows_of(block.quantity);
             let size = (expected as u64).checked_mul(8 * width as u64).filter(|size| *size <= MOST_BYTES);
             let size = size.ok_or(ArchiveError::Large(expected))?;
-            let mut array = Vec::new();
-            archive.by_name(&format!("{name}.npy"))?.take(size + MOST_HEADER).read_to_end(&mut array)?;
+            let array = archive.entry(&format!("{name}.npy"), size + MOST_HEADER)?;
             let damaged = |reason| ArchiveError::Array { name: name.to_owned(), reason };
             let read = Excitations::from_npy(&array, width).map_err(damaged)?;
             if read.rows() != expected {
