@@ -10,11 +10,14 @@ use crate::overlays::Overlays;
 use crate::policies::{Limits, Recorder};
 use crate::progress;
 use crate::project::{Project, Settings};
-use msk::evaluate::{EpisodeRecord, EvaluationError, Journal, Plan, Protocol, RunSettings, Trial, play_watched};
+use msk::evaluate::play_watched;
+use msk::evaluate::{
+    EpisodeRecord, EpisodeSet, EvaluationError, Journal, JournalError, Moments, Plan, Protocol, RunSettings, Trial,
+};
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::policy::PolicyError;
+use msk_storage::Folder;
 use recording::{LAYOUT, Recording, layout};
-use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -66,21 +69,40 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let plan = Plan { trials: vec![trial], policy, protocol };
     let name = format!("{}-data-{}", plan.trials[0].task.name, eval::in_path(plan.policy.name()));
     let folder = args.out.clone().map_or_else(|| eval::fresh_folder(&name), Ok)?;
-    let (journal, done) = Journal::open(&folder, &RunSettings::of(&plan)).map_err(eval::explain)?;
+    let cannot = |source| eval::explain(JournalError::Unusable { folder: folder.clone(), source });
+    let mut totals = Totals::default();
+    let settings = RunSettings::of(&plan);
+    let opened = Journal::open_with(Folder::create(&folder).map_err(cannot)?, &settings, &mut |record| totals.add(&record));
+    let (journal, kept) = opened.map_err(eval::explain)?;
     let interrupt = Interrupt::listen()?;
-    let collected = Collection { plan: &plan, journal: &journal, interrupt: &interrupt }.complete(done)?;
-    let Some(records) = collected else {
+    let collection = Collection { plan: &plan, journal: &journal, interrupt: &interrupt };
+    if !collection.complete(&kept.done, &mut totals)? {
         writeln!(io::stderr(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
         return Ok(interrupt.code());
-    };
-    let steps: u64 = records.iter().map(|record| u64::from(record.steps)).sum();
-    let successes = records.iter().filter(|record| record.success).count();
-    let mean = records.iter().map(|record| record.total).sum::<f64>() / records.len() as f64;
+    }
+    let Totals { steps, successes, returns } = totals;
     let mut out = io::stdout().lock();
-    let numbers = format!("{} episodes, {steps} control steps, {successes} successes, mean return {mean:.1}", records.len());
+    let (episodes, mean) = (returns.count(), returns.mean());
+    let numbers = format!("{episodes} episodes, {steps} control steps, {successes} successes, mean return {mean:.1}");
     writeln!(out, "{numbers}\nData: {}", folder.display())?;
     writeln!(out, "      data.json names the columns, episodes.jsonl has a line per episode")?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Sums over the episodes of a data set.
+#[derive(Default)]
+struct Totals {
+    steps: u64,
+    successes: u64,
+    returns: Moments,
+}
+
+impl Totals {
+    fn add(&mut self, record: &EpisodeRecord) {
+        self.steps += u64::from(record.steps);
+        self.successes += u64::from(record.success);
+        self.returns.add(record.total);
+    }
 }
 
 /// A data set that is being made.
@@ -91,22 +113,20 @@ struct Collection<'a> {
 }
 
 impl Collection<'_> {
-    /// Plays the episodes that are not `done`; gives all, or `None` after an interruption.
-    fn complete(&self, done: Vec<EpisodeRecord>) -> Result<Option<Vec<EpisodeRecord>>, Error> {
+    /// Plays the episodes that are not `done`; gives whether all are there, which they are not after an interruption.
+    fn complete(&self, done: &EpisodeSet, totals: &mut Totals) -> Result<bool, Error> {
         let Plan { trials, policy: source, protocol } = self.plan;
         let trial = &trials[0];
         let mut policy = Recorder::new(source.open(self.interrupt.stop())?);
         let mut environment = trial.episode()?;
-        let there: BTreeSet<u64> = done.iter().map(|record| record.episode).collect();
-        let mut records = done;
-        for episode in (0..protocol.episodes).filter(|episode| !there.contains(episode)) {
+        for episode in (0..protocol.episodes).filter(|episode| !done.contains((0, *episode))) {
             let key = EpisodeKey { seed: protocol.seed, episode };
-            let Some(record) = self.play(trial, key, &mut environment, &mut policy)? else { return Ok(None) };
+            let Some(record) = self.play(trial, key, &mut environment, &mut policy)? else { return Ok(false) };
             let outcome = if record.success { "success" } else { "no success" };
             writeln!(io::stderr(), "episode {episode}: {} steps, return {:.1}, {outcome}", record.steps, record.total)?;
-            records.push(record);
+            totals.add(&record);
         }
-        Ok(Some(records))
+        Ok(true)
     }
 
     /// Plays one episode and keeps it: its arrays first, then the line that says that they are whole.

@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::eval::explain;
 use msk::compiler::numbers::for_people;
-use msk::evaluate::compare::{Estimate, Pairing, compare};
-use msk::evaluate::{EpisodeRecord, Journal, report::Table};
+use msk::evaluate::compare::{Estimate, Outcomes, Pairing, compare};
+use msk::evaluate::{Journal, report::Table};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -29,7 +29,11 @@ pub struct Args {
 /// # Errors
 /// A folder without results, damaged ones, or two that have no episode in common.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
-    let read = |folder: &Path| Journal::records(folder).map_err(explain);
+    let read = |folder: &Path| -> Result<Outcomes, Error> {
+        let mut outcomes = Outcomes::default();
+        Journal::each(folder, |record| outcomes.add(&record)).map_err(explain)?;
+        Ok(outcomes)
+    };
     let (first, second) = (read(&args.first)?, read(&args.second)?);
     let pairings = compare(&first, &second);
     if pairings.is_empty() {
@@ -42,16 +46,9 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         writeln!(out)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let policy = |records: &[EpisodeRecord]| records.first().map_or_else(String::new, |record| record.policy.clone());
-    writeln!(out, "A: {}, policy {}", args.first.display(), policy(&first))?;
-    writeln!(out, "B: {}, policy {}", args.second.display(), policy(&second))?;
-    let other = |pairing: &Pairing| {
-        let hash = |records: &[EpisodeRecord]| {
-            records.iter().find(|record| record.task == pairing.task).map(|record| record.task_hash.clone())
-        };
-        hash(&first) != hash(&second)
-    };
-    for pairing in pairings.iter().filter(|pairing| other(pairing)) {
+    writeln!(out, "A: {}, policy {}", args.first.display(), first.policy)?;
+    writeln!(out, "B: {}, policy {}", args.second.display(), second.policy)?;
+    for pairing in pairings.iter().filter(|pairing| first.hash(&pairing.task) != second.hash(&pairing.task)) {
         writeln!(out, "The task `{}` differs between A and B: their returns are of different rewards", pairing.task)?;
     }
     writeln!(out, "\n{}", success(&pairings).markdown())?;

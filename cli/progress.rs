@@ -1,7 +1,7 @@
 //! What is shown while an evaluation runs: a row for each task as it ends and, on a terminal, a line that tells how far it is.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use msk::evaluate::{EpisodeRecord, Plan, RunSettings, Watcher};
+use msk::evaluate::{EpisodeRecord, Plan, Resumed, TaskSummary, Watcher};
 use msk::physics::scalar::Real;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -35,12 +35,12 @@ pub struct Progress {
 }
 
 /// How far a task is.
-#[derive(Clone, Default)]
 struct Task {
     name: String,
     ended: u64,
     successes: u64,
     total: f64,
+    /// Of the episodes that were played now.
     seconds: f64,
 }
 
@@ -54,19 +54,19 @@ impl Task {
 }
 
 impl Progress {
-    /// Of a plan, of which the episodes `done` are there already.
-    pub fn new(plan: &Plan, done: &[EpisodeRecord]) -> Self {
+    /// Of a plan, of which some episodes are there already.
+    pub fn new(plan: &Plan, resumed: &Resumed) -> Self {
         let bar = line(plan.episodes(), "{bar:24} {pos}/{len} episodes  {msg}  {elapsed} (left {eta})", 10);
-        bar.set_position(done.len() as u64);
+        bar.set_position(resumed.episodes());
         bar.reset_eta();
         bar.enable_steady_tick(Duration::from_millis(200));
-        let names = plan.trials.iter().map(|trial| trial.task.name.clone());
-        let mut tasks: Vec<Task> = names.map(|name| Task { name, ..Task::default() }).collect();
-        let settings = RunSettings::of(plan);
-        for record in done {
-            if let Some(task) = settings.place(record).and_then(|trial| tasks.get_mut(trial)) {
-                task.add(record);
-            }
+        let task = |task: TaskSummary| {
+            let total = task.total.map_or(0.0, |total| total.mean * task.episodes as f64);
+            Task { name: task.task, ended: task.episodes, successes: task.successes, total, seconds: 0.0 }
+        };
+        let mut tasks: Vec<Task> = resumed.summary().tasks.into_iter().map(task).collect();
+        for (place, record) in resumed.early() {
+            tasks.get_mut(place).into_iter().for_each(|task| task.add(record));
         }
         let zero = || AtomicU64::new(0);
         Self {

@@ -208,9 +208,11 @@ fn to_horizon(
 
 /// Replays an episode of an evaluation.
 fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode, Error> {
-    let records = Journal::records(folder).map_err(crate::eval::explain)?;
-    let record = records.iter().find(|record| record.task == trial.task.name && record.episode == args.episode);
-    let Some(record) = record else {
+    let mut found = None;
+    let wanted = |record: &EpisodeRecord| record.task == trial.task.name && record.episode == args.episode;
+    Journal::each(folder, |record| found = found.take().or_else(|| wanted(&record).then_some(record)))
+        .map_err(crate::eval::explain)?;
+    let Some(record) = &found else {
         let message = format!("`{}` contains no episode {} of task `{}`", folder.display(), args.episode, trial.task.name);
         return Err(Error::new(message).hint("select one with --episode; the journal is episodes.jsonl"));
     };

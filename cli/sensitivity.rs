@@ -13,7 +13,7 @@ use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
 use msk::compiler::task::Origin;
 use msk::compiler::weights::Bounds;
-use msk::evaluate::{self, Journal, Plan, Protocol, RunSettings, Summary, Trial};
+use msk::evaluate::{self, Plan, Protocol, Resumed, RunSettings, Summary, Trial};
 use std::fs;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
@@ -105,12 +105,12 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 
 /// Plays the missing episodes of a variant; `None` after an interruption.
 fn play(plan: &Plan, folder: &Path, interrupt: &Interrupt) -> Result<Option<Summary>, Error> {
-    let (journal, done) = Journal::open(folder, &RunSettings::of(plan)).map_err(eval::explain)?;
+    let (journal, resumed) = Resumed::open(folder, plan, &RunSettings::of(plan)).map_err(eval::explain)?;
     let threads = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let progress = Progress::new(plan, &done);
-    let outcome = evaluate::run(plan, done, &journal, threads, interrupt.stop(), &progress)?;
+    let progress = Progress::new(plan, &resumed);
+    let outcome = evaluate::run(plan, resumed, &journal, threads, interrupt.stop(), &progress)?;
     progress.finish();
-    let summary = Summary::of(plan, &outcome.records).with_skipped(&outcome.skipped);
+    let summary = outcome.summary;
     journal.write("summary.json", summary.json()).map_err(eval::explain)?;
     Ok((!outcome.interrupted).then_some(summary))
 }

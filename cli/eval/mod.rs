@@ -16,7 +16,7 @@ use crate::policies::Limits;
 use crate::progress::Progress;
 use crate::project::{Project, Settings};
 use crate::trace::TraceArgs;
-use msk::evaluate::{self, Extras, Journal, Plan, RunSettings, Summary, report};
+use msk::evaluate::{self, Extras, Plan, Resumed, RunSettings, Summary, report};
 use msk::runtime::policy::PolicySource;
 use msk::tuning::live::Live;
 use protocol::Chosen;
@@ -29,8 +29,9 @@ use std::process::ExitCode;
 ///
 /// The first protocol of the suite defines the number of episodes and the seed, unless --protocol, --episodes or --seed
 /// override it. The row of each task is printed when it is complete, and one table at the end. Results go to a folder:
-/// run.json (the settings), episodes.jsonl (a line per episode, written at its end), summary.json and report.md (with terms
-/// and metrics). With --out, a folder that contains part of the same run is resumed; a folder with another run is rejected.
+/// run.json (the settings), episodes.jsonl (a line per episode, in the order of tasks and episodes), summary.json and report.md
+/// (with terms and metrics), and wall_times.jsonl (how long episodes took). With --out, a folder that contains part of the same
+/// run is resumed, to the same bytes but for wall times; a folder with another run is rejected.
 ///
 /// Several policies are evaluated one after the other, each in a separate subfolder of the results.
 ///
@@ -150,28 +151,28 @@ impl Evaluation<'_> {
     fn one(&self, plan: &Plan, folder: &Path) -> Result<(Summary, bool), Error> {
         let settings = RunSettings::of(plan);
         let settings = if self.args.live { settings.live(self.args.overlays.file()) } else { settings };
-        let (journal, done) = Journal::open(folder, &settings).map_err(explain)?;
-        if !done.is_empty() {
-            let (there, all) = (done.len(), plan.episodes());
+        let (journal, resumed) = Resumed::open(folder, plan, &settings).map_err(explain)?;
+        if resumed.episodes() > 0 {
+            let (there, all) = (resumed.episodes(), plan.episodes());
             writeln!(io::stderr(), "resuming `{}`: {there} of {all} episodes exist", folder.display())?;
         }
         let asked = self.args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
         let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
-        let progress = Progress::new(plan, &done);
+        let progress = Progress::new(plan, &resumed);
         let feed = self.live.map(|live| live as &dyn evaluate::Feed);
         let tracing = self.args.traces.tracing();
         let extras = Extras { feed, tracing: tracing.as_ref() };
-        let outcome = evaluate::run_with(plan, done, &journal, threads, self.interrupt.stop(), &progress, extras);
+        let outcome = evaluate::run_with(plan, resumed, &journal, threads, self.interrupt.stop(), &progress, extras);
         let outcome = outcome.map_err(|error| match error {
             evaluate::EvaluationError::Journal(error) => explain(error),
             error => error.into(),
         })?;
         progress.finish();
-        let summary = Summary::of(plan, &outcome.records).with_skipped(&outcome.skipped);
+        let summary = outcome.summary;
         journal.write("summary.json", summary.json()).map_err(explain)?;
         journal.write("report.md", report::markdown(&summary)).map_err(explain)?;
         if !outcome.interrupted {
-            pages::write(&self.args.html, plan, &outcome.records, &journal, self.interrupt.stop())?;
+            pages::write(&self.args.html, plan, &journal, self.interrupt.stop())?;
         }
         Ok((summary, outcome.interrupted))
     }

@@ -29,14 +29,14 @@ impl Which {
         }
     }
 
-    /// Of records sorted by their returns.
-    fn of<'a>(self, sorted: &[&'a EpisodeRecord]) -> Option<&'a EpisodeRecord> {
+    /// The episode, of returns with the indices of their episodes, sorted.
+    fn of(self, sorted: &[(f64, u64)]) -> Option<u64> {
         let place = match self {
             Self::Worst => 0,
             Self::Median => sorted.len().saturating_sub(1) / 2,
             Self::Best => sorted.len().saturating_sub(1),
         };
-        sorted.get(place).copied()
+        sorted.get(place).map(|(_, episode)| *episode)
     }
 }
 
@@ -44,26 +44,17 @@ impl Which {
 ///
 /// # Errors
 /// A policy that cannot act any more, or a page that cannot be written.
-pub fn write(
-    wanted: &[Which],
-    plan: &Plan,
-    records: &[EpisodeRecord],
-    journal: &Journal,
-    stop: &AtomicBool,
-) -> Result<(), Error> {
+pub fn write(wanted: &[Which], plan: &Plan, journal: &Journal, stop: &AtomicBool) -> Result<(), Error> {
     let mut wanted = wanted.to_vec();
     wanted.sort();
     wanted.dedup();
     if wanted.is_empty() {
         return Ok(());
     }
-    let settings = RunSettings::of(plan);
-    for (place, trial) in plan.trials.iter().enumerate() {
-        let mut sorted: Vec<&EpisodeRecord> = records.iter().filter(|record| settings.place(record) == Some(place)).collect();
-        sorted.sort_by(|a, b| a.total.total_cmp(&b.total).then(a.episode.cmp(&b.episode)));
+    let chosen = chosen(&wanted, plan, journal)?;
+    for (trial, chosen) in plan.trials.iter().zip(&chosen) {
         let mut recordings = Vec::new();
-        for which in &wanted {
-            let Some(record) = which.of(&sorted) else { continue };
+        for (which, record) in chosen {
             let mut episode = trial.episode()?;
             let mut film = Film::of(&episode, trial, true)?;
             let mut policy = plan.policy.open(stop)?;
@@ -83,4 +74,32 @@ pub fn write(
         }
     }
     Ok(())
+}
+
+/// The records of the episodes that are asked for, of every task.
+fn chosen(wanted: &[Which], plan: &Plan, journal: &Journal) -> Result<Vec<Vec<(Which, EpisodeRecord)>>, Error> {
+    let settings = RunSettings::of(plan);
+    let mut returns: Vec<Vec<(f64, u64)>> = vec![Vec::new(); plan.trials.len()];
+    Journal::each(journal.folder(), |record| {
+        let own = settings.place(&record).and_then(|place| returns.get_mut(place));
+        own.into_iter().for_each(|returns| returns.push((record.total, record.episode)));
+    })
+    .map_err(explain)?;
+    let episodes = returns.into_iter().map(|mut returns| {
+        returns.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        wanted.iter().map(|which| which.of(&returns)).collect::<Vec<_>>()
+    });
+    let episodes: Vec<Vec<Option<u64>>> = episodes.collect();
+    let mut chosen = vec![Vec::new(); plan.trials.len()];
+    Journal::each(journal.folder(), |record| {
+        let Some(place) = settings.place(&record) else { return };
+        for (which, episode) in wanted.iter().zip(&episodes[place]) {
+            if *episode == Some(record.episode) {
+                chosen[place].push((*which, record.clone()));
+            }
+        }
+    })
+    .map_err(explain)?;
+    chosen.iter_mut().for_each(|chosen| chosen.sort_by_key(|(which, _)| *which));
+    Ok(chosen)
 }

@@ -53,8 +53,13 @@ impl Playback<'_> {
     }
 
     fn recorded(&self, path: &Path, place: usize) -> Result<Option<Vec<u8>>, Error> {
-        let records = Journal::records(path).map_err(crate::eval::explain)?;
-        let Some(record) = records.get(place) else { return Ok(None) };
+        let (mut found, mut number) = (None, 0);
+        Journal::each(path, |record| {
+            found = found.take().or_else(|| (number == place).then_some(record));
+            number += 1;
+        })
+        .map_err(crate::eval::explain)?;
+        let Some(record) = &found else { return Ok(None) };
         let mut trial = self.trial(&record.task, &record.task_hash)?;
         trial.body = trial.body.under(&record.condition)?;
         let settings = Results::settings(path)?;

@@ -1,12 +1,13 @@
 //! What the folder of a run holds at present, as numbers for the page.
 
 use crate::error::{Context, Error};
-use msk::evaluate::{EpisodeRecord, Journal, RunSettings, TaskSettings};
+use msk::evaluate::{EpisodeRecord, Journal, Moments, RunSettings, TaskSettings};
 use msk::train::curve::{Curve, Ended};
 use msk::train::session::Session;
 use msk::train::{Evaluation, Identity};
 use msk_storage::Folder;
 use serde_json::{Value, json};
+use std::collections::VecDeque;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -79,36 +80,72 @@ fn text(path: &Path, name: &str) -> Result<String, Error> {
 
 fn evaluation(path: &Path) -> Result<(bool, Value), Error> {
     let settings = Results::settings(path)?;
-    let records = Journal::records(path).map_err(crate::eval::explain)?;
-    let over = records.len() as u64 >= settings.protocol.episodes * settings.tasks.len() as u64 || summed_up(path);
-    let task = |task: &TaskSettings| {
-        let own: Vec<&EpisodeRecord> = records.iter().filter(|record| task.owns(record)).collect();
-        let count = own.len() as f64;
-        let mean = |value: &dyn Fn(&EpisodeRecord) -> f64| own.iter().map(|record| value(record)).sum::<f64>() / count;
-        let term = |(index, (name, _)): (usize, &(String, f64))| {
-            let share = mean(&|record| record.terms.0.get(index).map_or(0.0, |(_, sum)| *sum) / f64::from(record.steps.max(1)));
-            json!({ "name": name, "value": share })
-        };
-        json!({
-            "name": task.name, "condition": task.condition.to_string(), "episodes": own.len(), "of": settings.protocol.episodes,
-            "success": mean(&|record| f64::from(u8::from(record.success))), "return": mean(&|record| record.total),
-            "steps": mean(&|record| f64::from(record.steps)), "horizon": task.horizon,
-            "terms": task.weights.iter().enumerate().map(term).collect::<Vec<_>>(),
-        })
-    };
-    let tasks: Vec<Value> = settings.tasks.iter().map(task).collect();
-    let shown = records.len().saturating_sub(MOST);
-    let episode = |(place, record): (usize, &EpisodeRecord)| {
-        json!({
-            "place": place, "task": record.task, "episode": record.episode, "return": record.total, "success": record.success,
-            "steps": record.steps, "ended": record.ended_by(),
-        })
-    };
+    let mut tasks: Vec<TaskMeans> = settings.tasks.iter().map(TaskMeans::of).collect();
+    // The last ones, with their places in the journal.
+    let (mut shown, mut count) = (VecDeque::new(), 0_usize);
+    let visited = Journal::each(path, |record| {
+        let own = settings.place(&record).and_then(|place| tasks.get_mut(place));
+        own.into_iter().for_each(|task| task.add(&record));
+        if shown.len() == MOST {
+            shown.pop_front();
+        }
+        shown.push_back(row(count, &record));
+        count += 1;
+    });
+    visited.map_err(crate::eval::explain)?;
+    let over = count as u64 >= settings.protocol.episodes * settings.tasks.len() as u64 || summed_up(path);
+    let tasks: Vec<Value> =
+        settings.tasks.iter().zip(&tasks).map(|(task, means)| means.json(task, settings.protocol.episodes)).collect();
     let state = json!({
-        "kind": "evaluation", "title": settings.policy, "over": over, "tasks": tasks,
-        "episodes": records.iter().enumerate().skip(shown).map(episode).collect::<Vec<_>>(),
+        "kind": "evaluation", "title": settings.policy, "over": over, "tasks": tasks, "episodes": shown,
     });
     Ok((over, state))
+}
+
+/// An episode in the list of the page.
+fn row(place: usize, record: &EpisodeRecord) -> Value {
+    json!({
+        "place": place, "task": record.task, "episode": record.episode, "return": record.total, "success": record.success,
+        "steps": record.steps, "ended": record.ended_by(),
+    })
+}
+
+/// Means over the episodes of a task.
+struct TaskMeans {
+    success: Moments,
+    total: Moments,
+    steps: Moments,
+    /// Reward per step of each term.
+    terms: Vec<Moments>,
+}
+
+impl TaskMeans {
+    fn of(task: &TaskSettings) -> Self {
+        let zero = Moments::default();
+        Self { success: zero, total: zero, steps: zero, terms: vec![zero; task.weights.len()] }
+    }
+
+    fn add(&mut self, record: &EpisodeRecord) {
+        self.success.add(f64::from(u8::from(record.success)));
+        self.total.add(record.total);
+        self.steps.add(f64::from(record.steps));
+        for (index, moments) in self.terms.iter_mut().enumerate() {
+            let sum = record.terms.0.get(index).map_or(0.0, |(_, sum)| *sum);
+            moments.add(sum / f64::from(record.steps.max(1)));
+        }
+    }
+
+    fn json(&self, task: &TaskSettings, episodes: u64) -> Value {
+        // Without an episode there is no mean.
+        let mean = |moments: &Moments| moments.spread().map(|spread| spread.mean);
+        let terms = task.weights.iter().zip(&self.terms);
+        let terms: Vec<Value> = terms.map(|((name, _), moments)| json!({ "name": name, "value": mean(moments) })).collect();
+        json!({
+            "name": task.name, "condition": task.condition.to_string(), "episodes": self.total.count(), "of": episodes,
+            "success": mean(&self.success), "return": mean(&self.total), "steps": mean(&self.steps), "horizon": task.horizon,
+            "terms": terms,
+        })
+    }
 }
 
 /// Whether a run has been summed up since its last episode: it was interrupted, or some of its tasks were skipped.

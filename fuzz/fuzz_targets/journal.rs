@@ -26,11 +26,19 @@ fn sealed(line: &str, run: &str) -> String {
     if let Some(raw) = line.strip_prefix('!') {
         return raw.to_owned();
     }
-    let Some((content, time)) = line.rsplit_once(WALL_TIME) else { return line.to_owned() };
+    let (line, end) = line.strip_suffix('\n').map_or((line, ""), |line| (line, "\n"));
+    // Earlier programs wrote the wall time behind the checksum.
+    let (content, time) = match line.rsplit_once(WALL_TIME) {
+        Some((content, time)) => (content, format!("{WALL_TIME}{time}")),
+        None => match line.strip_suffix('}') {
+            Some(content) => (content, "}".to_owned()),
+            None => return format!("{line}{end}"),
+        },
+    };
     let content = format!("{content},\"run\":\"{run}\"");
     let digest = Sha256::digest(content.as_bytes());
     let checksum = digest.iter().take(8).fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
-    format!("{content},\"checksum\":\"{checksum}\"{WALL_TIME}{time}")
+    format!("{content},\"checksum\":\"{checksum}\"{time}{end}")
 }
 
 fuzz_target!(|text: &str| {

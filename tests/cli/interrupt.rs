@@ -49,6 +49,41 @@ fn an_interrupted_run_leaves_a_valid_journal_that_can_be_continued() {
     }
 }
 
+#[test]
+fn a_run_that_is_killed_at_any_moment_is_continued_to_the_same_bytes() {
+    let project = Project::empty();
+    project.write("lean.msk", LEAN);
+    let arguments = ["eval", "lean.msk", "--policy", "random", "--episodes", "40", "--out"];
+    project.msk(&[&arguments[..], &["whole", "--threads", "1"]].concat()).succeeded();
+    let lines = || std::fs::read_to_string(project.path("out/episodes.jsonl")).map_or(0, |text| text.lines().count());
+    let killed = |least: usize| {
+        let mut child = project.command(&[&arguments[..], &["out", "--threads", "3"]].concat()).spawn().unwrap();
+        let start = Instant::now();
+        while lines() < least && child.try_wait().unwrap().is_none() {
+            assert!(start.elapsed() < Duration::from_secs(60), "no episode has ended");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        // SIGKILL: nothing is told to the program.
+        child.kill().unwrap();
+        child.wait().unwrap();
+    };
+    for least in [0, 1, 12] {
+        killed(least);
+    }
+    project.msk(&[&arguments[..], &["out", "--threads", "2"]].concat()).succeeded();
+    let names = |folder: &str| {
+        let entries =
+            std::fs::read_dir(project.path(folder)).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = entries.collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names("out"), names("whole"));
+    for name in ["run.json", "episodes.jsonl", "summary.json", "report.md"] {
+        assert_eq!(project.read(format!("out/{name}")), project.read(format!("whole/{name}")), "{name}");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_run_that_is_to_ignore_its_terminal_goes_on_when_that_closes() {

@@ -124,16 +124,7 @@ impl Done {
     }
 }
 
-/// The lines of a journal without their wall times, sorted.
+/// The lines of a journal: they have the same bytes in the same order, whatever happened meanwhile.
 pub fn journal(text: &str) -> Vec<String> {
-    let mut lines: Vec<String> = text
-        .lines()
-        .map(|line| {
-            let mut record: serde_json::Value = serde_json::from_str(line).unwrap();
-            assert!(record.as_object_mut().unwrap().remove("wall_time").is_some());
-            record.to_string()
-        })
-        .collect();
-    lines.sort();
-    lines
+    text.lines().map(str::to_owned).collect()
 }

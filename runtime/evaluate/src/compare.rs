@@ -7,6 +7,7 @@
 use crate::EpisodeRecord;
 use msk_runtime::episode::{EpisodeKey, Stream};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Resamples of a bootstrap.
 const RESAMPLES: usize = 2000;
@@ -75,46 +76,80 @@ fn quantile(sorted: &[f64], part: f64) -> f64 {
     low + (place - below) * (high - low)
 }
 
-/// Compares the episodes that two evaluations have in common, task by task in the order of the first; tasks without a pair are left out.
-/// Pairs are of the same task, seed and index; a return that is not finite makes no pair.
-pub fn compare(first: &[EpisodeRecord], second: &[EpisodeRecord]) -> Vec<Pairing> {
-    let mut tasks: Vec<&str> = Vec::new();
-    for record in first {
-        if !tasks.contains(&record.task.as_str()) {
-            tasks.push(&record.task);
-        }
-    }
-    tasks.into_iter().filter_map(|task| pairing(task, first, second)).collect()
+/// What is compared of an evaluation: of each episode its success and return.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Outcomes {
+    /// Name of the policy; empty without episodes.
+    pub policy: String,
+    tasks: Vec<TaskOutcomes>,
 }
 
-fn pairing(task: &str, first: &[EpisodeRecord], second: &[EpisodeRecord]) -> Option<Pairing> {
-    let partners: std::collections::BTreeMap<(u64, u64), &EpisodeRecord> =
-        second.iter().filter(|record| record.task == task).map(|record| ((record.seed, record.episode), record)).collect();
-    let mut pairs: Vec<(&EpisodeRecord, &EpisodeRecord)> = first
-        .iter()
-        .filter(|record| record.task == task)
-        .filter_map(|record| Some((record, *partners.get(&(record.seed, record.episode))?)))
-        .filter(|(first, second)| first.total.is_finite() && second.total.is_finite())
-        .collect();
-    // Journals have their lines in the order in which episodes ended.
-    pairs.sort_by_key(|(record, _)| (record.seed, record.episode));
+#[derive(Debug, Clone, PartialEq)]
+struct TaskOutcomes {
+    task: String,
+    hash: String,
+    /// Success and return by seed and index.
+    episodes: BTreeMap<(u64, u64), (bool, f64)>,
+}
+
+impl Outcomes {
+    /// Adds an episode.
+    pub fn add(&mut self, record: &EpisodeRecord) {
+        if self.policy.is_empty() {
+            self.policy.clone_from(&record.policy);
+        }
+        let known = self.tasks.iter().position(|known| known.task == record.task);
+        let place = known.unwrap_or_else(|| {
+            let (task, hash) = (record.task.clone(), record.task_hash.clone());
+            self.tasks.push(TaskOutcomes { task, hash, episodes: BTreeMap::new() });
+            self.tasks.len() - 1
+        });
+        self.tasks[place].episodes.insert((record.seed, record.episode), (record.success, record.total));
+    }
+
+    /// Hash of a task that was evaluated.
+    pub fn hash(&self, task: &str) -> Option<&str> {
+        self.find(task).map(|known| known.hash.as_str())
+    }
+
+    fn find(&self, task: &str) -> Option<&TaskOutcomes> {
+        self.tasks.iter().find(|known| known.task == task)
+    }
+}
+
+impl<'a> FromIterator<&'a EpisodeRecord> for Outcomes {
+    fn from_iter<I: IntoIterator<Item = &'a EpisodeRecord>>(records: I) -> Self {
+        let mut outcomes = Self::default();
+        records.into_iter().for_each(|record| outcomes.add(record));
+        outcomes
+    }
+}
+
+/// Compares the episodes that two evaluations have in common, task by task in the order of the first; tasks without a pair are left out.
+/// Pairs are of the same task, seed and index; a return that is not finite makes no pair.
+pub fn compare(first: &Outcomes, second: &Outcomes) -> Vec<Pairing> {
+    first.tasks.iter().filter_map(|task| pairing(task, second.find(&task.task)?)).collect()
+}
+
+fn pairing(first: &TaskOutcomes, second: &TaskOutcomes) -> Option<Pairing> {
+    let pairs = first.episodes.iter().filter_map(|(key, one)| Some([*one, *second.episodes.get(key)?]));
+    let pairs: Vec<[(bool, f64); 2]> = pairs.filter(|pair| pair.iter().all(|(_, total)| total.is_finite())).collect();
     if pairs.is_empty() {
         return None;
     }
-    let of = |value: &dyn Fn(&EpisodeRecord, &EpisodeRecord) -> f64| -> Vec<f64> {
-        pairs.iter().map(|(first, second)| value(first, second)).collect()
-    };
-    let success = |record: &EpisodeRecord| f64::from(u8::from(record.success));
-    let returns = [of(&|first, _| first.total), of(&|_, second| second.total)];
-    let differences = of(&|first, second| success(second) - success(first));
+    let of = |value: &dyn Fn([(bool, f64); 2]) -> f64| -> Vec<f64> { pairs.iter().map(|pair| value(*pair)).collect() };
+    let success = |(success, _): (bool, f64)| f64::from(u8::from(success));
+    let returns = [of(&|[(_, first), _]| first), of(&|[_, (_, second)]| second)];
+    let differences = of(&|[first, second]| success(second) - success(first));
+    let task = &first.task;
     Some(Pairing {
-        task: task.to_owned(),
+        task: task.clone(),
         pairs: pairs.len(),
-        success: [mean(&of(&|first, _| success(first))), mean(&of(&|_, second| success(second)))],
+        success: [mean(&of(&|[first, _]| success(first))), mean(&of(&|[_, second]| success(second)))],
         success_difference: bootstrap(&differences, mean, &format!("{task}/success")),
         returns: returns.map(|returns| bootstrap(&returns, interquartile_mean, &format!("{task}/return"))),
         return_difference: bootstrap(
-            &of(&|first, second| second.total - first.total),
+            &of(&|[(_, first), (_, second)]| second - first),
             interquartile_mean,
             &format!("{task}/difference"),
         ),
@@ -128,7 +163,7 @@ mod tests {
     fn record(task: &str, episode: u64, success: bool, total: f64) -> EpisodeRecord {
         let line = format!(
             r#"{{"task":"{task}","policy":"zero","seed":0,"episode":{episode},"success":{success},"terminated_by":[],"truncated":true,
-            "fault":null,"steps":10,"return":{total},"terms":{{}},"values":{{}},"task_hash":"a","model_hash":"b","wall_time":0.1}}"#
+            "fault":null,"steps":10,"return":{total},"terms":{{}},"values":{{}},"task_hash":"a","model_hash":"b"}}"#
         );
         serde_json::from_str(&line).unwrap()
     }
@@ -162,11 +197,12 @@ mod tests {
         let mut second: Vec<EpisodeRecord> = (2..10).map(|index| record("stand", index, true, index as f64 + 1.0)).collect();
         second.reverse();
         second.push(record("walk", 0, true, 1.0));
+        let (first, second): (Outcomes, Outcomes) = (first.iter().collect(), second.iter().collect());
         let found = compare(&first, &second);
         let [stand] = found.as_slice() else { panic!("{found:?}") };
         assert_eq!((stand.pairs, stand.success), (6, [2.0 / 6.0, 1.0]));
         assert_eq!(stand.return_difference, Estimate { value: 1.0, interval: [1.0, 1.0] });
         assert!(stand.success_difference.interval[0] > 0.0, "{stand:?}");
-        assert!(compare(&first, &[]).is_empty());
+        assert!(compare(&first, &Outcomes::default()).is_empty());
     }
 }

@@ -1,9 +1,10 @@
 //! Evaluation: episodes of tasks under a policy, in parallel, journalled as they end, summarized in a table.
 //!
 //! 1. A [`Plan`] lists what is run; its [`RunSettings`] are its identity.
-//! 2. A [`Journal`] keeps every ended episode and knows which are already there.
+//! 2. A [`Journal`] keeps every ended episode and knows which are already there: they are [`Resumed`].
 //! 3. [`run`] plays the others on a pool of workers, each of which steps up to eight episodes of one model at once. An episode
-//!    depends on its seed and index alone, so the results have the same bits on any number of threads and in any order.
+//!    depends on its seed and index alone, and episodes enter the journal in the order of the plan, so the results have the same bytes on
+//!    any number of threads and after any interruption. None is kept in memory once it has entered.
 //! 4. A [`Feed`] may change the weights between episodes; the record of each names those that rewarded it, so that [`replay`] can
 //!    play it again.
 //! 5. A [`Summary`] summarizes the episodes of each task; [`report`] prints it for people.
@@ -15,15 +16,18 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod compare;
+mod desk;
+mod episode_set;
 mod feed;
 mod journal;
-mod line;
 pub mod metrics;
 pub mod npz;
+mod order;
 pub mod probe;
 mod record;
 pub mod recordings;
 pub mod report;
+mod resumed;
 mod rollout;
 pub mod session;
 mod settings;
@@ -36,12 +40,14 @@ pub mod trace;
 mod tracing;
 mod worker;
 
+pub use episode_set::{EpisodeSet, Job};
 pub use feed::{Fed, Feed, ReplayError, replay, replay_watched};
-pub use journal::{Journal, JournalError};
+pub use journal::{Journal, JournalError, Kept};
 pub use record::{ByTerm, EpisodeRecord};
+pub use resumed::Resumed;
 pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
-pub use statistics::{Spread, wilson_interval};
-pub use summary::{FamilySummary, GroupSummary, MetricSummary, StandardSummary, Summary, TaskSummary, TermSummary};
+pub use statistics::{Moments, Spread, wilson_interval};
+pub use summary::{FamilySummary, GroupSummary, MetricSummary, StandardSummary, Summarizer, Summary, TaskSummary, TermSummary};
 pub use to_horizon::{ToHorizon, play_to_horizon};
 pub use tracing::{TRACES, TraceRecorder, Tracing};
 
@@ -53,7 +59,6 @@ use msk_runtime::perturbation::Perturbation;
 use msk_runtime::policy::{Policy, PolicyError, PolicySource};
 use record::Tally;
 use rollout::Rollout;
-use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -129,15 +134,13 @@ pub struct Extras<'a> {
 /// What [`run`] brings back.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// All episodes of the journal, sorted by the plan's tasks and by index.
-    pub records: Vec<EpisodeRecord>,
-    /// The tasks that the policy cannot act on, by their place in the plan, with the reasons.
-    pub skipped: Vec<(usize, String)>,
+    /// All episodes of the journal, summed up, with the tasks that the policy cannot act on.
+    pub summary: Summary,
     /// Whether some of the plan's other episodes are still missing because `stop` was set.
     pub interrupted: bool,
 }
 
-/// Plays the episodes of `plan` that are not among `done`, on `threads` workers, and appends each to `journal`.
+/// Plays the episodes of `plan` that are not among those `resumed`, on `threads` workers, and appends each to `journal`.
 ///
 /// When `stop` becomes true the workers give up their present episodes within one control step. A task that the policy
 /// cannot act on is skipped, with the reason in the outcome.
@@ -147,47 +150,44 @@ pub struct Outcome {
 /// all workers.
 pub fn run(
     plan: &Plan,
-    done: Vec<EpisodeRecord>,
+    resumed: Resumed,
     journal: &Journal,
     threads: NonZeroUsize,
     stop: &AtomicBool,
     watcher: &dyn Watcher,
 ) -> Result<Outcome, EvaluationError> {
-    run_with(plan, done, journal, threads, stop, watcher, Extras::default())
+    run_with(plan, resumed, journal, threads, stop, watcher, Extras::default())
 }
 
 /// [`run`] with live weights, and with traces of episodes.
 ///
-/// Traces of episodes that are among `done` are made by playing these once more, where they are missing.
+/// Traces of episodes that are resumed are made by playing these once more, where they are missing.
 ///
 /// # Errors
 /// Those of [`run`].
 pub fn run_with(
     plan: &Plan,
-    done: Vec<EpisodeRecord>,
+    resumed: Resumed,
     journal: &Journal,
     threads: NonZeroUsize,
     stop: &AtomicBool,
     watcher: &dyn Watcher,
     extras: Extras<'_>,
 ) -> Result<Outcome, EvaluationError> {
-    let settings = RunSettings::of(plan);
-    let jobs = settings.missing(&done);
-    let crew = Crew::new(plan, &jobs, threads, (journal, stop), watcher, extras)?;
+    let crew = Crew::new(plan, resumed, threads, (journal, stop), watcher, extras)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.get())
         .build()
         .map_err(|source| EvaluationError::Threads { threads, source })?;
-    let mut records = done;
-    records.extend(pool.broadcast(|_| crew.work()).into_iter().flatten());
-    let skipped = crew.outcome()?;
-    settings.sort(&mut records);
-    let interrupted = settings.missing(&records).iter().any(|(trial, _)| !skipped.contains_key(trial));
-    if let Some(tracing) = extras.tracing.filter(|_| !interrupted) {
-        tracing::complete(plan, &records, tracing, journal, stop)?;
+    pool.broadcast(|_| crew.work());
+    let outcome = crew.outcome()?;
+    if !outcome.interrupted {
+        journal.complete()?;
+        if let Some(tracing) = extras.tracing {
+            tracing::complete(plan, tracing, journal, stop)?;
+        }
     }
-    let skipped = skipped.into_iter().collect();
-    Ok(Outcome { records, skipped, interrupted })
+    Ok(outcome)
 }
 
 /// Plays the episode `key` of `trial`, in the memory of `episode`, under `policy`.
@@ -243,9 +243,6 @@ pub fn play_watched(
     Ok(Some(measurement.note(record)))
 }
 
-/// An episode to be played: index of the trial and of the episode.
-type Job = (usize, u64);
-
 impl Plan {
     /// The number of episodes of the whole plan.
     pub fn episodes(&self) -> u64 {
@@ -257,19 +254,6 @@ impl RunSettings {
     /// The place among the tasks of the one that `record` is an episode of.
     pub fn place(&self, record: &EpisodeRecord) -> Option<usize> {
         self.tasks.iter().position(|task| task.owns(record))
-    }
-
-    /// The episodes that are not among `done`, in order.
-    fn missing(&self, done: &[EpisodeRecord]) -> Vec<Job> {
-        let done: BTreeSet<(Option<usize>, u64)> = done.iter().map(|record| (self.place(record), record.episode)).collect();
-        let all = (0..self.tasks.len()).flat_map(|trial| (0..self.protocol.episodes).map(move |episode| (trial, episode)));
-        all.filter(|&(trial, episode)| !done.contains(&(Some(trial), episode))).collect()
-    }
-
-    fn sort(&self, records: &mut Vec<EpisodeRecord>) {
-        let place = |record: &EpisodeRecord| (self.place(record), record.episode);
-        records.sort_by_cached_key(place);
-        records.dedup_by_key(|record| place(record));
     }
 }
 

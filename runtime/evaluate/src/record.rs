@@ -96,8 +96,9 @@ pub struct EpisodeRecord {
     /// Condition of its muscles.
     #[serde(default, skip_serializing_if = "MuscleCondition::is_none")]
     pub condition: MuscleCondition,
-    /// Seconds that the episode took, its share of the steps that were taken together with others; the only entry that differs from
-    /// run to run.
+    /// Seconds that the episode took, its share of the steps that were taken together with others; 0 if that is not known. It differs from
+    /// run to run and stands in a file of its own.
+    #[serde(default, skip_serializing)]
     pub wall_time: f64,
 }
 
@@ -243,8 +244,7 @@ impl EpisodeRecord {
     /// Whether the other is the same episode with the same bits, the time that it took aside. Two values that are both no
     /// numbers are the same.
     pub fn same_as(&self, other: &Self) -> bool {
-        let timeless = |record: &Self| super::journal::json(&Self { wall_time: 0.0, ..record.clone() });
-        timeless(self) == timeless(other)
+        super::journal::json(self) == super::journal::json(other)
     }
 
     /// How the episode ended, in words: the reasons, `horizon` (of a sequence before its last phase with what never held), or `fault`.
@@ -326,7 +326,7 @@ mod tests {
             task_hash: "t".into(),
             model_hash: "m".into(),
             condition: MuscleCondition::default(),
-            wall_time: 0.25,
+            wall_time: 0.0,
         }
     }
 

@@ -1,7 +1,7 @@
 //! What is run: enough to tell whether two runs are the same.
 
 use super::journal::json;
-use super::line::hex;
+use super::journal::line::hex;
 use super::{EpisodeRecord, Plan};
 use msk_program::task::{CompiledTask, Origin};
 use msk_runtime::condition::MuscleCondition;

@@ -14,14 +14,50 @@ pub struct Spread {
 impl Spread {
     /// Of `values`; `None` if there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
-        let count = values.len() as f64;
-        if values.is_empty() {
-            return None;
-        }
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-        let deviation = (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt());
-        Some(Self { mean, deviation })
+        let mut moments = Moments::default();
+        values.iter().for_each(|value| moments.add(*value));
+        moments.spread()
+    }
+}
+
+/// Mean and sum of squared distances from it of numbers that come one after the other, by Welford's recurrence (Technometrics 4, 1962):
+/// none of them is kept.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Moments {
+    count: f64,
+    mean: f64,
+    squares: f64,
+}
+
+impl Moments {
+    /// Adds a number.
+    pub fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        let before = value - self.mean;
+        self.mean += before / self.count;
+        self.squares += before * (value - self.mean);
+    }
+
+    /// Numbers so far.
+    pub fn count(&self) -> u64 {
+        // Counted up from 0 by 1.
+        self.count as u64
+    }
+
+    /// Their mean; 0 without any.
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    /// Their variance, with n in the denominator; 0 without any.
+    pub fn variance(&self) -> f64 {
+        if self.count > 0.0 { self.squares / self.count } else { 0.0 }
+    }
+
+    /// Mean and sample standard deviation; `None` without numbers.
+    pub fn spread(&self) -> Option<Spread> {
+        let deviation = (self.count > 1.0).then(|| (self.squares / (self.count - 1.0)).sqrt());
+        (self.count > 0.0).then_some(Spread { mean: self.mean, deviation })
     }
 }
 

@@ -1,10 +1,10 @@
 //! Traces of the episodes of an evaluation, one file each beside the journal.
 
 use crate::trace::{Origin, Quantity, StepReader, Trace};
-use crate::{EpisodeRecord, EvaluationError, Journal, Plan, RunSettings, play_watched};
+use crate::{EpisodeRecord, EvaluationError, Journal, Plan, RunSettings, Trial, play_watched};
 use msk_runtime::episode::{Ending, Engine, Environment, EpisodeKey};
 use msk_runtime::policy::PolicyContext;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The folder of traces, in that of the results.
 pub const TRACES: &str = "traces";
@@ -69,30 +69,32 @@ pub(super) fn keep(journal: &Journal, trace: &Trace) -> Result<(), EvaluationErr
 
 /// Makes the traces that are missing of episodes that were played before, by playing these once more with the weights that rewarded
 /// them.
-pub(super) fn complete(
+pub(super) fn complete(plan: &Plan, tracing: &Tracing, journal: &Journal, stop: &AtomicBool) -> Result<(), EvaluationError> {
+    let settings = RunSettings::of(plan);
+    Journal::try_each(journal.folder(), |record| {
+        let wanted = record.episode < tracing.episodes && !journal.has(&Tracing::file(&record.task, record.episode));
+        let trial = settings.place(&record).filter(|_| wanted && !stop.load(Ordering::Relaxed)).map(|place| &plan.trials[place]);
+        trial.map_or(Ok(()), |trial| repeat(plan, trial, &record, tracing, journal, stop))
+    })
+}
+
+/// Plays an episode once more and keeps its trace, unless `stop` becomes true.
+fn repeat(
     plan: &Plan,
-    records: &[EpisodeRecord],
+    trial: &Trial,
+    record: &EpisodeRecord,
     tracing: &Tracing,
     journal: &Journal,
     stop: &AtomicBool,
 ) -> Result<(), EvaluationError> {
-    let settings = RunSettings::of(plan);
-    let missing =
-        |record: &&EpisodeRecord| record.episode < tracing.episodes && !journal.has(&Tracing::file(&record.task, record.episode));
-    for record in records.iter().filter(missing) {
-        let Some(trial) = settings.place(record).map(|place| &plan.trials[place]) else { continue };
-        let mut environment = trial.episode()?;
-        for (term, (_, weight)) in record.weights.0.iter().enumerate() {
-            environment.set_weight(term, *weight);
-        }
-        let mut recorder = TraceRecorder::new(environment.engine(), record.episode, Some(tracing));
-        let mut policy = plan.policy.open(stop)?;
-        let key = EpisodeKey { seed: record.seed, episode: record.episode };
-        let mut look = |environment: &Environment| recorder.look(&environment.context());
-        let Some(played) = play_watched(trial, &mut environment, key, policy.as_mut(), stop, &mut look)? else { return Ok(()) };
-        if let Some(trace) = recorder.finish(&played) {
-            keep(journal, &trace)?;
-        }
+    let mut environment = trial.episode()?;
+    for (term, (_, weight)) in record.weights.0.iter().enumerate() {
+        environment.set_weight(term, *weight);
     }
-    Ok(())
+    let mut recorder = TraceRecorder::new(environment.engine(), record.episode, Some(tracing));
+    let mut policy = plan.policy.open(stop)?;
+    let key = EpisodeKey { seed: record.seed, episode: record.episode };
+    let mut look = |environment: &Environment| recorder.look(&environment.context());
+    let Some(played) = play_watched(trial, &mut environment, key, policy.as_mut(), stop, &mut look)? else { return Ok(()) };
+    recorder.finish(&played).map_or(Ok(()), |trace| keep(journal, &trace))
 }

@@ -1,34 +1,36 @@
 //! The workers of an evaluation. Each plays up to eight episodes of one model at once, every one under a policy of its own.
 
+use super::desk::Desk;
 use super::metrics::Measurement;
+use super::order::Turn;
 use super::record::Tally;
 use super::tracing::{self, TraceRecorder};
-use super::{EpisodeRecord, EvaluationError, Extras, Fed, Job, Journal, Plan, Watcher};
+use super::{EvaluationError, Extras, Fed, Job, Journal, JournalError, Outcome, Plan, Resumed, Watcher};
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
 use msk_runtime::action::{ActionBuffer, ActsOn};
 use msk_runtime::episode::{Controlled, Engine, Episode, EpisodeKey, GroupScratch, Member};
 use msk_runtime::policy::{Policy, PolicyError};
-use std::collections::{BTreeMap, btree_map::Entry};
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// How long a worker sleeps when it has nothing to do until others have caught up.
+const NAP: Duration = Duration::from_millis(5);
 
 /// What all workers share.
 pub(super) struct Crew<'a> {
     plan: &'a Plan,
-    jobs: &'a [Job],
-    /// Of the tasks that have jobs.
+    /// Of the tasks that have episodes to be played.
     engines: BTreeMap<usize, Engine>,
     /// Episodes that a worker plays at once.
     width: usize,
-    next: AtomicUsize,
+    desk: Mutex<Desk<'a>>,
     /// What made the first worker fail; the others may fail only because of it.
     failure: Mutex<Option<EvaluationError>>,
     failed: AtomicBool,
-    /// Tasks that the policy cannot act on: the first episode that showed it, and the reason.
-    skipped: Mutex<BTreeMap<usize, (u64, String)>>,
     journal: &'a Journal,
     stop: &'a AtomicBool,
     watcher: &'a dyn Watcher,
@@ -36,13 +38,13 @@ pub(super) struct Crew<'a> {
 }
 
 /// One worker: its memory, and the episodes that it plays.
-struct Worker<'a> {
-    crew: &'a Crew<'a>,
+struct Worker<'c, 'a> {
+    crew: &'c Crew<'a>,
     /// Of the model that is played.
     scratch: Option<GroupScratch>,
-    seats: [Option<Seat<'a>>; WIDTH],
+    seats: [Option<Seat<'c>>; WIDTH],
     /// Policies that have no episode.
-    policies: Vec<Box<dyn Policy + 'a>>,
+    policies: Vec<Box<dyn Policy + 'c>>,
     /// A job of another model than that of the present episodes.
     held: Option<Job>,
 }
@@ -70,27 +72,28 @@ impl<'a> Crew<'a> {
     /// A task that does not fit its body.
     pub fn new(
         plan: &'a Plan,
-        jobs: &'a [Job],
+        resumed: Resumed,
         threads: NonZeroUsize,
         (journal, stop): (&'a Journal, &'a AtomicBool),
         watcher: &'a dyn Watcher,
         extras: Extras<'a>,
     ) -> Result<Self, EvaluationError> {
+        let Resumed { kept, summarizer } = resumed;
+        let desk = Desk::new(journal, (plan.trials.len(), plan.protocol.episodes), kept, summarizer);
         let mut engines = BTreeMap::new();
-        for &(trial, _) in jobs {
-            if let Entry::Vacant(place) = engines.entry(trial) {
-                place.insert(plan.trials[trial].engine()?);
-            }
+        for (task, trial) in plan.trials.iter().enumerate().filter(|(task, _)| desk.order().misses(*task)) {
+            engines.insert(task, trial.engine()?);
         }
+        let most = plan.policy.most_at_once().min(WIDTH);
+        // Not more than that many are of interest.
+        let missing = usize::try_from(desk.order().missing()).unwrap_or(usize::MAX);
         Ok(Self {
             plan,
-            jobs,
             engines,
-            width: jobs.len().div_ceil(threads.get()).clamp(1, plan.policy.most_at_once().min(WIDTH)),
-            next: AtomicUsize::new(0),
+            width: missing.div_ceil(threads.get()).clamp(1, most),
+            desk: Mutex::new(desk),
             failure: Mutex::new(None),
             failed: AtomicBool::new(false),
-            skipped: Mutex::new(BTreeMap::new()),
             journal,
             stop,
             watcher,
@@ -98,65 +101,55 @@ impl<'a> Crew<'a> {
         })
     }
 
-    /// Plays jobs, those of the plan in order, until there are none, the run is stopped, or a worker fails.
-    pub fn work(&self) -> Vec<EpisodeRecord> {
-        let mut records = Vec::new();
+    /// Plays episodes, those of the plan in order, until there are none, the run is stopped, or a worker fails.
+    pub fn work(&self) {
         let mut worker = Worker { crew: self, scratch: None, seats: Default::default(), policies: Vec::new(), held: None };
-        if let Err(error) = worker.play(&mut records) {
+        // Those that ended before their turn in an earlier attempt may be due.
+        let result = self.desk().enter().map_err(EvaluationError::from).and_then(|()| worker.play());
+        if let Err(error) = result {
             self.failed.store(true, Ordering::Relaxed);
             self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
         }
-        records
     }
 
-    /// The tasks that were skipped with their reasons, by their places in the plan.
+    /// What has come of the run.
     ///
     /// # Errors
     /// What made the first worker fail.
-    pub fn outcome(self) -> Result<BTreeMap<usize, String>, EvaluationError> {
+    pub fn outcome(self) -> Result<Outcome, EvaluationError> {
         if let Some(failure) = self.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
             return Err(failure);
         }
-        let skipped = self.skipped.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Ok(skipped.into_iter().map(|(trial, (_, reason))| (trial, reason)).collect())
+        Ok(self.desk.into_inner().unwrap_or_else(PoisonError::into_inner).outcome())
     }
 
     fn is_over(&self) -> bool {
         self.failed.load(Ordering::Relaxed) || self.stop.load(Ordering::Relaxed)
     }
 
-    fn claim(&self) -> Option<Job> {
-        self.jobs.get(self.next.fetch_add(1, Ordering::Relaxed)).copied()
+    fn desk(&self) -> MutexGuard<'_, Desk<'a>> {
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn skipped(&self) -> MutexGuard<'_, BTreeMap<usize, (u64, String)>> {
-        self.skipped.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Skips a task. Of several episodes that workers play at the same time the first gives the reason, whichever is faster.
-    fn skip(&self, trial: usize, episode: u64, reason: String) {
-        let mut skipped = self.skipped();
-        match skipped.get_mut(&trial) {
-            None => {
-                self.watcher.skipped(trial, &reason);
-                skipped.insert(trial, (episode, reason));
-            }
-            Some(known) if episode < known.0 => *known = (episode, reason),
-            Some(_) => {}
+    /// Skips a task.
+    fn skip(&self, job: Job, reason: String) -> Result<(), JournalError> {
+        if self.desk().skip(job, reason.clone())? {
+            self.watcher.skipped(job.0, &reason);
         }
+        Ok(())
     }
 }
 
-impl<'a> Worker<'a> {
-    fn play(&mut self, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
+impl<'c> Worker<'c, '_> {
+    fn play(&mut self) -> Result<(), EvaluationError> {
         let result = loop {
             if self.crew.is_over() {
                 break Ok(());
             }
-            let played = self.fill().and_then(|()| self.step(records));
-            match played {
-                Ok(true) => {}
-                Ok(false) => break Ok(()),
+            match self.fill().and_then(|more| Ok((more, self.step()?))) {
+                Ok((_, true)) => {}
+                Ok((true, false)) => std::thread::sleep(NAP),
+                Ok((false, false)) => break Ok(()),
                 Err(error) => break Err(error),
             }
         };
@@ -167,27 +160,32 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Begins episodes in free lanes, as far as there are jobs that go with those that are played.
-    fn fill(&mut self) -> Result<(), EvaluationError> {
+    /// Begins episodes in free lanes, as far as there are jobs that go with those that are played. Gives whether there will be more.
+    fn fill(&mut self) -> Result<bool, EvaluationError> {
         for lane in 0..self.crew.width {
             while self.seats[lane].is_none() {
-                let Some(job) = self.held.take().or_else(|| self.crew.claim()) else { return Ok(()) };
-                if self.crew.skipped().contains_key(&job.0) {
+                let turn = self.held.take().map_or_else(|| self.crew.desk().claim(), Turn::Play);
+                let job = match turn {
+                    Turn::Play(job) => job,
+                    Turn::Wait => return Ok(true),
+                    Turn::Over => return Ok(false),
+                };
+                if self.crew.desk().order().is_given_up(job) {
                     continue;
                 }
                 let engine = &self.crew.engines[&job.0];
                 if self.seats.iter().flatten().any(|seat| !seat.engine.goes_with(engine)) {
                     self.held = Some(job);
-                    return Ok(());
+                    return Ok(true);
                 }
                 self.begin(lane, job, engine)?;
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Begins an episode in a lane, unless the policy cannot act on its task.
-    fn begin(&mut self, lane: usize, (trial, index): Job, engine: &'a Engine) -> Result<(), EvaluationError> {
+    fn begin(&mut self, lane: usize, (trial, index): Job, engine: &'c Engine) -> Result<(), EvaluationError> {
         let crew = self.crew;
         let known = self.scratch.take().filter(|scratch| scratch.serves(engine));
         let scratch = self.scratch.insert(known.unwrap_or_else(|| engine.group_scratch(crew.width)));
@@ -236,10 +234,10 @@ impl<'a> Worker<'a> {
     ///
     /// # Errors
     /// What is more than a task that the policy does not support.
-    fn give_up(&mut self, seat: Seat<'a>, error: PolicyError) -> Result<(), EvaluationError> {
+    fn give_up(&mut self, seat: Seat<'c>, error: PolicyError) -> Result<(), EvaluationError> {
         match error {
             PolicyError::Unable { reason, .. } => {
-                self.crew.skip(seat.trial, seat.episode.key().episode, reason);
+                self.crew.skip((seat.trial, seat.episode.key().episode), reason)?;
                 self.policies.push(seat.policy);
                 Ok(())
             }
@@ -248,7 +246,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Takes one control step in every lane, and keeps the episodes that have ended. Gives whether there was one.
-    fn step(&mut self, records: &mut Vec<EpisodeRecord>) -> Result<bool, EvaluationError> {
+    fn step(&mut self) -> Result<bool, EvaluationError> {
         let start = Instant::now();
         let Some(scratch) = &mut self.scratch else { return Ok(false) };
         let mut unable = Vec::new();
@@ -276,14 +274,14 @@ impl<'a> Worker<'a> {
                 self.crew.watcher.stepped();
             }
             if seat.episode.ending().is_some() {
-                self.end(lane, records)?;
+                self.end(lane)?;
             }
         }
         Ok(count > 0)
     }
 
     /// Keeps the episode in a lane, which has ended.
-    fn end(&mut self, lane: usize, records: &mut Vec<EpisodeRecord>) -> Result<(), EvaluationError> {
+    fn end(&mut self, lane: usize) -> Result<(), EvaluationError> {
         let Some(seat) = self.seats[lane].take() else { return Ok(()) };
         let trial = &self.crew.plan.trials[seat.trial];
         let record = seat.tally.record(trial, &seat.episode, seat.policy.name(), seat.seconds);
@@ -295,9 +293,10 @@ impl<'a> Worker<'a> {
         if let Some(trace) = seat.trace.finish(&record) {
             tracing::keep(self.crew.journal, &trace)?;
         }
-        self.crew.journal.append(&record)?;
-        self.crew.watcher.ended(seat.trial, &record);
-        records.push(record);
+        let (job, shown) = ((seat.trial, record.episode), record.clone());
+        if self.crew.desk().keep(job, record)? {
+            self.crew.watcher.ended(seat.trial, &shown);
+        }
         Ok(())
     }
 }

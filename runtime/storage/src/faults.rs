@@ -21,6 +21,8 @@ pub enum Call {
     Sync,
     /// A file takes the place of another.
     Rename,
+    /// A file is removed.
+    Remove,
     /// The names of a folder are forced to the disk.
     SyncFolder,
 }

@@ -254,11 +254,16 @@ impl Folder {
         Ok(Self { directory: Arc::new(directory), path: self.path.join(path), faults: self.faults.clone() })
     }
 
-    fn read_with(&self, path: &Path, follow: FollowSymlinks, limit: u64) -> Result<Option<Vec<u8>>, StorageError> {
+    /// Opens a file for reading; `None` if there is none.
+    pub(crate) fn open_for_reading(&self, path: &Path) -> Result<Option<cap_std::fs::File>, StorageError> {
+        self.open_with(path, FollowSymlinks::Yes)
+    }
+
+    fn open_with(&self, path: &Path, follow: FollowSymlinks) -> Result<Option<cap_std::fs::File>, StorageError> {
         let mut options = regular::for_reading();
         options.follow(follow);
         let source = match self.directory.open_with(path, &options) {
-            Ok(file) => return regular::read(file, &self.path.join(path), limit).map(Some),
+            Ok(file) => return Ok(Some(file)),
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(error) => error,
         };
@@ -270,5 +275,10 @@ impl Folder {
             regular::regular(&metadata, &self.path.join(path))?;
         }
         Err(self.cannot("read", path, source))
+    }
+
+    fn read_with(&self, path: &Path, follow: FollowSymlinks, limit: u64) -> Result<Option<Vec<u8>>, StorageError> {
+        let file = self.open_with(path, follow)?;
+        file.map(|file| regular::read(file, &self.path.join(path), limit)).transpose()
     }
 }

@@ -6,7 +6,7 @@
 //! * [`Folder::read`] gives the bytes of a regular file, within a limit. Pipes, devices and the files of `/proc` are refused
 //!   without being read.
 //! * [`Folder::replace`] exchanges a whole file in one move: readers see the old bytes or the new ones, also after a power cut.
-//! * [`Log::append`] adds a line to a file of lines: it is on the disk, whole, or the file is what it was.
+//! * [`Log::append`] adds a line to a file of lines: it is on the disk, whole, or the file is what it was. [`Folder::lines`] reads them.
 //! * [`Folder::lock`] keeps other processes out until the lock is dropped or the program ends.
 //!
 //! A [`Folder`] is a capability ([`cap_std`]): the operating system resolves every path beneath the opened folder, so neither
@@ -17,6 +17,7 @@
 mod error;
 mod faults;
 mod folder;
+mod lines;
 mod lock;
 mod log;
 mod regular;
@@ -25,6 +26,7 @@ mod replace;
 pub use error::StorageError;
 pub use faults::{Call, FailAt, Failure, Faults};
 pub use folder::{Entry, Folder, Kind};
+pub use lines::Lines;
 pub use lock::Lock;
 pub use log::Log;
 pub use regular::{read_file, read_text_file};

@@ -78,17 +78,40 @@ impl Log {
     /// A refusal of the operating system, such as a full disk. The log is then what it was before; if not even that can be
     /// achieved, it is poisoned and refuses every further append until it is opened again.
     pub fn append(&mut self, line: &[u8]) -> Result<(), StorageError> {
+        self.append_lines(&[line])
+    }
+
+    /// [`append`](Self::append) of several lines, which wait for the disk once. A program that dies meanwhile may leave the first ones.
+    ///
+    /// # Errors
+    /// As there; none of the lines has then been appended.
+    pub fn append_lines(&mut self, lines: &[&[u8]]) -> Result<(), StorageError> {
+        self.extend(lines, true)
+    }
+
+    /// [`append`](Self::append) without waiting for the disk: the line survives the program, and a power cut may lose it or leave
+    /// other bytes in its place.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn append_unsynced(&mut self, line: &[u8]) -> Result<(), StorageError> {
+        self.extend(&[line], false)
+    }
+
+    fn extend(&mut self, lines: &[&[u8]], durable: bool) -> Result<(), StorageError> {
         if self.poisoned {
             return Err(StorageError::Poisoned { path: self.path() });
         }
-        if line.contains(&b'\n') {
+        if lines.iter().any(|line| line.contains(&b'\n')) {
             return Err(self.cannot("write", io::Error::new(io::ErrorKind::InvalidInput, "a line contains a line end")));
         }
         let end = self.find_end().map_err(|source| self.cannot("read", source))?;
-        let mut bytes = Vec::with_capacity(line.len() + 1);
-        bytes.extend_from_slice(line);
-        bytes.push(b'\n');
-        match self.write_at(end, &bytes) {
+        let mut bytes = Vec::with_capacity(lines.iter().map(|line| line.len() + 1).sum());
+        for line in lines {
+            bytes.extend_from_slice(line);
+            bytes.push(b'\n');
+        }
+        match self.write_at(end, &bytes, durable) {
             Ok(()) => {
                 self.end = Some(end + bytes.len() as u64);
                 Ok(())
@@ -136,7 +159,7 @@ impl Log {
         Ok(piece)
     }
 
-    fn write_at(&mut self, end: u64, bytes: &[u8]) -> io::Result<()> {
+    fn write_at(&mut self, end: u64, bytes: &[u8], durable: bool) -> io::Result<()> {
         if self.file.metadata()?.len() > end {
             // The remains of a line may be longer than the line that takes its place.
             self.folder.gate(Call::Truncate, &self.name)?;
@@ -144,6 +167,9 @@ impl Log {
         }
         self.file.seek(SeekFrom::Start(end))?;
         self.folder.write(&mut self.file, &self.name, bytes)?;
+        if !durable {
+            return Ok(());
+        }
         self.folder.gate(Call::Sync, &self.name)?;
         self.file.sync_data()?;
         if !self.folder_is_synced {

@@ -46,6 +46,23 @@ impl Folder {
         })
     }
 
+    /// Removes a file; where there is none, nothing happens. That it is gone is on the disk when this returns.
+    ///
+    /// # Errors
+    /// A path that leads out, a folder, or a refusal of the operating system.
+    pub fn remove(&self, path: &Path) -> Result<(), StorageError> {
+        self.put(path, |folder, name, _| {
+            let remove = || {
+                folder.gate(Call::Remove, name)?;
+                match folder.directory().remove_file(name) {
+                    Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+                    removed => removed.and_then(|()| folder.sync()),
+                }
+            };
+            remove().map_err(|source| folder.cannot("remove", name, source))
+        })
+    }
+
     /// Finds the folder in which a path's last name lies, so that all that follows happens in one place.
     fn put(&self, path: &Path, put: impl FnOnce(&Self, &Path, &Path) -> Result<(), StorageError>) -> Result<(), StorageError> {
         let whole = self.path().join(path);

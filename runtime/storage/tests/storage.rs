@@ -276,3 +276,33 @@ fn the_last_lines_of_a_log_are_read_from_its_end() {
         assert_eq!(matches!(short, Err(StorageError::TooLarge { .. })), count > 0, "{count}");
     }
 }
+
+#[test]
+fn lines_are_read_one_after_the_other_up_to_the_last_whole_one() {
+    let (place, folder) = folder();
+    assert!(folder.lines(path("log"), LIMIT).unwrap().is_none());
+    fs::write(place.path().join("log"), "one\n\nthree\nfo").unwrap();
+    let lines = |limit| folder.lines(path("log"), limit).unwrap().unwrap();
+    let read: Vec<Vec<u8>> = lines(5).map(Result::unwrap).collect();
+    assert_eq!(read, [&b"one"[..], b"", b"three"]);
+    let mut short = lines(4).skip(2);
+    assert!(matches!(short.next(), Some(Err(StorageError::TooLarge { limit: 4, .. }))));
+    assert!(short.next().is_none(), "an error is the last");
+    fs::create_dir(place.path().join("folder")).unwrap();
+    assert!(matches!(folder.lines(path("folder"), LIMIT), Err(StorageError::NotRegular { .. })));
+    assert!(matches!(folder.lines(path("../log"), LIMIT), Err(StorageError::Outside { .. })));
+}
+
+#[test]
+fn several_lines_are_appended_at_once_and_files_are_removed() {
+    let (place, folder) = folder();
+    let mut log = folder.log("log").unwrap();
+    log.append_lines(&[b"one", b"two"]).unwrap();
+    log.append_unsynced(b"three").unwrap();
+    assert!(log.append_lines(&[b"four", b"fi\nve"]).is_err());
+    assert_eq!(fs::read_to_string(place.path().join("log")).unwrap(), "one\ntwo\nthree\n");
+    folder.remove(path("log")).unwrap();
+    folder.remove(path("log")).unwrap();
+    assert_eq!(folder.entries(path("")).unwrap(), []);
+    assert!(matches!(folder.remove(path("../log")), Err(StorageError::Outside { .. })));
+}

@@ -10,7 +10,7 @@ mod gate;
 pub use action::{ActionError, read_action};
 pub use gate::{FALLEN_HEIGHT, FALLEN_TILT, fallen};
 
-use crate::line::hex;
+use crate::journal::line::hex;
 use crate::settings::BUILD;
 use crate::trace::{Quantity, StepReader, Trace};
 use crate::{EvaluationError, Trial};

@@ -108,11 +108,11 @@ fn grids_begin_at_zero_and_grow() {
 
 #[test]
 fn moments_are_those_of_the_whole_sample() {
-    let mut moments = normalization::Moments::default();
+    let mut entries = Vec::new();
     for value in [1.0, 2.0, 4.0, 9.0] {
-        moments.add(&[value, 5.0]);
+        normalization::add(&mut entries, &[value, 5.0]);
     }
-    let found = moments.finish();
+    let found = normalization::finish(&entries);
     assert_eq!(found.mean, [4.0, 5.0]);
     // numpy.std([1, 2, 4, 9]), and the least deviation.
     assert!((found.deviation[0] - 3.082_207_001_484_488).abs() < 1e-8 && (found.deviation[1] - 1e-4).abs() < 1e-15, "{found:?}");

@@ -1,25 +1,25 @@
 //! A line of the journal.
 //!
-//! It is the record of an episode as a JSON object that ends with three further entries:
+//! It is the record of an episode as a JSON object that ends with two further entries:
 //!
 //! ```text
-//! {"task":"stand", ..., "run":"0123456789abcdef","checksum":"fedcba9876543210","wall_time":0.25}
+//! {"task":"stand", ..., "run":"0123456789abcdef","checksum":"fedcba9876543210"}
 //! ```
 //!
-//! * `run`: the [identity](super::RunSettings::identity) of the run that the episode belongs to.
+//! * `run`: the [identity](crate::RunSettings::identity) of the run that the episode belongs to.
 //! * `checksum`: the first 16 hexadecimal digits of the SHA-256 of all bytes of the line before `,"checksum"`.
-//! * `wall_time`: outside of the checksum, so that all before it has the same bytes whenever the episode is played.
 //!
-//! The checksum notices damage and edits. It is no signature: who wants to deceive can compute it.
+//! The checksum notices damage and edits. It is no signature: who wants to deceive can compute it. Earlier programs wrote `wall_time`
+//! behind the checksum; such lines are read.
 
-use super::EpisodeRecord;
-use super::journal::json;
+use super::json;
+use crate::EpisodeRecord;
 use msk_program::digest::hexadecimal;
 use sha2::{Digest, Sha256};
 
 const RUN: &str = ",\"run\":\"";
 const CHECKSUM: &str = ",\"checksum\":\"";
-const WALL_TIME: &str = ",\"wall_time\":";
+const WALL_TIME: &str = "\",\"wall_time\":";
 
 /// What a line holds.
 pub(super) struct Line {
@@ -41,23 +41,16 @@ pub(super) enum LineError {
     Json(#[from] serde_json::Error),
 }
 
-#[derive(serde::Deserialize)]
-struct Origin {
-    run: String,
-}
-
 impl Line {
     /// The line of an episode of the run with identity `run`, without the line end.
     pub fn written(record: &EpisodeRecord, run: &str) -> String {
         let text = json(record);
-        // The wall time is the last entry of a record, and its number holds no quotes.
-        let (content, time) = text.rsplit_once(WALL_TIME).unwrap_or((&text, "0.0}"));
-        let content = format!("{content}{RUN}{run}\"");
+        let content = format!("{}{RUN}{run}\"", text.strip_suffix('}').unwrap_or(&text));
         let checksum = hex(content.as_bytes());
-        format!("{content}{CHECKSUM}{checksum}\"{WALL_TIME}{time}")
+        format!("{content}{CHECKSUM}{checksum}\"}}")
     }
 
-    /// Reads a line, with or without its end.
+    /// Reads a line without its end.
     ///
     /// # Errors
     /// A line that was not written by [`Line::written`].
@@ -65,17 +58,20 @@ impl Line {
         let text = core::str::from_utf8(line)?;
         // The error of invalid JSON is more informative than a missing checksum.
         let record = serde_json::from_str(text)?;
-        let (content, _) = text.rsplit_once(WALL_TIME).ok_or(LineError::Bare)?;
-        let (content, checksum) = content.rsplit_once(CHECKSUM).ok_or(LineError::Bare)?;
-        if checksum.strip_suffix('"') != Some(hex(content.as_bytes()).as_str()) {
+        let (content, rest) = text.rsplit_once(CHECKSUM).ok_or(LineError::Bare)?;
+        let checksum = match rest.split_once(WALL_TIME) {
+            Some((checksum, _)) => checksum,
+            None => rest.strip_suffix("\"}").unwrap_or(rest),
+        };
+        if checksum != hex(content.as_bytes()) {
             return Err(LineError::Changed);
         }
-        let Origin { run } = serde_json::from_str(text)?;
-        Ok(Self { record, run })
+        let run = content.rsplit_once(RUN).and_then(|(_, run)| run.strip_suffix('"'));
+        Ok(Self { record, run: run.unwrap_or_default().to_owned() })
     }
 }
 
 /// The first 64 bits of the SHA-256 of `bytes`, in hexadecimal digits.
-pub(super) fn hex(bytes: &[u8]) -> String {
+pub(crate) fn hex(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes)[..8])
 }
