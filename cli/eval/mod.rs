@@ -77,8 +77,9 @@ pub struct Args {
     /// their returns
     #[arg(long, value_name = "WHICH", value_enum, value_delimiter = ',', conflicts_with = "live")]
     html: Vec<pages::Which>,
-    /// Evaluate the policy under growing perturbations instead, along each of these axes, 30 episodes per task and scale unless
-    /// --episodes is given: success at every scale and the area under it, for tasks, families and all tasks
+    /// Evaluate the policy under growing perturbations instead, along each of these axes, with the scales and episodes of the
+    /// protocol's sweep (30 episodes unless it has another number, or --episodes is given): success at every scale and the area
+    /// under it, for tasks, families and all tasks
     #[arg(long, value_name = "AXES", value_enum, value_delimiter = ',', conflicts_with_all = ["live", "html"])]
     sweep: Vec<sweep::Along>,
     #[command(flatten)]
@@ -127,7 +128,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     writeln!(io::stderr(), "{}", chosen.heading(first, &names))?;
     let evaluation = Evaluation { args: &args, interrupt: &interrupt, live: live.as_ref() };
     if let (false, [plan]) = (args.sweep.is_empty(), plans.as_slice()) {
-        return evaluation.sweep(plan, &folder);
+        return evaluation.sweep(plan, &chosen.sweep, &folder);
     }
     let [plan] = plans.as_slice() else { return evaluation.several(&plans, &folder) };
     let (summary, interrupted) = evaluation.one(plan, &folder)?;

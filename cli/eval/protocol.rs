@@ -3,6 +3,7 @@
 use super::Args;
 use crate::error::Error;
 use crate::project::Project;
+use msk::evaluate::sweep::SweepProtocol;
 use msk::evaluate::{Plan, Protocol};
 
 /// The protocol of an evaluation, and what there is to choose from.
@@ -12,6 +13,8 @@ pub(super) struct Chosen {
     /// Names of the others.
     others: Vec<String>,
     pub protocol: Protocol,
+    /// Along what it sweeps; if it does not, the first protocol of the suite that does, or the paper's.
+    pub sweep: SweepProtocol,
 }
 
 impl Chosen {
@@ -37,7 +40,8 @@ impl Chosen {
         let protocol = Protocol { episodes: args.episodes.unwrap_or(from.episodes.into()), seed: args.seed.unwrap_or(from.seed) };
         // With another number of episodes it is no longer the protocol of that name.
         let name = if protocol.episodes == u64::from(from.episodes) { from.name.clone() } else { String::new() };
-        Ok(Self { name, others, protocol })
+        let sweep = from.sweep.as_ref().or_else(|| protocols().find_map(|protocol| protocol.sweep.as_ref()));
+        Ok(Self { name, others, protocol, sweep: sweep.cloned().unwrap_or_default() })
     }
 
     /// What is going to be run.

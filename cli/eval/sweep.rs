@@ -2,7 +2,8 @@
 
 use super::Evaluation;
 use crate::error::{Context, Error};
-use msk::evaluate::sweep::{Axis, EPISODES, NORMALIZING, Sweep, markdown, normalization, perturbed};
+use clap::builder::PossibleValue;
+use msk::evaluate::sweep::{Axis, NORMALIZING, Sweep, SweepProtocol, markdown, normalization, perturbed};
 use msk::evaluate::{Plan, Protocol, Summary};
 use msk::runtime::perturbation::Normalization;
 use msk_storage::Folder;
@@ -11,38 +12,42 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// What grows in a sweep.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+/// What grows in a sweep: an axis, or all that the protocol has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Along {
-    /// Noise on every entry of the action
-    Action,
-    /// Noise on every entry of the normalised observation
-    Observation,
-    /// Factors of muscle forces, drawn per episode
-    Gain,
-    /// Pushes against the root
-    Push,
-    /// Friction of the ground, drawn per episode
-    Friction,
-    /// Masses of segments, drawn per episode
-    Mass,
-    /// Actions that take effect late
-    Latency,
-    /// action, observation and gain: those of the paper
+    /// This one.
+    Axis(Axis),
+    /// Those of the protocol.
     All,
 }
 
+impl clap::ValueEnum for Along {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [Along; Axis::ALL.len() + 1] = {
+            let mut all = [Along::All; Axis::ALL.len() + 1];
+            let mut place = 0;
+            while place < Axis::ALL.len() {
+                all[place] = Along::Axis(Axis::ALL[place]);
+                place += 1;
+            }
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::Axis(axis) => PossibleValue::new(axis.name()).help(axis.scale()),
+            Self::All => PossibleValue::new("all").help("those of the protocol; without any, action, observation and gain"),
+        })
+    }
+}
+
 impl Along {
-    fn axes(self) -> Vec<Axis> {
+    fn axes(self, protocol: &SweepProtocol) -> Vec<Axis> {
         match self {
-            Self::Action => vec![Axis::Action],
-            Self::Observation => vec![Axis::Observation],
-            Self::Gain => vec![Axis::Gain],
-            Self::Push => vec![Axis::Push],
-            Self::Friction => vec![Axis::Friction],
-            Self::Mass => vec![Axis::Mass],
-            Self::Latency => vec![Axis::Latency],
-            Self::All => Axis::PAPER.to_vec(),
+            Self::Axis(axis) => vec![axis],
+            Self::All => protocol.axes.iter().map(|(axis, _)| *axis).collect(),
         }
     }
 }
@@ -57,15 +62,16 @@ impl Evaluation<'_> {
     ///
     /// # Errors
     /// Those of an evaluation.
-    pub fn sweep(&self, plan: &Plan, folder: &Path) -> Result<ExitCode, Error> {
-        let mut axes: Vec<Axis> = self.args.sweep.iter().flat_map(|along| along.axes()).collect();
+    pub fn sweep(&self, plan: &Plan, protocol: &SweepProtocol, folder: &Path) -> Result<ExitCode, Error> {
+        let mut axes: Vec<Axis> = self.args.sweep.iter().flat_map(|along| along.axes(protocol)).collect();
         axes.sort();
         axes.dedup();
-        let protocol = Protocol { episodes: self.args.episodes.unwrap_or(EPISODES), ..plan.protocol };
-        let plan = Plan { protocol, ..plan.clone() };
-        writeln!(io::stderr(), "\nunperturbed, {} episodes of each task", protocol.episodes)?;
+        let episodes = self.args.episodes.unwrap_or(protocol.episodes.into());
+        let plan = Plan { protocol: Protocol { episodes, ..plan.protocol }, ..plan.clone() };
+        writeln!(io::stderr(), "\nunperturbed, {episodes} episodes of each task")?;
         let (unperturbed, interrupted) = self.one(&plan, &folder.join(UNPERTURBED))?;
-        let all = plan.episodes() * (1 + 4 * axes.len() as u64);
+        let grown: usize = axes.iter().map(|axis| protocol.scales(*axis).len() - 1).sum();
+        let all = plan.episodes() * (1 + grown as u64);
         if interrupted {
             return Ok(self.leave(&[unperturbed], all, folder));
         }
@@ -77,7 +83,7 @@ impl Evaluation<'_> {
         let mut points: Vec<(Axis, Vec<(f64, Summary)>)> = Vec::new();
         for axis in axes {
             let mut scales = vec![(0.0, unperturbed.clone())];
-            for scale in axis.grid().into_iter().filter(|scale| *scale > 0.0) {
+            for scale in protocol.scales(axis).into_iter().filter(|scale| *scale > 0.0) {
                 writeln!(io::stderr(), "\n{} {scale}", axis.name())?;
                 let trials = perturbed(&plan.trials, axis, scale, &normalizations);
                 let point = Plan { trials, ..plan.clone() };

@@ -8,7 +8,7 @@
 //!   [`evaluation`] runs once per control step.
 //! * How an episode begins: [`init`], with [`motion`] where a motion is followed; [`testing`] and [`script`]: what its tests show.
 //! * What it means: [`snapshot`], canonical text and content hash; [`debug`], what explanations print.
-//! * [`weights`] laid over it.
+//! * [`weights`] laid over it; [`sweep`], the perturbations under which a suite has it evaluated.
 //! * What these share: [`quantity`], [`spoken`], [`numbers`], [`nearest`](mod@nearest), [`source`].
 
 // Results agree between machines to the bit: see `clippy.toml`.
@@ -38,6 +38,7 @@ pub mod script;
 pub mod snapshot;
 pub mod source;
 pub mod spoken;
+pub mod sweep;
 pub mod task;
 pub mod testing;
 pub mod vocabulary;

@@ -264,14 +264,14 @@ impl<'a> Visitor<'a> for Marks {
 
     fn element(&mut self, element: &'a Element) {
         if let Some(name) = &element.name
-            && !matches!(element.kind.text.as_str(), "root" | "landmark" | "disturb" | "protocol")
+            && !matches!(element.kind.text.as_str(), "root" | "landmark" | "disturb" | "protocol" | "sweep")
         {
             let group = Group::Block(self.block);
             self.begin(element.kind.span, group, 0);
             self.begin(name.span(), group, 1);
             self.begin_after(name.span(), group, 2);
         }
-        if element.kind.text == "protocol" {
+        if matches!(element.kind.text.as_str(), "protocol" | "sweep") {
             for field in &element.fields {
                 if let FieldValue::Value(value) = &field.value {
                     self.setting(field.span.start, value.span);

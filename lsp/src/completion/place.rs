@@ -134,6 +134,7 @@ fn first_word(blocks: &[String]) -> Wanted {
         ["suite"] => Wanted::Words(words::SUITE),
         ["suite", "family"] => Wanted::Declared(Space::Task),
         ["suite", "protocol"] => Wanted::Words(words::PROTOCOL),
+        ["suite", "protocol", "sweep"] => Wanted::Words(words::SWEEP),
         ["body", "pose"] => Wanted::Joints,
         ["task" | "sequence"] => Wanted::Words(words::TASK),
         [_, "scene"] | [_, "scene", "repeat"] => Wanted::Elements,

@@ -87,7 +87,23 @@ pub const SUITE: Table =
     &[("family", "family NAME { TASKS }"), ("protocol", "protocol NAME { episodes 50, seed 0 }: the first is the default")];
 
 /// In a protocol.
-pub const PROTOCOL: Table = &[("episodes", "episodes of each task"), ("seed", "seed of the first episode")];
+pub const PROTOCOL: Table = &[
+    ("episodes", "episodes of each task"),
+    ("seed", "seed of the first episode"),
+    ("sweep", "sweep { episodes 30, action [0, 0.1, 0.2] }: scales of perturbations"),
+];
+
+/// In the sweep of a protocol: the axes of `msk_program::sweep`.
+pub const SWEEP: Table = &[
+    ("episodes", "episodes of each task at each scale"),
+    ("action", "standard deviation of the noise on every entry"),
+    ("observation", "standard deviation of the noise on every normalised entry"),
+    ("gain", "largest relative change of a muscle's force, drawn per episode"),
+    ("push", "force against the root in body weights"),
+    ("friction", "largest relative change of the ground's friction, drawn per episode"),
+    ("mass", "largest relative change of a segment's mass, drawn per episode"),
+    ("latency", "control steps by which actions are late"),
+];
 
 /// In a body file.
 pub const BODY: Table = &[

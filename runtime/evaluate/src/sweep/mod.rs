@@ -1,6 +1,6 @@
 //! Perturbation sweeps: how success falls as noise, forces or parameters grow.
 //!
-//! 1. An [`Axis`] is what grows, along its grid of scales; the episodes of each scale are an evaluation of their own, with a journal.
+//! 1. An [`Axis`] is what grows, along the scales of a [`SweepProtocol`]; the episodes of each scale are an evaluation of their own, with a journal.
 //! 2. The first scale of every axis is 0: those episodes are played once and serve all axes.
 //! 3. Noise on observations is relative to each entry's deviation over unperturbed episodes ([`normalization`]), as a normaliser of a
 //!    learner has it.
@@ -9,6 +9,7 @@
 mod normalization;
 mod table;
 
+pub use msk_program::sweep::{Axis, SweepProtocol};
 pub use normalization::{NORMALIZING, normalization};
 pub use table::markdown;
 
@@ -17,85 +18,30 @@ use msk_runtime::perturbation::{Normalization, Perturbation};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Episodes of each task at each scale, unless a caller asks for another number.
-pub const EPISODES: u64 = 30;
-
-/// What grows in a sweep.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Axis {
-    /// Noise on every entry of the action.
-    Action,
-    /// Noise on every entry of the normalised observation.
-    Observation,
-    /// Factors of the active forces of muscles.
-    Gain,
-    /// Pushes against the root, in body weights.
-    Push,
-    /// Factor of the friction of the ground.
-    Friction,
-    /// Factors of the masses of segments.
-    Mass,
-    /// Control steps by which actions are late.
-    Latency,
-}
-
-impl Axis {
-    /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Action, Self::Observation, Self::Gain, Self::Push, Self::Friction, Self::Mass, Self::Latency];
-    /// Those of the paper, whose areas are averaged.
-    pub const PAPER: [Self; 3] = [Self::Action, Self::Observation, Self::Gain];
-
-    /// Its name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Action => "action",
-            Self::Observation => "observation",
-            Self::Gain => "gain",
-            Self::Push => "push",
-            Self::Friction => "friction",
-            Self::Mass => "mass",
-            Self::Latency => "latency",
+/// The perturbation of a scale.
+pub fn perturbation(axis: Axis, scale: f64, normalization: Option<Arc<Normalization>>) -> Perturbation {
+    let mut perturbation = Perturbation::default();
+    match axis {
+        Axis::Action => perturbation.action = scale,
+        Axis::Observation => {
+            perturbation.observation = scale;
+            perturbation.normalization = normalization;
         }
+        Axis::Gain => perturbation.gain = scale,
+        Axis::Push => perturbation.push = scale,
+        Axis::Friction => perturbation.friction = scale,
+        Axis::Mass => perturbation.mass = scale,
+        // Its scales are whole numbers.
+        Axis::Latency => perturbation.latency = scale as u32,
     }
-
-    /// The scales, from 0 on: for action, observation and gain those of the paper.
-    pub fn grid(self) -> [f64; 5] {
-        match self {
-            Self::Action | Self::Gain | Self::Mass => [0.0, 0.05, 0.10, 0.15, 0.20],
-            Self::Observation => [0.0, 0.02, 0.05, 0.08, 0.10],
-            Self::Push => [0.0, 0.05, 0.10, 0.20, 0.40],
-            Self::Friction => [0.0, 0.2, 0.4, 0.6, 0.8],
-            Self::Latency => [0.0, 1.0, 2.0, 4.0, 8.0],
-        }
-    }
-
-    /// The perturbation of a scale.
-    pub fn perturbation(self, scale: f64, normalization: Option<Arc<Normalization>>) -> Perturbation {
-        let mut perturbation = Perturbation::default();
-        match self {
-            Self::Action => perturbation.action = scale,
-            Self::Observation => {
-                perturbation.observation = scale;
-                perturbation.normalization = normalization;
-            }
-            Self::Gain => perturbation.gain = scale,
-            Self::Push => perturbation.push = scale,
-            Self::Friction => perturbation.friction = scale,
-            Self::Mass => perturbation.mass = scale,
-            // The grid has whole numbers.
-            Self::Latency => perturbation.latency = scale as u32,
-        }
-        perturbation
-    }
+    perturbation
 }
 
 /// The trials at one scale of an axis, with the normalisation of each trial's observations.
 pub fn perturbed(trials: &[Trial], axis: Axis, scale: f64, normalizations: &[Arc<Normalization>]) -> Vec<Trial> {
     let perturbed = |(place, trial): (usize, &Trial)| {
         let normalization = normalizations.get(place).cloned();
-        Trial { perturbation: axis.perturbation(scale, normalization), ..trial.clone() }
+        Trial { perturbation: self::perturbation(axis, scale, normalization), ..trial.clone() }
     };
     trials.iter().enumerate().map(perturbed).collect()
 }

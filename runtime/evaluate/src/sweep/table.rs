@@ -29,7 +29,7 @@ pub fn markdown(sweep: &Sweep) -> String {
         };
         each(sweep, &mut row);
         // Writing to a string cannot fail.
-        let _ = write!(text, "\n## {}\n\n{}", words(*axis), table.markdown());
+        let _ = write!(text, "\n## {}\n\n{}", heading(*axis), table.markdown());
     }
     let mut head = vec!["task"];
     head.extend(sweep.axes.iter().map(|(axis, _)| axis.name()));
@@ -63,14 +63,9 @@ fn each(sweep: &Sweep, row: &mut dyn FnMut(String, &Robustness)) {
     }
 }
 
-fn words(axis: Axis) -> &'static str {
-    match axis {
-        Axis::Action => "Action: standard deviation of the noise on every entry",
-        Axis::Observation => "Observation: standard deviation of the noise on every normalised entry",
-        Axis::Gain => "Gain: largest relative change of a muscle's force",
-        Axis::Push => "Push: force in body weights",
-        Axis::Friction => "Friction: largest relative change of the ground's friction",
-        Axis::Mass => "Mass: largest relative change of a segment's mass",
-        Axis::Latency => "Latency: control steps by which actions are late",
-    }
+/// Name and scale of an axis.
+fn heading(axis: Axis) -> String {
+    let name = axis.name();
+    // Names are ASCII words.
+    format!("{}{}: {}", name[..1].to_uppercase(), &name[1..], axis.scale())
 }

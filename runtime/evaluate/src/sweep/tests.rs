@@ -65,7 +65,7 @@ fn families_and_all_tasks_are_means_of_tasks() {
     | - walk        |   0 |    0 |   0 |    0 |   0 |  0.0 |
     | all tasks     |  50 |   50 |  40 |   20 |   0 | 33.8 |
 
-    ## Gain: largest relative change of a muscle's force
+    ## Gain: largest relative change of a muscle's force, drawn per episode
 
     | task          |   0 | 0.05 | 0.1 | 0.15 | 0.2 |  area |
     |:--------------|----:|-----:|----:|-----:|----:|------:|
@@ -96,13 +96,15 @@ fn families_and_all_tasks_are_means_of_tasks() {
 }
 
 #[test]
-fn grids_begin_at_zero_and_grow() {
+fn every_axis_is_a_perturbation_and_the_scale_0_is_none() {
     for axis in Axis::ALL {
         let grid = axis.grid();
-        assert!(grid[0] == 0.0 && grid.windows(2).all(|pair| pair[0] < pair[1]), "{axis:?}");
-        assert!(axis.perturbation(0.0, None).is_none() && !axis.perturbation(grid[1], None).is_none(), "{axis:?}");
-        assert!(axis.perturbation(grid[4], None).check().is_ok());
-        assert_eq!(serde_json::to_string(&axis).unwrap(), format!("\"{}\"", axis.name()));
+        assert!(perturbation(axis, 0.0, None).is_none() && !perturbation(axis, grid[1], None).is_none(), "{axis:?}");
+        assert!(perturbation(axis, grid[4], None).check().is_ok());
+        // What the language accepts as a scale can be played, and the other way round.
+        for scale in [0.5, 1.0, 1000.0, 1001.0] {
+            assert_eq!(axis.refuses(scale).is_none() || axis == Axis::Latency && scale == 0.5, perturbation(axis, scale, None).check().is_ok(), "{axis:?} {scale}");
+        }
     }
 }
 
