@@ -1,24 +1,26 @@
 //! `msk session`: an episode that waits for each decision.
 
 use crate::error::{Context, Error};
+use crate::policies::Limits;
 use crate::project::Project;
-use msk::evaluate::Trial;
-use msk::evaluate::session::{Moment, Session, read_action};
+use msk::compiler::numbers::for_people;
+use msk::evaluate::session::{Errors, Moment, Session, SessionFolder, SessionFolderError, read_action};
+use msk::evaluate::trace::{Quantity, StepReader};
+use msk::evaluate::{Trial, play_watched};
+use msk::runtime::episode::{Environment, EpisodeKey};
 use msk_storage::{Folder, read_text_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Largest file that is read, bytes.
+/// Largest file with an action that is read, bytes.
 const LARGEST: u64 = 64 << 20;
-const SESSION: &str = "session.json";
-const LOCK: &str = ".lock";
-/// What one who decides must not read.
-const PRIVATE: &str = "private";
 
 /// Control a body directly: an episode that waits for each action, as files for people, scripts and language models
 ///
-/// `init` writes what is seen first, `submit` takes an action and writes what is seen next, `status` tells how far the session is.
+/// `init` writes what is seen first, `submit` takes an action and writes what is seen next, `status` tells how far the session is,
+/// `tracking` how closely it follows the reference motion of its task.
 /// docs/sessions.md describes the files.
 #[derive(clap::Args)]
 pub struct Args {
@@ -43,6 +45,21 @@ enum Command {
         /// Folder of the session
         folder: PathBuf,
     },
+    /// Print the distance of the body's landmarks from the reference motion of the task, and when the session diverged from a policy
+    /// that follows the same motion: the first of five consecutive control steps whose errors are above the 0.95 quantile of the
+    /// policy's errors, and above its error at the same time
+    Tracking(TrackingArgs),
+}
+
+#[derive(clap::Args)]
+struct TrackingArgs {
+    /// Folder of the session
+    folder: PathBuf,
+    /// The policy to compare with, which plays the same episode as long as the session may last
+    #[arg(long, default_value = "cmc", value_name = "POLICY")]
+    reference: String,
+    #[command(flatten)]
+    limits: Limits,
 }
 
 #[derive(clap::Args)]
@@ -70,31 +87,24 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     match args.command {
         Command::Init(args) => init(&args),
         Command::Submit { folder, action } => submit(&folder, &action),
-        Command::Status { folder } => status(&read(&folder)?.1),
+        Command::Status { folder } => status(&open(&folder)?.1),
+        Command::Tracking(args) => tracking(&args),
     }
 }
 
 fn init(args: &Init) -> Result<ExitCode, Error> {
     let (_, trial) = Project::find(&args.task, &[])?;
-    let steps = args.hold * trial.task.control_frequency;
-    let hold = steps.round();
-    if !((1.0..=1e6).contains(&hold) && (steps - hold).abs() < 1e-6) {
-        let message = format!("--hold {} is {steps} control steps of `{}`", args.hold, trial.task.name);
-        return Err(Error::usage(message).hint("choose a whole number of control steps"));
-    }
-    let moment = Session::begin(&trial, &args.task, (args.seed, hold as u32, args.decisions))?;
+    let hold = Session::hold(&trial, args.hold)
+        .map_err(|error| Error::usage(error.to_string()).hint("choose a whole number of control steps with `--hold`"))?;
+    let moment = Session::begin(&trial, &args.task, (args.seed, hold, args.decisions))?;
     let cannot = || format!("cannot begin a session in `{}`", args.folder.display());
     let folder = Folder::create_new(&args.folder).context(cannot)?;
-    write(&folder, &moment)?;
+    SessionFolder::begin(folder, &moment).map_err(explain)?;
     status(&moment.session)
 }
 
 fn submit(path: &Path, action: &Path) -> Result<ExitCode, Error> {
-    let (folder, session) = read(path)?;
-    let _lock = folder
-        .try_lock(Path::new(LOCK))
-        .context(|| format!("cannot lock `{}`", path.display()))?
-        .ok_or_else(|| Error::new(format!("another process takes a decision in `{}`", path.display())).hint("wait for it"))?;
+    let (folder, session) = open(path)?;
     let trial: Trial = Project::find(&session.settings.task, &[])?.1;
     let text = read_text_file(action, LARGEST).context(|| format!("cannot read `{}`", action.display()))?;
     let names = trial.task.action.names(&trial.task.vocabulary);
@@ -102,32 +112,73 @@ fn submit(path: &Path, action: &Path) -> Result<ExitCode, Error> {
         let error = Error::new(format!("`{}` is rejected: {error}", action.display()));
         error.hint("nothing was changed; the session waits for another action")
     })?;
-    let moment = session.decide(&trial, entries)?;
-    write(&folder, &moment)?;
-    status(&moment.session)
+    let decided: Result<Moment, SessionFolderError> = folder.decide(|session| Ok(session.decide(&trial, entries)?));
+    status(&decided.map_err(explain)?.session)
 }
 
-/// Writes what a decision has come to. The session itself comes last: until then nothing has happened.
-fn write(folder: &Folder, moment: &Moment) -> Result<(), Error> {
-    let cannot = || format!("cannot write to `{}`", folder.path().display());
-    folder.create_subfolder(Path::new(PRIVATE)).context(cannot)?;
-    let keep = |name: &str, bytes: &[u8]| folder.replace(Path::new(name), bytes).context(cannot);
-    keep(&format!("{PRIVATE}/trace.npz"), &moment.trace.archive()?)?;
-    if let Some(visible) = &moment.visible {
-        let text = serde_json::to_string_pretty(visible)? + "\n";
-        keep(&format!("decision-{:03}.json", visible.decision), text.as_bytes())?;
+fn tracking(args: &TrackingArgs) -> Result<ExitCode, Error> {
+    let (folder, session) = open(&args.folder)?;
+    let trial: Trial = Project::find(&session.settings.task, &[])?.1;
+    let trace = folder.trace().map_err(explain)?;
+    let errors = Errors::of(&trace).and_then(|errors| Some((errors.summary()?, errors)));
+    let Some((summary, errors)) = errors else {
+        let message = format!("the task `{}` follows no reference motion", session.settings.task);
+        return Err(Error::new(message).hint("a task follows one with `reference gait = motion \"FILE.csv\"`"));
+    };
+    let steps = session.settings.decisions.saturating_mul(session.settings.hold);
+    let reference = followed(&trial, args, session.settings.seed, steps)?;
+    let meters = |value: f64| format!("{} m", for_people(value));
+    let mut out = io::stdout().lock();
+    writeln!(out, "tracking error {}, last {}, largest {}", meters(summary.rmse), meters(summary.last), meters(summary.largest))?;
+    if let Some(summary) = reference.summary() {
+        let largest = meters(summary.largest);
+        writeln!(
+            out,
+            "of `{}`: {}, largest {largest}, {} control steps",
+            args.reference,
+            meters(summary.rmse),
+            reference.times.len() - 1
+        )?;
     }
-    keep(SESSION, (serde_json::to_string_pretty(&moment.session)? + "\n").as_bytes())
+    match errors.divergence(&reference) {
+        Some(time) => writeln!(out, "diverged after {} s", for_people(time))?,
+        None => writeln!(out, "has not diverged")?,
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
-fn read(path: &Path) -> Result<(Folder, Session), Error> {
+/// The errors of a policy that plays the same episode, for so many control steps at most.
+fn followed(trial: &Trial, args: &TrackingArgs, seed: u64, steps: u32) -> Result<Errors, Error> {
+    let stop = AtomicBool::new(false);
+    let source = args.limits.source(&args.reference)?;
+    let mut policy = source.open(&stop)?;
+    let mut environment = trial.episode()?;
+    let mut reader = StepReader::new(environment.engine(), &[Quantity::TrackingError]);
+    let mut errors = Errors::default();
+    let mut look = |environment: &Environment| {
+        let row = reader.read(&environment.context());
+        errors.times.push(f64::from(environment.steps()) * environment.control_period());
+        errors.errors.extend(row.of(Quantity::TrackingError));
+        stop.store(environment.steps() >= steps, Ordering::Relaxed);
+    };
+    let key = EpisodeKey { seed, episode: 0 };
+    play_watched(trial, &mut environment, key, policy.as_mut(), &stop, &mut look)?;
+    Ok(errors)
+}
+
+fn open(path: &Path) -> Result<(SessionFolder, Session), Error> {
     let folder = Folder::open(path).context(|| format!("cannot open `{}`", path.display()))?;
-    let text = folder.read_text(Path::new(SESSION), LARGEST).context(|| format!("cannot read `{}`", path.display()))?;
-    let text = text.ok_or_else(|| {
-        Error::new(format!("`{}` has no session", path.display())).hint("begin one with `msk session init TASK DIR`")
-    })?;
-    let session = serde_json::from_str(&text).context(|| format!("`{}` is damaged", path.join(SESSION).display()))?;
-    Ok((folder, session))
+    SessionFolder::open(folder).map_err(explain)
+}
+
+/// Adds what to do about a folder that cannot be used.
+fn explain(error: SessionFolderError) -> Error {
+    let hint = match &error {
+        SessionFolderError::Empty(_) => "begin one with `msk session init TASK DIR`",
+        SessionFolderError::Busy(_) => "wait for it",
+        _ => return error.into(),
+    };
+    Error::from(error).hint(hint)
 }
 
 fn status(session: &Session) -> Result<ExitCode, Error> {

@@ -8,7 +8,8 @@ use msk::evaluate::trace::{Quantity, quantities};
 pub struct TraceArgs {
     /// Keep a trace of each episode in the folder traces/ of the results: a NumPy archive with a row per control step. Quantities
     /// are separated by commas, without any all of them: excitations, activations, muscle_forces, positions, velocities, torques,
-    /// joint_reactions, contacts, ground_reactions, feet, center_of_mass, metabolic_power, terms, rewards, observations, actions
+    /// joint_reactions, contacts, ground_reactions, feet, center_of_mass, metabolic_power, tracking_error, terms, rewards, observations,
+    /// actions
     #[arg(long, value_name = "QUANTITIES", num_args = 0..=1, require_equals = true, default_missing_value = "all", value_parser = parse)]
     trace: Option<Quantities>,
     /// Keep traces of so many episodes of each task only, the first ones

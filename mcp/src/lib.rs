@@ -1,6 +1,7 @@
 //! The task language for agents: a server of the Model Context Protocol over standard input and output.
 //!
-//! * Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes, compare, read results.
+//! * Tools list tasks and terms, explain, check a text, propose and apply weights, run a few episodes, compare, read results, and let an
+//!   agent control a body directly, one decision after the other.
 //! * Resources are the reference of the language, the vocabulary of the human body, and how to edit weights.
 //! * Everything happens beneath one opened folder, the project: what a path, a link or a model's file names lead to elsewhere is
 //!   neither read nor written, and no client learns whether it exists. Tools that write only report what they
@@ -16,6 +17,7 @@ mod project;
 mod queue;
 mod resources;
 mod server;
+mod session;
 mod transport;
 mod weights;
 

@@ -6,7 +6,7 @@ use crate::project::{Draft, Failure, Project, SUITE};
 use crate::queue::Queue;
 use crate::transport::{Closing, Conversation};
 use crate::weights::{self, Apply, Propose};
-use crate::{ServeError, resources};
+use crate::{ServeError, resources, session};
 use msk_compiler::diagnostics::Report;
 use msk_compiler::difference::Difference;
 use msk_compiler::explain;
@@ -311,6 +311,47 @@ impl Server {
             Ok(json!({ "same": difference.is_empty(), "changes": difference.changes, "text": difference.to_string() }))
         })
         .await
+    }
+
+    /// Begins a session.
+    #[tool(
+        description = "Begin to control a body directly: an episode that waits for each of your actions. Writes a new session to a folder of the project and gives what is visible before the first decision: channels of the observation with units, names of the entries of an action, how long it is held",
+        annotations(read_only_hint = false, destructive_hint = false)
+    )]
+    pub async fn session_init(
+        &self,
+        Parameters(asked): Parameters<session::Init>,
+        request: RequestContext<RoleServer>,
+    ) -> CallToolResult {
+        let cancellation = Cancellation { request, closing: None };
+        self.in_turn(&self.evaluations, cancellation, move |project, _| session::init(project, &asked)).await
+    }
+
+    /// Takes a decision.
+    #[tool(
+        description = "Give the next action of a session: a list with one number from -1 to 1 per entry, held until the next decision. Anything else is rejected with the first wrong entry and changes nothing. Gives what is visible before the next decision, or why the session has stopped",
+        annotations(read_only_hint = false, destructive_hint = false)
+    )]
+    pub async fn session_submit(
+        &self,
+        Parameters(asked): Parameters<session::Submit>,
+        request: RequestContext<RoleServer>,
+    ) -> CallToolResult {
+        let cancellation = Cancellation { request, closing: None };
+        self.in_turn(&self.evaluations, cancellation, move |project, _| session::submit(project, &asked)).await
+    }
+
+    /// Tells how far a session is.
+    #[tool(
+        description = "How far a session is, and what is visible before its next decision; once it has stopped, how closely it followed the reference motion",
+        annotations(read_only_hint = true)
+    )]
+    pub async fn session_status(
+        &self,
+        Parameters(asked): Parameters<session::Status>,
+        request: RequestContext<RoleServer>,
+    ) -> CallToolResult {
+        self.answer(request, move |project| session::status(project, &asked)).await
     }
 
     /// Reads results.

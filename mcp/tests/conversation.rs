@@ -33,9 +33,20 @@ async fn begin() -> Talk {
 async fn an_agent_finds_its_way_from_tasks_to_written_weights() {
     let talk = begin().await;
     let names: Vec<String> = talk.client.list_all_tools().await.unwrap().into_iter().map(|tool| tool.name.to_string()).collect();
-    for tool in
-        ["list_tasks", "list_terms", "explain", "check", "propose_weights", "apply_weights", "evaluate", "diff", "read_results"]
-    {
+    for tool in [
+        "list_tasks",
+        "list_terms",
+        "explain",
+        "check",
+        "propose_weights",
+        "apply_weights",
+        "evaluate",
+        "diff",
+        "session_init",
+        "session_submit",
+        "session_status",
+        "read_results",
+    ] {
         assert!(names.iter().any(|name| name == tool), "no {tool} in {names:?}");
     }
     let tasks = talk.ask("list_tasks", json!({})).await;
@@ -170,6 +181,35 @@ async fn episodes_run_within_a_budget_and_results_are_read() {
             .await
             .contains("is not a file of results")
     );
+}
+
+#[tokio::test]
+async fn an_agent_controls_a_body_one_decision_after_the_other() {
+    let talk = begin().await;
+    let asked = json!({ "task": "lean", "folder": "try", "hold": 0.02, "decisions": 2 });
+    let begun = talk.ask("session_init", asked.clone()).await;
+    assert_eq!(
+        (&begun["decisions_taken"], &begun["stopped"], &begun["visible"]["hold"]),
+        (&json!(0), &json!(null), &json!(0.02))
+    );
+    assert!(talk.refused("session_init", asked).await.contains("has a session already"));
+    let entries = begun["visible"]["action"].as_array().unwrap().len();
+    let action = |value: f64| json!({ "folder": "try", "action": vec![value; entries] });
+    assert!(talk.refused("session_submit", action(1.5)).await.contains("entry 0 (from 0)"));
+    assert!(talk.refused("session_submit", json!({ "folder": "try", "action": "rest" })).await.contains("found a string"));
+    assert_eq!(talk.ask("session_status", json!({ "folder": "try" })).await, begun, "nothing has happened");
+    let first = talk.ask("session_submit", action(-1.0)).await;
+    assert_eq!((&first["decisions_taken"], &first["steps"], &first["visible"]["decision"]), (&json!(1), &json!(2), &json!(1)));
+    assert_eq!(talk.ask("session_status", json!({ "folder": "try" })).await, first);
+    let last = talk.ask("session_submit", action(0.5)).await;
+    assert_eq!((&last["stopped"], &last["visible"]), (&json!("decisions"), &json!(null)));
+    // Its task follows no motion.
+    assert_eq!(talk.ask("session_status", json!({ "folder": "try" })).await["tracking"], json!(null));
+    assert!(talk.refused("session_submit", action(0.0)).await.contains("the session has stopped"));
+    let bad = json!({ "task": "lean", "folder": "other", "hold": 0.015 });
+    assert!(talk.refused("session_init", bad).await.contains("held for whole control steps"));
+    assert!(talk.refused("session_status", json!({ "folder": "../try" })).await.contains("leads out of the project"));
+    assert!(talk.refused("session_status", json!({ "folder": "." })).await.contains("has no session"));
 }
 
 #[tokio::test]

@@ -21,5 +21,6 @@ pub mod perturbation;
 pub mod policy;
 #[cfg(feature = "system")]
 pub mod process_group;
+pub mod reference;
 pub mod scene;
 pub mod script;

@@ -58,3 +58,21 @@ fn another_task_is_another_session() {
     project.write("none/file", "");
     project.msk(&["session", "status", "none"]).failed(1, &["`none` has no session", "msk session init"]);
 }
+
+#[test]
+fn the_distance_from_the_reference_motion_is_measured_and_compared() {
+    let project = Project::lean();
+    let walk = concat!(env!("CARGO_MANIFEST_DIR"), "/tasks/locomotion/walk.msk");
+    project.msk(&["session", "init", walk, "try", "--hold", "0.05", "--decisions", "2"]).succeeded();
+    let entries = visible(&project, 0)["action"].as_array().unwrap().len();
+    project.write("rest.json", &format!("{:?}", vec![-1.0; entries]));
+    project.msk(&["session", "submit", "try", "rest.json"]).succeeded();
+    let done = project.msk(&["session", "tracking", "try", "--reference", "cmc"]).succeeded();
+    assert!(done.out.starts_with("tracking error ") && done.out.contains("of `cmc`: "), "{}", done.out);
+    assert!(done.out.contains("10 control steps") && done.out.contains("diverged"), "{}", done.out);
+    // The body stands where the reference begins, so errors are small at first.
+    let error: f64 = done.out.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!(error > 0.0 && error < 0.2, "{}", done.out);
+    project.msk(&["session", "init", "lean", "other"]).succeeded();
+    project.msk(&["session", "tracking", "other"]).failed(1, &["follows no reference motion", "hint:"]);
+}

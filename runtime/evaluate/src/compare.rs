@@ -5,6 +5,7 @@
 //! mean and which wastes fewer episodes than the median (Agarwal et al., NeurIPS 2021, "rliable").
 
 use crate::EpisodeRecord;
+use crate::statistics::quantile;
 use msk_runtime::episode::{EpisodeKey, Stream};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -66,14 +67,6 @@ pub fn bootstrap(values: &[f64], statistic: fn(&[f64]) -> f64, name: &str) -> Es
         .collect();
     found.sort_by(f64::total_cmp);
     Estimate { value: statistic(values), interval: [quantile(&found, 0.025), quantile(&found, 0.975)] }
-}
-
-/// A quantile of sorted values, with linear interpolation between them as in NumPy.
-fn quantile(sorted: &[f64], part: f64) -> f64 {
-    let place = part * (sorted.len() - 1) as f64;
-    let below = place.floor();
-    let (low, high) = (sorted[below as usize], sorted[(below as usize + 1).min(sorted.len() - 1)]);
-    low + (place - below) * (high - low)
 }
 
 /// What is compared of an evaluation: of each episode its success and return.

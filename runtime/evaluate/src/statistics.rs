@@ -61,6 +61,14 @@ impl Moments {
     }
 }
 
+/// A quantile of sorted values, with linear interpolation between them as in NumPy; there must be some.
+pub(crate) fn quantile(sorted: &[f64], part: f64) -> f64 {
+    let place = part * (sorted.len() - 1) as f64;
+    let below = place.floor();
+    let (low, high) = (sorted[below as usize], sorted[(below as usize + 1).min(sorted.len() - 1)]);
+    low + (place - below) * (high - low)
+}
+
 /// Wilson's score interval (1927) at 95 % for a proportion: [low, high] in 0..1. Unlike the normal approximation it is sound
 /// for few trials and for proportions near 0 and 1. Without trials it is [0, 1].
 pub fn wilson_interval(successes: u64, trials: u64) -> [f64; 2] {

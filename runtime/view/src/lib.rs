@@ -15,7 +15,6 @@ mod muscles;
 mod page;
 mod recorder;
 mod recording;
-mod reference;
 pub mod render;
 mod shapes;
 mod signals;

@@ -2,12 +2,12 @@
 
 use crate::recorder::{COORDINATE, LENGTH};
 use crate::recording::Header;
-use crate::reference::Reference;
 use crate::signals::{self, Signals};
 use crate::track::{Block, Track, quantise};
 use msk_program::task::CompiledTask;
 use msk_runtime::body::sensors::Snapshot;
 use msk_runtime::episode::Environment;
+use msk_runtime::reference::Reference;
 
 /// What only a task has.
 pub(crate) struct TaskRecorder {
@@ -70,7 +70,7 @@ impl TaskRecorder {
     pub fn look(&mut self, environment: &Environment) {
         let report = environment.report();
         // The first number tells whether there is a reference at present.
-        match self.reference.coordinates(environment) {
+        match self.reference.coordinates(&environment.context()) {
             Some(coordinates) => {
                 let row = coordinates.iter().map(|value| quantise(*value, COORDINATE));
                 self.referenced.push(std::iter::once(1).chain(row));

@@ -5,10 +5,14 @@
 //! replay went the same way. Actions are accepted as they are or rejected; none is clipped, smoothed or interpolated.
 
 mod action;
+mod folder;
 mod gate;
+mod tracking;
 
 pub use action::{ActionError, read_action};
+pub use folder::{SessionFolder, SessionFolderError};
 pub use gate::{FALLEN_HEIGHT, FALLEN_TILT, fallen};
+pub use tracking::{Errors, Tracking};
 
 use crate::journal::line::hex;
 use crate::settings::BUILD;
@@ -121,6 +125,16 @@ pub enum SessionError {
     /// The decisions before did not come to the same.
     #[error("decision {0} comes to another state when it is played again: its recorded hash differs")]
     Diverged(usize),
+    /// An action cannot be held for so long.
+    #[error("{seconds} s are {steps} control steps of `{task}`; an action is held for whole control steps")]
+    Hold {
+        /// As asked for, s.
+        seconds: f64,
+        /// Control steps.
+        steps: f64,
+        /// The task.
+        task: String,
+    },
     /// The episode could not begin.
     #[error("the episode cannot begin: {0}")]
     Fault(String),
@@ -130,6 +144,20 @@ pub enum SessionError {
 }
 
 impl Session {
+    /// The control steps of a trial for which an action is held, of seconds.
+    ///
+    /// # Errors
+    /// Not a whole number of them, none, or more than a million.
+    pub fn hold(trial: &Trial, seconds: f64) -> Result<u32, SessionError> {
+        let steps = seconds * trial.task.control_frequency;
+        let whole = steps.round();
+        match (1.0..=1e6).contains(&whole) && (steps - whole).abs() < 1e-6 {
+            // Within the range of the type.
+            true => Ok(whole as u32),
+            false => Err(SessionError::Hold { seconds, steps, task: trial.task.name.clone() }),
+        }
+    }
+
     /// A session of a trial, before its first decision.
     ///
     /// # Errors

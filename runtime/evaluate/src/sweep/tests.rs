@@ -103,7 +103,11 @@ fn every_axis_is_a_perturbation_and_the_scale_0_is_none() {
         assert!(perturbation(axis, grid[4], None).check().is_ok());
         // What the language accepts as a scale can be played, and the other way round.
         for scale in [0.5, 1.0, 1000.0, 1001.0] {
-            assert_eq!(axis.refuses(scale).is_none() || axis == Axis::Latency && scale == 0.5, perturbation(axis, scale, None).check().is_ok(), "{axis:?} {scale}");
+            assert_eq!(
+                axis.refuses(scale).is_none() || axis == Axis::Latency && scale == 0.5,
+                perturbation(axis, scale, None).check().is_ok(),
+                "{axis:?} {scale}"
+            );
         }
     }
 }

@@ -182,6 +182,8 @@ impl Layout {
                 Quantity::Feet => feet.iter().flat_map(|foot| vector(foot, "m")).collect(),
                 Quantity::CenterOfMass => vector("com", "m").to_vec(),
                 Quantity::MetabolicPower => vec![column("muscles", "W")],
+                Quantity::TrackingError if task.motions.is_empty() => vec![],
+                Quantity::TrackingError => vec![column("landmarks", "m")],
                 Quantity::Terms => task.terms.iter().map(|term| column(&term.name, "")).collect(),
                 Quantity::Rewards => vec![column("reward", "")],
                 Quantity::Observations => {

@@ -32,6 +32,8 @@ pub enum Quantity {
     CenterOfMass,
     /// Metabolic power of all muscles together, W.
     MetabolicPower,
+    /// Root mean square distance, per coordinate, of the body's landmarks from where the reference motion has them, m.
+    TrackingError,
     /// What each reward term adds to the reward: weight times value.
     Terms,
     /// The reward.
@@ -44,7 +46,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them, in the order of a trace.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Excitations,
         Self::Activations,
         Self::MuscleForces,
@@ -57,6 +59,7 @@ impl Quantity {
         Self::Feet,
         Self::CenterOfMass,
         Self::MetabolicPower,
+        Self::TrackingError,
         Self::Terms,
         Self::Rewards,
         Self::Observations,
@@ -78,6 +81,7 @@ impl Quantity {
             Self::Feet => "feet",
             Self::CenterOfMass => "center_of_mass",
             Self::MetabolicPower => "metabolic_power",
+            Self::TrackingError => "tracking_error",
             Self::Terms => "terms",
             Self::Rewards => "rewards",
             Self::Observations => "observations",

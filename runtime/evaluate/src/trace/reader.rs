@@ -7,6 +7,7 @@ use msk_program::scene::Part;
 use msk_runtime::body::sensors::Snapshot;
 use msk_runtime::episode::Engine;
 use msk_runtime::policy::PolicyContext;
+use msk_runtime::reference::Reference;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -59,6 +60,7 @@ pub struct StepReader {
     coordinates: Coordinates,
     feet: Vec<usize>,
     landmarks: Vec<usize>,
+    reference: Reference,
     values: Vec<f64>,
 }
 
@@ -71,6 +73,7 @@ impl StepReader {
             coordinates: Coordinates::of(model, body),
             feet: feet(body).to_vec(),
             landmarks: (0..body.landmarks.len()).filter(|&landmark| !body.landmarks[landmark].of_scene).collect(),
+            reference: Reference::new(model),
             values: Vec::new(),
         }
     }
@@ -84,7 +87,8 @@ impl StepReader {
     pub fn read(&mut self, context: &PolicyContext<'_>) -> Row<'_> {
         let mut values = std::mem::take(&mut self.values);
         values.clear();
-        for block in &self.layout.blocks {
+        let layout = Arc::clone(&self.layout);
+        for block in &layout.blocks {
             let end = values.len() + block.columns.len();
             self.write(block.quantity, context, &mut values);
             // At the reset there are no terms, and an episode that met a fault has no report.
@@ -94,7 +98,7 @@ impl StepReader {
         Row::new(&self.layout, &self.values, context.step == 0)
     }
 
-    fn write(&self, quantity: Quantity, context: &PolicyContext<'_>, values: &mut Vec<f64>) {
+    fn write(&mut self, quantity: Quantity, context: &PolicyContext<'_>, values: &mut Vec<f64>) {
         let snapshot = context.snapshot();
         let Snapshot { body, model, state, workspace } = snapshot;
         let report = context.episode.report();
@@ -123,11 +127,23 @@ impl StepReader {
             }
             Quantity::CenterOfMass => values.extend(body.centre_of_mass(model, &workspace.kinematics).iter()),
             Quantity::MetabolicPower => values.push((0..muscles).map(|muscle| snapshot.metabolic_power(muscle)).sum()),
+            // A phase of a sequence may follow none.
+            Quantity::TrackingError => values.extend(self.tracking_error(context)),
             Quantity::Terms => values.extend(context.weights.iter().zip(&report.terms).map(|(weight, value)| weight * value)),
             Quantity::Rewards => values.push(report.reward),
             Quantity::Observations => values.extend_from_slice(context.observation),
             Quantity::Actions => values.extend_from_slice(context.episode.action()),
         }
+    }
+
+    fn tracking_error(&mut self, context: &PolicyContext<'_>) -> Option<f64> {
+        let (body, present) = (context.body, &context.workspace.kinematics);
+        let reference = self.reference.kinematics(context)?;
+        let square = |&landmark: &usize| {
+            (body.landmark_position(present, landmark) - body.landmark_position(reference, landmark)).norm_squared()
+        };
+        let squares: f64 = self.landmarks.iter().map(square).sum();
+        Some((squares / (3.0 * self.landmarks.len() as f64)).sqrt())
     }
 
     fn contacts(&self, snapshot: &Snapshot<'_>) -> Vec<f64> {

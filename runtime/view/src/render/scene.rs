@@ -5,13 +5,13 @@ use super::palette::{self, Colouring, Colours};
 use super::solids::{self, Solid};
 use super::{Options, Picture, PictureError, Rgb, Vector, geometry, label, shade, single};
 use crate::anatomy::Anatomy;
-use crate::reference::Reference;
 use crate::shapes::Shape;
 use msk_physics::kinematics::{self, Kinematics};
 use msk_physics::{State, rotation};
 use msk_runtime::body::sensors::Snapshot;
 use msk_runtime::condition::Compartments;
 use msk_runtime::episode::{Environment, EpisodeKey};
+use msk_runtime::reference::Reference;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -151,7 +151,7 @@ impl Renderer {
             *self = Self { episode: Some(environment.key()), ..Self::of(&snapshot, &self.strengths, self.colouring) };
         }
         let mut scene = self.scene_of(time, &snapshot, environment.compartments());
-        if let Some(coordinates) = self.reference.coordinates(environment) {
+        if let Some(coordinates) = self.reference.coordinates(&context) {
             let (state, placed) =
                 self.ghost.get_or_insert_with(|| (snapshot.state.clone(), snapshot.workspace.kinematics.clone()));
             state.position.copy_from_slice(coordinates);

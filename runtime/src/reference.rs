@@ -1,15 +1,16 @@
 //! Where the reference motion of a task has the body.
 
+use crate::body::Body;
+use crate::policy::PolicyContext;
+use msk_physics::kinematics::{self, Kinematics};
 use msk_physics::model::Model;
 use msk_physics::{State, Workspace};
 use msk_program::init::Parts;
 use msk_program::motion::{Motion, RootPart};
 use msk_program::task::Init;
-use msk_runtime::body::Body;
-use msk_runtime::episode::Environment;
 
 /// The body that the reference places: its path begins where the root stood, as computed muscle control follows it.
-pub(crate) struct Reference {
+pub struct Reference {
     state: State<f64>,
     workspace: Box<Workspace<f64>>,
     begun: Option<Course>,
@@ -27,13 +28,25 @@ struct Course {
 const PLACES: [RootPart; 3] = [RootPart::X, RootPart::Y, RootPart::Height];
 
 impl Reference {
+    /// Of a model, before any step.
     pub fn new(model: &Model) -> Self {
         Self { state: State::new(model), workspace: Box::new(Workspace::new(model)), begun: None }
     }
 
     /// The coordinates of the reference at present; `None` if the present phase follows none.
-    pub fn coordinates(&mut self, environment: &Environment) -> Option<&[f64]> {
-        let context = environment.context();
+    pub fn coordinates(&mut self, context: &PolicyContext<'_>) -> Option<&[f64]> {
+        self.place(context)?;
+        Some(&self.state.position)
+    }
+
+    /// Where the reference has the segments at present; `None` as there.
+    pub fn kinematics(&mut self, context: &PolicyContext<'_>) -> Option<&Kinematics<f64>> {
+        self.place(context)?;
+        kinematics::update(context.model, &self.state, &mut self.workspace.kinematics);
+        Some(&self.workspace.kinematics)
+    }
+
+    fn place(&mut self, context: &PolicyContext<'_>) -> Option<()> {
         let (followed, time) = context.task.followed(context.progress)?;
         let (motion, model, body) = (&*followed.motion, context.model, context.body);
         let stands = body.root.free.map_or([0.0; 3], |(place, _)| [0, 1, 2].map(|axis| context.state.position[place + axis]));
@@ -44,7 +57,7 @@ impl Reference {
         }
         let course = self.begun.as_ref()?;
         course.place(motion, time, stands, model, body, (&mut self.state, &mut self.workspace));
-        Some(&self.state.position)
+        Some(())
     }
 }
 
