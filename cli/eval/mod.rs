@@ -77,10 +77,14 @@ pub struct Args {
     /// their returns
     #[arg(long, value_name = "WHICH", value_enum, value_delimiter = ',', conflicts_with = "live")]
     html: Vec<pages::Which>,
+    /// Write film strips, moments of an episode beside each other, for each task to the folder of the results, of these of its
+    /// episodes: worst, median, best, by their returns
+    #[arg(long, value_name = "WHICH", value_enum, value_delimiter = ',', conflicts_with = "live")]
+    strip: Vec<pages::Which>,
     /// Evaluate the policy under growing perturbations instead, along each of these axes, with the scales and episodes of the
     /// protocol's sweep (30 episodes unless it has another number, or --episodes is given): success at every scale and the area
     /// under it, for tasks, families and all tasks
-    #[arg(long, value_name = "AXES", value_enum, value_delimiter = ',', conflicts_with_all = ["live", "html"])]
+    #[arg(long, value_name = "AXES", value_enum, value_delimiter = ',', conflicts_with_all = ["live", "html", "strip"])]
     sweep: Vec<sweep::Along>,
     #[command(flatten)]
     traces: TraceArgs,
@@ -173,7 +177,7 @@ impl Evaluation<'_> {
         journal.write("summary.json", summary.json()).map_err(explain)?;
         journal.write("report.md", report::markdown(&summary)).map_err(explain)?;
         if !outcome.interrupted {
-            pages::write(&self.args.html, plan, &journal, self.interrupt.stop())?;
+            pages::write([&self.args.html, &self.args.strip], plan, &journal, self.interrupt.stop())?;
         }
         Ok((summary, outcome.interrupted))
     }

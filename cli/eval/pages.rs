@@ -1,13 +1,19 @@
-//! `--html worst,median,best`: episodes of an evaluation as pages.
+//! `--html worst,median,best`: episodes of an evaluation as pages; `--strip`: as film strips.
 
 use super::explain;
 use crate::error::Error;
 use crate::html::{self, Film};
-use msk::evaluate::{EpisodeRecord, Journal, Plan, RunSettings, play_watched};
-use msk::runtime::episode::EpisodeKey;
+use msk::evaluate::{EpisodeRecord, Journal, Plan, RunSettings, Trial, play_watched};
+use msk::runtime::episode::{Ending, Environment, EpisodeKey};
+use msk::view::render::{Colouring, Options, Renderer, Strip, Theme, View, film_strip};
 use msk::view::{Caption, page};
 use std::io::{self, Write};
 use std::sync::atomic::AtomicBool;
+
+/// Moments of a strip.
+const FRAMES: usize = 8;
+/// Height of a strip, pixels.
+const HEIGHT: u32 = 320;
 
 /// An episode of a task, by its return.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
@@ -40,12 +46,12 @@ impl Which {
     }
 }
 
-/// Plays the episodes that are asked for once more, and writes a page for each task.
+/// Plays the episodes that are asked for once more, and writes a page for each task, and a film strip for each episode.
 ///
 /// # Errors
 /// A policy that cannot act any more, or a page that cannot be written.
-pub fn write(wanted: &[Which], plan: &Plan, journal: &Journal, stop: &AtomicBool) -> Result<(), Error> {
-    let mut wanted = wanted.to_vec();
+pub fn write([html, strip]: [&[Which]; 2], plan: &Plan, journal: &Journal, stop: &AtomicBool) -> Result<(), Error> {
+    let mut wanted = [html, strip].concat();
     wanted.sort();
     wanted.dedup();
     if wanted.is_empty() {
@@ -56,14 +62,21 @@ pub fn write(wanted: &[Which], plan: &Plan, journal: &Journal, stop: &AtomicBool
         let mut recordings = Vec::new();
         for (which, record) in chosen {
             let mut episode = trial.episode()?;
-            let mut film = Film::of(&episode, trial, true)?;
+            let mut film = Film::of(&episode, trial, html.contains(which))?;
+            let mut frames = Frames::of(&episode, trial, strip.contains(which))?;
             let mut policy = plan.policy.open(stop)?;
             let key = EpisodeKey { seed: record.seed, episode: record.episode };
-            let played = play_watched(trial, &mut episode, key, policy.as_mut(), stop, &mut |episode| film.look(episode))?;
+            let played = play_watched(trial, &mut episode, key, policy.as_mut(), stop, &mut |episode| {
+                film.look(episode);
+                frames.look(episode);
+            })?;
             let Some(played) = played else { return Ok(()) };
             if !played.same_as(record) {
                 let (task, number) = (&record.task, record.episode);
                 writeln!(io::stderr(), "episode {number} of {task} went another way when it was played again for its page")?;
+            }
+            if let Some(picture) = frames.picture()? {
+                journal.write(&format!("{}-{}.png", trial.task.name, which.name()), picture).map_err(explain)?;
             }
             // An episode that ended at its reset cannot be shown.
             recordings.extend(film.finish(Caption { label: which.name().into(), ..html::caption(&played) }).ok().flatten());
@@ -74,6 +87,35 @@ pub fn write(wanted: &[Which], plan: &Plan, journal: &Journal, stop: &AtomicBool
         }
     }
     Ok(())
+}
+
+/// The moments of an episode for its strip, if one is wanted.
+struct Frames {
+    renderer: Option<Renderer>,
+    strip: Strip,
+}
+
+impl Frames {
+    fn of(episode: &Environment, trial: &Trial, wanted: bool) -> Result<Self, Error> {
+        let strengths = trial.body.condition.strengths(&trial.body.body)?;
+        Ok(Self { renderer: wanted.then(|| Renderer::new(episode, &strengths, Colouring::Activation)), strip: Strip::default() })
+    }
+
+    /// Keeps the present step. A fault leaves nothing to look at.
+    fn look(&mut self, episode: &Environment) {
+        let renderer = self.renderer.as_mut().filter(|_| !matches!(episode.ending(), Some(Ending::Fault(_))));
+        renderer.into_iter().for_each(|renderer| self.strip.look(renderer.scene(episode)));
+    }
+
+    /// The strip as PNG; none of an episode that ended at its reset.
+    fn picture(&self) -> Result<Option<Vec<u8>>, Error> {
+        let scenes = self.strip.scenes(FRAMES);
+        if scenes.is_empty() {
+            return Ok(None);
+        }
+        let options = Options { width: HEIGHT, height: HEIGHT, view: View::ThreeQuarter, theme: Theme::Light, labels: true };
+        Ok(Some(film_strip(&scenes, &options)?.png()?))
+    }
 }
 
 /// The records of the episodes that are asked for, of every task.

@@ -1,28 +1,55 @@
 //! The parts of a report that are of single episodes, which were traced.
 
-use super::Section;
 use super::read::Source;
+use super::{Grid, Section};
 use crate::error::Error;
 use crate::trace;
+use crate::trace::emg::{HEAD, Human, picture, rows};
+use msk::compiler::numbers::for_people;
 use msk::draw::chart::{self, Chart, Panel};
 use msk::draw::heat;
-use msk::evaluate::trace::{Quantity, Trace};
+use msk::evaluate::metrics::similarity::{Similarity, mean_correlation};
+use msk::evaluate::trace::{Origin, Quantity, Trace};
+use std::io::{self, Write};
 
 /// Reward terms in a picture.
 const MOST_TERMS: usize = 12;
 
-/// A part for every trace.
+/// A part for every trace, and one more with a recording of people, where the episode has gait cycles to be compared with it.
 ///
 /// # Errors
-/// A trace that cannot be read.
-pub fn sections(sources: &[Source]) -> Result<Vec<Section>, Error> {
+/// A trace that cannot be read, or standard error.
+pub fn sections(sources: &[Source], human: Option<&Human>) -> Result<Vec<Section>, Error> {
     let mut all = Vec::new();
     for source in sources {
         for path in &source.traces {
-            all.push(section(&source.label, &trace::read(path)?));
+            let trace = trace::read(path)?;
+            all.push(section(&source.label, &trace));
+            match human.map(|human| human.compare(&trace)) {
+                Some(Ok(found)) => all.push(envelopes(&source.label, &trace, &found)),
+                Some(Err(error)) => {
+                    let Origin { task, episode, .. } = &trace.origin;
+                    writeln!(io::stderr(), "episode {episode} of {task} is not compared with electromyograms: {error}")?;
+                }
+                None => {}
+            }
         }
     }
     Ok(all)
+}
+
+/// Activations over the gait cycle beside envelopes of human electromyograms.
+fn envelopes(label: &str, trace: &Trace, found: &[Similarity]) -> Section {
+    let Origin { task, episode, .. } = &trace.origin;
+    let mean = mean_correlation(found).map_or_else(String::new, |mean| format!(" Mean r {}.", for_people(mean)));
+    Section {
+        title: format!("Envelopes of electromyograms, episode {episode} of {task}: {label}"),
+        words: format!(
+            "Mean activation and human envelope over the gait cycle at the best cyclic shift; chance: curves of the same spectrum.{mean}"
+        ),
+        table: Some(Grid { head: HEAD.map(String::from).to_vec(), rows: rows(found) }),
+        figures: vec![picture(task, found)],
+    }
 }
 
 fn section(label: &str, trace: &Trace) -> Section {

@@ -73,7 +73,8 @@ fn tables(sections: &[Section]) -> impl Iterator<Item = (&Section, &Grid)> {
     sections.iter().filter(move |section| filled(section)).filter_map(|section| Some((section, section.table.as_ref()?)))
 }
 
-fn escaped(text: &str) -> String {
+/// Text with the characters escaped that LaTeX takes for commands.
+pub fn escaped(text: &str) -> String {
     let mut out = String::new();
     for sign in text.chars() {
         match sign {

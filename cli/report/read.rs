@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// Largest file that is read, bytes.
 const LARGEST: u64 = 256 << 20;
+/// Film strips of a folder that are shown.
+const STRIPS: usize = 66;
 /// Episodes of traces in a report.
 const TRACES: usize = 6;
 
@@ -26,6 +28,8 @@ pub struct Source {
     pub curve: Vec<[f64; 3]>,
     /// Traces, the first of every task.
     pub traces: Vec<PathBuf>,
+    /// Film strips of episodes.
+    pub strips: Vec<PathBuf>,
 }
 
 /// Reads a folder.
@@ -45,7 +49,7 @@ pub fn read(folder: &Path) -> Result<Source, Error> {
     let name = folder.file_name().map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
     let policy = summary.as_ref().map(|summary| summary.policy.clone());
     let label = policy.map_or_else(|| name.clone(), |policy| format!("{policy} ({name})"));
-    let source = Source { label, summary, sweep, curve, traces: traces(folder) };
+    let source = Source { label, summary, sweep, curve, traces: traces(folder), strips: strips(folder) };
     if source.summary.is_none() && source.sweep.is_none() && source.curve.is_empty() {
         let error = Error::new(format!("`{}` has no results: no summary.json, sweep.json or curve.jsonl", folder.display()));
         return Err(error.hint("name a folder that `msk eval` or `msk train` has written"));
@@ -85,5 +89,18 @@ fn traces(folder: &Path) -> Vec<PathBuf> {
     };
     paths.dedup_by_key(|path| task(path));
     paths.truncate(TRACES);
+    paths
+}
+
+/// The film strips that `msk eval --strip` has written, in the order of their names.
+fn strips(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_strip = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        ["-worst.png", "-median.png", "-best.png"].iter().any(|end| name.ends_with(end))
+    };
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_strip).collect();
+    paths.sort();
+    paths.truncate(STRIPS);
     paths
 }

@@ -6,10 +6,11 @@ use msk::draw::chart::{self, Chart, Panel};
 use msk::evaluate::metrics::similarity::{Similarity, compare, mean_correlation};
 use msk::evaluate::recordings::{OBTAIN, Recording};
 use msk::evaluate::report::Table;
+use msk::evaluate::trace::Trace;
 use msk_storage::read_text_file;
 use std::fs;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Largest recording that is read, bytes.
@@ -34,7 +35,8 @@ pub struct Args {
     plot: Option<PathBuf>,
 }
 
-fn pair(text: &str) -> Result<(String, String), String> {
+/// Reads `MUSCLE=COLUMN`.
+pub fn pair(text: &str) -> Result<(String, String), String> {
     let (muscle, column) = text.split_once('=').ok_or_else(|| format!("expected MUSCLE=COLUMN, found `{text}`"))?;
     Ok((muscle.trim().to_owned(), column.trim().to_owned()))
 }
@@ -46,34 +48,9 @@ fn pair(text: &str) -> Result<(String, String), String> {
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let Some(path) = &args.reference else { return Err(Error::usage("there is no `--reference`").hint(OBTAIN)) };
     let trace = super::read(&args.trace)?;
-    let text = read_text_file(path, LARGEST).context(|| format!("cannot read `{}`", path.display()))?;
-    let named = |error: &dyn std::fmt::Display| Error::new(format!("`{}` {error}", path.display())).hint(OBTAIN);
-    let recording = Recording::read(&path.to_string_lossy(), &text).map_err(|error| named(&error))?;
-    let muscles = &trace.layout().muscles;
-    let like_muscles = || {
-        let known = recording.names.iter().filter(|name| muscles.iter().any(|muscle| muscle.name == **name));
-        known.map(|name| (name.clone(), name.clone())).collect::<Vec<_>>()
-    };
-    let pairs = if args.map.is_empty() { like_muscles() } else { args.map.clone() };
-    if pairs.is_empty() {
-        let columns = recording.names.join(", ");
-        let error = Error::new(format!("no column of `{}` is called like a muscle; it has {columns}", path.display()));
-        return Err(error.hint("name pairs as in `--map soleus_r=Soleus`"));
-    }
-    let envelopes = recording.envelopes(&pairs).map_err(|error| named(&error))?;
-    let found = compare(&trace, &envelopes)?;
-    let mut table = Table::new(&["muscle", "cycles", "shift, %", "r", "chance", "reached by chance"]);
-    for muscle in &found {
-        let Similarity { cycles, shift, correlation, chance, reached, .. } = muscle;
-        table.row(vec![
-            muscle.muscle.clone(),
-            cycles.to_string(),
-            format!("{:.0}", 100.0 * shift),
-            for_people(*correlation),
-            for_people(*chance),
-            format!("{:.1} %", 100.0 * reached),
-        ]);
-    }
+    let found = Human::read(path, &args.map)?.compare(&trace)?;
+    let mut table = Table::new(&HEAD);
+    rows(&found).into_iter().for_each(|row| table.row(row));
     let mut out = io::stdout().lock();
     write!(out, "{}", table.markdown())?;
     if let Some(mean) = mean_correlation(&found) {
@@ -85,7 +62,70 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn picture(task: &str, found: &[Similarity]) -> String {
+/// A recording of people, and the muscles that its columns are compared with.
+pub struct Human {
+    path: PathBuf,
+    recording: Recording,
+    map: Vec<(String, String)>,
+}
+
+impl Human {
+    /// Reads a recording.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(path: &Path, map: &[(String, String)]) -> Result<Self, Error> {
+        let text = read_text_file(path, LARGEST).context(|| format!("cannot read `{}`", path.display()))?;
+        let recording = Recording::read(&path.to_string_lossy(), &text).map_err(|error| damaged(path, &error))?;
+        Ok(Self { path: path.into(), recording, map: map.to_vec() })
+    }
+
+    /// Compares the muscles of a trace with its columns.
+    ///
+    /// # Errors
+    /// Columns or muscles that do not exist, or an episode without a gait cycle.
+    pub fn compare(&self, trace: &Trace) -> Result<Vec<Similarity>, Error> {
+        let muscles = &trace.layout().muscles;
+        let like_muscles = || {
+            let known = self.recording.names.iter().filter(|name| muscles.iter().any(|muscle| muscle.name == **name));
+            known.map(|name| (name.clone(), name.clone())).collect::<Vec<_>>()
+        };
+        let pairs = if self.map.is_empty() { like_muscles() } else { self.map.clone() };
+        if pairs.is_empty() {
+            let columns = self.recording.names.join(", ");
+            let error = Error::new(format!("no column of `{}` is called like a muscle; it has {columns}", self.path.display()));
+            return Err(error.hint("name pairs as in `--map soleus_r=Soleus`"));
+        }
+        let envelopes = self.recording.envelopes(&pairs).map_err(|error| damaged(&self.path, &error))?;
+        Ok(compare(trace, &envelopes)?)
+    }
+}
+
+fn damaged(path: &Path, error: &dyn std::fmt::Display) -> Error {
+    Error::new(format!("`{}` {error}", path.display())).hint(OBTAIN)
+}
+
+/// Titles of the columns of a comparison.
+pub const HEAD: [&str; 6] = ["muscle", "cycles", "shift, %", "r", "chance", "reached by chance"];
+
+/// A row for every muscle.
+pub fn rows(found: &[Similarity]) -> Vec<Vec<String>> {
+    let row = |muscle: &Similarity| {
+        let Similarity { cycles, shift, correlation, chance, reached, .. } = muscle;
+        vec![
+            muscle.muscle.clone(),
+            cycles.to_string(),
+            format!("{:.0}", 100.0 * shift),
+            for_people(*correlation),
+            for_people(*chance),
+            format!("{:.1} %", 100.0 * reached),
+        ]
+    };
+    found.iter().map(row).collect()
+}
+
+/// The curves of all muscles, simulated and human.
+pub fn picture(task: &str, found: &[Similarity]) -> String {
     let panel = |muscle: &Similarity| {
         let band =
             |sign: f64| muscle.simulated.iter().zip(&muscle.deviation).map(|(mean, deviation)| mean + sign * deviation).collect();

@@ -1,7 +1,7 @@
 //! `msk trace`: what an evaluation has kept of episodes, step by step.
 
 mod args;
-mod emg;
+pub mod emg;
 mod export;
 mod plot;
 
