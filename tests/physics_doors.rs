@@ -190,8 +190,9 @@ fn a_key_frame_is_a_place_to_start_from() {
     write_controls(&input, [2, 3], &[0.0; 6]);
     let paths = ["--model", text(&model), "--ctrl", text(&input), "--out", text(&output), "--keyframe", "moved"];
     assert!(msk(&[&["rollout"], &paths[..]].concat()).status.success());
-    let mut archive = NpzArchive::open(&output).unwrap();
-    let time = archive.by_name("time").unwrap().unwrap().into_vec::<f64>().unwrap();
-    assert_eq!(time, [1.502, 1.504]);
-    assert_eq!(archive.by_name("act").unwrap().unwrap().shape(), [2, 2]);
+    let bytes = fs::read(&output).unwrap();
+    let mut archive = NpzReader::new(&bytes).unwrap();
+    let mut entry = |name: &str| archive.entry(name, u64::MAX).unwrap();
+    assert_eq!(NpyFile::new(&entry("time.npy")[..]).unwrap().into_vec::<f64>().unwrap(), [1.502, 1.504]);
+    assert_eq!(NpyFile::new(&entry("act.npy")[..]).unwrap().shape(), [2, 2]);
 }

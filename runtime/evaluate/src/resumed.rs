@@ -1,6 +1,6 @@
 //! What is there of a run when it is continued.
 
-use super::{Journal, JournalError, Kept, Plan, RunSettings, Summarizer, Summary};
+use super::{EpisodeRecord, Journal, JournalError, Kept, Plan, RunSettings, Summarizer, Summary};
 use msk_storage::Folder;
 use std::path::Path;
 
@@ -33,8 +33,8 @@ impl Resumed {
         self.summarizer.summary()
     }
 
-    /// The place of the task of every episode that ended before its turn, and whether it succeeded, with its return.
-    pub fn early(&self) -> impl Iterator<Item = (usize, &super::EpisodeRecord)> {
+    /// The episodes that ended before their turn, with the places of their tasks.
+    pub fn early(&self) -> impl Iterator<Item = (usize, &EpisodeRecord)> {
         self.kept.early.iter().map(|((place, _), record)| (*place, record))
     }
 }

@@ -104,9 +104,9 @@ impl<'a> Crew<'a> {
     /// Plays episodes, those of the plan in order, until there are none, the run is stopped, or a worker fails.
     pub fn work(&self) {
         let mut worker = Worker { crew: self, scratch: None, seats: Default::default(), policies: Vec::new(), held: None };
-        // Those that ended before their turn in an earlier attempt may be due.
-        let result = self.desk().enter().map_err(EvaluationError::from).and_then(|()| worker.play());
-        if let Err(error) = result {
+        // Those that ended before their turn in an earlier attempt may be due. The desk must be free before the worker plays.
+        let entered = self.desk().enter();
+        if let Err(error) = entered.map_err(EvaluationError::from).and_then(|()| worker.play()) {
             self.failed.store(true, Ordering::Relaxed);
             self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
         }
