@@ -10,7 +10,7 @@ fn evaluated() -> Project {
         project.msk(&[&command, more].concat()).succeeded();
     };
     eval("random", "random", &["--trace=activations,terms", "--trace-episodes", "1"]);
-    eval("zero", "zero", &[]);
+    eval("zero", "zero", &["--strip", "worst"]);
     eval("random", "sweep", &["--sweep", "latency"]);
     project
 }
@@ -22,7 +22,7 @@ fn a_report_has_every_part_and_no_link_outside() {
                  {\"step\":200,\"evaluation\":{\"episodes\":2,\"success\":1.0,\"return\":6.0,\"steps\":9.0}}\n{\"ste";
     project.write("training/curve.jsonl", curve);
     let done = project.msk(&["report", "random", "zero", "sweep", "training", "--out", "report", "--title", "A < B"]).succeeded();
-    assert_eq!(done.out.lines().count(), 4, "{}", done.out);
+    assert_eq!(done.out.lines().count(), 5, "{}", done.out);
     let page = project.read("report/report.html");
     for part in [
         "A &#60; B",
@@ -33,6 +33,8 @@ fn a_report_has_every_part_and_no_link_outside() {
         "Robustness: random (sweep)",
         "latency perturbation",
         "Learning",
+        "Film strips: zero (zero)",
+        "src=\"data:image/png;base64,",
         "Episode 0 of lean",
         "Mean activation by muscle family",
         "Reward terms",
@@ -44,6 +46,7 @@ fn a_report_has_every_part_and_no_link_outside() {
     assert!(project.read("report/report.md").contains("| training |"));
     assert!(project.read("report/report.csv").contains("Learning,training,100,7,200"), "{}", project.read("report/report.csv"));
     assert!(project.read("report/report.tex").contains("\\toprule"));
+    assert!(project.read("report/paper.tex").contains("& Stabilization (1) & "), "{}", project.read("report/paper.tex"));
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn sweep(element: &tree::Element, file: FileId, diagnostics: &mut Vec<Diagnostic
             }
             (_, Some(axis), FieldValue::Value(value)) => match scales(axis, value, file) {
                 Ok(scales) => checked.axes.push((axis, scales)),
-                Err(wrong) => diagnostics.push(wrong),
+                Err(wrong) => diagnostics.push(*wrong),
             },
             (_, Some(axis), _) => diagnostics.push(no_scales(axis, field, file)),
             _ => diagnostics.push(unknown(name, field.span)),
@@ -147,27 +147,28 @@ fn sweep(element: &tree::Element, file: FileId, diagnostics: &mut Vec<Diagnostic
 }
 
 /// The scales of an axis: a list that grows from 0.
-fn scales(axis: Axis, value: &Expr, file: FileId) -> Result<Vec<f64>, Diagnostic> {
+fn scales(axis: Axis, value: &Expr, file: FileId) -> Result<Vec<f64>, Box<Diagnostic>> {
     let out_of_range = |span, message: String| Diagnostic::new(codes::tasks::OUT_OF_RANGE, file, span, message);
     let ExprKind::List(elements) = &value.kind else {
         let message = format!("expected a list of scales of `{}`", axis.name());
-        return Err(Diagnostic::new(codes::types::NOT_CONSTANT, file, value.span, message).help(example(axis)));
+        return Err(Box::new(Diagnostic::new(codes::types::NOT_CONSTANT, file, value.span, message).help(example(axis))));
     };
     let mut scales: Vec<f64> = Vec::new();
     for element in elements {
         let scale = constant::of_dimension(element, Dimension::NONE);
-        let scale = scale.map_err(|wrong| Diagnostic::new(wrong.code, file, wrong.span, wrong.message))?;
+        let scale = scale.map_err(|wrong| Box::new(Diagnostic::new(wrong.code, file, wrong.span, wrong.message)))?;
         if let Some(expected) = axis.refuses(scale) {
-            return Err(out_of_range(element.span, format!("a scale of `{}` is {expected}", axis.name())));
+            return Err(Box::new(out_of_range(element.span, format!("a scale of `{}` is {expected}", axis.name()))));
         }
         let grows = scales.last().map_or(scale == 0.0, |before| *before < scale);
         if !grows {
-            return Err(out_of_range(element.span, "scales begin at 0 and grow".into()).help(example(axis)));
+            return Err(Box::new(out_of_range(element.span, "scales begin at 0 and grow".into()).help(example(axis))));
         }
         scales.push(scale);
     }
     if scales.len() < 2 {
-        return Err(out_of_range(value.span, "a sweep needs 0 and at least one scale more".into()).help(example(axis)));
+        let wrong = out_of_range(value.span, "a sweep needs 0 and at least one scale more".into());
+        return Err(Box::new(wrong.help(example(axis))));
     }
     Ok(scales)
 }
