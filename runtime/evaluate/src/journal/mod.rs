@@ -283,10 +283,9 @@ fn early(folder: &Folder, settings: &RunSettings, done: &EpisodeSet) -> Result<B
     let mut early = BTreeMap::new();
     for line in folder.lines(Path::new(EARLY), LARGEST_LINE)?.into_iter().flatten() {
         let Ok(line) = Line::read(&line?) else { continue };
-        if let Ok(job) = settings.job(&line, &run) {
-            if !done.contains(job) {
-                early.insert(job, line.record);
-            }
+        let job = settings.job(&line, &run);
+        if let Some(job) = job.ok().filter(|job| !done.contains(*job)) {
+            early.insert(job, line.record);
         }
     }
     Ok(early)

@@ -101,6 +101,7 @@ fn every_axis_is_a_perturbation_and_the_scale_0_is_none() {
         let grid = axis.grid();
         assert!(perturbation(axis, 0.0, None).is_none() && !perturbation(axis, grid[1], None).is_none(), "{axis:?}");
         assert!(perturbation(axis, grid[4], None).check().is_ok());
+        assert_eq!(serde_json::to_string(&axis).unwrap(), format!("\"{}\"", axis.name()));
         // What the language accepts as a scale can be played, and the other way round.
         for scale in [0.5, 1.0, 1000.0, 1001.0] {
             assert_eq!(
