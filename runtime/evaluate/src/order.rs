@@ -68,6 +68,8 @@ impl Order {
 
     /// Hands out an episode.
     pub fn claim(&mut self) -> Turn {
+        // What had ended early in an earlier attempt may have entered without being handed out.
+        self.next = self.next.max(self.due);
         while let Some(job) = self.within(self.next) {
             if self.done.contains(job) || self.held.contains_key(&job) || self.is_given_up(job) {
                 self.next = (job.0, job.1 + 1);
