@@ -3,13 +3,13 @@
 use crate::error::{Context, Error};
 use crate::policies::Limits;
 use msk::compiler::task::Channel;
+use msk::evaluate::npz::NpzReader;
 use msk::runtime::episode::Engine;
 use msk::runtime::policy::ActsOn;
 use msk::train::{Agent, DataSet, Lessons};
 use msk_storage::{read_file, read_text_file};
-use npyz::npz::NpzArchive;
+use npyz::NpyFile;
 use serde_json::Value;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ fn read(folder: &Path, engine: &Engine) -> Result<DataSet, Error> {
     for path in episodes(folder)? {
         let bytes = read_file(&path, LARGEST)?;
         let damaged = |reason: String| refuse(format!("is damaged: `{}` {reason}", path.display()));
-        let mut archive = NpzArchive::new(Cursor::new(bytes)).map_err(|error| damaged(error.to_string()))?;
+        let mut archive = NpzReader::new(&bytes).map_err(|error| damaged(error.to_string()))?;
         let seen: Vec<f32> = array(&mut archive, "observations", width).map_err(damaged)?;
         let done: Vec<f64> = array(&mut archive, "actions", entries).map_err(damaged)?;
         let rows = done.len() / entries;
@@ -114,9 +114,9 @@ fn episodes(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 /// The numbers of an array with so many columns.
-fn array<T: npyz::Deserialize>(archive: &mut NpzArchive<Cursor<Vec<u8>>>, name: &str, columns: usize) -> Result<Vec<T>, String> {
-    let lacks = || format!("has no array `{name}`");
-    let entry = archive.by_name(name).map_err(|error| error.to_string())?.ok_or_else(lacks)?;
+fn array<T: npyz::Deserialize>(archive: &mut NpzReader<'_>, name: &str, columns: usize) -> Result<Vec<T>, String> {
+    let bytes = archive.entry(&format!("{name}.npy"), LARGEST).map_err(|error| format!("has no array `{name}`: {error}"))?;
+    let entry = NpyFile::new(&bytes[..]).map_err(|error| error.to_string())?;
     let shape = entry.shape().to_vec();
     if shape.len() != 2 || shape[1] != columns as u64 {
         return Err(format!("has an array `{name}` of shape {shape:?}, expected {columns} columns"));
