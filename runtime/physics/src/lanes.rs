@@ -3,6 +3,8 @@
 //! A plain array: the compiler turns its loops into the widest instructions that the surrounding function may use, one register
 //! of AVX-512, two of AVX2, four of SSE2 or NEON. There are always eight lanes, so nothing depends on the machine.
 
+mod elementary;
+
 use crate::scalar::Real;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign};
 use num_traits::{Num, One, Zero};
@@ -186,9 +188,11 @@ impl Real for Lanes {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (mut sin, mut cos) = (self, self);
-        for lane in 0..WIDTH {
-            (sin.0[lane], cos.0[lane]) = Real::sin_cos(self.0[lane]);
+        let (mut sin, mut cos, done) = elementary::sin_cos(self);
+        if !Self::all(done) {
+            for lane in (0..WIDTH).filter(|&lane| !Self::holds(done, lane)) {
+                (sin.0[lane], cos.0[lane]) = Real::sin_cos(self.0[lane]);
+            }
         }
         (sin, cos)
     }
@@ -201,11 +205,14 @@ impl Real for Lanes {
         Self(self.0.map(Real::asin))
     }
     #[inline(always)]
-    fn atan2(mut self, other: Self) -> Self {
-        for lane in 0..WIDTH {
-            self.0[lane] = Real::atan2(self.0[lane], other.0[lane]);
+    fn atan2(self, other: Self) -> Self {
+        let (mut angle, done) = elementary::atan2(self, other);
+        if !Self::all(done) {
+            for lane in (0..WIDTH).filter(|&lane| !Self::holds(done, lane)) {
+                angle.0[lane] = Real::atan2(self.0[lane], other.0[lane]);
+            }
         }
-        self
+        angle
     }
     #[inline(always)]
     fn exp(self) -> Self {
