@@ -13,6 +13,7 @@ use crate::{
     model::{Integrator, JointKind, Model},
     scalar::Real,
 };
+use pulp::{Simd, WithSimd};
 
 /// Everything up to the acceleration, constraints included, in MuJoCo's order.
 ///
@@ -97,11 +98,7 @@ pub fn integrate<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut W
 /// Finds states and inputs that are not finite; forgets the faults of the last step.
 fn check<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
     workspace.faults.fill(None);
-    let placed = state.mocap_position.iter().map(|position| position.as_slice());
-    let placed = placed.chain(state.mocap_orientation.iter().map(|orientation| orientation.as_slice()));
-    let parts: [&[T]; 6] =
-        [&state.position, &state.velocity, &state.activation, &state.control, &state.fibre_length, &state.fibre_velocity];
-    if parts.into_iter().chain(placed).all(all_valid) {
+    if workspace.arch.dispatch(AllValid(state)) {
         return;
     }
     for lane in (0..T::LANES).filter(|&lane| !workspace.masked[lane]) {
@@ -142,9 +139,36 @@ fn invalid<T: Real>(values: &[T], lane: usize) -> Option<(usize, f64)> {
     values.iter().map(|value| value.lane(lane)).enumerate().find(|(_, value)| !is_valid(*value))
 }
 
-/// Whether all values are sound in every lane.
-fn all_valid<T: Real>(values: &[T]) -> bool {
-    T::all(values.iter().fold(T::mask(|_| true), |valid, value| T::and(valid, fault::valid(*value))))
+/// Whether all that a state gives a step is sound in every lane.
+struct AllValid<'a, T: Real>(&'a State<T>);
+
+impl<T: Real> WithSimd for AllValid<'_, T> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        let Self(state) = self;
+        let mut valid = T::mask(|_| true);
+        let parts: [&[T]; 6] =
+            [&state.position, &state.velocity, &state.activation, &state.control, &state.fibre_length, &state.fibre_velocity];
+        for part in parts {
+            valid = T::and(valid, all_valid(part));
+        }
+        for (position, orientation) in state.mocap_position.iter().zip(&state.mocap_orientation) {
+            valid = T::and(valid, T::and(all_valid(position.as_slice()), all_valid(orientation)));
+        }
+        T::all(valid)
+    }
+}
+
+/// In which lanes all values are sound.
+#[inline(always)]
+fn all_valid<T: Real>(values: &[T]) -> T::Mask {
+    let mut valid = T::mask(|_| true);
+    for value in values {
+        valid = T::and(valid, fault::valid(*value));
+    }
+    valid
 }
 
 /// Finds steps that would end in a state that is not sound, from the accelerations, the rates of positions and the activations
@@ -152,6 +176,7 @@ fn all_valid<T: Real>(values: &[T]) -> bool {
 ///
 /// # Errors
 /// The fault of the first lane that has one.
+#[inline(always)]
 pub(super) fn check_end<T: Real>(
     model: &Model,
     state: &State<T>,

@@ -23,6 +23,7 @@ use crate::{
     scalar::Real,
 };
 use nalgebra::Vector3;
+use pulp::{Simd, WithSimd};
 
 /// Advances `state` by one semi-implicit step from the forces in `workspace`.
 ///
@@ -34,8 +35,27 @@ pub fn euler<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Works
 }
 
 /// Advances `state` by one step at the activation rates and the damped acceleration in `workspace`. A lane with a fault stays.
-#[inline(always)]
 pub(super) fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
+    workspace.arch.dispatch(Advance { model, state, workspace })
+}
+
+struct Advance<'a, T: Real> {
+    model: &'a Model,
+    state: &'a mut State<T>,
+    workspace: &'a mut Workspace<T>,
+}
+
+impl<T: Real> WithSimd for Advance<'_, T> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Result<(), Fault> {
+        advance_lanes(self.model, self.state, self.workspace)
+    }
+}
+
+#[inline(always)]
+fn advance_lanes<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     let time = model.options.timestep;
     let step = T::splat(time);
     let Workspace { actuation, faults, masked, damped_acceleration, acceleration, .. } = workspace;
