@@ -4,7 +4,7 @@
 //!
 //! Many episodes of `walk` under random actions, one worker: resets, sensors, observation, reward and ends included. Beside it the
 //! bare batch takes the same physics steps: the same excitations from the same initial states, which are put into it wherever an
-//! episode begins. Both are timed in alternating rounds of the same minute; the ratio is that of the medians.
+//! episode begins. Both take turns; times are CPU time, where the system tells it, and the ratio is the median of those of the rounds.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a program for whoever measures")]
 
 use msk::compiler::compile;
@@ -17,7 +17,7 @@ use std::time::Instant;
 
 const EPISODES: usize = 64;
 const STEPS: usize = 100;
-const ROUNDS: usize = 7;
+const ROUNDS: usize = 9;
 /// Episodes whose memory is measured together.
 const KEPT: usize = 2000;
 
@@ -34,20 +34,29 @@ fn main() {
     let actions = actions(&engine);
     let recorded = record(&engine, &actions);
     let begun: usize = recorded.iter().map(|(begun, _)| begun.len()).sum();
-    let (mut whole, mut bare) = (Vec::new(), Vec::new());
-    for _ in 0..ROUNDS {
-        whole.push(environments(&engine, &actions));
-        bare.push(batch(&engine, &recorded));
-    }
-    let [whole, bare] = [whole, bare].map(|mut times| {
-        times.sort_by(f64::total_cmp);
-        times[ROUNDS / 2] / (EPISODES * STEPS) as f64 * 1e6
-    });
+    let times: Vec<[f64; 2]> = (0..ROUNDS).map(|_| [environments(&engine, &actions), batch(&engine, &recorded)]).collect();
+    let [whole, bare] = [0, 1].map(|which| sorted(times.iter().map(|times| times[which] / (EPISODES * STEPS) as f64 * 1e6)));
+    let shares = sorted(times.iter().map(|[whole, bare]| 100.0 * bare / whole));
+    let (whole, bare, middle) = (whole[ROUNDS / 2], bare[ROUNDS / 2], shares[ROUNDS / 2]);
     println!("walk, {EPISODES} episodes, one worker, {STEPS} control steps, {begun} episodes begun");
-    println!("environments {whole:.1} us, bare batch {bare:.1} us per control step: {:.1} %", 100.0 * bare / whole);
+    println!("environments {whole:.1} us, bare batch {bare:.1} us per control step");
+    println!("share of the bare batch {middle:.1} % (rounds {:.1} to {:.1} %)", shares[0], shares[ROUNDS - 1]);
     if let Some(bytes) = memory(&engine) {
         println!("one more episode keeps {:.1} KB", bytes / 1024.0);
     }
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// Seconds for which this thread has had a processor; without a system that tells it, seconds since `start`.
+fn seconds(start: Instant) -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds: Option<f64> = text.split_whitespace().next().and_then(|word| word.parse().ok());
+    nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |count| 1e-9 * count)
 }
 
 /// Random actions of all control steps, slot after slot.
@@ -81,24 +90,26 @@ fn record(engine: &Engine, actions: &[Vec<f64>]) -> Recorded {
 
 fn environments(engine: &Engine, actions: &[Vec<f64>]) -> f64 {
     let mut environments = begin(engine);
-    let start = Instant::now();
+    let clock = Instant::now();
+    let start = seconds(clock);
     environments.reset(7);
     for actions in actions {
         environments.step(actions).unwrap();
     }
-    start.elapsed().as_secs_f64()
+    seconds(clock) - start
 }
 
 fn batch(engine: &Engine, recorded: &Recorded) -> f64 {
     let mut batch = Batch::new(engine.model(), EPISODES);
     let substeps = (engine.control_period() / engine.model().options.timestep).round() as usize;
-    let start = Instant::now();
+    let clock = Instant::now();
+    let start = seconds(clock);
     for (begun, controls) in recorded {
         begun.iter().for_each(|(slot, state)| batch.set(*slot, state).unwrap());
         controls.iter().enumerate().for_each(|(slot, control)| batch.set_control(slot, control).unwrap());
         (0..substeps).for_each(|_| batch.step());
     }
-    start.elapsed().as_secs_f64()
+    seconds(clock) - start
 }
 
 /// What an episode keeps, by the growth of the process; `None` where the system does not tell.

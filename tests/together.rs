@@ -179,3 +179,12 @@ fn what_joints_bear_has_the_same_bits_in_lanes() {
     let loads = episodes.iter().map(|episode| episode.observation()[..3].iter().map(|part| part * part).sum::<f64>().sqrt());
     assert!(loads.clone().all(|load| load > 10.0), "{:?}", loads.collect::<Vec<_>>());
 }
+
+/// Sensors that read parts of the forward pass that are moved out of lanes for them alone.
+#[test]
+fn moment_arms_have_the_same_bits_in_lanes() {
+    let engine = episode(&[("observe {", "observe { moment_arm(soleus_r, ankle_angle_r);")]).engine().clone();
+    check("moment arms", &engine, 8, 1, 6);
+    let (episodes, _) = side_by_side(&engine, 8, 1, 3);
+    assert!(episodes.iter().all(|episode| (0.01..0.1).contains(&episode.observation()[0].abs())));
+}

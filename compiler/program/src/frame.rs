@@ -285,6 +285,32 @@ impl Sensor {
                 | S::Slip(..)
         )
     }
+
+    /// Whether it measures what takes the inertias of bodies.
+    pub fn needs_inertia(self) -> bool {
+        matches!(self, Self::JointReactionForce(_) | Self::JointReactionTorque(_))
+    }
+
+    /// Whether it measures what takes the paths of muscles, beyond their lengths. Joints bear what muscles pull along theirs.
+    pub fn needs_tendons(self) -> bool {
+        matches!(self, Self::MomentArm(..)) || self.needs_inertia()
+    }
+
+    /// Whether it measures of the next entity of a list what `before` measures of one, a single number.
+    fn continues(self, before: Self) -> bool {
+        use Sensor as S;
+        match (before, self) {
+            (S::MuscleLength(before), S::MuscleLength(next))
+            | (S::MuscleVelocity(before), S::MuscleVelocity(next))
+            | (S::MuscleForce(before), S::MuscleForce(next))
+            | (S::MuscleActivation(before), S::MuscleActivation(next))
+            | (S::MuscleExcitation(before), S::MuscleExcitation(next))
+            | (S::MuscleStrength(before), S::MuscleStrength(next))
+            | (S::Action(before), S::Action(next))
+            | (S::ActionEntry(before), S::ActionEntry(next)) => next == before + 1,
+            _ => false,
+        }
+    }
 }
 
 /// What a sensor measures, by places in the [`Vocabulary`](crate::vocabulary::Vocabulary)'s lists.
@@ -412,6 +438,12 @@ impl FrameLayout {
     /// Sensors with their offsets, in the order of the record.
     pub fn entries(&self) -> &[(Sensor, usize)] {
         &self.entries
+    }
+
+    /// The same, with sensors of single numbers that are beside each other in the record and measure one thing of entities that follow each
+    /// other in their list taken together.
+    pub fn runs(&self) -> impl Iterator<Item = &[(Sensor, usize)]> {
+        self.entries.chunk_by(|(before, offset), (sensor, next)| sensor.continues(*before) && *next == offset + 1)
     }
 
     /// Number of values in the record.

@@ -68,7 +68,7 @@ pub mod tree_matrix;
 pub mod velocities;
 pub mod workspace;
 
-pub use batch::{Batch, BatchError, LaneGroup, Rates};
+pub use batch::{Batch, BatchError, LaneGroup, Parts, Rates};
 pub use dispatch::{Instructions, LaneWork};
 pub use fault::{Fault, Input};
 pub use jacobian::{center_of_mass_jacobian, moving_dofs, point_jacobian};

@@ -2,7 +2,9 @@
 
 use msk_physics::lanes::WIDTH;
 use msk_physics::model::{Integrator, JointKind, Model};
-use msk_physics::{Batch, BatchError, Fault, Input, Instructions, LaneGroup, Plan, Rates, State, Workspace, forward, step};
+use msk_physics::{
+    Batch, BatchError, Fault, Input, Instructions, LaneGroup, Parts, Plan, Rates, State, Workspace, forward, step,
+};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -93,24 +95,25 @@ fn together(mut batch: Batch, model: &Model, episodes: &[(usize, &State<f64>)], 
 /// The same for episodes that are lent to one set of lanes, eight at a time, for ten steps; a fault of the forward pass of the last
 /// state is found, too.
 fn lent(group: &mut LaneGroup, model: &Model, starts: &[State<f64>], steps: usize) -> Vec<(Vec<u64>, Option<Fault>)> {
-    let mut workspace = Workspace::new(model);
+    let mut workspaces = vec![Workspace::new(model); WIDTH];
     let mut begin = |start: &State<f64>| {
         let mut state = start.clone();
         controls(0, 0, &mut state.control);
-        let fault = forward(model, &state, &mut workspace).err();
-        let rates = Rates::of(model, &state, &mut workspace);
+        let fault = forward(model, &state, &mut workspaces[0]).err();
+        let rates = Rates::of(model, &state, &mut workspaces[0]);
         (state, rates, fault)
     };
     let mut episodes: Vec<(State<f64>, Rates, Option<Fault>)> = starts.iter().map(&mut begin).collect();
     for number in (0..steps).step_by(10) {
         for (first, episodes) in episodes.chunks_mut(WIDTH).enumerate() {
-            group.clear();
-            for (lane, (state, rates, fault)) in episodes.iter_mut().enumerate() {
-                if fault.is_none() {
-                    controls(first * WIDTH + lane, number, &mut state.control);
-                    group.load(lane, state, rates);
-                }
+            for (lane, (state, ..)) in episodes.iter_mut().enumerate() {
+                controls(first * WIDTH + lane, number, &mut state.control);
             }
+            let mut loaded = [None; WIDTH];
+            for (place, (state, rates, fault)) in loaded.iter_mut().zip(&*episodes) {
+                *place = fault.is_none().then_some((state, rates));
+            }
+            group.load(&loaded);
             if model.actuators.act_by_activation() {
                 group.excite()
             } else {
@@ -120,13 +123,17 @@ fn lent(group: &mut LaneGroup, model: &Model, starts: &[State<f64>], steps: usiz
                 group.integrate();
                 group.forward();
             }
-            for (lane, (state, rates, fault)) in episodes.iter_mut().enumerate().filter(|(_, (.., fault))| fault.is_none()) {
-                group.store_state(lane, state);
-                *fault = group.take_fault(lane);
+            let mut states: [Option<&mut State<f64>>; WIDTH] = Default::default();
+            let mut passes: [Option<(&mut Workspace<f64>, &mut Rates)>; WIDTH] = Default::default();
+            for (lane, ((state, rates, fault), workspace)) in episodes.iter_mut().zip(&mut workspaces).enumerate() {
                 if fault.is_none() {
-                    group.store(lane, &mut workspace, rates);
+                    states[lane] = Some(state);
+                    *fault = group.take_fault(lane);
+                    passes[lane] = fault.is_none().then_some((workspace, rates));
                 }
             }
+            group.store_states(states);
+            group.store_passes(passes, Parts::ALL);
         }
     }
     episodes.into_iter().map(|(state, _, fault)| (bits(&state), fault)).collect()

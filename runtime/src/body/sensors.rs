@@ -61,11 +61,17 @@ pub fn fill(layout: &FrameLayout, snapshot: &Snapshot<'_>, control: &Control<'_>
     };
     // Computed by the first sensor that needs it.
     let dynamics = OnceCell::new();
-    for &(sensor, offset) in layout.entries() {
+    for run in layout.runs() {
+        let (sensor, offset) = run[0];
         if let Sensor::Query(query, size) = sensor {
             snapshot.answer(&layout.queries()[query], &mut frame[offset..offset + size]);
             continue;
         }
+        if let Some(values) = snapshot.listed(sensor, control) {
+            frame[offset..offset + run.len()].copy_from_slice(&values[..run.len()]);
+            continue;
+        }
+        // Any other stands alone.
         let value = match sensor {
             Sensor::LandmarkAcceleration(landmark) => Value::Vector(mean_acceleration(snapshot.landmark_velocity(landmark))),
             Sensor::ComAcceleration => Value::Vector(mean_acceleration(snapshot.com_velocity())),
@@ -102,6 +108,23 @@ impl Snapshot<'_> {
         dynamics.joint_reaction(model, workspace, self.body.joints[joint].index)
     }
 
+    /// What the sensor measures, and after it what it would measure of the entities that follow in the list; `None` where that is not
+    /// at hand as a list.
+    fn listed<'a>(&'a self, sensor: Sensor, control: &Control<'a>) -> Option<&'a [f64]> {
+        let (state, muscles) = (self.state, &self.workspace.actuation);
+        match sensor {
+            Sensor::MuscleLength(muscle) => Some(&muscles.length[muscle..]),
+            Sensor::MuscleVelocity(muscle) => Some(&muscles.velocity[muscle..]),
+            Sensor::MuscleForce(muscle) => Some(&muscles.force[muscle..]),
+            Sensor::MuscleActivation(muscle) => Some(&state.activation[muscle..]),
+            Sensor::MuscleExcitation(muscle) => Some(&state.control[muscle..]),
+            Sensor::MuscleStrength(muscle) => Some(&state.strength[muscle..]),
+            Sensor::Action(muscle) => Some(&control.action[muscle..]),
+            Sensor::ActionEntry(entry) => Some(&control.entries[entry..]),
+            _ => None,
+        }
+    }
+
     /// Any sensor but the mean accelerations, which need a memory, and reactions of joints, which share their dynamics.
     fn measure(&self, sensor: Sensor, control: &Control<'_>) -> Value {
         use Value::{Axes, Scalar, Vector};
@@ -125,18 +148,10 @@ impl Snapshot<'_> {
             Sensor::JointVelocity(joint) => Scalar(state.velocity[body.joints[joint].dof]),
             Sensor::JointAcceleration(joint) => Scalar(workspace.acceleration[body.joints[joint].dof]),
             Sensor::JointTorque(joint) => Scalar(workspace.forces.actuator[body.joints[joint].dof]),
-            Sensor::MuscleLength(muscle) => Scalar(muscles.length[muscle]),
-            Sensor::MuscleVelocity(muscle) => Scalar(muscles.velocity[muscle]),
-            Sensor::MuscleForce(muscle) => Scalar(muscles.force[muscle]),
             Sensor::MuscleFibreLength(muscle) => Scalar(muscles.fibre_length(muscle)),
             Sensor::MuscleFibreVelocity(muscle) => Scalar(muscles.fibre_velocity(muscle)),
             Sensor::MuscleTendonLength(muscle) => Scalar(muscles.tendon_length(muscle)),
-            Sensor::MuscleActivation(muscle) => Scalar(state.activation[muscle]),
-            Sensor::MuscleExcitation(muscle) => Scalar(state.control[muscle]),
-            Sensor::MuscleStrength(muscle) => Scalar(state.strength[muscle]),
             Sensor::MuscleMetabolicPower(muscle) => Scalar(self.metabolic_power(muscle)),
-            Sensor::Action(muscle) => Scalar(control.action[muscle]),
-            Sensor::ActionEntry(entry) => Scalar(control.entries[entry]),
             Sensor::ComPosition => Vector(body.centre_of_mass(self.model, kinematics)),
             Sensor::ComVelocity => Vector(self.com_velocity()),
             Sensor::AngularMomentum => Vector(self.angular_momentum()),
@@ -154,8 +169,16 @@ impl Snapshot<'_> {
             Sensor::ContactCount(first, second) => Scalar(self.contact_count(first, second) as f64),
             Sensor::SurfaceDistance(first, second) => Scalar(self.surface_distance(first, second)),
             Sensor::Slip(first, second) => Scalar(self.slip(first, second)),
-            // Answered where the layout's queries are at hand.
-            Sensor::Query(..) => Scalar(0.0),
+            // Answered where the layout's queries are at hand, or read as lists.
+            Sensor::Query(..)
+            | Sensor::MuscleLength(_)
+            | Sensor::MuscleVelocity(_)
+            | Sensor::MuscleForce(_)
+            | Sensor::MuscleActivation(_)
+            | Sensor::MuscleExcitation(_)
+            | Sensor::MuscleStrength(_)
+            | Sensor::Action(_)
+            | Sensor::ActionEntry(_) => Scalar(0.0),
             Sensor::Time => Scalar(control.time),
         }
     }

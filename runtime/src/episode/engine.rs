@@ -7,7 +7,9 @@ use crate::condition::Fatigue;
 use crate::perturbation::Perturbation;
 use crate::policy::PolicyContext;
 use msk_physics::model::Model;
-use msk_physics::{self as physics, Plan, State, Workspace};
+use msk_physics::{self as physics, Parts, Plan, State, Workspace};
+use msk_program::action::ActionTarget;
+use msk_program::frame::Sensor;
 use msk_program::task::{CompiledTask, StepReport, TaskState};
 use std::sync::Arc;
 
@@ -21,6 +23,8 @@ pub struct Engine {
     pub(super) task: Arc<CompiledTask>,
     /// Physics steps per control step.
     pub(super) substeps: u32,
+    /// Of a forward pass, what a step reads when all that anyone sees of it is the record, the observation and the report.
+    pub(super) parts: Parts,
     pub(super) fatigue: Option<Fatigue>,
     pub(super) perturbation: Perturbation,
     /// Whether steps that a script shows end with the whole forward pass; else with what of it knows no forces.
@@ -88,7 +92,8 @@ impl Engine {
         let substeps = substeps(&task, model.options.timestep)?;
         variation::check(&model, &body, &task.init)?;
         let (plan, perturbation) = (Plan::new(&model), Perturbation::default());
-        Ok(Self { plan, substeps, fatigue: None, perturbation, forces: true, observes: true, model, body, task })
+        let parts = parts(&model, &body, &task);
+        Ok(Self { plan, substeps, parts, fatigue: None, perturbation, forces: true, observes: true, model, body, task })
     }
 
     /// The same with muscles that tire.
@@ -269,6 +274,19 @@ impl Engine {
     pub fn control_period(&self) -> f64 {
         1.0 / self.task.control_frequency
     }
+}
+
+/// Which parts of a forward pass a step of the task reads itself.
+fn parts(model: &Model, body: &Body, task: &CompiledTask) -> Parts {
+    // The next step begins with the pass where a controller looks at it, or where forces change in it.
+    let begins = ActionState::new(&task.action, body.muscles.len()).looks_at_state()
+        || matches!(task.action.target, ActionTarget::Torque { .. })
+        || !task.disturbances.is_empty()
+        || !task.driven.is_empty()
+        || !model.actuators.act_by_activation();
+    let reads = |needs: fn(Sensor) -> bool| task.frame.entries().iter().any(|(sensor, _)| needs(*sensor));
+    let own = Parts { inertia: reads(Sensor::needs_inertia), tendons: reads(Sensor::needs_tendons) };
+    if begins { Parts::ALL } else { own }
 }
 
 /// Physics steps per control step.

@@ -4,7 +4,7 @@ use super::{Engine, Episode, EpisodeKey, Fault, Player, Scratch};
 use crate::action::{Action, Taken};
 use crate::cmc::{AllocationGroup, Asking, Tracker};
 use msk_physics::lanes::WIDTH;
-use msk_physics::{LaneGroup, Rates};
+use msk_physics::{LaneGroup, Parts, Rates, State, Workspace};
 use std::sync::Arc;
 
 /// The memory of one worker that plays up to eight episodes of a model at once, those of several tasks, too.
@@ -18,6 +18,8 @@ pub struct GroupScratch {
     pub(super) forces: AllocationGroup,
     /// What each lane would need alone: sensors and policies read the forward pass there.
     pub(super) lanes: Vec<Scratch>,
+    /// Whether the lanes come to hold the whole forward pass after a step; else what the tasks themselves read of it.
+    whole: bool,
 }
 
 /// An episode that takes part in a step.
@@ -55,6 +57,7 @@ impl Engine {
             group: LaneGroup::of(&self.model, &self.plan),
             forces: AllocationGroup::default(),
             lanes: vec![self.scratch(); episodes.clamp(1, WIDTH)],
+            whole: true,
         }
     }
 
@@ -73,6 +76,13 @@ impl GroupScratch {
     /// Whether it can play episodes of this engine.
     pub fn serves(&self, engine: &Engine) -> bool {
         self.lanes.first().is_some_and(|scratch| engine.serves(scratch))
+    }
+
+    /// The same where nobody looks at [lanes](Self::lane), which takes less time: a step leaves only those parts of the forward pass there
+    /// that the tasks themselves read.
+    #[must_use]
+    pub(super) fn unseen(self) -> Self {
+        Self { whole: false, ..self }
     }
 
     /// The memory of a lane, with the forward pass of its episode.
@@ -108,7 +118,9 @@ impl GroupScratch {
         let count = seats.iter().flatten().count();
         match &mut self.group {
             Some(group) if count >= group.least() => {
-                let mut together = Together { group, forces: &mut self.forces, lanes: &mut self.lanes };
+                let own = seats.iter().flatten().map(|seat| seat.member.engine.parts).reduce(Parts::or);
+                let parts = own.filter(|_| !self.whole).unwrap_or(Parts::ALL);
+                let mut together = Together { group, forces: &mut self.forces, lanes: &mut self.lanes, parts };
                 together.step(&mut seats);
             }
             _ => {
@@ -173,8 +185,12 @@ impl Seat<'_> {
         Ok(())
     }
 
-    /// Evaluates the task in the state to which physics has come.
-    fn conclude(&mut self, scratch: &mut Scratch) -> Result<(), Fault> {
+    /// Evaluates the task in the state to which physics has come, whose forward pass the scratch holds, the `whole` or what the task reads.
+    fn finish(&mut self, whole: bool, scratch: &mut Scratch) -> Result<(), Fault> {
+        match whole {
+            true => scratch.note(&self.member.episode.state),
+            false => scratch.forget(),
+        }
         let released = self.player(scratch).conclude()?;
         if released {
             *self.member.rates = None;
@@ -188,30 +204,31 @@ struct Together<'a> {
     group: &'a mut LaneGroup,
     forces: &'a mut AllocationGroup,
     lanes: &'a mut [Scratch],
+    /// What is wanted of the forward pass.
+    parts: Parts,
 }
 
 impl Together<'_> {
     fn step(&mut self, seats: &mut [Option<Seat<'_>>]) {
-        self.group.clear();
         self.each(seats, Seat::take);
         self.allocate(seats);
         self.each(seats, Seat::prepare);
         let mut substeps = 0;
+        let mut episodes: [Option<_>; WIDTH] = Default::default();
         for seat in seats.iter().flatten() {
             substeps = seat.member.engine.substeps;
-            if let Some(rates) = &*seat.member.rates {
-                self.group.load(seat.lane, &seat.member.episode.state, rates);
-            }
+            episodes[seat.lane] = seat.member.rates.as_ref().map(|rates| (&seat.member.episode.state, rates));
         }
+        self.group.load(&episodes);
         self.group.excite();
         for _ in 0..substeps {
             self.group.integrate();
             self.push(seats);
             self.group.forward();
         }
-        for seat in seats.iter_mut().flatten() {
-            self.finish(seat);
-        }
+        self.store(seats);
+        let whole = self.parts == Parts::ALL;
+        self.each(seats, |seat, scratch| seat.finish(whole, scratch));
     }
 
     /// Does something with each seat; a fault ends its episode.
@@ -251,20 +268,25 @@ impl Together<'_> {
         }
     }
 
-    /// Takes an episode out of its lane, and evaluates its task.
-    fn finish(&mut self, seat: &mut Seat<'_>) {
-        let (lane, scratch) = (seat.lane, &mut self.lanes[seat.lane]);
-        self.group.store_state(lane, &mut seat.member.episode.state);
-        if let Some(fault) = self.group.take_fault(lane) {
-            return seat.end_with(fault.into(), scratch);
+    /// Takes all episodes out of their lanes; one with a fault ends.
+    fn store(&mut self, seats: &mut [Option<Seat<'_>>]) {
+        let mut states: [Option<&mut State<f64>>; WIDTH] = Default::default();
+        seats.iter_mut().flatten().for_each(|seat| states[seat.lane] = Some(&mut seat.member.episode.state));
+        self.group.store_states(states);
+        for place in seats.iter_mut() {
+            let Some(seat) = place else { continue };
+            if let Some(fault) = self.group.take_fault(seat.lane) {
+                seat.end_with(fault.into(), &mut self.lanes[seat.lane]);
+                *place = None;
+            }
         }
-        if let Some(rates) = seat.member.rates {
-            self.group.store(lane, &mut scratch.workspace, rates);
+        let mut passes: [Option<_>; WIDTH] = Default::default();
+        let mut workspaces: [Option<&mut Workspace<f64>>; WIDTH] = Default::default();
+        workspaces.iter_mut().zip(&mut *self.lanes).for_each(|(place, scratch)| *place = Some(&mut scratch.workspace));
+        for seat in seats.iter_mut().flatten() {
+            passes[seat.lane] = workspaces[seat.lane].take().zip(seat.member.rates.as_mut());
         }
-        scratch.note(&seat.member.episode.state);
-        if let Err(fault) = seat.conclude(scratch) {
-            seat.end_with(fault, scratch);
-        }
+        self.group.store_passes(passes, self.parts);
     }
 }
 

@@ -1,9 +1,10 @@
 //! Eight episodes that are stepped together, and moved into their lanes and out of them in between.
 
-use super::OneLane;
+use super::{OneLane, PerLane};
 use crate::{
     Fault, Instructions, Plan, State, Workspace,
     dispatch::{Stage, run},
+    elastic::Fibres,
     integrator,
     kinematics::Kinematics,
     lanes::{Lanes, WIDTH},
@@ -16,16 +17,36 @@ use std::sync::Arc;
 /// The lanes of one worker, for episodes that it does not keep in them: a [`Batch`](super::Batch) owns its episodes, a group
 /// borrows eight at a time.
 ///
-/// [`load`](Self::load) fills a lane. Steps are [`integrate`](Self::integrate), then [`forward`](Self::forward). After the last
-/// one [`store_state`](Self::store_state) and [`store`](Self::store) give back the state, its forward pass, and the [`Rates`] from
-/// which the next step goes on. A lane that meets a [`Fault`] stays as it was and is left out. Every episode comes to the bits
-/// that [`step`](crate::step) gives it alone.
+/// [`load`](Self::load) fills the lanes. Steps are [`integrate`](Self::integrate), then [`forward`](Self::forward). After the last
+/// one [`store_states`](Self::store_states) and [`store_passes`](Self::store_passes) give back the states, their forward passes, and the
+/// [`Rates`] from which the next step goes on. A lane that meets a [`Fault`] stays as it was and is left out. Every episode comes to the
+/// bits that [`step`](crate::step) gives it alone.
 #[derive(Debug, Clone)]
 pub struct LaneGroup {
     model: Arc<Model>,
     state: State<Lanes>,
     workspace: Workspace<Lanes>,
     faults: [Option<Fault>; WIDTH],
+}
+
+/// The large parts of a forward pass, which take the time to [store](LaneGroup::store_passes) and which few need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Parts {
+    /// Inertias of bodies, and the mass matrix.
+    pub inertia: bool,
+    /// Paths of tendons.
+    pub tendons: bool,
+}
+
+impl Parts {
+    /// The whole pass.
+    pub const ALL: Self = Self { inertia: true, tendons: true };
+
+    /// What either has.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self { inertia: self.inertia || other.inertia, tendons: self.tendons || other.tendons }
+    }
 }
 
 /// What a step needs of the forward pass of the state that it goes on from.
@@ -53,13 +74,15 @@ impl Rates {
         }
     }
 
-    fn write_lane(&self, workspace: &mut Workspace<Lanes>, lane: usize) {
-        self.acceleration.write_lane(&mut workspace.acceleration, lane);
-        self.damped_acceleration.write_lane(&mut workspace.damped_acceleration, lane);
-        self.actuator_length.write_lane(&mut workspace.actuation.length, lane);
-        if let (Some([length, velocity]), Some(fibres)) = (&self.fibres, &mut workspace.actuation.fibres) {
-            length.write_lane(&mut fibres.length, lane);
-            velocity.write_lane(&mut fibres.velocity, lane);
+    fn write_lanes(ones: &PerLane<&Self>, workspace: &mut Workspace<Lanes>) {
+        let Workspace { acceleration, damped_acceleration, actuation, .. } = workspace;
+        OneLane::write_lanes(&ones.map(|one| one.map(|one| &one.acceleration)), acceleration);
+        OneLane::write_lanes(&ones.map(|one| one.map(|one| &one.damped_acceleration)), damped_acceleration);
+        OneLane::write_lanes(&ones.map(|one| one.map(|one| &one.actuator_length)), &mut actuation.length);
+        if let Some(Fibres { length, velocity, .. }) = &mut actuation.fibres {
+            let own = |which: usize| ones.map(|one| one.and_then(|one| one.fibres.as_ref()).map(|fibres| &fibres[which]));
+            OneLane::write_lanes(&own(0), length);
+            OneLane::write_lanes(&own(1), velocity);
         }
     }
 
@@ -97,19 +120,13 @@ impl LaneGroup {
         if self.workspace.arch_is_wide() { 5 } else { WIDTH + 1 }
     }
 
-    /// Takes all episodes out of the lanes.
-    pub fn clear(&mut self) {
-        self.workspace.masked.fill(true);
+    /// Puts an episode into each lane, or none: its state, with controls that may be new, and the rates of the forward pass before.
+    /// States and rates are of the group's model.
+    pub fn load(&mut self, episodes: &[Option<(&State<f64>, &Rates)>; WIDTH]) {
+        OneLane::write_lanes(&episodes.map(|episode| episode.map(|(state, _)| state)), &mut self.state);
+        Rates::write_lanes(&episodes.map(|episode| episode.map(|(_, rates)| rates)), &mut self.workspace);
+        self.workspace.masked.iter_mut().zip(episodes).for_each(|(masked, episode)| *masked = episode.is_none());
         self.faults = Default::default();
-    }
-
-    /// Puts an episode into a lane: its state, with controls that may be new, and the rates of the forward pass before.
-    /// State and rates are of the group's model, and `lane` is below [`WIDTH`].
-    pub fn load(&mut self, lane: usize, state: &State<f64>, rates: &Rates) {
-        state.write_lane(&mut self.state, lane);
-        rates.write_lane(&mut self.workspace, lane);
-        self.workspace.masked[lane] = false;
-        self.faults[lane] = None;
     }
 
     /// Fills the rates of activations from the present controls: after [`load`](Self::load), before the first step.
@@ -164,26 +181,43 @@ impl LaneGroup {
         force.write_lane(self.state.body_force.as_mut_slice(), lane);
     }
 
-    /// Writes the state in a lane over `state`.
-    pub fn store_state(&self, lane: usize, state: &mut State<f64>) {
-        state.read_lane(&self.state, lane);
+    /// Writes the state of each lane that is asked for over the one given, from which it was [loaded](Self::load), as far as steps
+    /// change it.
+    pub fn store_states(&self, mut states: [Option<&mut State<f64>>; WIDTH]) {
+        macro_rules! read {
+            ($($field:ident),*) => {$(
+                OneLane::read_lanes(&mut states.each_mut().map(|one| one.as_mut().map(|one| &mut one.$field)), &self.state.$field);
+            )*};
+        }
+        read!(time, position, velocity, activation, fibre_length, fibre_velocity, fibre_step);
+        read!(mocap_position, mocap_orientation, warm_start);
     }
 
-    /// Writes the forward pass in a lane over `workspace`, all but the factor of the mass matrix, and its rates over `rates`. The lane's
-    /// own contacts and rows are handed out, so it can be done once after each pass.
-    pub fn store(&mut self, lane: usize, workspace: &mut Workspace<f64>, rates: &mut Rates) {
+    /// Writes the forward pass of each lane that is asked for over the workspace given, all but the factor of the mass matrix and the parts
+    /// that are not wanted, and its rates over the rates. A lane's own contacts and rows are handed out, so it can be done once after each
+    /// pass.
+    pub fn store_passes(&mut self, passes: [Option<(&mut Workspace<f64>, &mut Rates)>; WIDTH], parts: Parts) {
         let from = &mut self.workspace;
-        workspace.kinematics.read_lane(&from.kinematics, lane);
-        workspace.inertia.read_lane(&from.inertia, lane);
-        workspace.tendons.read_lane(&from.tendons, lane);
-        workspace.velocities.read_lane(&from.velocities, lane);
-        workspace.actuation.read_lane(&from.actuation, lane);
-        workspace.forces.read_lane(&from.forces, lane);
-        workspace.acceleration.read_lane(&from.acceleration, lane);
-        workspace.constraint_force.read_lane(&from.constraint_force, lane);
-        if let Some(own) = workspace.lanes.first_mut() {
-            core::mem::swap(own, &mut from.lanes[lane]);
+        let mut workspaces: PerLane<&mut Workspace<f64>> = Default::default();
+        for (lane, (place, pass)) in workspaces.iter_mut().zip(passes).enumerate() {
+            let Some((workspace, rates)) = pass else { continue };
+            if let Some(own) = workspace.lanes.first_mut() {
+                core::mem::swap(own, &mut from.lanes[lane]);
+            }
+            rates.read_lane(from, lane);
+            *place = Some(workspace);
         }
-        rates.read_lane(from, lane);
+        macro_rules! read {
+            ($($field:ident),*) => {$(
+                OneLane::read_lanes(&mut workspaces.each_mut().map(|one| one.as_mut().map(|one| &mut one.$field)), &from.$field);
+            )*};
+        }
+        read!(kinematics, velocities, actuation, forces, acceleration, constraint_force);
+        if parts.inertia {
+            read!(inertia);
+        }
+        if parts.tendons {
+            read!(tendons);
+        }
     }
 }

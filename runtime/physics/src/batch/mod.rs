@@ -3,8 +3,8 @@
 mod group;
 mod one_lane;
 
-pub use group::{LaneGroup, Rates};
-pub(crate) use one_lane::{OneLane, one_lane};
+pub use group::{LaneGroup, Parts, Rates};
+pub(crate) use one_lane::{OneLane, PerLane, one_lane};
 
 use crate::{
     Fault, Instructions, Plan, State, Workspace,

@@ -81,7 +81,7 @@ fn scratch_of(engines: &[Engine], slots: &[Slot]) -> Vec<GroupScratch> {
             None => models.push((engine, together.len())),
         }
     }
-    models.into_iter().map(|(engine, largest)| engine.group_scratch(largest)).collect()
+    models.into_iter().map(|(engine, largest)| engine.group_scratch(largest).unseen()).collect()
 }
 
 fn pool_of(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
