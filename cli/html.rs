@@ -33,24 +33,22 @@ impl Film {
         }
     }
 
-    /// What was recorded; `None` if nothing was to be.
+    /// What has been recorded so far; `None` if nothing was to be.
     ///
     /// # Errors
     /// There is nothing to show.
-    pub fn finish(self, caption: Caption) -> Result<Option<Recording>, Error> {
-        Ok(self.recorder.map(|recorder| recorder.recording(caption)).transpose()?)
+    pub fn so_far(&self, caption: Caption) -> Result<Option<Recording>, Error> {
+        Ok(self.recorder.as_ref().map(|recorder| recorder.recording(caption)).transpose()?)
     }
 
     /// Writes what was recorded to `path`.
     ///
     /// # Errors
     /// There is nothing to show, or the file cannot be written.
-    pub fn write(self, path: Option<&Path>, caption: Caption) -> Result<(), Error> {
+    pub fn write(&self, path: Option<&Path>, caption: Caption) -> Result<(), Error> {
+        let Some(path) = path else { return Ok(()) };
         let title = format!("{}, {}", caption.task, caption.policy);
-        match (self.finish(caption)?, path) {
-            (Some(recording), Some(path)) => write(path, &title, &[recording]),
-            _ => Ok(()),
-        }
+        self.so_far(caption)?.map_or(Ok(()), |recording| write(path, &title, &[recording]))
     }
 }
 

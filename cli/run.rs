@@ -10,6 +10,7 @@ use crate::policies::{Limits, Recorder};
 use crate::progress;
 use crate::project::{Project, Settings};
 use crate::trace;
+use crate::view::live::Live;
 use msk::compiler::numbers::{exact, for_people};
 use msk::evaluate::{
     EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Summary, TraceRecorder, Tracing, Trial, play_to_horizon,
@@ -17,7 +18,7 @@ use msk::evaluate::{
 };
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::inspect::StateFile;
-use msk::runtime::policy::{Policy, PolicyError};
+use msk::runtime::policy::{Policy, PolicyError, PolicySource};
 use msk::view::Caption;
 use std::fs;
 use std::io::{self, Write};
@@ -67,6 +68,13 @@ pub struct Args {
     trace_columns: trace::Quantities,
     #[command(flatten)]
     pictures: PictureArgs,
+    /// Show the episode in a browser on this machine while it is being played, as it looks and what it is rewarded with so far: the address
+    /// of a page is printed. Afterwards the page waits until the whole episode has been fetched, or for Ctrl-C
+    #[arg(long, conflicts_with_all = ["replay", "ignore_terminations"])]
+    live: bool,
+    /// Port of this machine for the page; 0 for any that is free
+    #[arg(long, default_value_t = 0, requires = "live")]
+    port: u16,
     /// Continue up to the horizon, ignoring terminations, and print when the episode would have ended, faults of the
     /// physics, and the largest penetration
     #[arg(long, conflicts_with_all = ["json", "replay", "weights", "weight"])]
@@ -94,21 +102,40 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
     let source = args.limits.source(&args.policy)?;
     let interrupt = Interrupt::listen()?;
+    if !args.live {
+        return play(&args, trial, source, &interrupt, None);
+    }
+    let caption = Caption {
+        task: trial.task.name.clone(),
+        policy: args.policy.clone(),
+        episode: Some([args.seed, args.episode]),
+        condition: html::condition(&trial),
+        ..Caption::default()
+    };
+    let live = Live::open(&trial, caption, args.port)?;
+    live.beside(interrupt.stop(), || play(&args, trial, source, &interrupt, Some(&live)))
+}
+
+/// Plays the episode and reports it.
+fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, live: Option<&Live>) -> Result<ExitCode, Error> {
     let mut policy = Recorder::new(source.open(interrupt.stop())?);
     let mut episode = trial.episode()?;
     let key = EpisodeKey { seed: args.seed, episode: args.episode };
     if args.ignore_terminations {
-        return to_horizon(&args, &trial, &mut episode, key, &mut policy);
+        return to_horizon(args, &trial, &mut episode, key, &mut policy);
     }
-    let mut film = html::Film::of(&episode, &trial, args.html.is_some())?;
+    let mut film = html::Film::of(&episode, &trial, args.html.is_some() || args.live)?;
     let mut pictures = Pictures::of(&args.pictures, &episode, &trial)?;
     let steps = progress::steps(trial.task.horizon);
-    let mut recorder = recorder(&args, &episode);
+    let mut recorder = recorder(args, &episode);
     let mut watch = |episode: &Environment| {
         steps.set_position(episode.steps().into());
         film.look(episode);
         recorder.look(&episode.context());
         pictures.look(episode);
+        if let Some(live) = live {
+            live.look(episode, &film);
+        }
     };
     let played = play_watched(&trial, &mut episode, key, &mut policy, interrupt.stop(), &mut watch);
     steps.finish_and_clear();
@@ -120,10 +147,13 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if let Some(path) = &args.actions {
         policy.write(path)?;
     }
-    write_state(&args, &episode)?;
-    write_trace(&args, recorder, &record)?;
+    write_state(args, &episode)?;
+    write_trace(args, recorder, &record)?;
     film.write(args.html.as_deref(), html::caption(&record))?;
     pictures.write(&episode)?;
+    if let Some(live) = live {
+        live.end(&film, html::caption(&record))?;
+    }
     let mut out = io::stdout().lock();
     if args.json {
         serde_json::to_writer(&mut out, &record)?;

@@ -79,7 +79,7 @@ pub fn write([html, strip]: [&[Which]; 2], plan: &Plan, journal: &Journal, stop:
                 journal.write(&format!("{}-{}.png", trial.task.name, which.name()), picture).map_err(explain)?;
             }
             // An episode that ended at its reset cannot be shown.
-            recordings.extend(film.finish(Caption { label: which.name().into(), ..html::caption(&played) }).ok().flatten());
+            recordings.extend(film.so_far(Caption { label: which.name().into(), ..html::caption(&played) }).ok().flatten());
         }
         if !recordings.is_empty() {
             let title = format!("{}, {}", trial.task.name, plan.policy.name());

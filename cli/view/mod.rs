@@ -1,5 +1,6 @@
 //! `msk view RUN`: a run in a browser on this machine, while it goes on.
 
+pub mod live;
 mod playback;
 mod results;
 mod server;
@@ -30,7 +31,7 @@ const LINGER: Duration = Duration::from_secs(6);
 /// RUN is the folder that `msk eval`, `msk collect` or `msk train` writes: `msk view` reads it, and neither changes the run nor slows it
 /// but for the time that it takes itself. The page has the episodes so far with their returns, a table of the tasks, the reward terms, of a
 /// training the learning curve, and the last episode as `msk run --html` shows it, played again from its record. It is served on the loopback
-/// interface alone, at an address with a secret in it, and ends with the run, or with Ctrl-C.
+/// interface alone, at an address with a secret in it, and ends with the run, or with Ctrl-C. `msk run --live` shows a single episode so.
 ///
 /// Exit code 0 when the run has ended, 1 for a folder without a run, 2 for an invalid command line; 130, 143 or 129 after SIGINT, SIGTERM or
 /// SIGHUP.

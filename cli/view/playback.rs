@@ -125,7 +125,7 @@ impl Playback<'_> {
             caption.label = "played again, and otherwise".into();
         }
         let title = format!("{}, {}", caption.task, caption.policy);
-        let recording = film.finish(caption)?;
+        let recording = film.so_far(caption)?;
         Ok(recording.map(|recording| page(&title, &[recording])).transpose()?.map(String::into_bytes))
     }
 }

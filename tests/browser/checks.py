@@ -223,25 +223,37 @@ def preferences(browser, pages):
 
 
 def accessible(browser, pages):
-    """Every control has a name, and text stands out from what is behind it (WCAG 2.2, 1.4.3: 4.5 to 1)."""
+    """Every control has a name, and text stands out from what is behind it."""
     browser.open(pages["walk"], "t=0.5&muscle=soleus_r")
-    nodes = browser.command("Accessibility.getFullAXTree")["nodes"]
-    for node in nodes:
-        role = node.get("role", {}).get("value")
-        if role in ("button", "slider", "combobox", "checkbox", "image", "region") and not node.get("ignored"):
-            if not node.get("name", {}).get("value"):
-                raise Failure(f"a {role} has no name: {node.get('properties')}")
-    luminance = """(name) => { const probe = document.createElement("i"); probe.style.color = `var(--${name})`; document.body.append(probe);
-        const parts = getComputedStyle(probe).color.match(/[\\d.]+/g).slice(0, 3).map(Number); probe.remove();
-        const [r, g, b] = parts.map((v) => v / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
-        return 0.2126 * r + 0.7152 * g + 0.0722 * b; }"""
+    names(browser)
     for theme in ("light", "dark"):
         browser.evaluate(f"viewer.setTheme('{theme}')")
-        for text, behind in [("ink", "panel"), ("ink", "sky"), ("quiet", "panel"), ("quiet", "sky"), ("accent", "panel")]:
-            one, two = (browser.evaluate(f"({luminance})('{name}')") for name in (text, behind))
-            ratio = (max(one, two) + 0.05) / (min(one, two) + 0.05)
-            if ratio < 4.5:
-                raise Failure(f"{text} on {behind} in {theme}: contrast {ratio:.2f}, expected 4.5")
+        contrasts(browser, theme, [("ink", "panel"), ("ink", "sky"), ("quiet", "panel"), ("quiet", "sky"), ("accent", "panel")])
+
+
+def names(browser):
+    """Every control has a name."""
+    for node in browser.command("Accessibility.getFullAXTree")["nodes"]:
+        role = node.get("role", {}).get("value")
+        if role in ("button", "slider", "combobox", "checkbox", "image", "region", "table", "Iframe") and not node.get("ignored"):
+            if not node.get("name", {}).get("value"):
+                raise Failure(f"a {role} has no name: {node.get('properties')}")
+
+
+# Relative luminance of a colour of the style sheet.
+LUMINANCE = """(name) => { const probe = document.createElement("i"); probe.style.color = `var(--${name})`; document.body.append(probe);
+    const parts = getComputedStyle(probe).color.match(/[\\d.]+/g).slice(0, 3).map(Number); probe.remove();
+    const [r, g, b] = parts.map((v) => v / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b; }"""
+
+
+def contrasts(browser, theme, pairs):
+    """Text stands out from what is behind it (WCAG 2.2, 1.4.3: 4.5 to 1)."""
+    for text, behind in pairs:
+        one, two = (browser.evaluate(f"({LUMINANCE})('{name}')") for name in (text, behind))
+        ratio = (max(one, two) + 0.05) / (min(one, two) + 0.05)
+        if ratio < 4.5:
+            raise Failure(f"{text} on {behind} in {theme}: contrast {ratio:.2f}, expected 4.5")
 
 
 def side_by_side(browser, pages):
@@ -280,15 +292,7 @@ def live(browser, program, folder):
         browser.evaluate("[...document.querySelectorAll('#list button')].at(-1).focus()")
         browser.key(" ")
         browser.until("document.getElementById('episode-status').textContent === 'walk, episode 0'")
-        for width in (390, 1280):
-            browser.size(width, 800)
-            browser.settle()
-            if browser.evaluate("document.documentElement.scrollWidth") > width:
-                raise Failure(f"the live page is wider than {width} px")
-        for node in browser.command("Accessibility.getFullAXTree")["nodes"]:
-            role = node.get("role", {}).get("value")
-            if role in ("button", "image", "region", "table", "Iframe") and not node.get("ignored") and not node.get("name", {}).get("value"):
-                raise Failure(f"a {role} of the live page has no name")
+        live_page_is_accessible(browser)
         browser.until(f"{status}.includes('has ended')", 120)
         print(f"  live: {first}, then {browser.evaluate(status)}")
         expect("exit code of msk view after the run", server.wait(60), 0)
@@ -298,6 +302,42 @@ def live(browser, program, folder):
         for process in (server, evaluation):
             process.kill()
             process.wait()
+
+
+def live_page_is_accessible(browser):
+    """The page of what goes on fits a phone, names its controls, follows the preference for dark colours, and can be read."""
+    for width in (390, WINDOW[0]):
+        browser.size(width, WINDOW[1])
+        browser.settle()
+        if browser.evaluate("document.documentElement.scrollWidth") > width:
+            raise Failure(f"the live page is wider than {width} px")
+    names(browser)
+    papers = set()
+    for theme in ("light", "dark"):
+        browser.prefer(prefers_color_scheme=theme)
+        contrasts(browser, theme, [(text, behind) for text in ("ink", "quiet", "accent", "good") for behind in ("paper", "panel")])
+        papers.add(browser.evaluate("getComputedStyle(document.body).backgroundColor"))
+    browser.prefer(prefers_color_scheme="light")
+    expect("colours of the live page", len(papers), 2)
+
+
+def live_episode(browser, program):
+    """The page of a single episode that is being played shows it from its beginning, and then the whole of it."""
+    run = [program, "run", "walk", "--policy", "random", "--live"]
+    playing = subprocess.Popen(run, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    try:
+        browser.visit(playing.stderr.readline().split()[1])
+        browser.until("document.getElementById('episode-status').textContent === 'the whole episode'", 120)
+        if browser.evaluate("document.getElementById('episode').srcdoc.length") < 100_000:
+            raise Failure("the page of the episode is empty")
+        if browser.evaluate("document.querySelectorAll('#terms tbody tr').length") < 2:
+            raise Failure("the page shows no reward terms")
+        live_page_is_accessible(browser)
+        expect("exit code of msk run --live after its reader has the episode", playing.wait(60), 0)
+    finally:
+        browser.size(*WINDOW)
+        playing.kill()
+        playing.wait()
 
 
 def main():
@@ -318,6 +358,7 @@ def main():
             (accessible, pages),
             (side_by_side, pages),
             (live, program, pathlib.Path(folder)),
+            (live_episode, program),
         ]
         for check, *arguments in checks:
             start = time.monotonic()

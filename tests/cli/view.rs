@@ -20,8 +20,24 @@ impl Shown {
         let mut child = project.command(&[&["view"], arguments].concat()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
-        let address = line.trim().strip_prefix("http://127.0.0.1:").unwrap_or_else(|| panic!("{line:?}"));
-        let (port, token) = address.strip_suffix('/').unwrap().split_once('/').unwrap();
+        Self::at(child, line.trim())
+    }
+
+    /// `msk run --live`, which keeps its output for the report.
+    fn live(project: &Project, arguments: &[&str]) -> Self {
+        let mut child = project.command(&[&["run"], arguments, &["--live"]].concat()).spawn().unwrap();
+        // Byte by byte: what follows the line stays for the output.
+        let (stderr, mut line, mut byte) = (child.stderr.as_mut().unwrap(), Vec::new(), [0]);
+        while stderr.read(&mut byte).unwrap() == 1 && byte != *b"\n" {
+            line.push(byte[0]);
+        }
+        let line = String::from_utf8(line).unwrap();
+        Self::at(child, line.strip_prefix("Open ").unwrap().split(' ').next().unwrap())
+    }
+
+    fn at(child: Child, address: &str) -> Self {
+        let place = address.strip_prefix("http://127.0.0.1:").unwrap_or_else(|| panic!("{address:?}"));
+        let (port, token) = place.strip_suffix('/').unwrap().split_once('/').unwrap();
         assert_eq!(token.len(), 32);
         Self { child: Some(child), host: format!("127.0.0.1:{port}"), token: token.to_owned() }
     }
@@ -127,6 +143,47 @@ fn a_training_has_its_curve_and_its_agent() {
     let (status, episode) = shown.get("episode/2");
     assert!(status == 200 && episode.contains("<title>hold, agent "), "{episode:.200}");
     assert_eq!(shown.interrupt().code, Some(130));
+}
+
+#[test]
+fn an_episode_is_shown_while_it_is_played_and_until_it_has_been_fetched() {
+    let project = Project::lean();
+    let mut shown = Shown::live(&project, &["lean", "--policy", "random"]);
+    assert!(shown.get("").1.starts_with("<!doctype html>"));
+    let begin = Instant::now();
+    let state = loop {
+        let state = shown.state();
+        assert_eq!((&state["kind"], &state["title"]), (&"episode".into(), &"lean, random".into()));
+        if state["over"] == true {
+            break state;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    let terms = state["terms"].as_array().unwrap();
+    let sum: f64 = terms.iter().map(|term| term["value"].as_f64().unwrap()).sum();
+    assert_eq!(state["return"].as_f64(), Some(sum));
+    assert_eq!(state["recorded"], state["step"]);
+    assert!(!state["curve"].as_array().unwrap().is_empty());
+    assert_eq!(shown.get("state").0, 404);
+    let (status, page) = shown.get("episode/whole");
+    assert!(status == 200 && page.contains("<title>lean, random</title>"));
+    // Its reader has it all, so the program ends by itself; its output is the report alone.
+    let done = Done::from(shown.child.take().unwrap().wait_with_output().unwrap()).succeeded();
+    assert!(done.out.starts_with("lean, policy random, seed 0, episode 0:"), "{done:?}");
+}
+
+#[test]
+fn a_shown_episode_without_a_reader_ends_with_an_interruption() {
+    let project = Project::lean();
+    let shown = Shown::live(&project, &["lean", "--policy", "zero", "--html", "lean.html"]);
+    while shown.state()["over"] == false {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    // What was asked for is written, and nothing failed.
+    let done = shown.interrupt();
+    assert_eq!(done.code, Some(0), "{done:?}");
+    assert!(project.read("lean.html").contains("<title>lean, zero</title>"));
 }
 
 #[test]
