@@ -121,10 +121,10 @@ fn array<T: npyz::Deserialize>(archive: &mut NpzReader<'_>, name: &str, columns:
     if shape.len() != 2 || shape[1] != columns as u64 {
         return Err(format!("has an array `{name}` of shape {shape:?}, expected {columns} columns"));
     }
-    // A small archive may describe a large array.
-    let bytes = shape.iter().try_fold(size_of::<T>() as u64, |bytes, length| bytes.checked_mul(*length));
-    if bytes.is_none_or(|bytes| bytes > LARGEST) {
-        return Err(format!("has an array `{name}` of shape {shape:?}, more than are read"));
+    // Room is made for what the header describes, which may be more than follows it.
+    let described = shape.iter().try_fold(size_of::<T>() as u64, |size, length| size.checked_mul(*length));
+    if described.is_none_or(|size| size > bytes.len() as u64) {
+        return Err(format!("has an array `{name}` that ends before its shape {shape:?} is filled"));
     }
     entry.into_vec().map_err(|error| error.to_string())
 }
