@@ -87,7 +87,7 @@ fn atan_of_positive<T: Real>(x: T) -> T {
     middle - (reduced * (odd + even) - left_out - reduced)
 }
 
-/// Whether a positive number is in a range in which it can be multiplied and divided without a thought.
+/// Whether a positive number is between the bounds, far from overflow and underflow.
 #[inline(always)]
 fn is_ordinary<T: Real>(value: T, low: f64, high: f64) -> T::Mask {
     T::and(T::splat(low).less(value), value.less(T::splat(high)))
@@ -137,9 +137,9 @@ pub(super) fn sin_cos<T: Real>(angle: T) -> (T, T, T::Mask) {
     let [c1, c2, c3, c4, c5, c6] = COS;
     let r = z * (T::splat(c1) + z * (T::splat(c2) + z * T::splat(c3)));
     let r = r + w * w * (T::splat(c4) + z * (T::splat(c5) + z * T::splat(c6)));
-    let most = half * z;
-    let w = one - most;
-    let cosine = w + (((one - w) - most) + (z * r - x * tail));
+    let bend = half * z;
+    let w = one - bend;
+    let cosine = w + (((one - w) - bend) + (z * r - x * tail));
 
     // sin(pi/2 + x) = cos(x), cos(pi/2 + x) = -sin(x).
     let (sine, cosine) = (T::select(near, sine, cosine), T::select(near, cosine, -sine));
