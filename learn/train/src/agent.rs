@@ -146,6 +146,18 @@ impl Actor {
         }
     }
 
+    /// The same for a network whose last layer has as many rows again, for the deviations of actions: these become `spread`, in the units of
+    /// the learner, whatever is seen.
+    pub(crate) fn begin_in(&self, network: &Mlp, all: &mut Parameters, spread: f32) {
+        self.copy_to(network, all);
+        if let Some(last) = network.layers().last() {
+            let (entries, inputs) = (last.outputs / 2, last.inputs);
+            let values = all.values_mut();
+            values[last.weight.clone()][entries * inputs..].fill(0.0);
+            values[last.bias.clone()][entries..].fill(spread);
+        }
+    }
+
     /// The moments by which it normalises, as if it had seen so many rows.
     pub(crate) fn moments(&self, rows: f64) -> impl Iterator<Item = Moments> {
         self.mean.iter().zip(&self.std).map(move |(mean, std)| Moments::of(f64::from(*mean), f64::from(*std), rows))

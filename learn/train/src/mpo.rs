@@ -149,13 +149,7 @@ impl Mpo {
     /// is worth.
     pub fn begin_as(&mut self, actor: &Actor, critics_first: u64) {
         for network in [&self.actor, &self.targets[0]] {
-            actor.copy_to(network, &mut self.networks.parameters);
-            if let Some(last) = network.layers().last() {
-                let (entries, inputs) = (last.outputs / 2, last.inputs);
-                let values = self.networks.parameters.values_mut();
-                values[last.weight.clone()][entries * inputs..].fill(0.0);
-                values[last.bias.clone()][entries..].fill(STARTING_STD);
-            }
+            actor.begin_in(network, &mut self.networks.parameters, STARTING_STD);
         }
         self.critics_first = Some(critics_first);
     }

@@ -102,13 +102,7 @@ impl Sac {
     /// Begins as an agent, with small deviations: it acts from the first step on, and stays as it is until the critics have learned what
     /// it is worth.
     pub fn begin_as(&mut self, actor: &Actor, critics_first: u64) {
-        actor.copy_to(&self.actor, &mut self.networks.parameters);
-        if let Some(last) = self.actor.layers().last() {
-            let (entries, inputs) = (last.outputs / 2, last.inputs);
-            let values = self.networks.parameters.values_mut();
-            values[last.weight.clone()][entries * inputs..].fill(0.0);
-            values[last.bias.clone()][entries..].fill(STARTING_LOG_STD);
-        }
+        actor.begin_in(&self.actor, &mut self.networks.parameters, STARTING_LOG_STD);
         self.critics_first = Some(critics_first);
     }
 
