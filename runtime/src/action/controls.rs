@@ -1,7 +1,7 @@
 //! An action space outside of its task: for policies that think in other entries than those of the task.
 
 use super::{Action, ActionState, ActsOn, ControlMemory, Taken};
-use crate::cmc::{ControlError, Tracker};
+use crate::cmc::{ControlError, Lead, Tracker};
 use crate::policy::PolicyContext;
 use msk_program::action::ActionSpace;
 use std::sync::Arc;
@@ -73,6 +73,13 @@ impl Controls {
     /// The controller of the space, where there is one.
     pub(crate) fn tracker_mut(&mut self) -> Option<&mut Tracker> {
         self.state.tracker_mut()
+    }
+
+    /// Leads activations like that until the next reset.
+    pub(crate) fn set_lead(&mut self, lead: Lead) {
+        if let Some(tracker) = self.state.tracker_mut() {
+            tracker.set_lead(lead);
+        }
     }
 
     /// Lets computed muscle control share forces out roughly from now on, in less time: for imagined episodes.

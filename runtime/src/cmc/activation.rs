@@ -3,6 +3,9 @@
 //! MuJoCo integrates da/dt = (u - a) / τ(u, a) by Euler steps while the excitation u is held. The activation at the end of
 //! the hold, A(u), rises with u, so that what a muscle can reach is [A(u_low), A(u_high)], and the excitation that brings it
 //! to a wanted activation is the root of A(u) = wanted. Eight muscles are searched for at once, in lanes.
+//!
+//! That excitation is a steep function of the state, because muscles relax slowly: what is to fall a little gets none at all. It is
+//! hard to learn from. The smooth one of [`Lead::Smooth`] comes near it without a search.
 
 use crate::action::excitation;
 use core::ops::Range;
@@ -20,6 +23,17 @@ pub(super) struct Hold {
     pub steps: u32,
     /// Length of one, s.
     pub timestep: f64,
+}
+
+/// How excitations lead the activations that they are to bring about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Lead {
+    /// Muscles are there at the end of the hold: the root of A(u) = wanted.
+    #[default]
+    Exact,
+    /// u = a + k (wanted - a). Of rising and falling, k is 1 for the faster one, and for the other as much more as that is slower: the ratio
+    /// of their time constants. So an activation falls about as fast as it rises, and u is a continuous function of the state.
+    Smooth,
 }
 
 /// The root is bracketed until the activation is known this well.
@@ -75,6 +89,12 @@ impl Hold {
     }
 }
 
+/// k of [`Lead::Smooth`] for rising and for falling; with a time constant of zero, one muscle is as fast as the other.
+fn smooth_lead([rise, fall, _]: [f64; 3]) -> [f64; 2] {
+    let above_one = |ratio: f64| if ratio.is_finite() { ratio.at_least(1.0) } else { 1.0 };
+    [above_one(rise / fall), above_one(fall / rise)]
+}
+
 /// The muscles of a body, in groups that share their constants, as many as lanes at most.
 #[derive(Debug, Clone)]
 pub(super) struct Muscles {
@@ -116,10 +136,23 @@ impl Muscles {
         Instructions::default().run(Reach { muscles: self, hold, activations, excitations, out });
     }
 
-    /// Replaces for each muscle the wanted activation at the end of the hold by the excitation within `range` that ends there, or
-    /// comes nearest to it.
-    pub fn excitations(&self, hold: Hold, activations: &[f64], range: [f64; 2], wanted: &mut [f64]) {
-        Instructions::default().run(Excite { muscles: self, hold, activations, range, wanted });
+    /// Replaces for each muscle the wanted activation by the excitation within `range` that leads there from `activations`.
+    pub fn excitations(&self, lead: Lead, hold: Hold, activations: &[f64], range: [f64; 2], wanted: &mut [f64]) {
+        match lead {
+            Lead::Exact => Instructions::default().run(Excite { muscles: self, hold, activations, range, wanted }),
+            Lead::Smooth => self.lead_smoothly(activations, range, wanted),
+        }
+    }
+
+    fn lead_smoothly(&self, activations: &[f64], [low, high]: [f64; 2], wanted: &mut [f64]) {
+        for group in &self.groups {
+            let [rising, falling] = smooth_lead(group.constants);
+            for (wanted, &slot) in wanted[group.places.clone()].iter_mut().zip(&group.activations) {
+                let change = *wanted - activations[slot];
+                let lead = if change < 0.0 { falling } else { rising };
+                *wanted = (activations[slot] + lead * change).clip(low, high);
+            }
+        }
     }
 }
 
@@ -239,7 +272,7 @@ mod tests {
             let muscles = Muscles { groups: groups.collect() };
             let (mut reach, mut found) = (vec![[0.0; 2]; 19], wishes.clone());
             muscles.reach(HOLD, &starts, [0.1, 0.9], &mut reach);
-            muscles.excitations(HOLD, &starts, [0.1, 0.9], &mut found);
+            muscles.excitations(Lead::Exact, HOLD, &starts, [0.1, 0.9], &mut found);
             for muscle in 0..19 {
                 let alone = [0.1, 0.9].map(|bound| HOLD.activation(starts[muscle], bound, &constants));
                 prop_assert_eq!(reach[muscle], alone);
@@ -252,6 +285,22 @@ mod tests {
             let [low, high] = [0.1, 0.9].map(|u| HOLD.activation(start, u, &constants));
             prop_assert_eq!(HOLD.excitation(start, low - 0.01, [0.1, 0.9], &constants), 0.1);
             prop_assert_eq!(HOLD.excitation(start, high + 0.01, [0.1, 0.9], &constants), 0.9);
+        }
+
+        #[test]
+        fn smooth_excitations_stand_still_with_the_activation_and_fall_as_fast_as_they_rise(
+            start in 0.3..0.7, change in 0.0..0.02, constants in muscle(),
+        ) {
+            let muscles = Muscles { groups: vec![Group { activations: vec![0], places: 0..1, constants }] };
+            let led = |wanted: f64| -> f64 {
+                let mut found = [wanted];
+                muscles.excitations(Lead::Smooth, HOLD, &[start], [0.0, 1.0], &mut found);
+                found[0]
+            };
+            prop_assert_eq!(led(start), start);
+            prop_assert!((led(start + change) - start - change).abs() < 1e-12);
+            let slower = constants[1] / constants[0];
+            prop_assert!((led(start - change) - start + slower * change).abs() < 1e-12);
         }
 
         #[test]

@@ -13,7 +13,7 @@
 //!    centre of pressure are shared between the feet by the optimisation itself and never leave them;
 //! 4. `allocation`: muscle activations and contact forces that come nearest to the required force at least effort. The
 //!    activations are bounded by what each muscle can reach within the step, so the optimum is always reachable;
-//! 5. `activation`: the excitation that brings each muscle there, from which the action follows.
+//! 5. `activation`: the excitation that brings each muscle there, or leads it there smoothly, from which the action follows.
 //!
 //! What it knows of a body is its landmarks `feet`, its joints and its muscles. What it does not know: the forces of joint
 //! limits and of contacts other than the feet's, the slow terms J̇v of points, and any disturbance; feedback answers for those.
@@ -36,6 +36,7 @@ mod symmetric;
 mod tests;
 mod tracking;
 
+pub(crate) use activation::Lead;
 pub(crate) use group::{AllocationGroup, Asking};
 pub(crate) use offsets::Offsets;
 pub(crate) use scratch::ControlScratch;
@@ -136,6 +137,7 @@ struct View<'a> {
 #[derive(Debug, Clone)]
 struct Controller {
     hold: Hold,
+    lead: Lead,
     support: Support,
     /// Level offset of the centre of mass from the middle of the feet, m: present goal and where it tends to.
     offset: Vector3<f64>,
@@ -164,6 +166,7 @@ impl Controller {
         let offset = support.centre().map_or(Vector3::zeros(), |centre| com - centre);
         Ok(Self {
             hold,
+            lead: Lead::default(),
             support,
             offset,
             final_offset: offset * (1.0 - LEAN),
@@ -187,6 +190,11 @@ impl Controller {
     /// Shares forces out roughly from now on, in less time.
     fn make_rough(&mut self) {
         self.effort = Effort::ROUGH;
+    }
+
+    /// Leads activations like that from now on.
+    fn set_lead(&mut self, lead: Lead) {
+        self.lead = lead;
     }
 
     /// What of it a later action depends on: the offset of the centre of mass, and where the search of the last allocation ended.
@@ -233,7 +241,7 @@ impl Controller {
     fn give(&self, present: &Present<'_>, scratch: &mut ControlScratch, action: &mut [f64]) {
         let &Present { body, state, .. } = present;
         let ControlScratch { muscles, asked, .. } = scratch;
-        muscles.excitations(self.hold, &state.activation, activation::excitation_range(body.excitation), asked);
+        muscles.excitations(self.lead, self.hold, &state.activation, activation::excitation_range(body.excitation), asked);
         for (action, &excitation) in action.iter_mut().zip(&*asked) {
             *action = activation::action(body.excitation, excitation);
         }

@@ -1,7 +1,7 @@
 //! What computed muscle control tracks over an episode: the reference motion of the present phase, the script of the demonstration,
 //! or the pose of the initial state.
 
-use super::activation::Hold;
+use super::activation::{Hold, Lead};
 use super::allocation::Effort;
 use super::goal::Course;
 use super::{ControlError, ControlScratch, Controller, Offsets, Present};
@@ -68,6 +68,13 @@ impl Tracker {
     pub fn make_rough(&mut self) {
         if let Some(controller) = &mut self.controller {
             controller.make_rough();
+        }
+    }
+
+    /// Leads activations like that from now on, until the next reset.
+    pub fn set_lead(&mut self, lead: Lead) {
+        if let Some(controller) = &mut self.controller {
+            controller.set_lead(lead);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{ActsOn, Policy, PolicyContext, PolicyError};
 use crate::action::{ControlMemory, Controls};
-use crate::cmc::ControlError;
+use crate::cmc::{ControlError, Lead};
 use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
 
 /// Follows the reference motion of the task, or the script of its demonstration; without one it holds the posture that an episode begins
@@ -10,6 +10,7 @@ use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOff
 #[derive(Debug, Clone)]
 pub struct ComputedMuscleControl {
     along: BaseController,
+    lead: Lead,
     /// Of the present episode.
     controls: Option<Controls>,
     /// For its body.
@@ -28,8 +29,15 @@ impl ComputedMuscleControl {
         Self::along(BaseController::Demonstration)
     }
 
+    /// The same with actions that are a smooth function of the state, which are easier to imitate: each muscle reaches its activation
+    /// somewhat later, and no muscle relaxes faster than it contracts.
+    #[must_use]
+    pub fn smooth(self) -> Self {
+        Self { lead: Lead::Smooth, ..self }
+    }
+
     fn along(along: BaseController) -> Self {
-        Self { along, controls: None, memory: ControlMemory::default() }
+        Self { along, lead: Lead::Exact, controls: None, memory: ControlMemory::default() }
     }
 
     fn unable(&self, error: &ControlError) -> PolicyError {
@@ -39,7 +47,11 @@ impl ComputedMuscleControl {
 
 impl Policy for ComputedMuscleControl {
     fn name(&self) -> &str {
-        self.along.name()
+        match (&self.along, self.lead) {
+            (along, Lead::Exact) => along.name(),
+            (BaseController::Demonstration, Lead::Smooth) => "demonstration smooth",
+            (_, Lead::Smooth) => "cmc smooth",
+        }
     }
 
     fn acts_on(&self) -> ActsOn {
@@ -52,6 +64,7 @@ impl Policy for ComputedMuscleControl {
         let space = ActionSpace { target, residual: Some(self.along.clone()), ..ActionSpace::default() };
         let controls = self.controls.insert(Controls::new(context, space));
         let ready = controls.reset(context);
+        controls.set_lead(self.lead);
         self.memory = ControlMemory::default();
         ready.map_err(|error| self.unable(&error))
     }

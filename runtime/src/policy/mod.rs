@@ -175,7 +175,7 @@ pub enum PolicyError {
 }
 
 /// The built-in policies.
-pub const NAMES: &[&str] = &["zero", "random", "cmc", "demonstration"];
+pub const NAMES: &[&str] = &["zero", "random", "cmc", "cmc smooth", "demonstration", "demonstration smooth"];
 
 /// The name under which results know a policy, given that or a former one that still works.
 pub fn present_name(name: &str) -> &str {
@@ -192,6 +192,8 @@ pub fn create(name: &str) -> Result<Box<dyn Policy>, PolicyError> {
         "random" => Ok(Box::new(Random)),
         "cmc" => Ok(Box::<ComputedMuscleControl>::default()),
         "demonstration" => Ok(Box::new(ComputedMuscleControl::demonstration())),
+        "cmc smooth" => Ok(Box::new(ComputedMuscleControl::default().smooth())),
+        "demonstration smooth" => Ok(Box::new(ComputedMuscleControl::demonstration().smooth())),
         "witness" => Err(PolicyError::Renamed { former: "witness", present: "demonstration" }),
         // It is another crate's: this one knows its name for the message.
         plan if plan.split_whitespace().next() == Some("plan") => Err(PolicyError::CommandLineOnly(plan.into())),
