@@ -289,7 +289,7 @@ mod tests {
 
         #[test]
         fn smooth_excitations_stand_still_with_the_activation_and_fall_as_fast_as_they_rise(
-            start in 0.3..0.7, change in 0.0..0.02, constants in muscle(),
+            start in 0.3..0.7f64, change in 0.0..0.02f64, constants in muscle(),
         ) {
             let muscles = Muscles { groups: vec![Group { activations: vec![0], places: 0..1, constants }] };
             let led = |wanted: f64| -> f64 {
