@@ -30,12 +30,14 @@ fn play(trial: &Trial, policy: &str) -> EpisodeRecord {
 #[test]
 fn cmc_stands_for_the_whole_task_and_rest_falls() {
     let trial = trial("stand");
-    let standing = play(&trial, "cmc");
-    assert!(standing.success, "{standing:?}");
-    assert_eq!(standing.steps, trial.task.horizon);
-    // Of 50 per step at most.
-    let reward = standing.total / f64::from(standing.steps);
-    assert!(reward > 46.0, "{reward} per step: {standing:?}");
+    for policy in ["cmc", "cmc smooth"] {
+        let standing = play(&trial, policy);
+        assert!(standing.success, "{standing:?}");
+        assert_eq!((standing.policy.as_str(), standing.steps), (policy, trial.task.horizon));
+        // Of 50 per step at most.
+        let reward = standing.total / f64::from(standing.steps);
+        assert!(reward > 46.0, "{policy}, {reward} per step: {standing:?}");
+    }
 
     let falling = play(&trial, "zero");
     assert!(!falling.success && falling.steps < 200, "{falling:?}");

@@ -322,7 +322,7 @@ def live_page_is_accessible(browser):
 
 
 def live_episode(browser, program):
-    """The page of a single episode that is being played shows it from its beginning, and then the whole of it."""
+    """While an episode is being played its page shows the first part, and afterwards the whole episode."""
     run = [program, "run", "walk", "--policy", "random", "--live"]
     playing = subprocess.Popen(run, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     try:

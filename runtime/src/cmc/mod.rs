@@ -192,11 +192,6 @@ impl Controller {
         self.effort = Effort::ROUGH;
     }
 
-    /// Leads activations like that from now on.
-    fn set_lead(&mut self, lead: Lead) {
-        self.lead = lead;
-    }
-
     /// What of it a later action depends on: the offset of the centre of mass, and where the search of the last allocation ended.
     fn memory(&self) -> (Vector3<f64>, &Memory) {
         (self.offset, &self.memory)

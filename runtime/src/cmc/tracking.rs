@@ -74,7 +74,7 @@ impl Tracker {
     /// Leads activations like that from now on, until the next reset.
     pub fn set_lead(&mut self, lead: Lead) {
         if let Some(controller) = &mut self.controller {
-            controller.set_lead(lead);
+            controller.lead = lead;
         }
     }
 

@@ -30,7 +30,7 @@ impl ComputedMuscleControl {
     }
 
     /// The same with actions that are a smooth function of the state, which are easier to imitate: each muscle reaches its activation
-    /// somewhat later, and no muscle relaxes faster than it contracts.
+    /// somewhat later, and relaxes about as fast as it contracts.
     #[must_use]
     pub fn smooth(self) -> Self {
         Self { lead: Lead::Smooth, ..self }
