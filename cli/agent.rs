@@ -23,14 +23,26 @@ enum Action {
         /// Folder of an agent, or of a training, of which it is then the one that succeeded most
         agent: PathBuf,
     },
-    /// Write an agent as an ONNX file, which takes observations as the task gives them and gives actions: its normaliser is part of it
+    /// Write an agent in another form: for other programs, or small
     Export {
         /// Folder of an agent, or of a training, of which it is then the one that succeeded most
         agent: PathBuf,
-        /// The file
-        #[arg(long, value_name = "FILE")]
-        onnx: PathBuf,
+        #[command(flatten)]
+        forms: Forms,
     },
+}
+
+/// The forms in which an agent is written.
+#[derive(clap::Args)]
+#[group(required = true, multiple = true)]
+struct Forms {
+    /// Write it as an ONNX file, which takes observations as the task gives them and gives actions: its normaliser is part of it
+    #[arg(long, value_name = "FILE")]
+    onnx: Option<PathBuf>,
+    /// Write it as the folder of an agent whose network is in half precision, in about half the bytes; it acts slightly differently, and
+    /// its evaluation is left out
+    #[arg(long, value_name = "DIR")]
+    half: Option<PathBuf>,
 }
 
 /// Shows or exports.
@@ -52,10 +64,16 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                 writeln!(out, "evaluated  return {total}, {success} % of {} episodes succeeded", found.episodes)?;
             }
         }
-        Action::Export { agent, onnx } => {
+        Action::Export { agent, forms } => {
             let agent = Agent::read(&agent)?;
-            fs::write(&onnx, agent.onnx()).context(|| format!("cannot write `{}`", onnx.display()))?;
-            writeln!(out, "{}", onnx.display())?;
+            if let Some(file) = forms.onnx {
+                fs::write(&file, agent.onnx()).context(|| format!("cannot write `{}`", file.display()))?;
+                writeln!(out, "{}", file.display())?;
+            }
+            if let Some(folder) = forms.half {
+                agent.in_half_precision()?.save(&folder)?;
+                writeln!(out, "{}", folder.display())?;
+            }
         }
     }
     Ok(ExitCode::SUCCESS)

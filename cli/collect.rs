@@ -12,7 +12,7 @@ use crate::progress;
 use crate::project::{Project, Settings};
 use msk::evaluate::play_watched;
 use msk::evaluate::{
-    EpisodeRecord, EpisodeSet, EvaluationError, Journal, JournalError, Moments, Plan, Protocol, RunSettings, Trial,
+    EpisodeRecord, EpisodeSet, EvaluationError, Journal, JournalError, Moments, Plan, Protocol, RunSettings, Shard, Trial,
 };
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::policy::PolicyError;
@@ -66,7 +66,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
     let policy = args.limits.source(&args.policy)?;
     let protocol = Protocol { episodes: args.episodes, seed: args.seed };
-    let plan = Plan { trials: vec![trial], policy, protocol };
+    let plan = Plan { trials: vec![trial], policy, protocol, shard: Shard::WHOLE };
     let name = format!("{}-data-{}", plan.trials[0].task.name, eval::in_path(plan.policy.name()));
     let folder = args.out.clone().map_or_else(|| eval::fresh_folder(&name), Ok)?;
     let cannot = |source| eval::explain(JournalError::Unusable { folder: folder.clone(), source });
@@ -115,7 +115,7 @@ struct Collection<'a> {
 impl Collection<'_> {
     /// Plays the episodes that are not `done`; gives whether all are there, which they are not after an interruption.
     fn complete(&self, done: &EpisodeSet, totals: &mut Totals) -> Result<bool, Error> {
-        let Plan { trials, policy: source, protocol } = self.plan;
+        let Plan { trials, policy: source, protocol, .. } = self.plan;
         let trial = &trials[0];
         let mut policy = Recorder::new(source.open(self.interrupt.stop())?);
         let mut environment = trial.episode()?;

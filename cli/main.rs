@@ -25,6 +25,7 @@ mod interrupt;
 mod levels;
 mod lsp;
 mod mcp;
+mod merge;
 mod motion;
 mod mutate;
 mod named;
@@ -78,6 +79,7 @@ enum Command {
     Eval(eval::Args),
     Session(session::Args),
     Report(report::Args),
+    Merge(merge::Args),
     Compare(compare::Args),
     Collect(collect::Args),
     Trace(trace::Args),
@@ -113,6 +115,7 @@ impl Command {
             Self::Eval(args) => eval::run(args),
             Self::Session(args) => session::run(args),
             Self::Report(args) => report::run(&args),
+            Self::Merge(args) => merge::run(&args),
             Self::Compare(args) => compare::run(&args),
             Self::Collect(args) => collect::run(args),
             Self::Trace(args) => trace::run(args),

@@ -30,13 +30,14 @@ pub struct Progress {
     steps: AtomicU64,
     ended: AtomicU64,
     successes: AtomicU64,
-    episodes: u64,
     tasks: Mutex<Vec<Task>>,
 }
 
 /// How far a task is.
 struct Task {
     name: String,
+    /// Of the plan.
+    episodes: u64,
     ended: u64,
     successes: u64,
     total: f64,
@@ -60,24 +61,17 @@ impl Progress {
         bar.set_position(resumed.episodes());
         bar.reset_eta();
         bar.enable_steady_tick(Duration::from_millis(200));
-        let task = |task: TaskSummary| {
+        let task = |(place, task): (usize, TaskSummary)| {
+            let episodes = plan.episodes_of(place);
             let total = task.total.map_or(0.0, |total| total.mean * task.episodes as f64);
-            Task { name: task.task, ended: task.episodes, successes: task.successes, total, seconds: 0.0 }
+            Task { name: task.task, episodes, ended: task.episodes, successes: task.successes, total, seconds: 0.0 }
         };
-        let mut tasks: Vec<Task> = resumed.summary().tasks.into_iter().map(task).collect();
+        let mut tasks: Vec<Task> = resumed.summary().tasks.into_iter().enumerate().map(task).collect();
         for (place, record) in resumed.early() {
             tasks.get_mut(place).into_iter().for_each(|task| task.add(record));
         }
         let zero = || AtomicU64::new(0);
-        Self {
-            bar,
-            start: Instant::now(),
-            steps: zero(),
-            ended: zero(),
-            successes: zero(),
-            episodes: plan.protocol.episodes,
-            tasks: Mutex::new(tasks),
-        }
+        Self { bar, start: Instant::now(), steps: zero(), ended: zero(), successes: zero(), tasks: Mutex::new(tasks) }
     }
 
     /// Takes the line away; the rows stay.
@@ -121,10 +115,9 @@ impl Watcher for Progress {
         self.show(self.steps.load(Ordering::Relaxed));
         self.row(trial, |task| {
             task.add(record);
-            let Task { ended, successes, total, seconds, .. } = task;
+            let Task { episodes, ended, successes, total, seconds, .. } = task;
             let mean = *total / *ended as f64;
-            (*ended == self.episodes)
-                .then(|| format!("{successes:>3} of {ended} succeeded  return {mean:>9.1}  {seconds:>6.1} s"))
+            (ended == episodes).then(|| format!("{successes:>3} of {ended} succeeded  return {mean:>9.1}  {seconds:>6.1} s"))
         });
     }
 

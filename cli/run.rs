@@ -13,7 +13,7 @@ use crate::trace;
 use crate::view::live::Live;
 use msk::compiler::numbers::{exact, for_people};
 use msk::evaluate::{
-    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Summary, TraceRecorder, Tracing, Trial, play_to_horizon,
+    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Shard, Summary, TraceRecorder, Tracing, Trial, play_to_horizon,
     play_watched, replay_watched, report,
 };
 use msk::runtime::episode::{Environment, EpisodeKey};
@@ -34,7 +34,9 @@ pub struct Args {
     /// demonstration (tracks the script of the task's first succeeding test), zero (every muscle at rest), random (every
     /// action uniform in -1..1), plan (search on the reward itself: "plan fast", "plan good", "plan best" or "plan FILE" with
     /// settings), "process [--messagepack] COMMAND" (an external program: `msk help policies` describes its protocol),
-    /// "agent FOLDER" (what `msk train` made), "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy file, a row per step)
+    /// "agent FOLDER" (what `msk train` made), "agents" or "agents FOLDER" (for each task the best that was trained on it: of those
+    /// that come with MSK, or in a folder), "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy
+    /// file, a row per step)
     #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: String,
     #[command(flatten)]
@@ -162,7 +164,7 @@ fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, 
     }
     let protocol = Protocol { episodes: 1, seed: args.seed };
     let time = f64::from(record.steps) / trial.task.control_frequency;
-    let plan = Plan { trials: vec![trial], policy: source, protocol };
+    let plan = Plan { trials: vec![trial], policy: source, protocol, shard: Shard::WHOLE };
     let summary = Summary::of(&plan, std::slice::from_ref(&record));
     writeln!(out, "{}", headline(&record, time))?;
     for task in &summary.tasks {

@@ -13,7 +13,7 @@ use crate::project::{Project, Settings};
 use msk::compiler::numbers::{exact, for_people};
 use msk::compiler::task::Origin;
 use msk::compiler::weights::Bounds;
-use msk::evaluate::{self, Plan, Protocol, Resumed, RunSettings, Summary, Trial};
+use msk::evaluate::{self, Plan, Protocol, Resumed, RunSettings, Shard, Summary, Trial};
 use std::fs;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
@@ -79,7 +79,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     for (number, variant) in variants.iter().enumerate() {
         writeln!(io::stderr(), "{} of {}: {}", number + 1, variants.len(), variant.name())?;
         let trials = vec![variant.trial.clone()];
-        let plan = Plan { trials, policy: policy.clone(), protocol };
+        let plan = Plan { trials, policy: policy.clone(), protocol, shard: Shard::WHOLE };
         let Some(summary) = play(&plan, &folder.join(variant.folder()), &interrupt)? else {
             writeln!(io::stderr(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
             return Ok(interrupt.code());

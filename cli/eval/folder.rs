@@ -10,7 +10,11 @@ use std::path::{Path, PathBuf};
 pub(super) fn name(plan: &Plan, file: &Path, policy: &str) -> String {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let name = if let [trial] = plan.trials.as_slice() { trial.task.name.clone() } else { stem.into_owned() };
-    format!("{name}-{}", in_path(policy))
+    let shard = match plan.shard.is_whole() {
+        true => String::new(),
+        false => format!("-shard-{}", plan.shard.to_string().replace('/', "-of-")),
+    };
+    format!("{name}-{}{shard}", in_path(policy))
 }
 
 /// Words as a part of a path, such as a policy: `process python3 policy.py` is `process-python3-policy-py`.

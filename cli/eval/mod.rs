@@ -16,7 +16,7 @@ use crate::policies::Limits;
 use crate::progress::Progress;
 use crate::project::{Project, Settings};
 use crate::trace::TraceArgs;
-use msk::evaluate::{self, Extras, Plan, Resumed, RunSettings, Summary, report};
+use msk::evaluate::{self, Extras, Plan, Resumed, RunSettings, Shard, Summary, report};
 use msk::runtime::policy::PolicySource;
 use msk::tuning::live::Live;
 use protocol::Chosen;
@@ -50,7 +50,9 @@ pub struct Args {
     /// demonstration (tracks the script of the task's first succeeding test), zero (every muscle at rest), random (every
     /// action uniform in -1..1), plan (search on the reward itself: "plan fast", "plan good", "plan best" or "plan FILE" with
     /// settings), "process [--messagepack] COMMAND" (an external program: `msk help policies` describes its protocol),
-    /// "agent FOLDER" (what `msk train` made), "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy file, a row per step). Several,
+    /// "agent FOLDER" (what `msk train` made), "agents" or "agents FOLDER" (for each task the best that was trained on it: of those
+    /// that come with MSK, or in a folder), "network FILE" (a trained network, as safetensors), "replay FILE" (actions from a NumPy
+    /// file, a row per step). Several,
     /// each with its own `--policy`, are compared in one table
     #[arg(long, default_value = "cmc", value_name = "POLICY")]
     policy: Vec<String>,
@@ -70,6 +72,10 @@ pub struct Args {
     /// Worker threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Play this part of the episodes only, such as 2/5: of every task about a fifth. `msk merge` joins the parts, which may be played on
+    /// several machines
+    #[arg(long, value_name = "NUMBER/COUNT", default_value_t, hide_default_value = true, conflicts_with_all = ["live", "sweep"])]
+    shard: Shard,
     /// Folder for the results [default: a new one under results/]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -113,8 +119,10 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         true => Some(args.overlays.live(&project, &mut trials)?),
         false => args.overlays.apply(&project, &mut trials).map(|()| None)?,
     };
-    let plans: Vec<Plan> =
-        policies.into_iter().map(|policy| Plan { trials: trials.clone(), policy, protocol: chosen.protocol }).collect();
+    let plans: Vec<Plan> = policies
+        .into_iter()
+        .map(|policy| Plan { trials: trials.clone(), policy, protocol: chosen.protocol, shard: args.shard })
+        .collect();
     let names: Vec<&str> = plans.iter().map(|plan| plan.policy.name()).collect();
     let Some(first) = plans.first() else { return Ok(ExitCode::SUCCESS) };
     if let Some(twice) = names.iter().enumerate().find_map(|(place, name)| names[..place].contains(name).then_some(name)) {

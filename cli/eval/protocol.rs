@@ -55,6 +55,7 @@ impl Chosen {
             (name, others) => format!(" (protocol {name}; there is also {})", others.join(", ")),
         };
         let acting = if policies.len() == 1 { "policy" } else { "policies" };
-        format!("{tasks}, {episodes} each{protocol}, seed {}, {acting} {}", self.protocol.seed, policies.join("; "))
+        let shard = if plan.shard.is_whole() { String::new() } else { format!(", shard {}", plan.shard) };
+        format!("{tasks}, {episodes} each{protocol}{shard}, seed {}, {acting} {}", self.protocol.seed, policies.join("; "))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::confine::Outside;
 use crate::project::{Failure, Project};
-use msk_evaluate::{Plan, Protocol, Summary, play};
+use msk_evaluate::{Plan, Protocol, Shard, Summary, play};
 use msk_physics::scalar::Real;
 use msk_runtime::episode::EpisodeKey;
 use msk_runtime::policy::{self, PolicySource};
@@ -96,8 +96,12 @@ pub fn evaluate(project: &Project, asked: &Evaluate, cancelled: &dyn Fn() -> boo
     if cancelled() {
         return Err("cancelled".into());
     }
-    let plan =
-        Plan { policy: PolicySource::built_in(policy.name())?, trials: vec![trial], protocol: Protocol { episodes, seed } };
+    let plan = Plan {
+        policy: PolicySource::built_in(policy.name())?,
+        trials: vec![trial],
+        protocol: Protocol { episodes, seed },
+        shard: Shard::WHOLE,
+    };
     let summary = Summary::of(&plan, &records);
     Ok(json!({
         "summary": serde_json::to_value(&summary)?,

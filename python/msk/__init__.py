@@ -8,6 +8,7 @@ The tasks are written in the language of ``.msk`` files and run in Rust; :func:`
 """
 
 from . import physics
+from .agents import Agent
 from .diagnostics import Diagnostic, Diagnostics, Fix, Place
 from .environment import CAMERAS, Env, Page, Picture, Snapshot, show
 from .errors import CompileError, InternalError, LintWarning
@@ -19,6 +20,7 @@ from .weights import LiveWeights
 __all__ = [
     "CAMERAS",
     "TASKS",
+    "Agent",
     "Channel",
     "CompileError",
     "Diagnostic",

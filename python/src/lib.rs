@@ -3,6 +3,7 @@
 //! What Gymnasium wants of an environment (spaces, info, registration) is written in Python, in `msk/`. Two rules hold here: no
 //! class holds the interpreter's lock while it computes, and no panic reaches Python (both in [`guard`]).
 
+mod agent;
 mod arrays;
 mod camera;
 mod compilation;
@@ -23,6 +24,8 @@ use pyo3::prelude::*;
 /// The native part of the package `msk`; use the package instead.
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::agent::Agent;
     #[pymodule_export]
     use super::camera::Camera;
     #[pymodule_export]

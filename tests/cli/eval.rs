@@ -48,7 +48,7 @@ fn a_suite_may_have_several_protocols() {
 }
 
 /// A suite of `lean`, which has no test, and of `shown`, which has one whose script ends in success.
-fn half_shown() -> Project {
+pub fn half_shown() -> Project {
     let project = Project::lean();
     let shown = super::project::LEAN.replace("task lean", "task shown");
     let script =

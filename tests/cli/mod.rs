@@ -13,6 +13,7 @@ mod fmt;
 mod help;
 mod interrupt;
 mod mcp;
+mod merge;
 mod motion;
 mod mutate;
 mod new;

@@ -48,10 +48,37 @@ fn an_agent_is_trained_evaluated_and_acts() {
     };
     assert_eq!(returned("network agent.onnx"), returned("agent out"));
     project.msk(&["agent", "export", "nowhere", "--onnx", "agent.onnx"]).failed(1, &["cannot open the folder `nowhere`"]);
+    project.msk(&["agent", "export", "out"]).failed(2, &["--onnx <FILE>", "--half <DIR>"]);
+    project.msk(&["agent", "export", "out", "--half", "small/hold"]).succeeded();
+    let shown = project.msk(&["agent", "show", "small/hold"]).succeeded().out;
+    assert!(shown.contains("network    2 - 16 - 1, tanh\n") && !shown.contains("evaluated"), "{shown}");
+    let best = project.msk(&["eval", "pendulum.msk", "--policy", "agents small", "--episodes", "2"]).succeeded().out;
+    assert!(best.contains("Policy `agents small ("), "{best}");
+    project.msk(&["run", "pendulum.msk", "--policy", "agents"]).failed(1, &["no agent was trained on `hold`, only on "]);
+    project.msk(&["run", "pendulum.msk", "--policy", "agents results"]).failed(1, &["cannot read `results`"]);
     // Once it is whole, the same command has nothing to do.
     let again = Done::from(train(&project, "4000", "out").output().unwrap()).succeeded();
     assert!(again.err.contains("resuming after 4000 steps"), "{}", again.err);
     assert_eq!(again.out, done.out);
+}
+
+/// Their tasks may not change without training them anew: `agents/README.md`.
+#[test]
+fn the_agents_that_come_with_the_program_succeed_in_their_tasks() {
+    let project = Project::empty();
+    let suite = repository("tasks.msk");
+    let done =
+        project.msk(&["eval", suite.to_str().unwrap(), "--policy", "agents", "--episodes", "1", "--out", "out"]).succeeded();
+    let report = project.read("out/report.md");
+    let rows: Vec<&str> =
+        report.lines().filter(|line| line.contains("| 100 % ")).map(|line| line[2..].split(' ').next().unwrap()).collect();
+    let agents: Vec<String> =
+        msk::train::Agents::built_in().unwrap().agents().iter().map(|agent| agent.description.task.clone()).collect();
+    for agent in &agents {
+        assert!(rows.contains(&agent.as_str()), "{}", done.out);
+    }
+    let skipped = "| skipped: no agent was trained on ";
+    assert_eq!(report.lines().filter(|line| line.contains(skipped)).count(), 22 - agents.len(), "{report}");
 }
 
 #[test]

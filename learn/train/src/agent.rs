@@ -1,4 +1,4 @@
-//! Agents: what was learned, as a folder, and as a policy.
+//! Agents: what was learned, as a folder.
 //!
 //! A folder holds `agent.toml` (what it was trained on and how well it does), `policy.safetensors` (its network with the normaliser of
 //! observations, as the policy `network` reads it) and `curve.jsonl` (how it became what it is).
@@ -7,19 +7,15 @@ use crate::curve;
 use crate::evaluate::Evaluation;
 use crate::onnx;
 use crate::play::Play;
-use msk_network::file::TensorFile;
-use msk_network::{Kernel, Mlp, Moments, Parameters, Processor, Shape, Tape};
+use msk_network::file::{Precision, Stored, TensorFile};
+use msk_network::{Mlp, Moments, Parameters, Shape, Tape};
 use msk_program::digest::hexadecimal;
 use msk_program::task::CompiledTask;
 use msk_runtime::episode::{Engine, single_precision};
-use msk_runtime::policy::{Policy, PolicyContext, PolicyError, PolicyMaker, PolicySource};
 use msk_storage::{Folder, StorageError};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::fmt::Write;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// The description of an agent, within its folder.
 const DESCRIPTION: &str = "agent.toml";
@@ -40,6 +36,8 @@ pub struct Actor {
     clip: f32,
     /// Whether the hyperbolic tangent of its output acts; else the episode clips.
     squash: bool,
+    /// To which the numbers of its layers are rounded, and in which they are stored; those of the normaliser are single.
+    precision: Precision,
 }
 
 /// What an agent was trained on, and how.
@@ -86,6 +84,15 @@ pub struct Agent {
     actor: Actor,
 }
 
+/// Why an agent should not act on a task, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unfit {
+    /// It cannot: it sees other channels, or gives other numbers.
+    Numbers(String),
+    /// It can, but what it sees and does means something else there.
+    Meaning(String),
+}
+
 /// Why a folder holds no agent.
 #[derive(Debug, thiserror::Error)]
 pub enum AgentError {
@@ -110,6 +117,37 @@ pub enum AgentError {
         /// What is wrong, in words that continue the name.
         reason: String,
     },
+    /// A number that half precision does not have.
+    #[error("`{tensor}` holds {value}: numbers of half precision are at most 65504")]
+    TooLarge {
+        /// The tensor.
+        tensor: String,
+        /// The number.
+        value: f32,
+    },
+    /// A folder without agents.
+    #[error("`{folder}` holds no folder of an agent: expected trainings of `msk train --out {folder}/NAME`, or agents")]
+    NoAgents {
+        /// The folder.
+        folder: String,
+    },
+}
+
+impl Description {
+    /// Of the text in a folder.
+    ///
+    /// # Errors
+    /// A text that describes no agent.
+    fn read(folder: &str, text: &str) -> Result<Self, AgentError> {
+        let invalid = |reason: String| AgentError::Invalid { folder: folder.to_owned(), file: DESCRIPTION, reason };
+        let description: Self = toml::from_str(text).map_err(|error| invalid(format!("describes no agent: {error}")))?;
+        let Shape { inputs, hidden, outputs, .. } = &description.network;
+        let observed: usize = description.observation.iter().map(|channel| channel.size).sum();
+        if observed != *inputs || hidden.iter().chain([outputs]).any(|size| !(1..=1 << 20).contains(size)) {
+            return Err(invalid(format!("describes a network of {inputs} inputs for {observed} observed numbers")));
+        }
+        Ok(description)
+    }
 }
 
 impl Actor {
@@ -133,6 +171,7 @@ impl Actor {
             std: moments.iter().map(|moments| moments.deviation() as f32).collect(),
             clip: play.normaliser.clip() as f32,
             squash,
+            precision: Precision::Single,
         }
     }
 
@@ -192,7 +231,7 @@ impl Actor {
         let mut file = TensorFile::default();
         for tensor in self.parameters.tensors() {
             let name = tensor.name.strip_prefix("policy.").unwrap_or(&tensor.name);
-            file.add(name, &tensor.shape, &self.parameters.values()[tensor.range.clone()]);
+            file.add_as(self.precision, name, &tensor.shape, &self.parameters.values()[tensor.range.clone()]);
         }
         file.add("observation.mean", &[self.mean.len()], self.mean.as_slice());
         file.add("observation.std", &[self.std.len()], self.std.as_slice());
@@ -216,20 +255,44 @@ impl Actor {
         let mut parameters = Parameters::default();
         let network = Mlp::new("policy", &description.network, &mut parameters);
         let tensor = |name: &str, shape: &[usize]| match file.tensors.get(name) {
-            Some((found, values)) if found == shape => Ok(values),
-            Some((found, _)) => Err(format!("holds `{name}` of shape {found:?}: expected {shape:?}")),
+            Some(stored) if stored.shape == shape => Ok(stored),
+            Some(Stored { shape: found, .. }) => Err(format!("holds `{name}` of shape {found:?}: expected {shape:?}")),
             None => Err(format!("lacks the tensor `{name}`")),
         };
+        let mut precision = Precision::Half;
         for known in parameters.tensors().to_vec() {
             let name = known.name.strip_prefix("policy.").unwrap_or(&known.name);
-            parameters.values_mut()[known.range].copy_from_slice(tensor(name, &known.shape)?);
+            let stored = tensor(name, &known.shape)?;
+            parameters.values_mut()[known.range].copy_from_slice(&stored.values);
+            if stored.precision == Precision::Single {
+                precision = Precision::Single;
+            }
         }
         let width = [description.network.inputs];
-        let (mean, std) = (tensor("observation.mean", &width)?.clone(), tensor("observation.std", &width)?.clone());
+        let numbers = |name: &str| tensor(name, &width).map(|stored| stored.values.clone());
+        let (mean, std) = (numbers("observation.mean")?, numbers("observation.std")?);
         if let Some(index) = std.iter().position(|std| *std <= 0.0) {
             return Err(format!("holds {} in `observation.std`, number {index}: expected more than 0", std[index]));
         }
-        Ok(Self { network, parameters, mean, std, clip: description.clip, squash: description.squash })
+        Ok(Self { network, parameters, mean, std, clip: description.clip, squash: description.squash, precision })
+    }
+
+    /// It with the numbers of its layers rounded.
+    ///
+    /// # Errors
+    /// A tensor with a number that is too large for that precision.
+    fn rounded_to(&self, precision: Precision) -> Result<Self, AgentError> {
+        let mut rounded = Self { precision, ..self.clone() };
+        for tensor in self.parameters.tensors() {
+            for value in &mut rounded.parameters.values_mut()[tensor.range.clone()] {
+                let stored = precision.round(*value);
+                if !stored.is_finite() {
+                    return Err(AgentError::TooLarge { tensor: tensor.name.clone(), value: *value });
+                }
+                *value = stored;
+            }
+        }
+        Ok(rounded)
     }
 }
 
@@ -281,10 +344,22 @@ impl Agent {
     /// A full disk, a folder that cannot be written.
     pub fn write(&self, folder: &Folder, name: &str, lines: &[u8]) -> Result<(), StorageError> {
         let own = folder.create_subfolder(Path::new(name))?;
-        own.replace(Path::new(NETWORK), &self.actor.file(&self.description.observation).bytes())?;
         own.replace(Path::new(curve::FILE), lines)?;
+        self.write_in(&own)
+    }
+
+    /// Writes its folder without a curve; an agent that is there is replaced.
+    ///
+    /// # Errors
+    /// A full disk, a folder that cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), StorageError> {
+        self.write_in(&Folder::create(path)?)
+    }
+
+    fn write_in(&self, folder: &Folder) -> Result<(), StorageError> {
+        folder.replace(Path::new(NETWORK), &self.actor.file(&self.description.observation).bytes())?;
         // Last: what has a description is whole. Plain data of names and numbers always has a TOML form.
-        own.replace(Path::new(DESCRIPTION), toml::to_string(&self.description).unwrap_or_default().as_bytes())
+        folder.replace(Path::new(DESCRIPTION), toml::to_string(&self.description).unwrap_or_default().as_bytes())
     }
 
     /// Reads the folder of an agent or, of a training, that of the agent which succeeded most.
@@ -305,25 +380,39 @@ impl Agent {
     fn in_folder(folder: &Folder) -> Result<Self, AgentError> {
         let shown = || folder.path().display().to_string();
         let missing = |file: &'static str| move || AgentError::Missing { folder: shown(), file };
-        let invalid = |file: &'static str, reason: String| AgentError::Invalid { folder: shown(), file, reason };
         let text = folder.read_text(Path::new(DESCRIPTION), LARGEST_DESCRIPTION)?.ok_or_else(missing(DESCRIPTION))?;
-        let description: Description =
-            toml::from_str(&text).map_err(|error| invalid(DESCRIPTION, format!("describes no agent: {error}")))?;
-        let observed: usize = description.observation.iter().map(|channel| channel.size).sum();
-        let sizes = description.network.hidden.iter().chain([&description.network.outputs]);
-        if observed != description.network.inputs || sizes.copied().any(|size| !(1..=1 << 20).contains(&size)) {
-            let reason = format!("describes a network of {} inputs for {observed} observed numbers", description.network.inputs);
-            return Err(invalid(DESCRIPTION, reason));
-        }
-        let bytes = folder.read(Path::new(NETWORK), LARGEST_NETWORK)?.ok_or_else(missing(NETWORK))?;
-        let file = TensorFile::read(&bytes).map_err(|error| invalid(NETWORK, error.to_string()))?;
-        let actor = Actor::read(&file, &description).map_err(|reason| invalid(NETWORK, reason))?;
+        let description = Description::read(&shown(), &text)?;
+        let network = folder.read(Path::new(NETWORK), LARGEST_NETWORK)?.ok_or_else(missing(NETWORK))?;
+        Self::with_network(&shown(), description, &network)
+    }
+
+    /// Of the content of the files in a folder.
+    ///
+    /// # Errors
+    /// Files that describe no agent, or another network than they hold.
+    pub(crate) fn of(folder: &str, description: &str, network: &[u8]) -> Result<Self, AgentError> {
+        Self::with_network(folder, Description::read(folder, description)?, network)
+    }
+
+    fn with_network(folder: &str, description: Description, network: &[u8]) -> Result<Self, AgentError> {
+        let invalid = |reason: String| AgentError::Invalid { folder: folder.to_owned(), file: NETWORK, reason };
+        let file = TensorFile::read(network).map_err(|error| invalid(error.to_string()))?;
+        let actor = Actor::read(&file, &description).map_err(invalid)?;
         Ok(Self { description, actor })
+    }
+
+    /// It with the numbers of its network in half precision: another agent, which has not been evaluated, in about half the bytes.
+    ///
+    /// # Errors
+    /// A number that half precision does not have.
+    pub fn in_half_precision(&self) -> Result<Self, AgentError> {
+        let description = Description { evaluation: None, ..self.description.clone() };
+        Ok(Self { description, actor: self.actor.rounded_to(Precision::Half)? })
     }
 
     /// It as an ONNX file, the normaliser included: `observation` [batch, numbers] to `action` [batch, entries].
     pub fn onnx(&self) -> Vec<u8> {
-        let Actor { network, parameters, mean, std, clip, squash } = &self.actor;
+        let Actor { network, parameters, mean, std, clip, squash, .. } = &self.actor;
         let known = &self.description;
         // Strings and numbers always have a JSON form.
         let channels = serde_json::to_string(&known.observation).unwrap_or_default();
@@ -335,6 +424,11 @@ impl Agent {
     /// The sizes of its network.
     pub(crate) fn shape(&self) -> &Shape {
         &self.description.network
+    }
+
+    /// Numbers of an observation, and entries of an action.
+    pub fn lengths(&self) -> (usize, usize) {
+        (self.description.network.inputs, self.description.network.outputs)
     }
 
     /// The sizes of its network, from what it sees to what it gives, in words.
@@ -374,108 +468,21 @@ impl Agent {
         None
     }
 
-    /// Why it cannot act on a task; `any_task` allows one that only means something else.
-    fn unfit(&self, context: &PolicyContext<'_>, any_task: bool) -> Option<String> {
-        let known = &self.description;
-        if let Some(reason) = self.unlike(context.task, context.action_size()) {
-            return Some(reason);
+    /// Why it should not act on the task of an engine, if it should not.
+    pub fn unfit(&self, engine: &Engine) -> Option<Unfit> {
+        let (known, task) = (&self.description, engine.task());
+        if let Some(reason) = self.unlike(task, engine.action_size()) {
+            return Some(Unfit::Numbers(reason));
         }
-        if any_task {
-            return None;
+        if task.body.name != known.body || body_hash(engine) != known.body_hash {
+            return Some(Unfit::Meaning(format!("it was trained on another body than this `{}`", task.body.name)));
         }
-        if context.task.body.name != known.body || body_hash(context.engine) != known.body_hash {
-            let remedy = "`agent --any-task FOLDER` uses it nevertheless";
-            return Some(format!("it was trained on another body than this `{}`; {remedy}", context.task.body.name));
-        }
-        if context.task.hash != known.task_hash {
-            let mut reason = String::new();
-            if context.task.name == known.task {
-                let _ = write!(reason, "the task `{}` has changed since it was trained", known.task);
-            } else {
-                let _ = write!(reason, "it was trained on the task `{}`", known.task);
-            }
-            return Some(format!("{reason}; `agent --any-task FOLDER` uses it nevertheless"));
+        if task.hash != known.task_hash {
+            return Some(Unfit::Meaning(match task.name == known.task {
+                true => format!("the task `{}` has changed since it was trained", known.task),
+                false => format!("it was trained on the task `{}`", known.task),
+            }));
         }
         None
     }
-}
-
-/// An agent that acts in episodes.
-struct AgentPolicy {
-    name: String,
-    agent: Arc<Agent>,
-    any_task: bool,
-    tape: Tape,
-    /// The task that it was last found to fit.
-    fits: Option<Arc<CompiledTask>>,
-}
-
-impl Policy for AgentPolicy {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
-        if self.fits.as_ref().is_some_and(|task| Arc::ptr_eq(task, context.engine.task())) {
-            return Ok(());
-        }
-        if let Some(reason) = self.agent.unfit(context, self.any_task) {
-            return Err(PolicyError::Unable { policy: self.name.clone(), reason });
-        }
-        self.fits = Some(context.engine.task().clone());
-        Ok(())
-    }
-
-    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
-        self.agent.actor.act(&mut self.tape, context.observation, action);
-        Ok(())
-    }
-}
-
-/// An agent, to be opened by workers.
-#[derive(Debug)]
-struct Maker {
-    name: String,
-    agent: Arc<Agent>,
-    any_task: bool,
-    kernel: Arc<dyn Kernel>,
-}
-
-impl PolicyMaker for Maker {
-    fn open<'a>(&self, _: &'a AtomicBool) -> Result<Box<dyn Policy + 'a>, PolicyError> {
-        let tape = Tape::new(self.kernel.clone());
-        Ok(Box::new(AgentPolicy {
-            name: self.name.clone(),
-            agent: self.agent.clone(),
-            any_task: self.any_task,
-            tape,
-            fits: None,
-        }))
-    }
-}
-
-/// The agent that `text` names: `agent FOLDER` or `agent --any-task FOLDER`; `None` if it names none. Files are read here, so that all
-/// episodes see the same; results tell two agents of one name apart.
-///
-/// # Errors
-/// A folder that holds no agent.
-pub fn source(text: &str) -> Option<Result<PolicySource, PolicyError>> {
-    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    (word == "agent").then(|| named(rest.trim()))
-}
-
-fn named(rest: &str) -> Result<PolicySource, PolicyError> {
-    let (any_task, path) = match rest.strip_prefix("--any-task") {
-        Some(path) => (true, path.trim()),
-        None => (false, rest),
-    };
-    if path.is_empty() {
-        return Err(PolicyError::Incomplete { policy: "agent", example: "agent results/walk" });
-    }
-    let unreadable = |reason: String| PolicyError::Unreadable { path: path.to_owned(), reason };
-    let agent = Agent::read(Path::new(path)).map_err(|error| unreadable(error.to_string()))?;
-    let name = format!("agent {path} ({})", agent.digest());
-    let kernel = Processor::new(std::num::NonZeroUsize::MIN).map_err(|error| unreadable(error.to_string()))?;
-    let maker = Maker { name: name.clone(), agent: Arc::new(agent), any_task, kernel: Arc::new(kernel) };
-    Ok(PolicySource::made(name, Arc::new(maker)))
 }

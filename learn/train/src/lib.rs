@@ -5,7 +5,7 @@
 //! 3. `ppo`, `sac`, `mpo` and `imitation` are the algorithms, `dep` explores, each a file that reads like its paper;
 //! 4. a [`Training`] plays and learns in rounds; its state can be written between any two and continued bit for bit;
 //! 5. a [`Session`](session::Session) keeps a training in a folder, evaluates it and keeps the best agents;
-//! 6. an [`Agent`] is a folder, and a policy of `run`, `eval` and `test` by [`source`].
+//! 6. an [`Agent`] is a folder, [`Agents`] are those of several tasks; [`source`] makes them policies of `run`, `eval` and `test`.
 //!
 //! The same seed gives the same bits at any number of threads. `docs/training.md` has settings, files and measurements.
 
@@ -13,6 +13,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod agent;
+mod agents;
 pub mod curve;
 mod dep;
 mod error;
@@ -23,6 +24,7 @@ mod mpo;
 mod numbers;
 mod onnx;
 mod play;
+mod policy;
 mod ppo;
 mod protobuf;
 mod replay;
@@ -33,11 +35,13 @@ mod teaching;
 mod tensorboard;
 mod training;
 
-pub use agent::{Actor, Agent, AgentError, Description, source};
+pub use agent::{Actor, Agent, AgentError, Description, Unfit};
+pub use agents::Agents;
 pub use error::TrainError;
 pub use evaluate::Evaluation;
 pub use learner::Losses;
 pub use msk_settings::SettingsError;
+pub use policy::source;
 pub use settings::{Algorithm, CloneSettings, DepSettings, MpoSettings, PpoSettings, Preset, SacSettings, Settings};
 pub use teaching::{DataSet, Lessons};
 pub use training::{Identity, Round, Training};

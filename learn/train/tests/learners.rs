@@ -8,7 +8,7 @@ use msk_runtime::episode::{Engine, Environment, EpisodeKey};
 use msk_runtime::library::{BodyLibrary, FileLoader};
 use msk_runtime::policy::{Policy, PolicyContext, PolicyError, PolicyMaker, PolicySource};
 use msk_train::session::{Ended, Observer, Progress, Session};
-use msk_train::{Agent, Algorithm, DataSet, Evaluation, Lessons, Preset, Round, Settings, TrainError, Training, source};
+use msk_train::{Agent, Agents, Algorithm, DataSet, Evaluation, Lessons, Preset, Round, Settings, TrainError, Training, source};
 use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -290,6 +290,72 @@ fn agents_are_folders_that_say_what_they_fit() {
     let seen = engine(&[("        swing.q\n        swing.qd", "        swing.qd\n        swing.q")]);
     let message = reset(&format!("agent --any-task {shown}"), &seen);
     assert!(message.contains("channel 1 is `swing.qd` (1), expected `swing.q` (1)"), "{message}");
+}
+
+#[test]
+fn of_several_agents_the_best_that_was_trained_on_the_task_acts() {
+    let here = engine(&[]);
+    let folder = tempdir().unwrap();
+    assert!(Agents::read(folder.path()).unwrap_err().to_string().contains("holds no folder of an agent"));
+    // Two trainings, of which one succeeded more, one of another task, and a folder that is none of these.
+    let session = |name: &str, engine: &Engine, success: f64| {
+        let path = folder.path().join(name);
+        open(&path, engine, &session_settings(Algorithm::Ppo)).run(&STOP, &mut Silent).unwrap();
+        let mut agent = Agent::read(&path).unwrap();
+        let evaluation = agent.description.evaluation.as_mut().unwrap();
+        evaluation.success = success;
+        agent.save(&path).unwrap();
+    };
+    session("a", &here, 0.25);
+    session("b", &here, 0.75);
+    let other = engine(&[("task hold", "task lift"), ("0.5 rad)^2", "0.4 rad)^2")]);
+    session("c", &other, 1.0);
+    fs::create_dir(folder.path().join("results")).unwrap();
+    let agents = Agents::read(folder.path()).unwrap();
+    let success = |engine: &Engine| agents.best(engine).map(|agent| agent.description.evaluation.unwrap().success);
+    assert_eq!((success(&here), success(&other)), (Ok(0.75), Ok(1.0)));
+    let changed = engine(&[("0.5 rad)^2", "0.3 rad)^2")]);
+    assert_eq!(success(&changed), Err("the task `hold` has changed since it was trained".into()));
+    let unknown = engine(&[("task hold", "task swing_up")]);
+    assert_eq!(success(&unknown), Err("no agent was trained on `swing_up`, only on `hold`, `lift`".into()));
+    let source = source(&format!("agents {}", folder.path().display())).unwrap().unwrap();
+    assert!(source.name().ends_with(&format!("({})", agents.digest())), "{}", source.name());
+}
+
+#[test]
+fn an_agent_in_half_precision_is_small_and_acts_almost_as_before() {
+    let here = engine(&[]);
+    let agent = training(&here, &small(Algorithm::Ppo), 1).agent();
+    let folder = tempdir().unwrap();
+    let saved = |name: &str, agent: &Agent| {
+        let path = folder.path().join(name);
+        agent.save(&path).unwrap();
+        (Agent::read(&path).unwrap(), fs::metadata(path.join("policy.safetensors")).unwrap().len())
+    };
+    let (single, size) = saved("single", &agent);
+    let (half, smaller) = saved("half", &agent.in_half_precision().unwrap());
+    assert_eq!(single, agent);
+    assert_eq!(half, agent.in_half_precision().unwrap());
+    let weights = 16 * 2 + 16 + 16 * 16 + 16 + 16 + 1;
+    // Headers are of different lengths, and padded.
+    assert!((size - smaller).abs_diff(2 * weights) <= 16, "{size} {smaller}");
+    assert_ne!(half.digest(), single.digest());
+    let act = |agent: &Agent| {
+        let kernel = Arc::new(msk_network::Processor::new(NonZeroUsize::MIN).unwrap());
+        let mut action = [0.0];
+        agent.actor().act(&mut msk_network::Tape::new(kernel), &[0.3, -0.2], &mut action);
+        action[0]
+    };
+    assert!(act(&half) != act(&single) && (act(&half) - act(&single)).abs() < 1e-3, "{} {}", act(&half), act(&single));
+    // The policy `network` reads it, too.
+    let network = PolicySource::parse(&format!("network {}", folder.path().join("half/policy.safetensors").display())).unwrap();
+    let mut policy = network.open(&STOP).unwrap();
+    let mut environment = Environment::of(here);
+    environment.reset(EpisodeKey { seed: 1, episode: 0 });
+    policy.reset(&environment.context()).unwrap();
+    let mut action = [0.0];
+    policy.act(&environment.context(), &mut action).unwrap();
+    assert!(action[0].is_finite());
 }
 
 #[test]

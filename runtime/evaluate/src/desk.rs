@@ -2,6 +2,7 @@
 
 use super::episode_set::Job;
 use super::order::{Order, Turn};
+use super::shard::Shard;
 use super::{EpisodeRecord, Journal, JournalError, Kept, Outcome, Summarizer};
 
 /// What the workers of a run share, one of them at a time.
@@ -13,9 +14,9 @@ pub(super) struct Desk<'a> {
 }
 
 impl<'a> Desk<'a> {
-    /// Of `tasks` tasks with so many episodes each.
-    pub fn new(journal: &'a Journal, (tasks, episodes): (usize, u64), kept: Kept, summarizer: Summarizer) -> Self {
-        Self { journal, order: Order::new((tasks, episodes), kept.done, kept.early), summarizer }
+    /// Of a shard of so many tasks with so many episodes each.
+    pub fn new(journal: &'a Journal, size: (usize, u64), shard: Shard, kept: Kept, summarizer: Summarizer) -> Self {
+        Self { journal, order: Order::new(size, shard, kept.done, kept.early), summarizer }
     }
 
     /// The order of the episodes.

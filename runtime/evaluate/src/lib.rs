@@ -20,6 +20,7 @@ mod desk;
 mod episode_set;
 mod feed;
 mod journal;
+mod merge;
 pub mod metrics;
 pub mod npz;
 mod order;
@@ -31,6 +32,7 @@ mod resumed;
 mod rollout;
 pub mod session;
 mod settings;
+mod shard;
 mod statistics;
 mod summary;
 pub mod sweep;
@@ -43,9 +45,11 @@ mod worker;
 pub use episode_set::{EpisodeSet, Job};
 pub use feed::{Fed, Feed, ReplayError, replay, replay_watched};
 pub use journal::{Journal, JournalError, Kept};
+pub use merge::{MergeError, Merged, merge};
 pub use record::{ByTerm, EpisodeRecord};
 pub use resumed::Resumed;
 pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
+pub use shard::{Shard, ShardError};
 pub use statistics::{Moments, Spread, wilson_interval};
 pub use summary::{FamilySummary, GroupSummary, MetricSummary, StandardSummary, Summarizer, Summary, TaskSummary, TermSummary};
 pub use to_horizon::{ToHorizon, play_to_horizon};
@@ -85,6 +89,8 @@ pub struct Plan {
     pub policy: PolicySource,
     /// Episodes and seed.
     pub protocol: Protocol,
+    /// Which of these episodes; the others are played elsewhere, and [`merge`] joins them.
+    pub shard: Shard,
 }
 
 /// Looks on while episodes run; called from all workers.
@@ -244,9 +250,15 @@ pub fn play_watched(
 }
 
 impl Plan {
-    /// The number of episodes of the whole plan.
+    /// The number of episodes of the plan.
     pub fn episodes(&self) -> u64 {
-        self.trials.len() as u64 * self.protocol.episodes
+        self.shard.among((self.trials.len() as u64).saturating_mul(self.protocol.episodes))
+    }
+
+    /// The number of those of its task number `trial`.
+    pub fn episodes_of(&self, trial: usize) -> u64 {
+        let before = |tasks: usize| self.shard.among((tasks as u64).saturating_mul(self.protocol.episodes));
+        before(trial + 1) - before(trial)
     }
 }
 

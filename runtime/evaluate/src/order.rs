@@ -6,6 +6,7 @@
 
 use super::EpisodeRecord;
 use super::episode_set::{EpisodeSet, Job};
+use super::shard::Shard;
 use std::collections::BTreeMap;
 
 /// How far episodes may be begun before the first that has not entered.
@@ -36,6 +37,8 @@ pub(super) struct Order {
     tasks: usize,
     /// Of each task.
     episodes: u64,
+    /// The episodes that are played here.
+    shard: Shard,
     /// In the journal from the beginning.
     done: EpisodeSet,
     /// The next to be handed out.
@@ -49,21 +52,22 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// Of `tasks` tasks with so many episodes each, of which some are in the journal and some have ended early.
-    pub fn new((tasks, episodes): (usize, u64), done: EpisodeSet, held: BTreeMap<Job, EpisodeRecord>) -> Self {
-        Self { tasks, episodes, done, next: (0, 0), due: (0, 0), held, skipped: BTreeMap::new() }
+    /// Of `tasks` tasks with so many episodes each, or a shard of these, of which some are in the journal and some have ended early.
+    pub fn new((tasks, episodes): (usize, u64), shard: Shard, done: EpisodeSet, held: BTreeMap<Job, EpisodeRecord>) -> Self {
+        Self { tasks, episodes, shard, done, next: (0, 0), due: (0, 0), held, skipped: BTreeMap::new() }
     }
 
     /// Episodes that are still to be played.
     pub fn missing(&self) -> u64 {
-        let all = self.episodes.saturating_mul(self.tasks as u64);
+        let all = self.shard.among(self.episodes.saturating_mul(self.tasks as u64));
         all.saturating_sub(self.done.len()).saturating_sub(self.held.len() as u64)
     }
 
     /// Whether some episodes of a task are still to be played.
     pub fn misses(&self, task: usize) -> bool {
         let held = self.held.range((task, 0)..=(task, u64::MAX)).count() as u64;
-        self.done.count(task) + held < self.episodes
+        let before = |tasks: usize| self.shard.among(self.episodes.saturating_mul(tasks as u64));
+        self.done.count(task) + held < before(task + 1) - before(task)
     }
 
     /// Hands out an episode.
@@ -138,10 +142,11 @@ impl Order {
         self.skipped.into_iter().map(|(task, (_, reason))| (task, reason)).collect()
     }
 
-    /// The first episode from `job` on, which may lie behind the last of its task.
-    fn within(&self, (task, episode): Job) -> Option<Job> {
-        let job = if episode < self.episodes { (task, episode) } else { (task + 1, 0) };
-        (job.0 < self.tasks && job.1 < self.episodes).then_some(job)
+    /// The first episode of the shard from `job` on, which may lie behind the last of its task.
+    fn within(&self, job: Job) -> Option<Job> {
+        let number = self.shard.first_from(self.number(job))?;
+        let task = usize::try_from(number.checked_div(self.episodes)?).ok()?;
+        (task < self.tasks).then_some((task, number % self.episodes))
     }
 
     fn number(&self, (task, episode): Job) -> u64 {
@@ -164,7 +169,7 @@ mod tests {
     fn order(done: &[Job]) -> Order {
         let mut set = EpisodeSet::default();
         done.iter().for_each(|job| assert!(set.insert(*job)));
-        Order::new((2, 3), set, BTreeMap::new())
+        Order::new((2, 3), Shard::WHOLE, set, BTreeMap::new())
     }
 
     fn ready(order: &mut Order) -> Vec<Job> {
@@ -194,6 +199,21 @@ mod tests {
     }
 
     #[test]
+    fn a_shard_has_its_own_episodes_only() {
+        let mut order = Order { shard: "2/4".parse().unwrap(), ..order(&[]) };
+        assert!(order.missing() == 2 && order.misses(0) && order.misses(1));
+        assert_eq!(ready(&mut order), []);
+        assert_eq!(claimed(&mut order), [(0, 1), (1, 2)]);
+        assert!(order.is_due((0, 1)));
+        order.end((1, 2), record(1, 2));
+        order.end((0, 1), record(0, 1));
+        assert_eq!(ready(&mut order), [(0, 1), (1, 2)]);
+        assert!(order.is_complete());
+        let order = Order { shard: "6/6".parse().unwrap(), ..self::order(&[]) };
+        assert!(!order.misses(0) && order.misses(1));
+    }
+
+    #[test]
     fn a_task_is_skipped_from_the_first_episode_on_that_shows_it() {
         let mut order = order(&[]);
         assert_eq!(claimed(&mut order).len(), 6);
@@ -219,7 +239,7 @@ mod tests {
 
     #[test]
     fn workers_wait_for_an_episode_that_takes_long() {
-        let mut order = Order::new((1, 10 * WINDOW), EpisodeSet::default(), BTreeMap::new());
+        let mut order = Order::new((1, 10 * WINDOW), Shard::WHOLE, EpisodeSet::default(), BTreeMap::new());
         let early = claimed(&mut order);
         assert_eq!(early.len() as u64, WINDOW);
         assert_eq!(order.claim(), Turn::Wait);
@@ -228,6 +248,6 @@ mod tests {
         order.end((0, 0), record(0, 0));
         assert_eq!(order.ready().len() as u64, WINDOW);
         assert_eq!(order.claim(), Turn::Play((0, WINDOW)));
-        assert_eq!(Order::new((3, 0), EpisodeSet::default(), BTreeMap::new()).claim(), Turn::Over);
+        assert_eq!(Order::new((3, 0), Shard::WHOLE, EpisodeSet::default(), BTreeMap::new()).claim(), Turn::Over);
     }
 }

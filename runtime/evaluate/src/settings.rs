@@ -2,7 +2,7 @@
 
 use super::journal::json;
 use super::journal::line::hex;
-use super::{EpisodeRecord, Plan};
+use super::{EpisodeRecord, Plan, Shard};
 use msk_program::task::{CompiledTask, Origin};
 use msk_runtime::condition::MuscleCondition;
 use msk_runtime::perturbation::Perturbation;
@@ -36,6 +36,9 @@ pub struct RunSettings {
     pub protocol: Protocol,
     /// The tasks, in order.
     pub tasks: Vec<TaskSettings>,
+    /// Which of the episodes are there; no part of the identity, which is that of the whole run.
+    #[serde(default, skip_serializing_if = "Shard::is_whole")]
+    pub shard: Shard,
     /// The weights file that is read anew before every episode, if one is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub live: Option<String>,
@@ -102,8 +105,14 @@ impl RunSettings {
             policy: plan.policy.name().to_owned(),
             protocol: plan.protocol,
             tasks: tasks.collect(),
+            shard: plan.shard,
             live: None,
         }
+    }
+
+    /// The whole run of which this may be a shard.
+    pub fn whole(&self) -> Self {
+        Self { shard: Shard::WHOLE, ..self.clone() }
     }
 
     /// The same run with weights from `file`, read anew before every episode.
@@ -121,7 +130,7 @@ impl RunSettings {
     /// carries it.
     pub fn identity(&self) -> String {
         let tasks = self.tasks.iter().map(TaskSettings::decisive).collect();
-        hex(json(&Self { tasks, ..self.clone() }).as_bytes())
+        hex(json(&Self { tasks, ..self.whole() }).as_bytes())
     }
 
     /// Why `record` cannot be an episode of this run, if it cannot.
@@ -168,6 +177,10 @@ impl RunSettings {
             .or_else(|| {
                 let file = |settings: &Self| settings.live.clone().unwrap_or_else(|| "none".into());
                 differ("live weights file", &file(self), &file(other))
+            })
+            .or_else(|| {
+                let words = |settings: &Self| if settings.shard.is_whole() { "none".into() } else { settings.shard.to_string() };
+                differ("shard", &words(self), &words(other))
             })
             .or_else(|| {
                 let pairs = || self.tasks.iter().zip(&other.tasks);
@@ -232,7 +245,15 @@ mod tests {
             overlaid: vec![],
         };
         let protocol = Protocol { episodes: 50, seed: 0 };
-        RunSettings { version: "1".into(), build: "2".into(), policy: "zero".into(), protocol, tasks: vec![task], live: None }
+        RunSettings {
+            version: "1".into(),
+            build: "2".into(),
+            policy: "zero".into(),
+            protocol,
+            tasks: vec![task],
+            shard: Shard::WHOLE,
+            live: None,
+        }
     }
 
     #[test]

@@ -79,7 +79,7 @@ impl<'a> Crew<'a> {
         extras: Extras<'a>,
     ) -> Result<Self, EvaluationError> {
         let Resumed { kept, summarizer } = resumed;
-        let desk = Desk::new(journal, (plan.trials.len(), plan.protocol.episodes), kept, summarizer);
+        let desk = Desk::new(journal, (plan.trials.len(), plan.protocol.episodes), plan.shard, kept, summarizer);
         let mut engines = BTreeMap::new();
         for (task, trial) in plan.trials.iter().enumerate().filter(|(task, _)| desk.order().misses(*task)) {
             engines.insert(task, trial.engine()?);

@@ -116,7 +116,7 @@ pub enum PolicyError {
     #[error("there is no policy `{0}`; choose one of: {names}", names = NAMES.join(", "))]
     Unknown(String),
     /// No policy that a command line names like this.
-    #[error("there is no policy `{0}`; choose one of: {names}, plan [PRESET | FILE], agent FOLDER, process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
+    #[error("there is no policy `{0}`; choose one of: {names}, plan [PRESET | FILE], agent FOLDER, agents [FOLDER], process COMMAND, network FILE, replay FILE", names = NAMES.join(", "))]
     UnknownSource(String),
     /// A policy that only the command line names.
     #[error(

@@ -28,7 +28,7 @@ use crate::store::{Store, StoreError, Version};
 use log::{Log, LogError};
 use msk_compiler::weights::rules::{RuleError, Weight, normalized};
 use msk_compiler::weights::{Bounds, Problem};
-use msk_evaluate::{EpisodeRecord, EvaluationError, Journal, JournalError, Plan, Protocol, RunSettings, Trial};
+use msk_evaluate::{EpisodeRecord, EvaluationError, Journal, JournalError, Plan, Protocol, RunSettings, Shard, Trial};
 use msk_storage::{Folder, StorageError};
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -156,6 +156,7 @@ impl Session {
             policy: settings.policy.clone(),
             // How many episodes there will be is not known beforehand.
             protocol: Protocol { episodes: 0, seed: settings.seed },
+            shard: Shard::WHOLE,
         };
         let (journal, episodes) = Journal::open_in(folder.clone(), &RunSettings::of(&plan).live(WEIGHTS))?;
         settings.claim(&folder, &trial)?;

@@ -11,13 +11,15 @@
 
 mod error;
 pub(crate) mod line;
+mod reader;
 
 pub use error::JournalError;
+pub(crate) use reader::Reader;
 
 use super::episode_set::{EpisodeSet, Job};
-use super::{EpisodeRecord, RunSettings};
-use line::{Line, LineError};
-use msk_storage::{Folder, Lock, Log, StorageError};
+use super::{EpisodeRecord, RunSettings, TRACES};
+use line::Line;
+use msk_storage::{Folder, Kind, Lock, Log, StorageError};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -32,6 +34,8 @@ const LOCK: &str = ".lock";
 const LARGEST_SETTINGS: u64 = 64 << 20;
 /// Most bytes of a line that is read: a record with tens of thousands of terms, metrics and parameters.
 const LARGEST_LINE: u64 = 16 << 20;
+/// Most bytes of a trace that is taken over.
+const LARGEST_TRACE: u64 = 1 << 32;
 
 /// An open journal. It may be shared between threads; the folder is locked against other processes while it lives.
 #[derive(Debug)]
@@ -139,10 +143,10 @@ impl Journal {
     /// # Errors
     /// Those of [`each`](Self::each), and that of `visit`.
     pub fn try_each<E: From<JournalError>>(path: &Path, mut visit: impl FnMut(EpisodeRecord) -> Result<(), E>) -> Result<(), E> {
-        let unusable = |source| JournalError::Unusable { folder: path.into(), source };
-        let folder = Folder::open(path).map_err(unusable)?;
-        let settings = claimed(&folder)?.ok_or_else(|| JournalError::Empty { folder: path.into() })?;
-        read(&folder, &settings, &mut visit).map(drop)
+        for episode in Reader::open(path)? {
+            visit(episode?.1)?;
+        }
+        Ok(())
     }
 
     /// All episodes of the journal in the folder `path`: for those that are few.
@@ -175,9 +179,42 @@ impl Journal {
             let log = opened(&mut files.wall_times, &self.folder, WALL_TIMES);
             log.and_then(|log| log.append_unsynced(time.as_bytes())).map_err(|source| self.unusable(source))?;
         }
+        self.append_lines(&mut files, records)
+    }
+
+    fn append_lines(&self, files: &mut Files, records: &[EpisodeRecord]) -> Result<(), JournalError> {
         let lines: Vec<String> = records.iter().map(|record| Line::written(record, &self.run)).collect();
         let lines: Vec<&[u8]> = lines.iter().map(String::as_bytes).collect();
         files.episodes.append_lines(&lines).map_err(|source| self.unusable(source))
+    }
+
+    /// Appends episodes of another journal of the run; the [rest](Self::adopt_rest) of it is taken over once.
+    ///
+    /// # Errors
+    /// Those of [`append`](Self::append).
+    pub(crate) fn adopt(&self, records: &[EpisodeRecord]) -> Result<(), JournalError> {
+        self.append_lines(&mut self.files(), records)
+    }
+
+    /// Takes over the wall times and traces of another journal.
+    ///
+    /// # Errors
+    /// Files that cannot be read or written.
+    pub(crate) fn adopt_rest(&self, other: &Path) -> Result<(), JournalError> {
+        let unusable = |source| JournalError::Unusable { folder: other.into(), source };
+        let folder = Folder::open(other).map_err(unusable)?;
+        let mut files = self.files();
+        for line in folder.lines(Path::new(WALL_TIMES), LARGEST_LINE).map_err(unusable)?.into_iter().flatten() {
+            let log = opened(&mut files.wall_times, &self.folder, WALL_TIMES);
+            log.and_then(|log| log.append_unsynced(&line?)).map_err(|source| self.unusable(source))?;
+        }
+        let Ok(traces) = folder.subfolder(Path::new(TRACES)) else { return Ok(()) };
+        for entry in traces.entries(Path::new("")).map_err(unusable)?.iter().filter(|entry| entry.kind == Kind::File) {
+            if let Some(bytes) = traces.read(&entry.name, LARGEST_TRACE).map_err(unusable)? {
+                self.write_below(&format!("{TRACES}/{}", entry.name.display()), bytes)?;
+            }
+        }
+        Ok(())
     }
 
     /// Keeps an episode whose turn has not come, so that it need not be played again if the program ends before.
@@ -259,22 +296,11 @@ fn read<E: From<JournalError>>(
     settings: &RunSettings,
     visit: &mut dyn FnMut(EpisodeRecord) -> Result<(), E>,
 ) -> Result<EpisodeSet, E> {
-    let path = folder.path().join(EPISODES);
-    let unusable = |source| JournalError::Unusable { folder: folder.path().into(), source };
-    let run = settings.identity();
-    let mut done = EpisodeSet::default();
-    let lines = folder.lines(Path::new(EPISODES), LARGEST_LINE).map_err(unusable)?;
-    for (number, line) in (1..).zip(lines.into_iter().flatten()) {
-        let damaged = |reason: String| JournalError::Damaged { path: path.clone(), line: number, reason };
-        let line = Line::read(&line.map_err(unusable)?).map_err(|error: LineError| damaged(error.to_string()))?;
-        let job =
-            settings.job(&line, &run).map_err(|reason| JournalError::Foreign { path: path.clone(), line: number, reason })?;
-        if !done.insert(job) {
-            return Err(damaged(format!("episode {} of `{}` already exists", job.1, line.record.task)).into());
-        }
-        visit(line.record)?;
+    let mut reader = Reader::of(folder, settings.clone())?;
+    for episode in reader.by_ref() {
+        visit(episode?.1)?;
     }
-    Ok(done)
+    Ok(reader.into_episodes())
 }
 
 /// The episodes that ended before their turn. They were not promised to be there, so what is damaged is left out.

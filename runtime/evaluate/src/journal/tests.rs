@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::desk::Desk;
-use crate::{Protocol, Summarizer, TaskSettings};
+use crate::{Protocol, Shard, Summarizer, TaskSettings};
 use msk_runtime::condition::{Fatigue, MuscleCondition};
 use msk_storage::{FailAt, Failure};
 use std::fs;
@@ -26,6 +26,7 @@ fn settings(seed: u64) -> RunSettings {
         policy: "zero".into(),
         protocol: Protocol { episodes: 3, seed },
         tasks: vec![task],
+        shard: Shard::WHOLE,
         live: None,
     }
 }
@@ -209,7 +210,7 @@ fn one_task_under_two_conditions_keeps_both() {
 fn attempt(folder: Folder, ends: [u64; 3]) -> Result<(), JournalError> {
     let mut summarizer = Summarizer::of(settings(0), vec![vec![]]);
     let (journal, kept) = Journal::open_with(folder, &settings(0), &mut |record| summarizer.add(&record))?;
-    let mut desk = Desk::new(&journal, (1, 3), kept, summarizer);
+    let mut desk = Desk::new(&journal, (1, 3), Shard::WHOLE, kept, summarizer);
     desk.enter()?;
     let claimed: Vec<u64> = std::iter::from_fn(|| desk.claim().job()).map(|(_, episode)| episode).collect();
     for episode in ends.into_iter().filter(|episode| claimed.contains(episode)) {

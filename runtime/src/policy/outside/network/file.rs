@@ -2,6 +2,7 @@
 //! who write them.
 
 use super::mlp::{Activation, Layer, Mlp};
+use half::f16;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::Deserialize;
@@ -139,9 +140,10 @@ fn normaliser(
 fn numbers(tensors: &SafeTensors<'_>, name: &str) -> Result<(Vec<f32>, Vec<usize>), String> {
     let tensor: TensorView<'_> = tensors.tensor(name).map_err(|_| format!("lacks the tensor `{name}`"))?;
     let values: Vec<f32> = match tensor.dtype() {
+        Dtype::F16 => tensor.data().as_chunks::<2>().0.iter().map(|bytes| f16::from_le_bytes(*bytes).to_f32()).collect(),
         Dtype::F32 => tensor.data().as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect(),
         Dtype::F64 => tensor.data().as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes) as f32).collect(),
-        other => return Err(format!("holds `{name}` as {other:?}: expected F32 or F64")),
+        other => return Err(format!("holds `{name}` as {other:?}: expected F16, F32 or F64")),
     };
     match values.iter().position(|value| !value.is_finite()) {
         Some(index) => Err(format!("holds {} in `{name}`, number {index}", values[index])),

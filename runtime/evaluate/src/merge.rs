@@ -1,0 +1,257 @@
+//! The shards of a run as one run: the folder that one machine would have written.
+
+use super::journal::{Journal, JournalError, Reader, pretty};
+use super::{EpisodeRecord, EpisodeSet, Job, RunSettings, Summarizer, Summary, report};
+use msk_storage::{Folder, StorageError};
+use std::iter::Peekable;
+use std::path::{Path, PathBuf};
+
+/// The summary of each shard.
+const SUMMARY: &str = "summary.json";
+/// Most bytes that are read of it.
+const LARGEST_SUMMARY: u64 = 256 << 20;
+/// Episodes that are written at once.
+const AT_ONCE: usize = 256;
+
+/// What [`merge`] has written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Merged {
+    /// Of all episodes.
+    pub summary: Summary,
+    /// How many there are.
+    pub episodes: u64,
+}
+
+/// Why shards are not one run.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// A folder that holds no journal, or a damaged one, or one that cannot be written.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The folder for the whole run exists.
+    #[error("cannot make the folder `{}`", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// The reason.
+        source: StorageError,
+    },
+    /// Two folders of different runs.
+    #[error("`{}` contains another run than `{}`: {difference}", folder.display(), first.display())]
+    OtherRun {
+        /// The first folder.
+        first: PathBuf,
+        /// Another one.
+        folder: PathBuf,
+        /// What is different.
+        difference: String,
+    },
+    /// A shard whose evaluation has written no summary.
+    #[error("`{}` has no `summary.json` that can be read: {reason}", folder.display())]
+    Summary {
+        /// The folder.
+        folder: PathBuf,
+        /// Why not.
+        reason: String,
+    },
+    /// A journal with episodes in another order than that of the plan.
+    #[error("`{}` contains episode {episode} of `{task}` behind later ones", folder.display())]
+    Order {
+        /// The folder.
+        folder: PathBuf,
+        /// Task of the episode.
+        task: String,
+        /// Its index.
+        episode: u64,
+    },
+    /// One episode with two results.
+    #[error("episode {episode} of `{task}` differs between `{}` and `{}`", one.display(), other.display())]
+    Differ {
+        /// The first folder.
+        one: PathBuf,
+        /// The second.
+        other: PathBuf,
+        /// Task of the episode.
+        task: String,
+        /// Its index.
+        episode: u64,
+    },
+    /// Episodes that no shard has.
+    #[error("{count} of {all} episodes are missing, such as episode {episode} of `{task}`")]
+    Missing {
+        /// How many.
+        count: u64,
+        /// Episodes of the run.
+        all: u64,
+        /// Task of the first of them.
+        task: String,
+        /// Its index.
+        episode: u64,
+    },
+}
+
+/// Writes the run whose shards are in folders into a new folder `out`: `run.json`, `episodes.jsonl`, `summary.json` and `report.md` have the
+/// bytes that one machine would have written; wall times and traces are taken over. Shards may overlap. Nothing is written unless every
+/// episode is there. Memory does not grow with the number of episodes.
+///
+/// # Errors
+/// Folders that are not the shards of one run, are incomplete or damaged, or a folder that cannot be written.
+pub fn merge(shards: &[PathBuf], out: &Path) -> Result<Merged, MergeError> {
+    let settings = settings(shards)?;
+    let summaries = shards.iter().map(|shard| summary(shard)).collect::<Result<Vec<_>, _>>()?;
+    // Tasks that the policy cannot act on, and units of metrics, which journals do not have.
+    let of_task = |place: usize| summaries.iter().filter_map(move |summary| summary.tasks.get(place));
+    let skipped = |place: usize| Some((place, of_task(place).find_map(|task| task.skipped.clone())?));
+    let skipped: Vec<(usize, String)> = (0..settings.tasks.len()).filter_map(skipped).collect();
+    let units = |place: usize| -> Vec<String> {
+        let known = of_task(place).find(|task| !task.metrics.is_empty());
+        known.into_iter().flat_map(|task| &task.metrics).map(|metric| metric.unit.clone()).collect()
+    };
+    let units = (0..settings.tasks.len()).map(units).collect();
+
+    let mut summarizer = Summarizer::of(settings.clone(), units);
+    let mut done = EpisodeSet::default();
+    for episode in InOrder::open(shards)? {
+        let (job, record) = episode?;
+        done.insert(job);
+        summarizer.add(&record);
+    }
+    must_be_whole(&settings, &done, &skipped)?;
+    let summary = summarizer.summary().with_skipped(&skipped);
+
+    Folder::create_new(out).map_err(|source| MergeError::Folder { folder: out.into(), source })?;
+    let (journal, _) = Journal::open(out, &settings)?;
+    let mut batch = Vec::new();
+    for episode in InOrder::open(shards)? {
+        batch.push(episode?.1);
+        if batch.len() == AT_ONCE {
+            journal.adopt(&batch)?;
+            batch.clear();
+        }
+    }
+    journal.adopt(&batch)?;
+    for shard in shards {
+        journal.adopt_rest(shard)?;
+    }
+    journal.write(SUMMARY, summary.json())?;
+    journal.write("report.md", report::markdown(&summary))?;
+    Ok(Merged { summary, episodes: done.len() })
+}
+
+/// The whole run of which all folders hold shards.
+fn settings(shards: &[PathBuf]) -> Result<RunSettings, MergeError> {
+    let mut whole: Option<(RunSettings, &Path)> = None;
+    for folder in shards {
+        let own = Reader::open(folder)?.settings().whole();
+        match &whole {
+            None => whole = Some((own, folder)),
+            Some((known, first)) => {
+                if let Some(difference) = own.difference(known) {
+                    return Err(MergeError::OtherRun { first: first.to_path_buf(), folder: folder.clone(), difference });
+                }
+            }
+        }
+    }
+    whole.map(|(settings, _)| settings).ok_or_else(|| JournalError::Empty { folder: PathBuf::new() }.into())
+}
+
+/// What a shard's evaluation has summed up.
+fn summary(shard: &Path) -> Result<Summary, MergeError> {
+    let cannot = |reason: String| MergeError::Summary { folder: shard.into(), reason };
+    let text = Folder::open(shard).and_then(|folder| folder.read_text(Path::new(SUMMARY), LARGEST_SUMMARY));
+    let text = text.map_err(|error| cannot(error.reason()))?.ok_or_else(|| cannot("there is no such file".into()))?;
+    serde_json::from_str(&text).map_err(|error| cannot(error.to_string()))
+}
+
+fn must_be_whole(settings: &RunSettings, done: &EpisodeSet, skipped: &[(usize, String)]) -> Result<(), MergeError> {
+    let episodes = settings.protocol.episodes;
+    let places = 0..settings.tasks.len();
+    let played: Vec<usize> = places.filter(|place| !skipped.iter().any(|(known, _)| known == place)).collect();
+    let all = episodes.saturating_mul(played.len() as u64);
+    let there: u64 = played.iter().map(|place| done.count(*place)).sum();
+    let first = played.iter().find(|place| done.count(**place) < episodes);
+    let Some(place) = first else { return Ok(()) };
+    let episode = (0..episodes).find(|episode| !done.contains((*place, *episode))).unwrap_or_default();
+    let task = settings.tasks[*place].name.clone();
+    Err(MergeError::Missing { count: all.saturating_sub(there), all, task, episode })
+}
+
+/// The episodes of all shards in the order of the plan, each once.
+struct InOrder {
+    shards: Vec<Shard>,
+    /// After an error there is nothing more.
+    over: bool,
+}
+
+/// The episodes of one shard.
+struct Shard {
+    folder: PathBuf,
+    episodes: Peekable<Reader>,
+    /// The episode that was taken last.
+    last: Option<Job>,
+}
+
+impl InOrder {
+    fn open(shards: &[PathBuf]) -> Result<Self, MergeError> {
+        let open = |folder: &PathBuf| -> Result<Shard, MergeError> {
+            Ok(Shard { folder: folder.clone(), episodes: Reader::open(folder)?.peekable(), last: None })
+        };
+        Ok(Self { shards: shards.iter().map(open).collect::<Result<_, _>>()?, over: false })
+    }
+
+    /// The next episode, of all shards that have it.
+    fn earliest(&mut self) -> Result<Option<(Job, EpisodeRecord)>, MergeError> {
+        let mut earliest: Option<Job> = None;
+        for shard in &mut self.shards {
+            // An error is taken below, when it is the turn of its shard: at once.
+            match shard.episodes.peek() {
+                Some(Ok((job, _))) if earliest.is_none_or(|known| *job < known) => earliest = Some(*job),
+                Some(Err(_)) => return shard.take().map(Some),
+                _ => {}
+            }
+        }
+        let Some(job) = earliest else { return Ok(None) };
+        let mut found: Option<(PathBuf, EpisodeRecord)> = None;
+        for shard in &mut self.shards {
+            if !matches!(shard.episodes.peek(), Some(Ok((own, _))) if *own == job) {
+                continue;
+            }
+            let (_, record) = shard.take()?;
+            match &found {
+                None => found = Some((shard.folder.clone(), record)),
+                Some((one, known)) if pretty(known) != pretty(&record) => {
+                    let (one, other, task) = (one.clone(), shard.folder.clone(), record.task);
+                    return Err(MergeError::Differ { one, other, task, episode: job.1 });
+                }
+                Some(_) => {}
+            }
+        }
+        Ok(found.map(|(_, record)| (job, record)))
+    }
+}
+
+impl Shard {
+    /// Takes the next episode, which there is.
+    fn take(&mut self) -> Result<(Job, EpisodeRecord), MergeError> {
+        let empty = || Err(JournalError::Empty { folder: self.folder.clone() });
+        let (job, record) = self.episodes.next().unwrap_or_else(empty)?;
+        if self.last.is_some_and(|last| job < last) {
+            return Err(MergeError::Order { folder: self.folder.clone(), task: record.task, episode: job.1 });
+        }
+        self.last = Some(job);
+        Ok((job, record))
+    }
+}
+
+impl Iterator for InOrder {
+    type Item = Result<(Job, EpisodeRecord), MergeError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.over {
+            return None;
+        }
+        let next = self.earliest().transpose();
+        self.over = !matches!(next, Some(Ok(_)));
+        next
+    }
+}
