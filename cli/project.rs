@@ -7,7 +7,6 @@ use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile_with};
 use msk::evaluate::Trial;
 use msk::runtime::library::{BodyLibrary, FileLoader};
-use std::collections::BTreeSet;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -118,29 +117,17 @@ pub fn compiled(name: &str, settings: &[Setting]) -> Result<Vec<Arc<CompiledTask
 }
 
 /// The task that is called `only`, else those of the suites in their order, else all tasks of the file.
-fn chosen<'a>(compilation: &'a Compilation, only: Option<&'a str>) -> Result<Vec<&'a Arc<CompiledTask>>, Error> {
+fn chosen<'a>(compilation: &'a Compilation, only: Option<&str>) -> Result<Vec<&'a Arc<CompiledTask>>, Error> {
     let tasks = &compilation.tasks;
-    let members: Vec<&str> = match only {
-        Some(name) => vec![name],
-        None => {
-            let families = compilation.suites.iter().flat_map(|suite| &suite.families);
-            let members: Vec<&str> = families.flat_map(|(_, members)| members).map(String::as_str).collect();
-            if members.is_empty() { tasks.iter().map(|task| task.name.as_str()).collect() } else { members }
-        }
-    };
-    // A task that is in two families comes once.
-    let mut seen = BTreeSet::new();
-    let members: Vec<&str> = members.into_iter().filter(|name| seen.insert(*name)).collect();
-    if members.is_empty() {
+    if tasks.is_empty() {
         return Err(Error::new("the file contains no task").hint("a task begins with `task NAME {`"));
     }
-    let find = |name: &str| {
-        tasks.iter().find(|task| task.name == name).ok_or_else(|| {
-            let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
-            Error::new(format!("there is no task `{name}`")).hint(format!("there are: {}", known.join(", ")))
-        })
-    };
-    members.into_iter().map(find).collect()
+    let Some(name) = only else { return Ok(compilation.members()) };
+    let found = tasks.iter().find(|task| task.name == name).ok_or_else(|| {
+        let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();
+        Error::new(format!("there is no task `{name}`")).hint(format!("there are: {}", known.join(", ")))
+    })?;
+    Ok(vec![found])
 }
 
 /// Parameters of tasks that are set on the command line.

@@ -33,8 +33,8 @@ use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
 use reading::Reader;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -52,6 +52,20 @@ pub struct Compilation {
     pub warnings: Vec<Diagnostic>,
     /// The files that warnings point into.
     pub sources: SourceMap,
+}
+
+impl Compilation {
+    /// The tasks of the suites in their order, each once; all tasks where there is no suite.
+    pub fn members(&self) -> Vec<&Arc<CompiledTask>> {
+        let families = self.suites.iter().flat_map(|suite| &suite.families);
+        let mut names: Vec<&str> = families.flat_map(|(_, members)| members).map(String::as_str).collect();
+        if names.is_empty() {
+            return self.tasks.iter().collect();
+        }
+        let mut seen = BTreeSet::new();
+        names.retain(|name| seen.insert(*name));
+        names.into_iter().filter_map(|name| self.tasks.iter().find(|task| task.name == name)).collect()
+    }
 }
 
 /// A parameter that is set from outside.

@@ -12,6 +12,7 @@ from .agents import Agent
 from .diagnostics import Diagnostic, Diagnostics, Fix, Place
 from .environment import CAMERAS, Env, Page, Picture, Snapshot, show
 from .errors import CompileError, InternalError, LintWarning
+from .evaluation import evaluate, merge
 from .registration import id_of, make, make_vec, register
 from .tasks import TASKS, Channel, Explanation, Parameter, Task, Term, check, compile, compile_text
 from .vector import VectorEnv
@@ -42,9 +43,11 @@ __all__ = [
     "check",
     "compile",
     "compile_text",
+    "evaluate",
     "id_of",
     "make",
     "make_vec",
+    "merge",
     "physics",
     "register",
     "show",

@@ -20,6 +20,9 @@ Parameters: TypeAlias = Mapping[str, float | str]
 Weights: TypeAlias = Mapping[str, float] | str | os.PathLike[str]
 """Weights by term, or the path of a weights file."""
 
+SUITE: str = next(path for path in _native.texts() if path.endswith("/tasks.msk"))
+"""The path of the benchmark's suite in the package."""
+
 _FAMILIES = ("stabilization", "locomotion", "interaction")
 
 TASKS: dict[str, str] = {

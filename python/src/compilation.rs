@@ -7,7 +7,7 @@ use crate::texts::PackageLoader;
 use msk_compiler::compile::Setting;
 use msk_compiler::diagnostics;
 use msk_compiler::{Compilation, compile_with};
-use msk_evaluate::probe;
+use msk_evaluate::{Trial, probe};
 use msk_program::files::{Loader, plain};
 use msk_program::task::CompiledTask;
 use msk_runtime::library::{BodyLibrary, WithText, in_words};
@@ -23,7 +23,11 @@ fn bodies() -> &'static BodyLibrary {
 }
 
 /// Compiles a file, or `text` in its place, with parameters set: (name, value with its unit).
-fn compiled(path: PathBuf, text: Option<String>, parameters: Vec<(String, String)>) -> Result<Compilation, diagnostics::Report> {
+pub fn compiled(
+    path: PathBuf,
+    text: Option<String>,
+    parameters: Vec<(String, String)>,
+) -> Result<Compilation, diagnostics::Report> {
     let settings: Vec<Setting> = parameters.into_iter().map(|(name, value)| Setting { name, value }).collect();
     let path = plain(&path);
     let with_text;
@@ -55,15 +59,41 @@ pub fn compile(
         let task = Task::new(chosen, body).map_err(|error| Failure::Words(in_words(&error)))?;
         Ok((task, Report::of(diagnostics::Report::new(sources, warnings))))
     })?;
-    built.map_err(|failure| match failure {
-        Failure::Report(report) => Report::of(report).into_error(),
-        Failure::Words(text) => PyValueError::new_err(text),
-    })
+    built.map_err(Failure::into_error)
 }
 
-enum Failure {
+/// Why there is no task.
+pub enum Failure {
+    /// Errors in a text.
     Report(diagnostics::Report),
+    /// Others.
     Words(String),
+}
+
+impl Failure {
+    /// As Python knows it.
+    pub fn into_error(self) -> PyErr {
+        match self {
+            Self::Report(report) => Report::of(report).into_error(),
+            Self::Words(text) => PyValueError::new_err(text),
+        }
+    }
+}
+
+/// The tasks of a compilation in the order of its suites, or the one of that name, each on its body.
+///
+/// # Errors
+/// No such task, or a body that does not fit.
+pub fn staged(file: &str, compilation: &Compilation, only: Option<&str>) -> Result<Vec<Trial>, Failure> {
+    let chosen = match only {
+        Some(name) => vec![choose(file, &compilation.tasks, Some(name)).map_err(Failure::Words)?],
+        None => compilation.members().into_iter().cloned().collect(),
+    };
+    let trial = |task: Arc<CompiledTask>| match bodies().stage(&task.body, &task.scene) {
+        Ok(body) => Ok(Trial::new(task, body)),
+        Err(error) => Err(Failure::Words(in_words(&error))),
+    };
+    chosen.into_iter().map(trial).collect()
 }
 
 fn choose(file: &str, tasks: &[Arc<CompiledTask>], name: Option<&str>) -> Result<Arc<CompiledTask>, String> {

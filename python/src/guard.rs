@@ -4,8 +4,14 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
 
 pyo3::import_exception!(msk.errors, InternalError);
+
+/// How often signals are looked at.
+const SIGNALS: Duration = Duration::from_millis(20);
 
 /// Runs `work` while other Python threads go on.
 ///
@@ -13,6 +19,28 @@ pyo3::import_exception!(msk.errors, InternalError);
 /// `msk.InternalError` if it panics: a defect of msk, never of its user.
 pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| internal(&*panic))
+}
+
+/// Runs `work` on a thread of its own while other Python threads go on and signals are handled: one that raises, such as Ctrl-C, asks the
+/// work to stop, and is raised when it has.
+///
+/// # Errors
+/// What a signal raised, and those of [`detached`].
+pub fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
+    let stop = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let worker = scope.spawn(|| work(&stop));
+        let mut raised = None;
+        while !worker.is_finished() {
+            py.detach(|| thread::sleep(SIGNALS));
+            if let Err(error) = py.check_signals() {
+                stop.store(true, Ordering::Relaxed);
+                raised.get_or_insert(error);
+            }
+        }
+        let result = worker.join().map_err(|panic| internal(&*panic))?;
+        raised.map_or(Ok(result), Err)
+    })
 }
 
 fn internal(panic: &(dyn Any + Send)) -> PyErr {

@@ -8,6 +8,7 @@ mod arrays;
 mod camera;
 mod compilation;
 mod environment;
+mod evaluation;
 mod guard;
 mod physics;
 mod recorded;
@@ -32,6 +33,8 @@ mod _native {
     use super::compilation::{check, compile};
     #[pymodule_export]
     use super::environment::Environment;
+    #[pymodule_export]
+    use super::evaluation::{evaluate, merge};
     #[cfg(debug_assertions)]
     #[pymodule_export]
     use super::guard::provoke_panic;
