@@ -7,7 +7,7 @@ use msk::evaluate::metrics::similarity::{Similarity, compare, mean_correlation};
 use msk::evaluate::recordings::{OBTAIN, Recording};
 use msk::evaluate::report::Table;
 use msk::evaluate::trace::Trace;
-use msk_storage::read_text_file;
+use msk_storage::read_file;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ const LARGEST: u64 = 1 << 30;
 pub struct Args {
     /// The trace: with activations, ground_reactions, feet and center_of_mass
     trace: PathBuf,
-    /// Table of human envelopes, .csv, .sto or .mot: a column per muscle, rows at equal distances over the gait cycle
+    /// Table of human envelopes, .csv, .sto, .mot or .c3d: a column per muscle, rows at equal distances over the gait cycle
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
     /// A muscle and the column that it is compared with [default: every column that is called like a muscle]
@@ -75,8 +75,8 @@ impl Human {
     /// # Errors
     /// A file that cannot be read.
     pub fn read(path: &Path, map: &[(String, String)]) -> Result<Self, Error> {
-        let text = read_text_file(path, LARGEST).context(|| format!("cannot read `{}`", path.display()))?;
-        let recording = Recording::read(&path.to_string_lossy(), &text).map_err(|error| damaged(path, &error))?;
+        let bytes = read_file(path, LARGEST).context(|| format!("cannot read `{}`", path.display()))?;
+        let recording = Recording::read(&path.to_string_lossy(), &bytes).map_err(|error| damaged(path, &error))?;
         Ok(Self { path: path.into(), recording, map: map.to_vec() })
     }
 

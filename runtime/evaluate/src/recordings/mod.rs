@@ -2,11 +2,13 @@
 //!
 //! * OpenSim's `.sto` and `.mot`: a header up to `endheader`, then names and rows;
 //! * `.trc` of motion capture: three columns for each marker, a row for each frame;
+//! * `.c3d` of motion capture: markers, and analog channels such as electromyograms;
 //! * `.csv` (separated by commas, semicolons or tabs): names and rows, as envelopes of electromyograms are exported.
 //!
 //! Recordings of people are not part of this project: their owners publish them, for example Gait120 (Boo et al. 2025, walking and stairs)
 //! and Van Hooren and Meijer (2024, running). [`OBTAIN`] says how to bring one of them here.
 
+mod c3d;
 mod csv;
 mod storage;
 mod trc;
@@ -36,11 +38,14 @@ pub struct Recording {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RecordingError {
     /// An ending that names no format.
-    #[error("has an unknown format: expected a name that ends in .sto, .mot, .trc or .csv")]
+    #[error("has an unknown format: expected a name that ends in .sto, .mot, .trc, .c3d or .csv")]
     Format,
-    /// A binary format that is not read.
-    #[error("is a C3D file, which is not read: export it as .trc or .mot, for example by Mokka or ezc3d")]
-    Binary,
+    /// A binary file whose parts contradict each other.
+    #[error("is damaged: {0}")]
+    Damaged(&'static str),
+    /// Bytes that are no text.
+    #[error("is no UTF-8 text")]
+    Text,
     /// A part of the header is missing.
     #[error("has no {0}")]
     Missing(&'static str),
@@ -71,16 +76,17 @@ pub enum RecordingError {
 }
 
 impl Recording {
-    /// Reads the text of a file of that name.
+    /// Reads the bytes of a file of that name.
     ///
     /// # Errors
     /// Another format, or a damaged file.
-    pub fn read(name: &str, text: &str) -> Result<Self, RecordingError> {
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, RecordingError> {
+        let text = || str::from_utf8(bytes).map_err(|_| RecordingError::Text);
         match name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).as_deref() {
-            Some("sto" | "mot") => storage::read(text),
-            Some("trc") => trc::read(text),
-            Some("csv" | "tsv") => csv::read(text),
-            Some("c3d") => Err(RecordingError::Binary),
+            Some("sto" | "mot") => storage::read(text()?),
+            Some("trc") => trc::read(text()?),
+            Some("csv" | "tsv") => csv::read(text()?),
+            Some("c3d") => c3d::read(bytes),
             _ => Err(RecordingError::Format),
         }
     }

@@ -4,11 +4,11 @@ use crate::trace::{opensim, tests::trace};
 #[test]
 fn what_a_trace_exports_is_read() {
     for file in opensim(&trace()) {
-        let found = Recording::read(file.name, &file.text).unwrap();
+        let found = Recording::read(file.name, file.text.as_bytes()).unwrap();
         assert_eq!((found.rows(), found.degrees), (4, file.name == "coordinates.mot"), "{}", file.name);
     }
     let activations = opensim(&trace()).into_iter().find(|file| file.name == "activations.sto").unwrap();
-    let found = Recording::read("a.STO", &activations.text).unwrap();
+    let found = Recording::read("a.STO", activations.text.as_bytes()).unwrap();
     assert_eq!(found.column("soleus_l").unwrap(), [0.0, 0.25, 0.5, 0.75]);
     assert_eq!(found.column("knee"), None);
 }
@@ -17,7 +17,7 @@ fn what_a_trace_exports_is_read() {
 fn markers_have_three_columns() {
     let text = "PathFileType\t4\t(X/Y/Z)\tw.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\n100\t100\t2\t2\tmm\n\
                 Frame#\tTime\tASIS\t\t\tHEEL\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n1\t0.00\t1\t2\t3\t4\t5\t6\t\n2\t0.01\t1.5\t2\t3\t\t\t\n";
-    let found = Recording::read("w.trc", text).unwrap();
+    let found = Recording::read("w.trc", text.as_bytes()).unwrap();
     assert_eq!(found.names[..5], ["frame", "time", "ASIS.x", "ASIS.y", "ASIS.z"]);
     assert_eq!(found.column("ASIS.x").unwrap(), [1.0, 1.5]);
     assert!(found.column("HEEL.z").unwrap()[0] == 6.0 && found.column("HEEL.z").unwrap()[1].is_nan());
@@ -26,7 +26,7 @@ fn markers_have_three_columns() {
 #[test]
 fn envelopes_come_from_named_columns() {
     let text = "\u{feff}percent;Soleus;\"Tib. ant.\"\n0;0.1;0.5\n50;0.9;\n100;0.1;0.4\n";
-    let found = Recording::read("gait.csv", text).unwrap();
+    let found = Recording::read("gait.csv", text.as_bytes()).unwrap();
     let pair = |muscle: &str, column: &str| (muscle.to_owned(), column.to_owned());
     let envelopes = found.envelopes(&[pair("soleus_r", "Soleus"), pair("tibant_r", "Tib. ant.")]).unwrap();
     assert_eq!((envelopes[0].muscle.as_str(), envelopes[0].values.as_slice()), ("soleus_r", &[0.1, 0.9, 0.1][..]));
@@ -37,8 +37,9 @@ fn envelopes_come_from_named_columns() {
 
 #[test]
 fn what_is_no_recording_is_refused_with_its_line() {
-    let error = |name: &str, text: &str| Recording::read(name, text).unwrap_err().to_string();
-    assert!(error("x.c3d", "").starts_with("is a C3D file, which is not read: export it"));
+    let error = |name: &str, text: &str| Recording::read(name, text.as_bytes()).unwrap_err().to_string();
+    assert_eq!(error("x.c3d", "percent,Soleus"), "has no mark of a C3D file in its second byte");
+    assert_eq!(Recording::read("x.csv", &[0xFF]), Err(RecordingError::Text));
     assert!(error("x", "").starts_with("has an unknown format") && error("x.mat", "").starts_with("has an unknown format"));
     assert_eq!(error("x.sto", "version=1\n"), "has no line `endheader`");
     assert_eq!(error("x.mot", "endheader\n"), "has no names of columns");
