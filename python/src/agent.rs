@@ -4,6 +4,7 @@ use crate::arrays;
 use crate::guard::detached;
 use crate::task::Task;
 use msk_network::{Kernel, Processor, Tape};
+use msk_physics::scalar::Real;
 use msk_train::{Agents, Unfit};
 use numpy::{PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -67,7 +68,7 @@ impl Agent {
             let mut actions = vec![0.0; rows.unwrap_or(1) * entries];
             self.agent.actor().act(&mut Tape::new(self.kernel.clone()), &values, &mut actions);
             // As episodes clip them.
-            actions.iter_mut().for_each(|action| *action = action.clamp(-1.0, 1.0));
+            actions.iter_mut().for_each(|action| *action = action.clip(-1.0, 1.0));
             actions
         })?;
         match rows {

@@ -1,6 +1,7 @@
 //! `msk report` and `msk compare`.
 
 use super::project::Project;
+use crate::support::repository;
 
 /// Two evaluations of a task, the first with traces, and a sweep.
 fn evaluated() -> Project {
@@ -47,6 +48,32 @@ fn a_report_has_every_part_and_no_link_outside() {
     assert!(project.read("report/report.csv").contains("Learning,training,100,7,200"), "{}", project.read("report/report.csv"));
     assert!(project.read("report/report.tex").contains("\\toprule"));
     assert!(project.read("report/paper.tex").contains("& Stabilization (1) & "), "{}", project.read("report/paper.tex"));
+}
+
+/// A fall while running has one gait cycle.
+#[test]
+fn envelopes_of_people_stand_beside_those_of_an_episode() {
+    let project = Project::empty();
+    let suite = repository("tasks.msk");
+    let play = ["eval", suite.to_str().unwrap(), "--task", "run", "--policy", "demonstration", "--episodes", "1"];
+    project.msk(&[&play[..], &["--trace", "--out", "run"]].concat()).succeeded();
+    project.write("human.csv", "percent,soleus_r,Tibialis\n0,0.1,0.2\n30,0.3,0.1\n60,0.9,0.3\n100,0.1,0.2\n");
+    let emg = ["--emg", "human.csv", "--map", "soleus_r=soleus_r", "--map", "tibant_r=Tibialis"];
+    project.msk(&[&["report", "run", "--out", "report"], &emg[..]].concat()).succeeded();
+    let page = project.read("report/report.html");
+    for part in
+        ["Envelopes of electromyograms, episode 0 of run", "Mean r ", "soleus_r, r = ", "tibant_r, r = ", "deviation over cycles"]
+    {
+        assert!(page.contains(part), "no `{part}`");
+    }
+    let report = project.read("report/report.md");
+    let cells: Vec<&str> =
+        report.lines().find(|line| line.starts_with("| soleus_r ")).unwrap().split('|').map(str::trim).collect();
+    assert_eq!(cells[2], "1", "{report}");
+    // A column that does not exist is named, and the rest of the report is written.
+    let done = project.msk(&["report", "run", "--out", "other", "--emg", "human.csv", "--map", "soleus_r=Soleus"]).succeeded();
+    assert!(done.err.contains("episode 0 of run is not compared with electromyograms: "), "{}", done.err);
+    assert!(done.err.contains("has no column `Soleus`") && project.path("other/report.html").exists(), "{}", done.err);
 }
 
 #[test]
