@@ -4,19 +4,23 @@
     python examples/python/sb3.py ppo --task stand --minutes 10
     python examples/python/sb3.py ppo --task stand --minutes 10 --resume runs/stand-ppo/latest
 
-TensorBoard (`tensorboard --logdir runs`) shows the return of each term, success and lengths. A resumed run has the
-networks, the optimizer, the normaliser and the replay buffer of the other, and begins new episodes; `ppo.py` goes on with
-the very same numbers.
+TensorBoard (`tensorboard --logdir runs`) shows the return of each term, success and lengths. A checkpoint holds networks,
+optimizers, normaliser, replay buffer, random generators and the environments with their episodes, so that a resumed run
+goes on with the same numbers as one that was never interrupted, on as many threads of PyTorch.
 """
 
 from __future__ import annotations
 
 import argparse
+import pickle
+import random
 import time
 from collections import deque
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import torch
 from msk.stable_baselines3 import VecEnv
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
@@ -28,14 +32,26 @@ FOREVER = 10**12
 
 
 class Progress(BaseCallback):
-    """Logs what ended episodes report, saves once a minute, and stops when the time is over."""
+    """Logs what ended episodes report, saves once a minute, and stops when the time is over, or after so many steps."""
 
-    def __init__(self, folder: Path, minutes: float) -> None:
+    def __init__(
+        self, folder: Path, minutes: float = float("inf"), steps: int = FOREVER
+    ) -> None:
         super().__init__()
         self.folder = folder
         self.end = time.monotonic() + 60 * minutes
+        self.steps = steps
         self.saved = time.monotonic()
+        self.over = False
         self.ended: deque[dict[str, float]] = deque(maxlen=100)
+
+    def _on_rollout_start(self) -> None:
+        # Here nothing is half done: the learner has learned from all that it has seen.
+        now = time.monotonic()
+        self.over = now > self.end or self.num_timesteps >= self.steps
+        if self.over or now > self.saved + 60:
+            save(self.model, self.folder)
+            self.saved = now
 
     def _on_step(self) -> bool:
         for info in self.locals["infos"]:
@@ -51,51 +67,65 @@ class Progress(BaseCallback):
                         "episode/steps": info["steps"],
                     }
                 )
-        now = time.monotonic()
         if self.ended and self.n_calls % 64 == 0:
             for key in self.ended[0]:
                 self.logger.record(
                     key, float(np.mean([episode[key] for episode in self.ended]))
                 )
-        if now > self.saved + 60:
-            save(self.model, self.folder)
-            self.saved = now
-        return now < self.end
-
-    def _on_training_end(self) -> None:
-        save(self.model, self.folder)
+        return not self.over
 
 
 def save(model: BaseAlgorithm, folder: Path) -> None:
-    """Writes networks, optimizer, normaliser and, if there is one, the replay buffer."""
+    """Writes everything that the next step depends on."""
     folder.mkdir(parents=True, exist_ok=True)
+    normaliser = model.get_vec_normalize_env()
     model.save(folder / "model")
-    model.get_vec_normalize_env().save(str(folder / "normaliser.pkl"))
+    normaliser.save(str(folder / "normaliser.pkl"))
     if isinstance(model, SAC):
         model.save_replay_buffer(folder / "replay.pkl")
+    state: dict[str, Any] = {
+        "environments": normaliser.venv.snapshot(),
+        # The normaliser leaves out what belongs to its environments.
+        "returns": normaliser.returns,
+        "python": random.getstate(),
+        "numpy": np.random.get_state(),
+        "torch": torch.get_rng_state(),
+    }
+    (folder / "state.pkl").write_bytes(pickle.dumps(state))
 
 
 def load(algorithm: type[BaseAlgorithm], envs: VecEnv, folder: Path) -> BaseAlgorithm:
     """Reads what `save` wrote. It is unpickled: load only files of one's own."""
+    envs.reset()
+    normaliser = VecNormalize.load(str(folder / "normaliser.pkl"), envs)
     model = algorithm.load(
-        folder / "model",
-        VecNormalize.load(str(folder / "normaliser.pkl"), envs),
-        device="cpu",
+        folder / "model", normaliser, device="cpu", force_reset=False
     )
     if isinstance(model, SAC):
         model.load_replay_buffer(folder / "replay.pkl")
+    # Last: making a model seeds all generators.
+    state = pickle.loads((folder / "state.pkl").read_bytes())
+    envs.restore(state["environments"])
+    normaliser.returns = state["returns"]
+    random.setstate(state["python"])
+    np.random.set_state(state["numpy"])
+    torch.set_rng_state(state["torch"])
     return model
 
 
 def create(
-    algorithm: type[BaseAlgorithm], envs: VecEnv, seed: int, logs: Path
+    algorithm: type[BaseAlgorithm],
+    envs: VecEnv,
+    seed: int,
+    logs: Path | None,
+    **settings: Any,
 ) -> BaseAlgorithm:
     """A new learner, with settings that suit hundreds of muscles: small first actions."""
     normalised = VecNormalize(envs, gamma=0.99)
     shared = {
         "seed": seed,
         "device": "cpu",
-        "tensorboard_log": str(logs),
+        "tensorboard_log": None if logs is None else str(logs),
         "gamma": 0.99,
     }
     if algorithm is PPO:
@@ -103,9 +133,7 @@ def create(
         return PPO(
             "MlpPolicy",
             normalised,
-            n_steps=64,
-            batch_size=256,
-            n_epochs=4,
+            **{"n_steps": 64, "batch_size": 256, "n_epochs": 4} | settings,
             policy_kwargs=policy,
             **shared,
         )
@@ -113,8 +141,7 @@ def create(
     return SAC(
         "MlpPolicy",
         normalised,
-        buffer_size=100_000,
-        gradient_steps=4,
+        **{"buffer_size": 100_000, "gradient_steps": 4} | settings,
         policy_kwargs=policy,
         **shared,
     )
