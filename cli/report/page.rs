@@ -50,6 +50,7 @@ pub fn csv(sections: &[Section]) -> String {
 
 /// The tables as LaTeX, with the rules of `booktabs`.
 pub fn latex(sections: &[Section]) -> String {
+    const PACKAGES: &str = "% Needs the packages booktabs and adjustbox.\n\n";
     let mut text = String::new();
     for (section, grid) in tables(sections) {
         let line = |cells: &[String]| cells.iter().map(|cell| escaped(cell)).collect::<Vec<_>>().join(" & ");
@@ -57,21 +58,25 @@ pub fn latex(sections: &[Section]) -> String {
         // Writing to a string cannot fail.
         let _ = write!(
             text,
-            "\\begin{{table}}\n\\centering\n\\caption{{{}. {}}}\n\\begin{{tabular}}{{l{columns}}}\n\\toprule\n{} \\\\\n\\midrule\n",
+            "\\begin{{table}}\n\\centering\n\\caption{{{}. {}}}\n{FITTED}\\begin{{tabular}}{{l{columns}}}\n\\toprule\n{} \\\\\n\\midrule\n",
             escaped(&section.title),
             escaped(&section.words),
             line(&grid.head)
         );
         grid.rows.iter().for_each(|row| text.extend([line(row).as_str(), " \\\\\n"]));
-        text.push_str("\\bottomrule\n\\end{tabular}\n\\end{table}\n\n");
+        let _ = write!(text, "\\bottomrule\n\\end{{tabular}}\n{END_FITTED}\\end{{table}}\n\n");
     }
-    text
+    if text.is_empty() { text } else { format!("{PACKAGES}{text}") }
 }
 
 fn tables(sections: &[Section]) -> impl Iterator<Item = (&Section, &Grid)> {
     let filled = |section: &'_ Section| section.table.as_ref().is_some_and(|grid| !grid.rows.is_empty());
     sections.iter().filter(move |section| filled(section)).filter_map(|section| Some((section, section.table.as_ref()?)))
 }
+
+/// What makes a table smaller that is wider than the lines of a text, and its end.
+pub const FITTED: &str = "\\begin{adjustbox}{max width=\\linewidth}\n";
+pub const END_FITTED: &str = "\\end{adjustbox}\n";
 
 /// Text with the characters escaped that LaTeX takes for commands.
 pub fn escaped(text: &str) -> String {

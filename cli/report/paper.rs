@@ -1,7 +1,7 @@
 //! The tables of the paper, as LaTeX in its layouts: the comparison of policies over the whole suite, and a table for each family with
 //! activation cost, robustness at every scale, peak-efficiency steps, success and smoothness.
 
-use super::page::escaped;
+use super::page::{END_FITTED, FITTED, escaped};
 use super::read::Source;
 use core::fmt::Write;
 use msk::evaluate::metrics::peak;
@@ -24,7 +24,7 @@ struct Column<'a> {
 pub fn latex(sources: &[Source]) -> String {
     let columns = columns(sources);
     let Some(first) = columns.iter().find_map(|column| column.summary) else { return String::new() };
-    let mut text = String::from("% Needs the packages booktabs, multirow and graphicx.\n\n");
+    let mut text = String::from("% Needs the packages booktabs, multirow and adjustbox.\n\n");
     text.push_str(&aggregate(&columns, first));
     for family in &first.families {
         text.push_str(&of_family(&family.name, &columns, first, sources));
@@ -54,8 +54,9 @@ fn columns(sources: &[Source]) -> Vec<Column<'_>> {
 
 /// Success by family, areas under perturbations, coverage: policies beside each other, the best of each row in bold.
 fn aggregate(columns: &[Column<'_>], first: &Summary) -> String {
-    let mut text =
-        begin("Success and robustness of all tasks. Means weight tasks equally; areas are 0 to 100. Bold: best of the row.");
+    let mut text = begin(
+        "Success and robustness of all tasks. Means weight tasks equally; areas are 0 to 100. Bold: best of the row; \\textsuperscript{3/6}: of 3 of 6 tasks.",
+    );
     let heads: Vec<String> = columns.iter().map(|column| escaped(column.name)).collect();
     // Writing to a string cannot fail.
     let _ = write!(
@@ -68,23 +69,25 @@ fn aggregate(columns: &[Column<'_>], first: &Summary) -> String {
     let rows = groups.map(|group| {
         let name = if group.name == first.overall.name { "Average".to_owned() } else { capital(&group.name) };
         let of = |summary: &Summary| {
-            let known = summary.families.iter().chain([&summary.overall]).find(|known| known.name == group.name);
-            known.and_then(|known| known.success_rate).map(|rate| 100.0 * rate)
+            let known = summary.families.iter().chain([&summary.overall]).find(|known| known.name == group.name)?;
+            let of = (known.evaluated < known.tasks).then_some((known.evaluated, known.tasks));
+            Some(Value { number: 100.0 * known.success_rate?, of })
         };
         let values = columns.iter().map(|column| column.summary.and_then(of)).collect();
         (format!("{} ({})", escaped(&name), group.tasks), values)
     });
     text.push_str(&block("SR (\\%) $\\uparrow$", &rows.collect::<Vec<_>>()));
     let area = |column: &Column<'_>, axis: Axis| column.sweep.and_then(|sweep| curve(sweep, &sweep.overall, axis)?.area);
-    let mut rows: Vec<(String, Vec<Option<f64>>)> = AXES
+    let whole = |number: Option<f64>| number.map(|number| Value { number, of: None });
+    let mut rows: Vec<(String, Vec<Option<Value>>)> = AXES
         .iter()
-        .map(|(axis, name)| ((*name).to_owned(), columns.iter().map(|column| area(column, *axis)).collect()))
+        .map(|(axis, name)| ((*name).to_owned(), columns.iter().map(|column| whole(area(column, *axis))).collect()))
         .collect();
     let average = |column: &Column<'_>| {
         let areas: Option<Vec<f64>> = AXES.iter().map(|(axis, _)| area(column, *axis)).collect();
         areas.map(|areas| areas.iter().sum::<f64>() / areas.len() as f64)
     };
-    rows.push(("Average".to_owned(), columns.iter().map(average).collect()));
+    rows.push(("Average".to_owned(), columns.iter().map(average).map(whole).collect()));
     let _ = write!(text, "\\midrule\n{}\\midrule\n", block("Robust. $\\uparrow$", &rows));
     let covered =
         |column: &Column<'_>| column.summary.map(|summary| summary.tasks.iter().filter(|task| task.successes > 0).count());
@@ -94,16 +97,26 @@ fn aggregate(columns: &[Column<'_>], first: &Summary) -> String {
         count.map_or(NOTHING.to_owned(), |count| bold(format!("{count:.0}/{all}"), is_best(count, &counts)))
     };
     let cells: Vec<String> = columns.iter().zip(&counts).map(cell).collect();
-    let _ = write!(text, "Coverage $\\uparrow$ & SR $>0$ & {} \\\\\n{}", cells.join(" & "), end(false));
+    let _ = write!(text, "Coverage $\\uparrow$ & SR $>0$ & {} \\\\\n{}", cells.join(" & "), end());
     text
 }
 
+/// A mean, and of how many of how many tasks where some were not evaluated: it is then no better than another.
+#[derive(Debug, Clone, Copy)]
+struct Value {
+    number: f64,
+    of: Option<(usize, usize)>,
+}
+
 /// Rows of a group beside its name.
-fn block(name: &str, rows: &[(String, Vec<Option<f64>>)]) -> String {
+fn block(name: &str, rows: &[(String, Vec<Option<Value>>)]) -> String {
     let mut text = format!("\\multirow{{{}}}{{*}}{{{name}}}\n", rows.len());
     for (metric, values) in rows {
-        let cell = |value: &Option<f64>| match value {
-            Some(value) => bold(format!("{value:.2}"), is_best(*value, values)),
+        let whole = |value: &Option<Value>| value.filter(|value| value.of.is_none()).map(|value| value.number);
+        let numbers: Vec<Option<f64>> = values.iter().map(whole).collect();
+        let cell = |value: &Option<Value>| match value {
+            Some(Value { number, of: None }) => bold(format!("{number:.2}"), is_best(*number, &numbers)),
+            Some(Value { number, of: Some((some, all)) }) => format!("{number:.2}\\textsuperscript{{{some}/{all}}}"),
             None => NOTHING.to_owned(),
         };
         let cells: Vec<String> = values.iter().map(cell).collect();
@@ -131,7 +144,7 @@ fn of_family(family: &str, columns: &[Column<'_>], first: &Summary, sources: &[S
     // Writing to a string cannot fail.
     let _ = write!(
         text,
-        "\\resizebox{{\\linewidth}}{{!}}{{\n\\begin{{tabular}}{{lc c *{{{count}}}{{c}} ccc}}\n\\toprule\n\
+        "\\begin{{tabular}}{{lc c *{{{count}}}{{c}} ccc}}\n\\toprule\n\
          \\multirow{{3}}{{*}}{{\\textbf{{Task}}}} & \\multirow{{3}}{{*}}{{\\textbf{{Policy}}}} & \\textbf{{Activation}} & \
          \\multicolumn{{{count}}}{{c}}{{\\textbf{{Robustness (\\%)}}}} & \\textbf{{Max}} & \\textbf{{SR}} & \\textbf{{$\\log_{{10}}$smooth}} \\\\\n\
          & & \\textbf{{Cost}} & {} & \\textbf{{Steps}} ($\\times 10^7$) & \\textbf{{(\\%)}} & \\textbf{{(rad$^2$/s$^6$)}} \\\\\n\
@@ -150,7 +163,7 @@ fn of_family(family: &str, columns: &[Column<'_>], first: &Summary, sources: &[S
             let _ = writeln!(text, "& {} \\\\", row(&task.task, column, &scales, sources).join(" & "));
         }
     }
-    text.push_str(&end(true));
+    text.push_str(&end());
     text
 }
 
@@ -204,12 +217,11 @@ fn capital(name: &str) -> String {
 }
 
 fn begin(caption: &str) -> String {
-    format!("\\begin{{table*}}\n\\centering\n\\setlength{{\\tabcolsep}}{{2pt}}\n\\caption{{{caption}}}\n")
+    format!("\\begin{{table*}}\n\\centering\n\\setlength{{\\tabcolsep}}{{2pt}}\n\\caption{{{caption}}}\n{FITTED}")
 }
 
-fn end(resized: bool) -> String {
-    let close = if resized { "}\n" } else { "" };
-    format!("\\bottomrule\n\\end{{tabular}}\n{close}\\end{{table*}}\n\n")
+fn end() -> String {
+    format!("\\bottomrule\n\\end{{tabular}}\n{END_FITTED}\\end{{table*}}\n\n")
 }
 
 #[cfg(test)]
@@ -262,6 +274,7 @@ mod tests {
             "Group & Metric & agent runs/walk\\_ppo/best & cmc \\\\",
             "& Stabilization (1) & 50.00 & \\textbf{100.00} \\\\",
             "& Average (2) & \\textbf{75.00} & 50.00 \\\\",
+            "\\begin{adjustbox}{max width=\\linewidth}",
             "& Action & -- & \\textbf{75.00} \\\\",
             // Not all axes were swept.
             "& Average & -- & -- \\\\",
@@ -277,5 +290,18 @@ mod tests {
         }
         assert_eq!(text.matches("\\begin{table*}").count(), 3, "one for all tasks, one for each family");
         assert_eq!(latex(&[]), "");
+        // A mean of fewer tasks is no better.
+        let mut some = summary("agents", [1.0, 0.0]);
+        (some.families[0].tasks, some.overall.evaluated) = (6, 1);
+        let text = latex(&[
+            Source { summary: Some(some), ..source("a") },
+            Source { summary: Some(summary("cmc", [0.5, 0.25])), ..source("c") },
+        ]);
+        for line in [
+            "& Stabilization (6) & 100.00\\textsuperscript{1/6} & \\textbf{50.00} \\\\",
+            "& Average (2) & 50.00\\textsuperscript{1/2} & \\textbf{37.50} \\\\",
+        ] {
+            assert!(text.lines().any(|found| found == line), "no `{line}` in\n{text}");
+        }
     }
 }

@@ -91,10 +91,19 @@ fn families(evaluated: &[(&str, &Summary)], swept: &[(&str, &Sweep)]) -> Section
     let success = |name: &str| -> Vec<Option<f64>> {
         evaluated.iter().map(|(_, summary)| group(summary, name).and_then(|family| family.success_rate)).collect()
     };
+    // A mean over some of the tasks says so.
+    let cell = |(_, summary): &(&str, &Summary), name: &str| match group(summary, name) {
+        Some(group) if group.evaluated < group.tasks && group.evaluated > 0 => {
+            format!("{} of {} of {} tasks", percent(group.success_rate), group.evaluated, group.tasks)
+        }
+        found => percent(found.and_then(|group| group.success_rate)),
+    };
     let coverage = |(_, summary): &(&str, &Summary)| {
         format!("{} of {}", summary.tasks.iter().filter(|task| task.successes > 0).count(), summary.tasks.len())
     };
-    let row = |name: &&str| [(*name).to_owned()].into_iter().chain(success(name).into_iter().map(percent)).collect::<Vec<_>>();
+    let row = |name: &&str| -> Vec<String> {
+        [(*name).to_owned()].into_iter().chain(evaluated.iter().map(|column| cell(column, name))).collect()
+    };
     let mut rows: Vec<Vec<String>> = if evaluated.is_empty() { vec![] } else { names.iter().map(row).collect() };
     if !rows.is_empty() {
         rows.push(["tasks with a success".to_owned()].into_iter().chain(evaluated.iter().map(coverage)).collect());
