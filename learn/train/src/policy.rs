@@ -62,11 +62,9 @@ impl Policy for AgentPolicy {
     }
 
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
-        // An episode begins with a reset; without one nothing is asked of the muscles.
-        match &self.chosen {
-            Some((_, agent)) => agent.actor().act(&mut self.tape, context.observation, action),
-            None => action.fill(0.0),
-        }
+        let early = || PolicyError::Failed { policy: self.name.clone(), reason: "it has not been reset".into() };
+        let (_, agent) = self.chosen.as_ref().ok_or_else(early)?;
+        agent.actor().act(&mut self.tape, context.observation, action);
         Ok(())
     }
 }

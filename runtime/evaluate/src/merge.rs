@@ -178,13 +178,13 @@ fn must_be_whole(settings: &RunSettings, done: &EpisodeSet, skipped: &[(usize, S
 
 /// The episodes of all shards in the order of the plan, each once.
 struct InOrder {
-    shards: Vec<Shard>,
+    parts: Vec<Part>,
     /// After an error there is nothing more.
     over: bool,
 }
 
 /// The episodes of one shard.
-struct Shard {
+struct Part {
     folder: PathBuf,
     episodes: Peekable<Reader>,
     /// The episode that was taken last.
@@ -193,34 +193,33 @@ struct Shard {
 
 impl InOrder {
     fn open(shards: &[PathBuf]) -> Result<Self, MergeError> {
-        let open = |folder: &PathBuf| -> Result<Shard, MergeError> {
-            Ok(Shard { folder: folder.clone(), episodes: Reader::open(folder)?.peekable(), last: None })
+        let open = |folder: &PathBuf| -> Result<Part, MergeError> {
+            Ok(Part { folder: folder.clone(), episodes: Reader::open(folder)?.peekable(), last: None })
         };
-        Ok(Self { shards: shards.iter().map(open).collect::<Result<_, _>>()?, over: false })
+        Ok(Self { parts: shards.iter().map(open).collect::<Result<_, _>>()?, over: false })
     }
 
     /// The next episode, of all shards that have it.
     fn earliest(&mut self) -> Result<Option<(Job, EpisodeRecord)>, MergeError> {
         let mut earliest: Option<Job> = None;
-        for shard in &mut self.shards {
-            // An error is taken below, when it is the turn of its shard: at once.
-            match shard.episodes.peek() {
+        for part in &mut self.parts {
+            match part.episodes.peek() {
                 Some(Ok((job, _))) if earliest.is_none_or(|known| *job < known) => earliest = Some(*job),
-                Some(Err(_)) => return shard.take().map(Some),
+                Some(Err(_)) => return part.take().map(Some),
                 _ => {}
             }
         }
         let Some(job) = earliest else { return Ok(None) };
         let mut found: Option<(PathBuf, EpisodeRecord)> = None;
-        for shard in &mut self.shards {
-            if !matches!(shard.episodes.peek(), Some(Ok((own, _))) if *own == job) {
+        for part in &mut self.parts {
+            if !matches!(part.episodes.peek(), Some(Ok((own, _))) if *own == job) {
                 continue;
             }
-            let (_, record) = shard.take()?;
+            let (_, record) = part.take()?;
             match &found {
-                None => found = Some((shard.folder.clone(), record)),
+                None => found = Some((part.folder.clone(), record)),
                 Some((one, known)) if pretty(known) != pretty(&record) => {
-                    let (one, other, task) = (one.clone(), shard.folder.clone(), record.task);
+                    let (one, other, task) = (one.clone(), part.folder.clone(), record.task);
                     return Err(MergeError::Differ { one, other, task, episode: job.1 });
                 }
                 Some(_) => {}
@@ -230,7 +229,7 @@ impl InOrder {
     }
 }
 
-impl Shard {
+impl Part {
     /// Takes the next episode, which there is.
     fn take(&mut self) -> Result<(Job, EpisodeRecord), MergeError> {
         let empty = || Err(JournalError::Empty { folder: self.folder.clone() });
@@ -253,5 +252,39 @@ impl Iterator for InOrder {
         let next = self.earliest().transpose();
         self.over = !matches!(next, Some(Ok(_)));
         next
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::journal::tests::{record, settings};
+    use std::fs;
+
+    /// A shard with these episodes and returns.
+    fn shard(folder: &Path, name: &str, episodes: &[(u64, f64)]) -> PathBuf {
+        let path = folder.join(name);
+        let (journal, _) = Journal::open(&path, &settings(0)).unwrap();
+        for (episode, total) in episodes {
+            journal.append(&EpisodeRecord { total: *total, ..record(*episode) }).unwrap();
+        }
+        let summary = Summarizer::of(settings(0), vec![vec![]]).summary();
+        journal.write(SUMMARY, summary.json()).unwrap();
+        path
+    }
+
+    #[test]
+    fn an_episode_with_two_results_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let shard = |name: &str, episodes: &[(u64, f64)]| shard(folder.path(), name, episodes);
+        let (one, same, other) =
+            (shard("one", &[(0, 1.5), (1, 1.5)]), shard("same", &[(1, 1.5), (2, 1.5)]), shard("other", &[(1, 1.25), (2, 1.5)]));
+        let out = folder.path().join("out");
+        let error = merge(&[one.clone(), other], &out).unwrap_err().to_string();
+        assert!(error.starts_with("episode 1 of `stand` differs between `") && error.contains("one` and `"), "{error}");
+        assert!(!out.exists());
+        let merged = merge(&[same, one], &out).unwrap();
+        assert_eq!((merged.episodes, merged.summary.tasks[0].successes), (3, 3));
+        assert_eq!(fs::read_to_string(out.join("episodes.jsonl")).unwrap().lines().count(), 3);
     }
 }

@@ -356,4 +356,4 @@ pub(super) fn pretty(value: &impl serde::Serialize) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

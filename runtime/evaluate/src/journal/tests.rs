@@ -8,7 +8,7 @@ use msk_storage::{FailAt, Failure};
 use std::fs;
 use std::sync::Arc;
 
-fn settings(seed: u64) -> RunSettings {
+pub(crate) fn settings(seed: u64) -> RunSettings {
     let task = TaskSettings {
         name: "stand".into(),
         family: String::new(),
@@ -31,7 +31,7 @@ fn settings(seed: u64) -> RunSettings {
     }
 }
 
-fn record(episode: u64) -> EpisodeRecord {
+pub(crate) fn record(episode: u64) -> EpisodeRecord {
     let line = format!(
         r#"{{"task":"stand","policy":"zero","seed":0,"episode":{episode},"success":true,"terminated_by":[],"truncated":true,
         "fault":null,"steps":10,"return":1.5,"terms":{{}},"values":{{}},"task_hash":"a","model_hash":"b"}}"#
