@@ -1,5 +1,6 @@
-//! The tables of the paper, as LaTeX in its layouts: the comparison of policies over the whole suite, and a table for each family with
-//! activation cost, robustness at every scale, peak-efficiency steps, success and smoothness.
+//! The tables of the paper, as LaTeX in its layouts: the comparison of policies over the whole suite, a table for each family with
+//! activation cost, robustness at every scale, peak-efficiency steps, success and smoothness, and recruitment by family for evaluations of few
+//! tasks, such as those of the load study.
 
 use super::page::{END_FITTED, FITTED, escaped};
 use super::read::Source;
@@ -28,6 +29,9 @@ pub fn latex(sources: &[Source]) -> String {
     text.push_str(&aggregate(&columns, first));
     for family in &first.families {
         text.push_str(&of_family(&family.name, &columns, first, sources));
+    }
+    for source in sources {
+        text.extend(source.summary.as_ref().and_then(recruitment));
     }
     text
 }
@@ -184,6 +188,40 @@ fn row(task: &str, column: &Column<'_>, scales: &[Vec<f64>], sources: &[Source])
     cells
 }
 
+/// Most tasks beside each other in a table of recruitment.
+const MOST_TASKS: usize = 6;
+
+/// Activation mass A_k and share P_k of each muscle family, tasks beside each other; none for evaluations of many tasks.
+fn recruitment(summary: &Summary) -> Option<String> {
+    let tasks: Vec<&TaskSummary> = summary.tasks.iter().filter(|task| !task.recruitment.is_empty()).collect();
+    if tasks.is_empty() || summary.tasks.len() > MOST_TASKS {
+        return None;
+    }
+    let policy = escaped(&summary.policy);
+    let mut text = begin(&format!("Recruitment under {policy}: activation mass $A_k$ and its share $P_k$ of all families."));
+    let heads: Vec<String> = tasks.iter().map(|task| format!("\\multicolumn{{2}}{{c}}{{{}}}", escaped(&task.task))).collect();
+    let rules: Vec<String> =
+        (0..tasks.len()).map(|place| format!("\\cmidrule(lr){{{}-{}}}", 2 * place + 2, 2 * place + 3)).collect();
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
+        "\\begin{{tabular}}{{@{{}}l{}@{{}}}}\n\\toprule\nFamily & {} \\\\\n{}\n{} \\\\\n\\midrule\n",
+        "rr".repeat(tasks.len()),
+        heads.join(" & "),
+        rules.join(" "),
+        " & $A_k$ & $P_k$ (\\%)".repeat(tasks.len())
+    );
+    for family in &tasks[0].recruitment {
+        let cells = tasks.iter().map(|task| {
+            let own = task.recruitment.iter().find(|known| known.name == family.name);
+            own.map_or(format!("{NOTHING} & {NOTHING}"), |own| format!("{:.3} & {:.1}", own.mass, 100.0 * own.share))
+        });
+        let _ = writeln!(text, "{} & {} \\\\", escaped(&family.name), cells.collect::<Vec<_>>().join(" & "));
+    }
+    text.push_str(&end());
+    Some(text)
+}
+
 /// Peak-efficiency steps of the training whose folder a policy `agent FOLDER` names.
 fn steps(policy: &str, sources: &[Source]) -> Option<f64> {
     let folder = std::path::Path::new(policy.strip_prefix("agent ")?);
@@ -290,6 +328,20 @@ mod tests {
         }
         assert_eq!(text.matches("\\begin{table*}").count(), 3, "one for all tasks, one for each family");
         assert_eq!(latex(&[]), "");
+        // Nobody has measured recruitment above.
+        assert!(!text.contains("Recruitment"));
+        let mut loads = summary("cmc", [1.0, 0.0]);
+        for (task, mass) in loads.tasks.iter_mut().zip([2.0, 3.5]) {
+            task.recruitment = vec![msk::evaluate::FamilySummary { name: "Elbow flexors".into(), mass, share: mass / 10.0 }];
+        }
+        let text = latex(&[Source { summary: Some(loads), ..source("loads") }]);
+        for line in [
+            "Family & \\multicolumn{2}{c}{stand} & \\multicolumn{2}{c}{walk\\_turn} \\\\",
+            "\\cmidrule(lr){2-3} \\cmidrule(lr){4-5}",
+            "Elbow flexors & 2.000 & 20.0 & 3.500 & 35.0 \\\\",
+        ] {
+            assert!(text.lines().any(|found| found == line), "no `{line}` in\n{text}");
+        }
         // A mean of fewer tasks is no better.
         let mut some = summary("agents", [1.0, 0.0]);
         (some.families[0].tasks, some.overall.evaluated) = (6, 1);
