@@ -121,7 +121,7 @@ fn scenes() -> [(&'static str, Model); 6] {
 fn scenes_are_written_as_mujoco_read_them() {
     for (name, model) in scenes() {
         let path = repository("tests/oracle/scene_models").join(format!("{name}.xml"));
-        if std::env::var_os("MSK_UPDATE").is_some() {
+        if std::env::var_os("MSK_UPDATE").is_some_and(|value| !value.is_empty()) {
             std::fs::write(&path, model.to_mjcf()).unwrap();
         }
         let written = std::fs::read_to_string(&path).unwrap();

@@ -84,7 +84,7 @@ pub fn draw(model: &Model, random: &mut SplitMix) -> State<f64> {
 /// Holds a page of `docs` that a test writes to what the test has found; with `MSK_UPDATE=1` in the environment, writes it.
 pub fn page(name: &str, found: &str) {
     let path = repository("docs").join(format!("{name}.md"));
-    if std::env::var_os("MSK_UPDATE").is_some() {
+    if std::env::var_os("MSK_UPDATE").is_some_and(|value| !value.is_empty()) {
         std::fs::write(&path, found).unwrap();
         return;
     }

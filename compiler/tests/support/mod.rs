@@ -37,7 +37,7 @@ pub fn check_pages(folder: &str, reading: &dyn Reading) {
     for page in pages {
         let text = std::fs::read_to_string(&page).unwrap();
         let (rewritten, wrong) = check_page(&text, reading);
-        if std::env::var_os("MSK_UPDATE").is_some() {
+        if std::env::var_os("MSK_UPDATE").is_some_and(|value| !value.is_empty()) {
             std::fs::write(&page, rewritten).unwrap();
         } else {
             for (line, wrong) in wrong {
