@@ -182,8 +182,7 @@ impl Evaluation<'_> {
         })?;
         progress.finish();
         let summary = outcome.summary;
-        journal.write("summary.json", summary.json()).map_err(explain)?;
-        journal.write("report.md", report::markdown(&summary)).map_err(explain)?;
+        journal.write_summary(&summary).map_err(explain)?;
         if !outcome.interrupted {
             pages::write([&self.args.html, &self.args.strip], plan, &journal, self.interrupt.stop())?;
         }

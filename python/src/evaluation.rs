@@ -3,7 +3,8 @@
 use crate::compilation::{Failure, compiled, staged};
 use crate::guard::interruptible;
 use crate::workers::threads;
-use msk_evaluate::{EpisodeRecord, MergeError, Plan, Protocol, Resumed, RunSettings, Shard, ShardError, Watcher, report};
+use msk_evaluate::{EpisodeRecord, MergeError, Plan, Protocol, Resumed, RunSettings, Shard, ShardError, Watcher};
+use msk_runtime::library::in_words;
 use msk_runtime::policy::{PolicyError, PolicySource};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -54,13 +55,11 @@ pub fn evaluate(
         let (episodes, seed) = protocol;
         let protocol = Protocol { episodes: episodes.unwrap_or(first.episodes.into()), seed: seed.unwrap_or(first.seed) };
         let plan = Plan { trials: staged(&name, &compilation, task.as_deref())?, policy, protocol, shard };
-        let words = |error: &dyn std::error::Error| Failure::Words(in_full(error));
+        let words = |error: &dyn std::error::Error| Failure::Words(in_words(error));
         let (journal, resumed) = Resumed::open(&out, &plan, &RunSettings::of(&plan)).map_err(|error| words(&error))?;
         let threads = self::threads(threads);
         let outcome = msk_evaluate::run(&plan, resumed, &journal, threads, stop, &Silent).map_err(|error| words(&error))?;
-        for (file, text) in [("summary.json", outcome.summary.json()), ("report.md", report::markdown(&outcome.summary))] {
-            journal.write(file, text).map_err(|error| words(&error))?;
-        }
+        journal.write_summary(&outcome.summary).map_err(|error| words(&error))?;
         Ok(outcome.summary.json())
     };
     interruptible(py, work)?.map_err(Failure::into_error)
@@ -75,18 +74,7 @@ pub fn merge(py: Python<'_>, shards: Vec<PathBuf>, out: PathBuf) -> PyResult<Str
     let merged = crate::guard::detached(py, move || msk_evaluate::merge(&shards, &out))?;
     match merged {
         Ok(merged) => Ok(merged.summary.json()),
-        Err(error @ MergeError::Folder { .. }) => Err(PyOSError::new_err(in_full(&error))),
-        Err(error) => Err(PyValueError::new_err(in_full(&error))),
+        Err(error @ MergeError::Folder { .. }) => Err(PyOSError::new_err(in_words(&error))),
+        Err(error) => Err(PyValueError::new_err(in_words(&error))),
     }
-}
-
-/// An error with its causes.
-fn in_full(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text = format!("{text}: {error}");
-        cause = error.source();
-    }
-    text
 }

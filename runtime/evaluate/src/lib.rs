@@ -257,8 +257,7 @@ impl Plan {
 
     /// The number of those of its task number `trial`.
     pub fn episodes_of(&self, trial: usize) -> u64 {
-        let before = |tasks: usize| self.shard.among((tasks as u64).saturating_mul(self.protocol.episodes));
-        before(trial + 1) - before(trial)
+        self.shard.of_task(trial, self.protocol.episodes)
     }
 }
 

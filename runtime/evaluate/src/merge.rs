@@ -1,14 +1,12 @@
 //! The shards of a run as one run: the folder that one machine would have written.
 
-use super::journal::{Journal, JournalError, Reader, pretty};
-use super::{EpisodeRecord, EpisodeSet, Job, RunSettings, Summarizer, Summary, report};
+use super::journal::{Journal, JournalError, Reader, SUMMARY, pretty};
+use super::{EpisodeRecord, EpisodeSet, Job, RunSettings, Summarizer, Summary};
 use msk_storage::{Folder, StorageError};
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 
-/// The summary of each shard.
-const SUMMARY: &str = "summary.json";
-/// Most bytes that are read of it.
+/// Most bytes that are read of the summary of a shard.
 const LARGEST_SUMMARY: u64 = 256 << 20;
 /// Episodes that are written at once.
 const AT_ONCE: usize = 256;
@@ -133,8 +131,7 @@ pub fn merge(shards: &[PathBuf], out: &Path) -> Result<Merged, MergeError> {
     for shard in shards {
         journal.adopt_rest(shard)?;
     }
-    journal.write(SUMMARY, summary.json())?;
-    journal.write("report.md", report::markdown(&summary))?;
+    journal.write_summary(&summary)?;
     Ok(Merged { summary, episodes: done.len() })
 }
 

@@ -66,8 +66,7 @@ impl Order {
     /// Whether some episodes of a task are still to be played.
     pub fn misses(&self, task: usize) -> bool {
         let held = self.held.range((task, 0)..=(task, u64::MAX)).count() as u64;
-        let before = |tasks: usize| self.shard.among(self.episodes.saturating_mul(tasks as u64));
-        self.done.count(task) + held < before(task + 1) - before(task)
+        self.done.count(task) + held < self.shard.of_task(task, self.episodes)
     }
 
     /// Hands out an episode.

@@ -45,6 +45,12 @@ impl Shard {
     pub fn among(&self, count: u64) -> u64 {
         count.saturating_sub(self.number - 1).div_ceil(self.of)
     }
+
+    /// How many of the `episodes` of a task it has.
+    pub fn of_task(&self, task: usize, episodes: u64) -> u64 {
+        let before = |tasks: usize| self.among(episodes.saturating_mul(tasks as u64));
+        before(task + 1) - before(task)
+    }
 }
 
 impl Default for Shard {

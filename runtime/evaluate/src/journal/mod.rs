@@ -17,7 +17,7 @@ pub use error::JournalError;
 pub(crate) use reader::Reader;
 
 use super::episode_set::{EpisodeSet, Job};
-use super::{EpisodeRecord, RunSettings, TRACES};
+use super::{EpisodeRecord, RunSettings, Summary, TRACES, report};
 use line::Line;
 use msk_storage::{Folder, Kind, Lock, Log, StorageError};
 use std::collections::BTreeMap;
@@ -27,6 +27,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 const SETTINGS: &str = "run.json";
 const EPISODES: &str = "episodes.jsonl";
 const EARLY: &str = "early.jsonl";
+/// The sums over all episodes, as numbers and as tables.
+pub(crate) const SUMMARY: &str = "summary.json";
+const REPORT: &str = "report.md";
 const WALL_TIMES: &str = "wall_times.jsonl";
 /// Holds nothing: it is locked while a process writes to the journal.
 const LOCK: &str = ".lock";
@@ -248,6 +251,15 @@ impl Journal {
     /// The operating system refuses, or the file is read-only.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), JournalError> {
         self.folder.replace(Path::new(name), content.as_ref()).map_err(|source| self.unusable(source))
+    }
+
+    /// Writes `summary.json` and `report.md`.
+    ///
+    /// # Errors
+    /// Those of [`write`](Self::write).
+    pub fn write_summary(&self, summary: &Summary) -> Result<(), JournalError> {
+        self.write(SUMMARY, summary.json())?;
+        self.write(REPORT, report::markdown(summary))
     }
 
     /// [`write`](Self::write) of a file in a folder of the run's folder, which is made if need be.
