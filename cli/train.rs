@@ -11,9 +11,10 @@ use crate::project::{Project, Settings as Parameters};
 use indicatif::{HumanDuration, ProgressBar};
 use lessons::Named;
 use msk::compiler::numbers::for_people;
+use msk::evaluate::BUILD;
 use msk::runtime::episode::Engine;
 use msk::train::session::{BEST_BY_RETURN, BEST_BY_SUCCESS, Ended, Observer, Progress, Session};
-use msk::train::{Algorithm, Evaluation, Lessons, Preset, Round, Settings, TrainError, Training};
+use msk::train::{Algorithm, Evaluation, Lessons, Preset, Provenance, Round, Settings, TrainError, Training};
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -33,8 +34,9 @@ use std::time::{Duration, Instant};
 pub struct Args {
     /// Name of a task in tasks.msk, or a file with one task
     task: String,
-    /// The algorithm: ppo (proximal policy optimisation), sac (soft actor-critic), mpo (maximum a posteriori policy optimisation, with
-    /// differential extrinsic plasticity: DepRL), clone (imitation of --data and --teacher) [default: ppo]
+    /// The algorithm: ppo (proximal policy optimisation), sac (soft actor-critic), simba (sac with residual networks), dynsyn (sac with
+    /// groups of muscles that change together), mpo (maximum a posteriori policy optimisation, with differential extrinsic plasticity:
+    /// DepRL), clone (imitation of --data and --teacher) [default: ppo]
     #[arg(long, value_name = "NAME", value_parser = algorithm)]
     algorithm: Option<Algorithm>,
     /// The settings: fast (networks that take about as long as the simulation), paper (those of the benchmark's paper: days on two cores)
@@ -120,7 +122,12 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         },
         (None, _) => args.steps.unwrap_or(1_000_000),
     };
-    let training = Training::with(&engine, &settings, &lessons, (args.seed, steps), threads)?;
+    let provenance = Provenance {
+        model_hash: trial.body.hash().to_owned(),
+        condition: trial.body.condition.to_string(),
+        build: BUILD.to_owned(),
+    };
+    let training = Training::with(&engine, &settings, &lessons, (args.seed, steps), threads)?.with_provenance(provenance);
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => crate::eval::fresh_folder(&format!("{}-{}", trial.task.name, settings.algorithm.name()))?,

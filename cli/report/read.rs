@@ -2,9 +2,10 @@
 
 use crate::error::{Context, Error};
 use msk::evaluate::Summary;
+use msk::evaluate::session::{Comparison, Errors, SessionFolder, Tracking};
 use msk::evaluate::sweep::Sweep;
 use msk::train::curve::Curve;
-use msk_storage::{StorageError, read_text_file};
+use msk_storage::{Folder, StorageError, read_text_file};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -26,10 +27,29 @@ pub struct Source {
     pub sweep: Option<Sweep>,
     /// Of a training: steps, mean return and success of its evaluations, or of its rounds if it has none.
     pub curve: Vec<[f64; 3]>,
+    /// Of a session of direct control.
+    pub session: Option<Played>,
     /// Traces, the first of every task.
     pub traces: Vec<PathBuf>,
     /// Film strips of episodes.
     pub strips: Vec<PathBuf>,
+}
+
+/// A session of direct control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Played {
+    /// Name of the task.
+    pub task: String,
+    /// Decisions taken.
+    pub decisions: usize,
+    /// Simulated time, s.
+    pub duration: f64,
+    /// Why it stopped.
+    pub outcome: String,
+    /// How closely it followed the reference motion of the task, if that has one.
+    pub tracking: Option<Tracking>,
+    /// The comparison with a policy, as `msk session tracking` has kept it.
+    pub comparison: Option<Comparison>,
 }
 
 /// Reads a folder.
@@ -37,6 +57,9 @@ pub struct Source {
 /// # Errors
 /// A file that cannot be read, or nothing that a report is made of.
 pub fn read(folder: &Path) -> Result<Source, Error> {
+    if folder.join("session.json").is_file() {
+        return session(folder);
+    }
     let text = |name: &str| text(&folder.join(name));
     let damaged = |error: serde_json::Error| {
         let error = Error::new(format!("the results in `{}` are damaged: {error}", folder.display()));
@@ -45,16 +68,43 @@ pub fn read(folder: &Path) -> Result<Source, Error> {
     let sweep: Option<Sweep> = text("sweep.json")?.map(|text| serde_json::from_str(&text)).transpose().map_err(damaged)?;
     let summary = text("summary.json")?.map_or_else(|| text("unperturbed/summary.json"), |text| Ok(Some(text)))?;
     let summary: Option<Summary> = summary.map(|text| serde_json::from_str(&text)).transpose().map_err(damaged)?;
-    let curve = text(msk::train::curve::FILE)?.map(|lines| points(&Curve::of(lines.as_bytes()))).unwrap_or_default();
-    let name = folder.file_name().map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
+    let curve = text(msk::train::curve::FILE)?.map(|lines| Curve::of(lines.as_bytes())).transpose();
+    let curve = curve.context(|| format!("cannot read `{}`", folder.display()))?.as_ref().map(points).unwrap_or_default();
+    let name = name(folder);
     let policy = summary.as_ref().map(|summary| summary.policy.clone());
     let label = policy.map_or_else(|| name.clone(), |policy| format!("{policy} ({name})"));
-    let source = Source { label, summary, sweep, curve, traces: traces(folder), strips: strips(folder) };
+    let source = Source { label, summary, sweep, curve, session: None, traces: traces(folder), strips: strips(folder) };
     if source.summary.is_none() && source.sweep.is_none() && source.curve.is_empty() {
-        let error = Error::new(format!("`{}` has no results: no summary.json, sweep.json or curve.jsonl", folder.display()));
-        return Err(error.hint("name a folder that `msk eval` or `msk train` has written"));
+        let files = "no summary.json, sweep.json, curve.jsonl or session.json";
+        let error = Error::new(format!("`{}` has no results: {files}", folder.display()));
+        return Err(error.hint("name a folder that `msk eval`, `msk train` or `msk session` has written"));
     }
     Ok(source)
+}
+
+fn name(folder: &Path) -> String {
+    folder.file_name().map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Reads a folder of a session.
+fn session(folder: &Path) -> Result<Source, Error> {
+    let cannot = || format!("cannot read the session in `{}`", folder.display());
+    let (kept, session) = SessionFolder::open(Folder::open(folder).context(cannot)?).context(cannot)?;
+    let trace = kept.trace().context(cannot)?;
+    let outcome = match &session.stopped {
+        Some(_) if session.success => "success".to_owned(),
+        Some(reason) => reason.clone(),
+        None => "waits".to_owned(),
+    };
+    let played = Played {
+        task: trace.origin.task.clone(),
+        decisions: session.decisions.len(),
+        duration: trace.times().last().copied().unwrap_or(0.0),
+        outcome,
+        tracking: Errors::of(&trace).and_then(|errors| errors.summary()),
+        comparison: kept.comparison(&session).context(cannot)?,
+    };
+    Ok(Source { label: name(folder), session: Some(played), ..Source::default() })
 }
 
 /// The text of a file; `None` if there is none.

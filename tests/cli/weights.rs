@@ -166,32 +166,29 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
     let project = Project::lean();
     project.write("weights.toml", OVERLAY);
     let eval = ["eval", "lean.msk", "--policy", "zero", "--episodes", "400", "--threads", "2", "--out", "out"];
-    let child = project.command(&[&eval[..], &["--weights", "weights.toml", "--live"]].concat()).spawn().unwrap();
-    let ended = || std::fs::read_to_string(project.path("out/episodes.jsonl")).map_or(0, |text| text.lines().count());
-    let wait = |episodes: usize| {
-        let start = std::time::Instant::now();
-        while ended() < episodes {
-            assert!(start.elapsed() < std::time::Duration::from_secs(120), "no episode has ended");
-            std::thread::sleep(std::time::Duration::from_millis(5));
-        }
+    let mut child = project.command(&[&eval[..], &["--weights", "weights.toml", "--live"]].concat()).spawn().unwrap();
+    let errors = Lines::of(child.stderr.take().unwrap());
+    // Each change is waited for where it shows: lines are written in the order of episodes, so that any number may have begun before.
+    let rewarded_by = |weight: f64| {
+        let text = std::fs::read_to_string(project.path("out/episodes.jsonl")).unwrap_or_default();
+        let mut records = text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
+        records.any(|record| record["weights"]["pose"].as_f64() == Some(weight))
     };
-    // Two workers play eight episodes each at once; those that end after these have begun later than a change.
-    let later = || ended() + 2 * 8 + 1;
-    wait(3);
+    until("an episode is rewarded by the first weight", || rewarded_by(11.5));
     project.msk(&["weights", "set", "lean.msk", "pose=12", "--into", "weights.toml"]).succeeded();
-    wait(later());
+    until("an episode is rewarded by the second weight", || rewarded_by(12.0));
     // An editor that does not know the rules, but replaces a file whole: one that is being written would be a version, too.
     let save = |text: &str| {
         project.write("fresh.toml", text);
         std::fs::rename(project.path("fresh.toml"), project.path("weights.toml")).unwrap();
     };
     save("[lean]\npose = -1\n");
-    wait(later());
+    until("a weight below its range is refused", || errors.contains("E0464"));
+    assert!(errors.contains("the weights stay at version"));
     save("[lean]\npose = 13\n");
-    wait(later());
+    until("an episode is rewarded by the last weight", || rewarded_by(13.0));
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let done = super::project::Done::from(child.wait_with_output().unwrap());
-    assert!(done.err.contains("E0464") && done.err.contains("the weights stay at version"), "{}", done.err);
+    child.wait().unwrap();
     let records: Vec<Value> =
         project.read("out/episodes.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let weights: Vec<f64> = records.iter().map(|record| record["weights"]["pose"].as_f64().unwrap()).collect();
@@ -208,6 +205,35 @@ fn a_running_evaluation_takes_new_weights_and_refuses_broken_ones() {
     let again = project.msk(&["run", "lean", "--replay", "out", "--episode", &episode]).succeeded();
     assert!(again.err.contains("the same as in `out`, bit for bit"), "{}", again.err);
     project.msk(&["run", "lean", "--replay", "out", "--episode", "99999"]).failed(1, &["contains no episode 99999"]);
+}
+
+/// Waits for what a running program is to do, two minutes at most.
+fn until(what: &str, mut done: impl FnMut() -> bool) {
+    let start = std::time::Instant::now();
+    while !done() {
+        assert!(start.elapsed() < std::time::Duration::from_secs(120), "in vain: {what}");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+/// What a running program has written so far.
+struct Lines(std::sync::Arc<std::sync::Mutex<String>>);
+
+impl Lines {
+    fn of(stream: impl std::io::Read + Send + 'static) -> Self {
+        let text = std::sync::Arc::<std::sync::Mutex<String>>::default();
+        let lines = Self(text.clone());
+        std::thread::spawn(move || {
+            for line in std::io::BufRead::lines(std::io::BufReader::new(stream)).map_while(Result::ok) {
+                text.lock().unwrap().extend([line.as_str(), "\n"]);
+            }
+        });
+        lines
+    }
+
+    fn contains(&self, part: &str) -> bool {
+        self.0.lock().unwrap().contains(part)
+    }
 }
 
 /// What a folder from somebody else may hold: none of it lets a change out of the folder.

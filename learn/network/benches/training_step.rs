@@ -14,7 +14,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [(vec![512; 3], 256), (vec![512; 3], 1024), (vec![512; 3], 4096), (vec![64; 2], 64), (vec![256; 2], 256)]
     {
         let [inputs, outputs] = if hidden.len() == 3 { [700, 416] } else { [17, 6] };
-        let shape = Shape { inputs, hidden: hidden.clone(), outputs, activation: Activation::Tanh, layer_norm: false };
+        let shape =
+            Shape { inputs, hidden: hidden.clone(), outputs, activation: Activation::Tanh, layer_norm: false, residual: false };
         let mut parameters = Parameters::default();
         let network = Mlp::new("policy", &shape, &mut parameters);
         let number = |index: usize| (index.wrapping_mul(2_654_435_761) % 1000) as f32 / 1000.0 - 0.5;

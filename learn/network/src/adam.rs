@@ -1,4 +1,4 @@
-//! Adam (Kingma and Ba, ICLR 2015).
+//! Adam (Kingma and Ba, ICLR 2015), with the decoupled weight decay of `AdamW` (Loshchilov and Hutter, ICLR 2019).
 
 use serde::{Deserialize, Serialize};
 
@@ -22,11 +22,14 @@ pub struct Constants {
     pub second: f32,
     /// Added to the root of the second moment: epsilon.
     pub epsilon: f32,
+    /// Share by which values shrink in a step, times its rate: lambda; 0 in Adam.
+    #[serde(default)]
+    pub decay: f32,
 }
 
 impl Default for Constants {
     fn default() -> Self {
-        Self { first: 0.9, second: 0.999, epsilon: 1e-8 }
+        Self { first: 0.9, second: 0.999, epsilon: 1e-8, decay: 0.0 }
     }
 }
 
@@ -43,6 +46,13 @@ impl Adam {
         self
     }
 
+    /// The same with a weight decay.
+    #[must_use]
+    pub fn with_decay(mut self, decay: f32) -> Self {
+        self.constants.decay = decay;
+        self
+    }
+
     /// How many parameters it is for.
     pub fn len(&self) -> usize {
         self.first.len()
@@ -53,13 +63,16 @@ impl Adam {
         self.first.is_empty()
     }
 
-    /// One step against the gradient (algorithm 1 of the paper).
+    /// One step against the gradient (algorithm 1 of the first paper; with a decay algorithm 2 of the second).
     ///
     /// # Panics
     /// If there are not as many values and derivatives as parameters.
     pub fn step(&mut self, rate: f32, values: &mut [f32], gradient: &[f32]) {
         assert!(values.len() == self.first.len() && gradient.len() == self.first.len(), "one derivative per parameter");
-        let Constants { first, second, epsilon } = self.constants;
+        let Constants { first, second, epsilon, decay } = self.constants;
+        if decay > 0.0 {
+            values.iter_mut().for_each(|value| *value -= rate * decay * *value);
+        }
         self.powers = [self.powers[0] * f64::from(first), self.powers[1] * f64::from(second)];
         let [unbiased_first, unbiased_second] = self.powers.map(|power| 1.0 / (1.0 - power));
         let (rate, root) = ((f64::from(rate) * unbiased_first) as f32, unbiased_second.sqrt() as f32);

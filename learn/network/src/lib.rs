@@ -3,7 +3,8 @@
 //! 1. a [`Kernel`] multiplies matrices; every element is a sum in the order of its index, so neither the number of threads nor the width
 //!    of a register changes a bit;
 //! 2. a [`Tape`] records some twenty operations as they are computed, and differentiates them in reverse;
-//! 3. [`Parameters`] hold the numbers that are trained, one flat array with named tensors; [`Mlp`] is a perceptron of them;
+//! 3. [`Parameters`] hold the numbers that are trained, one flat array with named tensors; [`Mlp`] is a perceptron of them,
+//!    plain or residual;
 //! 4. [`Adam`] changes them; [`heads`] are the distributions of actions;
 //! 5. [`Normaliser`] scales what a network sees by its running mean and deviation;
 //! 6. [`file`](mod@file) writes and reads safetensors.
@@ -15,7 +16,7 @@
 //!
 //! // A line through two points, found by gradient descent.
 //! let mut parameters = Parameters::default();
-//! let shape = Shape { inputs: 1, hidden: vec![], outputs: 1, activation: Activation::Tanh, layer_norm: false };
+//! let shape = Shape { inputs: 1, hidden: vec![], outputs: 1, activation: Activation::Tanh, layer_norm: false, residual: false };
 //! let network = Mlp::new("line", &shape, &mut parameters);
 //! let mut tape = Tape::new(Arc::new(Processor::new(NonZeroUsize::MIN)?));
 //! let mut adam = Adam::new(parameters.len());
@@ -54,7 +55,7 @@ pub use adam::{Adam, clip_norm};
 pub use functions::Activation;
 pub use initial::{orthogonal, uniform_fan_in};
 pub use kernel::{Kernel, Matrix, Processor};
-pub use mlp::{Layer, LayerNorm, Mlp, Shape};
+pub use mlp::{Layer, LayerNorm, Mlp, Shape, Step};
 pub use normaliser::{Moments, Normaliser};
 pub use parameters::{Parameters, Tensor};
 pub use tape::{Tape, Variable};

@@ -54,6 +54,11 @@ enum Operation {
         x: usize,
         begin: usize,
     },
+    /// Columns in another order, some several times or never.
+    Gather {
+        x: usize,
+        from: Arc<[usize]>,
+    },
     Add {
         left: usize,
         right: usize,
@@ -293,6 +298,21 @@ impl Tape {
         let (input, out) = self.unary(x, variable);
         for (input, out) in input.chunks_exact(width.max(1)).zip(out.chunks_exact_mut(columns.len().max(1))) {
             out.copy_from_slice(&input[columns.clone()]);
+        }
+        variable
+    }
+
+    /// The columns `from`, in that order.
+    ///
+    /// # Panics
+    /// If there is no such column.
+    pub fn gather(&mut self, x: Variable, from: &Arc<[usize]>) -> Variable {
+        let [rows, width] = self.size(x);
+        let depends = self.nodes[x.0].depends;
+        let variable = self.push(Operation::Gather { x: x.0, from: from.clone() }, [rows, from.len()], depends);
+        let (input, out) = self.unary(x, variable);
+        for (input, out) in input.chunks_exact(width.max(1)).zip(out.chunks_exact_mut(from.len().max(1))) {
+            out.iter_mut().zip(from.iter()).for_each(|(out, column)| *out = input[*column]);
         }
         variable
     }

@@ -1,8 +1,9 @@
 //! Derivatives against finite differences, operation by operation, and their bits on any number of threads.
 
-use super::{number, numbers, perceptron, tape};
-use msk_network::{Activation, Parameters, Tape, Variable};
+use super::{filled, number, numbers, perceptron, tape};
+use msk_network::{Activation, Parameters, Shape, Tape, Variable};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 const ROWS: usize = 3;
 const COLUMNS: usize = 4;
@@ -79,6 +80,7 @@ proptest! {
         compare("clip", salt, |tape, a, _| tape.clip(a, -0.8, 0.7));
         compare("join", salt, |tape, a, b| tape.join(a, b));
         compare("columns", salt, |tape, a, _| tape.columns(a, 1..3));
+        compare("gather", salt, |tape, a, _| tape.gather(a, &Arc::from([3, 0, 0, 1, 3])));
         compare("sum of columns", salt, |tape, a, b| {
             let product = tape.multiply(a, b);
             tape.sum_columns(product)
@@ -98,9 +100,11 @@ proptest! {
 
 #[test]
 fn derivatives_of_parameters_are_limits_of_differences() {
-    for layer_norm in [false, true] {
+    for (hidden, layer_norm, residual) in [([7, 6], false, false), ([7, 6], true, false), ([4, 4], false, true)] {
         let mut parameters = Parameters::default();
-        let network = perceptron("policy", (5, &[7, 6], 3), (Activation::Tanh, layer_norm), 4, &mut parameters);
+        let activation = Activation::Tanh;
+        let shape = Shape { inputs: 5, hidden: hidden.to_vec(), outputs: 3, activation, layer_norm, residual };
+        let network = filled("policy", &shape, 4, &mut parameters);
         let mut tape = tape(1);
         let mut loss = |parameters: &Parameters, gradient: &mut [f32]| {
             tape.clear();

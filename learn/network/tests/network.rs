@@ -6,6 +6,7 @@ mod allocations;
 mod derivatives;
 mod golden;
 mod products;
+mod residual;
 
 use msk_network::{Activation, Mlp, Parameters, Processor, Shape, Tape};
 use std::num::NonZeroUsize;
@@ -32,9 +33,14 @@ fn perceptron(
     salt: usize,
     parameters: &mut Parameters,
 ) -> Mlp {
+    let shape = Shape { inputs, hidden: hidden.to_vec(), outputs, activation, layer_norm, residual: false };
+    filled(name, &shape, salt, parameters)
+}
+
+/// A perceptron of any shape with such numbers.
+fn filled(name: &str, shape: &Shape, salt: usize, parameters: &mut Parameters) -> Mlp {
     let begin = parameters.tensors().len();
-    let shape = Shape { inputs, hidden: hidden.to_vec(), outputs, activation, layer_norm };
-    let network = Mlp::new(name, &shape, parameters);
+    let network = Mlp::new(name, shape, parameters);
     let tensors: Vec<_> = parameters.tensors()[begin..].to_vec();
     for (place, tensor) in tensors.iter().enumerate() {
         let shift = if tensor.name.ends_with("scale") { 1.0 } else { 0.0 };

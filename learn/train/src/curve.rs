@@ -5,6 +5,7 @@ use crate::evaluate::Evaluation;
 use crate::training::Round;
 use msk_program::task::CompiledTask;
 use msk_storage::{Folder, Log, StorageError};
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,6 +14,8 @@ use std::path::Path;
 pub const FILE: &str = "curve.jsonl";
 /// Largest file, bytes.
 const LARGEST: u64 = 1 << 30;
+/// Largest number: sums and differences of two stay finite.
+const LARGEST_NUMBER: f64 = 1e300;
 
 /// A line of a curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -66,19 +69,54 @@ pub struct Curve {
     pub lines: Vec<Line>,
 }
 
+/// Why a file holds no curve.
+#[derive(Debug, thiserror::Error)]
+pub enum CurveError {
+    /// A folder or file that cannot be read.
+    #[error(transparent)]
+    Storage(#[from] StorageError),
+    /// A damaged line.
+    #[error("line {line} of the learning curve `{FILE}` {reason}: expected a round or an evaluation, as `msk train` writes them")]
+    Line {
+        /// Its number, from 1.
+        line: usize,
+        /// What is wrong, in words that continue the file's name.
+        reason: String,
+    },
+}
+
 impl Curve {
     /// The curve in a folder; `None` if it holds none.
     ///
     /// # Errors
-    /// A folder or file that cannot be read.
-    pub fn in_folder(path: &Path) -> Result<Option<Self>, StorageError> {
-        Ok(Folder::open(path)?.read(Path::new(FILE), LARGEST)?.map(|bytes| Self::of(&bytes)))
+    /// A folder or file that cannot be read, or a damaged line.
+    pub fn in_folder(path: &Path) -> Result<Option<Self>, CurveError> {
+        Folder::open(path)?.read(Path::new(FILE), LARGEST)?.map(|bytes| Self::of(&bytes)).transpose()
     }
 
-    /// The curve that bytes of a file hold. A line that is just being written, and what is no line of a curve, is left out.
-    pub fn of(bytes: &[u8]) -> Self {
-        let lines = Log::whole_lines(bytes).split(|byte| *byte == b'\n');
-        Self { lines: lines.filter_map(|line| serde_json::from_slice(line).ok()).collect() }
+    /// The curve that bytes of a file hold. A last line without an end, which is just being written, is left out.
+    ///
+    /// # Errors
+    /// A line that is none of a curve, or holds a number that no training comes to.
+    pub fn of(bytes: &[u8]) -> Result<Self, CurveError> {
+        let whole = Log::whole_lines(bytes);
+        let lines = whole.strip_suffix(b"\n").unwrap_or(whole).split(|byte| *byte == b'\n');
+        let read = |(index, text): (usize, &[u8])| {
+            let damaged = |reason: String| CurveError::Line { line: index + 1, reason };
+            let line: Line = serde_json::from_slice(text).map_err(|_| damaged("is damaged".into()))?;
+            // What is optional and cannot be read is left out without a word.
+            let names: BTreeMap<String, IgnoredAny> = serde_json::from_slice(text).unwrap_or_default();
+            if matches!(&line, Line::Round(RoundLine { ended: None, .. })) && names.contains_key("episodes") {
+                return Err(damaged("is damaged".into()));
+            }
+            let large = line.numbers().find(|number| number.abs() > LARGEST_NUMBER);
+            match large {
+                Some(number) => Err(damaged(format!("holds {number:e}"))),
+                None => Ok(line),
+            }
+        };
+        let lines = if whole.is_empty() { Vec::new() } else { lines.enumerate().map(read).collect::<Result<_, _>>()? };
+        Ok(Self { lines })
     }
 
     /// Steps, and how the agent did there.
@@ -104,6 +142,19 @@ impl Curve {
 }
 
 impl Line {
+    /// What can be drawn of it.
+    fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        let (evaluation, round) = match self {
+            Self::Evaluation { evaluation, .. } => (Some([evaluation.total, evaluation.success, evaluation.steps]), None),
+            Self::Round(round) => (None, Some(round)),
+        };
+        let ended = round.and_then(|round| round.ended.as_ref());
+        let means = ended.map(|ended| [ended.total, ended.success, ended.length]);
+        let terms = ended.into_iter().flat_map(|ended| ended.terms.values().copied());
+        let losses = round.into_iter().flat_map(|round| round.losses.values().copied());
+        evaluation.into_iter().chain(means).flatten().chain(terms).chain(losses)
+    }
+
     /// That of a round.
     pub(crate) fn of(round: &Round, task: &CompiledTask, seconds: f64) -> Self {
         let losses = round.losses.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
@@ -146,7 +197,7 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        let curve = Curve::of(TEXT.as_bytes());
+        let curve = Curve::of(TEXT.as_bytes()).unwrap();
         let written: Vec<u8> = curve.lines.iter().flat_map(|line| [line.bytes(), vec![b'\n']].concat()).collect();
         assert_eq!(String::from_utf8_lossy(&written), TEXT);
         assert_eq!(curve.evaluations().map(|(step, found)| (step, found.total)).collect::<Vec<_>>(), [(200, 4.0)]);
@@ -157,7 +208,18 @@ mod tests {
     #[test]
     fn a_line_that_is_being_written_is_left_out() {
         let cut = &TEXT.as_bytes()[..TEXT.len() - 1];
-        assert_eq!(Curve::of(cut).lines.len(), 2);
-        assert_eq!(Curve::of(b"nonsense\n{}\n").lines, []);
+        assert_eq!(Curve::of(cut).unwrap().lines.len(), 2);
+        assert_eq!(Curve::of(b"").unwrap(), Curve::default());
+        assert_eq!(Curve::of(b"{\"step").unwrap(), Curve::default());
+    }
+
+    #[test]
+    fn damaged_lines_are_named() {
+        let refuse = |text: String| Curve::of(text.as_bytes()).unwrap_err().to_string();
+        let message = refuse(TEXT.replace("\"success\":0.5", "\"success\":\"half\""));
+        assert!(message.starts_with("line 2 of the learning curve `curve.jsonl` is damaged: expected"), "{message}");
+        let message = refuse(TEXT.replace("\"return\":4.0", "\"return\":-1e308"));
+        assert!(message.starts_with("line 3 of the learning curve `curve.jsonl` holds -1e308: expected"), "{message}");
+        assert!(refuse("\n".into()).starts_with("line 1"));
     }
 }

@@ -1,12 +1,11 @@
 //! Differential extrinsic plasticity (Der and Martius, PNAS 2015): a controller without a goal, which learns within seconds to make of the
 //! changes of its sensors the next ones; and when it acts for a learner (Schumacher et al., DepRL, ICLR 2023, arXiv 2206.00484).
 //!
-//! A sensor per entry of an action: the length of a muscle, the mean length of those of a synergy, or minus the angle that a torque
-//! turns. What pulls makes its sensor shrink, so the inverse model of the body is minus the identity.
+//! Its [sensors](crate::sensors) shrink where what they belong to pulls, so the inverse model of the body is minus the identity.
 
+use crate::sensors::Sensors;
 use crate::settings::DepSettings;
-use msk_program::action::ActionTarget;
-use msk_runtime::episode::{Engine, Environment, Episode, EpisodeKey, Stream};
+use msk_runtime::episode::{Episode, EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -18,21 +17,6 @@ const EPSILON: f64 = 1e-32;
 const BIAS: [f64; 2] = [0.05, 0.001];
 /// Finished episodes of which one has no interventions.
 const UNDISTURBED: u64 = 5;
-
-/// What an entry of an action moves.
-enum Sensor {
-    /// Lengths of actuators, of which it is the mean.
-    Lengths(Vec<usize>),
-    /// Place of a coordinate in the state, against which it counts.
-    Angle(usize),
-}
-
-/// The sensors of an action space.
-pub(crate) struct Sensors {
-    sensors: Vec<Sensor>,
-    /// The forward pass of a state.
-    environment: Environment,
-}
 
 /// A controller of one body.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -56,49 +40,6 @@ pub(crate) struct Dep {
     intervening: usize,
     /// Episodes that have ended.
     ended: u64,
-}
-
-impl Sensors {
-    /// Of the action space of a task.
-    ///
-    /// # Errors
-    /// A space whose entries move neither muscles nor joints, in words.
-    pub fn of(engine: &Engine) -> Result<Self, String> {
-        let (task, body) = (engine.task(), engine.body());
-        // Muscles are the first actuators of a body's model, in its order.
-        let of = |muscle: usize| engine.model().actuators.name.iter().position(|name| *name == body.muscles[muscle].name);
-        let lengths = |muscles: &[usize]| Sensor::Lengths(muscles.iter().filter_map(|muscle| of(*muscle)).collect());
-        let sensors = match &task.action.target {
-            ActionTarget::AllMuscles => (0..body.muscles.len()).map(|muscle| lengths(&[muscle])).collect(),
-            ActionTarget::Muscles(chosen) => chosen.iter().map(|muscle| lengths(&[*muscle])).collect(),
-            ActionTarget::Synergies(synergies) => synergies.iter().map(|synergy| lengths(&synergy.muscles)).collect(),
-            ActionTarget::Torque { joints, .. } => {
-                joints.iter().map(|joint| Sensor::Angle(body.joints[*joint].position)).collect()
-            }
-            ActionTarget::MuscleControl(_) => {
-                return Err(format!(
-                    "differential extrinsic plasticity moves muscles or joints, not `act {}`",
-                    task.action.word()
-                ));
-            }
-        };
-        Ok(Self { sensors, environment: Environment::of(engine.clone()) })
-    }
-
-    /// What they measure in an episode, m or rad.
-    fn measure(&mut self, episode: &Episode) -> Vec<f64> {
-        self.environment.restore(episode);
-        let context = self.environment.context();
-        let length = &context.workspace.actuation.length;
-        let value = |sensor: &Sensor| match sensor {
-            Sensor::Lengths(chosen) => {
-                let known = chosen.iter().filter_map(|actuator| length.get(*actuator));
-                known.sum::<f64>() / chosen.len().max(1) as f64
-            }
-            Sensor::Angle(place) => -context.state.position.get(*place).copied().unwrap_or_default(),
-        };
-        self.sensors.iter().map(value).collect()
-    }
 }
 
 impl Controller {

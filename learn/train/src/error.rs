@@ -1,5 +1,6 @@
 //! Why a training cannot begin or go on.
 
+use crate::curve::CurveError;
 use msk_runtime::episode::EpisodeError;
 use msk_runtime::policy::PolicyError;
 use msk_settings::SettingsError;
@@ -30,6 +31,9 @@ pub enum TrainError {
     /// A file or folder cannot be used.
     #[error(transparent)]
     Storage(#[from] StorageError),
+    /// A damaged learning curve.
+    #[error(transparent)]
+    Curve(#[from] CurveError),
     /// A folder in which another process trains.
     #[error("another process trains in `{folder}`: wait for its end, or choose another folder with --out")]
     InUse {
@@ -99,6 +103,12 @@ pub enum TrainError {
     /// An action space in which nothing explores.
     #[error("{reason}; set `explores = false` in `[dep]`")]
     Exploration {
+        /// Why not.
+        reason: String,
+    },
+    /// A task whose entries cannot be grouped.
+    #[error("the algorithm `dynsyn` cannot group the entries of an action of this task: {reason}")]
+    Groups {
         /// Why not.
         reason: String,
     },

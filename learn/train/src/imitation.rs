@@ -1,7 +1,7 @@
 //! Imitation of a teacher: behaviour cloning of recorded episodes (Pomerleau 1989), and DAgger (Ross, Gordon and Bagnell, AISTATS 2011,
 //! arXiv 1011.0686), which plays with what was learned so far, has the teacher tell what to do in the states that this leads to, and learns from all of it.
 
-use crate::agent::Actor;
+use crate::agent::{Actor, Output};
 use crate::error::TrainError;
 use crate::learner::{Losses, Means, Networks, Optimizer};
 use crate::numbers::Numbers;
@@ -225,7 +225,8 @@ impl Imitation {
 
     /// What acts.
     pub fn actor(&self, play: &Play) -> Actor {
-        Actor::new(&self.policy, &self.networks.parameters, play, play.entries(), self.settings.squash)
+        let output = if self.settings.squash { Output::Squashed } else { Output::Clipped };
+        Actor::new(&self.policy, &self.networks.parameters, play, output)
     }
 
     pub fn state(&self) -> ImitationState {

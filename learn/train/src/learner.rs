@@ -2,6 +2,7 @@
 
 use crate::error::TrainError;
 use crate::numbers::Numbers;
+use msk_network::heads::squashed_gaussian;
 use msk_network::{Adam, Kernel, Mlp, Parameters, Shape, Tape, Variable, orthogonal, uniform_fan_in};
 use msk_runtime::episode::Stream;
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,10 @@ pub(crate) struct Optimizer {
 impl Optimizer {
     pub fn new(range: Range<usize>, largest: f32, epsilon: f32) -> Self {
         Self { adam: Adam::new(range.len()).with_epsilon(epsilon), range, largest }
+    }
+
+    pub fn with_decay(self, decay: f32) -> Self {
+        Self { adam: self.adam.with_decay(decay), ..self }
     }
 }
 
@@ -103,6 +108,17 @@ impl Networks {
         self.parameters.values_mut().copy_from_slice(&state.0);
         Ok(())
     }
+}
+
+/// Bounds of the logarithm of a standard deviation.
+const LOG_STD: [f32; 2] = [-20.0, 2.0];
+
+/// A draw of squashed Gaussians with these means and logarithms of deviations, and the logarithm of its density.
+pub(crate) fn draw_squashed(tape: &mut Tape, mean: Variable, log_std: Variable, chance: &mut Stream) -> [Variable; 2] {
+    let [rows, columns] = tape.size(mean);
+    let log_std = tape.clip(log_std, LOG_STD[0], LOG_STD[1]);
+    let noise = tape.constant(rows, columns, (0..rows * columns).map(|_| chance.normal() as f32));
+    squashed_gaussian(tape, mean, log_std, noise)
 }
 
 /// The means of parts of a loss over the steps of a round.

@@ -2,7 +2,7 @@
 //!
 //! 1. [`Settings`] choose algorithm and sizes; presets are `fast` and `paper`;
 //! 2. `play` steps the episodes, scales what networks see, and keeps how episodes end;
-//! 3. `ppo`, `sac`, `mpo` and `imitation` are the algorithms, `dep` explores, each a file that reads like its paper;
+//! 3. `ppo`, `sac`, `mpo`, `dynsyn` and `imitation` are the algorithms, `dep` explores, each a file that reads like its paper;
 //! 4. a [`Training`] plays and learns in rounds; its state can be written between any two and continued bit for bit;
 //! 5. a [`Session`](session::Session) keeps a training in a folder, evaluates it and keeps the best agents;
 //! 6. an [`Agent`] is a folder, [`Agents`] are those of several tasks; [`source`] makes them policies of `run`, `eval` and `test`.
@@ -16,8 +16,10 @@ mod agent;
 mod agents;
 pub mod curve;
 mod dep;
+mod dynsyn;
 mod error;
 mod evaluate;
+mod head;
 mod imitation;
 mod learner;
 mod mpo;
@@ -29,6 +31,7 @@ mod ppo;
 mod protobuf;
 mod replay;
 mod sac;
+mod sensors;
 pub mod session;
 mod settings;
 mod teaching;
@@ -42,6 +45,8 @@ pub use evaluate::Evaluation;
 pub use learner::Losses;
 pub use msk_settings::SettingsError;
 pub use policy::source;
-pub use settings::{Algorithm, CloneSettings, DepSettings, MpoSettings, PpoSettings, Preset, SacSettings, Settings};
+pub use settings::{
+    Algorithm, CloneSettings, DepSettings, DynsynSettings, MpoSettings, PpoSettings, Preset, SacSettings, Settings,
+};
 pub use teaching::{DataSet, Lessons};
-pub use training::{Identity, Round, Training};
+pub use training::{Identity, Provenance, Round, Training};

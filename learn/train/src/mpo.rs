@@ -1,13 +1,14 @@
 //! Maximum a posteriori policy optimisation (Abdolmaleki et al. 2018, arXiv 1806.06920; with the decoupled bounds of arXiv 1812.02256 and
 //! the penalty of actions out of bounds of Acme, arXiv 2006.00979), and the exploration of DepRL.
 
-use crate::agent::Actor;
-use crate::dep::{Dep, Sensors};
+use crate::agent::{Actor, Output};
+use crate::dep::Dep;
 use crate::error::TrainError;
 use crate::learner::{Losses, Means, Networks, Optimizer};
 use crate::numbers::Numbers;
 use crate::play::Play;
 use crate::replay::{Replay, ReplayState};
+use crate::sensors::Sensors;
 use crate::settings::{MpoSettings, Settings};
 use msk_network::{Kernel, Mlp, Parameters, Tape, Variable};
 use msk_runtime::episode::{Engine, EpisodeKey, Stream};
@@ -372,7 +373,7 @@ impl Mpo {
 
     /// What acts: the mean.
     pub fn actor(&self, play: &Play) -> Actor {
-        Actor::new(&self.actor, &self.networks.parameters, play, play.entries(), true)
+        Actor::new(&self.actor, &self.networks.parameters, play, Output::Squashed)
     }
 
     pub fn state(&self) -> MpoState {

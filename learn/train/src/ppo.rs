@@ -1,7 +1,7 @@
 //! Proximal policy optimisation (Schulman et al. 2017, arXiv 1707.06347) with generalised advantages (Schulman et al. 2016,
 //! arXiv 1506.02438), and the details by which implementations reach its published returns (Huang et al. 2022).
 
-use crate::agent::Actor;
+use crate::agent::{Actor, Output};
 use crate::error::TrainError;
 use crate::learner::{Losses, Means, Networks, Optimizer};
 use crate::numbers::Numbers;
@@ -256,7 +256,7 @@ impl Ppo {
 
     /// What acts: the mean.
     pub fn actor(&self, play: &Play) -> Actor {
-        Actor::new(&self.policy, &self.networks.parameters, play, play.entries(), false)
+        Actor::new(&self.policy, &self.networks.parameters, play, Output::Clipped)
     }
 
     pub fn state(&self) -> PpoState {

@@ -1,22 +1,23 @@
 //! Soft actor-critic (Haarnoja et al. 2018, arXiv 1801.01290; with the tuned temperature of arXiv 1812.05905): twin critics, target
 //! critics that follow, an actor whose actions are squashed Gaussians.
+//!
+//! Two further algorithms are this one with another part: [`dynsyn`](crate::dynsyn) has another [`Head`] of the actor, and `simba` (Lee et
+//! al. 2025, arXiv 2410.09754) residual networks with norms ([`Mlp`]) and a decay of their weights.
 
 use crate::agent::Actor;
 use crate::error::TrainError;
+use crate::head::Head;
 use crate::learner::{Losses, Means, Networks, Optimizer};
 use crate::numbers::Numbers;
 use crate::play::Play;
 use crate::replay::{Replay, ReplayState};
 use crate::settings::{SacSettings, Settings};
-use msk_network::heads::squashed_gaussian;
 use msk_network::{Kernel, Mlp, Parameters, Tape, Variable};
 use msk_runtime::episode::{EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Bounds of the logarithm of a standard deviation.
-const LOG_STD: [f32; 2] = [-20.0, 2.0];
 /// Logarithm of the standard deviation, before squashing, of one that begins as an agent.
 const STARTING_LOG_STD: f32 = -2.0;
 /// Control steps of each slot in a round, which is what a report is about and no part of the algorithm.
@@ -26,6 +27,7 @@ const ROUND: usize = 128;
 pub(crate) struct Sac {
     settings: SacSettings,
     discount: f64,
+    head: Head,
     networks: Networks,
     actor: Mlp,
     critics: [Mlp; 2],
@@ -40,6 +42,8 @@ pub(crate) struct Sac {
     due: f64,
     updates: u64,
     means: Means,
+    /// Factor of the rates at present.
+    rate: f64,
     /// Control steps before which the actor stays as it is, where it begins as an agent.
     critics_first: Option<u64>,
 }
@@ -66,23 +70,26 @@ struct Batch {
 }
 
 impl Sac {
-    pub fn new(settings: &Settings, play: &Play, seed: u64, kernel: Arc<dyn Kernel>) -> Self {
+    pub fn new(settings: &Settings, play: &Play, head: Head, seed: u64, kernel: Arc<dyn Kernel>) -> Self {
         let ([whole, width], entries) = (play.widths(), play.entries());
-        let shape = |inputs: usize, outputs: usize| settings.shape(inputs, outputs);
+        let value = settings.critic_shape(whole + entries, 1);
         let mut networks = Networks::new(kernel);
         let mut draw = Stream::new(EpisodeKey { seed, episode: 0 }, "train/initial");
-        let actor = networks.uniform("actor", &shape(width, 2 * entries), &mut draw);
-        let critics = ["critic1", "critic2"].map(|name| networks.uniform(name, &shape(whole + entries, 1), &mut draw));
-        let targets = ["target1", "target2"].map(|name| networks.uniform(name, &shape(whole + entries, 1), &mut draw));
+        let actor = networks.uniform("actor", &settings.shape(width, head.outputs()), &mut draw);
+        let critics = ["critic1", "critic2"].map(|name| networks.uniform(name, &value, &mut draw));
+        let targets = ["target1", "target2"].map(|name| networks.uniform(name, &value, &mut draw));
         for (target, critic) in targets.iter().zip(&critics) {
             networks.parameters.follow(target.range(), critic.range(), 1.0);
         }
         let temperature = networks.parameters.add("temperature", &[1]);
         networks.parameters.values_mut()[temperature.clone()].fill(libm::log(settings.sac.temperature) as f32);
         let both = critics[0].range().start..critics[1].range().end;
-        let optimizers = [actor.range(), both, temperature.clone()].map(|range| Optimizer::new(range, f32::INFINITY, 1e-8));
+        let optimizer = |range: Range<usize>, decay: f64| Optimizer::new(range, f32::INFINITY, 1e-8).with_decay(decay as f32);
+        let decay = settings.sac.weight_decay;
+        let optimizers = [optimizer(actor.range(), decay), optimizer(both, decay), optimizer(temperature.clone(), 0.0)];
         Self {
             discount: settings.discount,
+            head,
             networks,
             actor,
             critics,
@@ -94,6 +101,7 @@ impl Sac {
             due: 0.0,
             updates: 0,
             means: Means::default(),
+            rate: 1.0,
             settings: settings.sac.clone(),
             critics_first: None,
         }
@@ -112,7 +120,10 @@ impl Sac {
     }
 
     /// Plays, and learns after every control step.
-    pub fn round(&mut self, play: &mut Play, step: u64) -> Result<Losses, TrainError> {
+    pub fn round(&mut self, play: &mut Play, progress: f64, step: u64) -> Result<Losses, TrainError> {
+        self.head.set_progress(progress);
+        let left = 1.0 - progress;
+        self.rate = if left > self.settings.anneal { left } else { self.settings.anneal };
         let mut before = Vec::new();
         for round in 0..ROUND {
             let step = step + (round * play.slots()) as u64;
@@ -144,7 +155,7 @@ impl Sac {
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.clear();
         let seen = tape.constant(slots, whole, rows);
-        let [action, _] = sample(tape, &self.actor, parameters, (seen, width), chance);
+        let [action, _] = sample(tape, (&self.head, &self.actor), parameters, (seen, width), chance);
         tape.values(action).to_vec()
     }
 
@@ -212,7 +223,7 @@ impl Sac {
         let Batch { rows, seen, action, next, reward, discounts } = self.batch(play);
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.set_training(false);
-        let [next_action, density] = sample(tape, &self.actor, parameters, (next, width), &mut self.chance);
+        let [next_action, density] = sample(tape, (&self.head, &self.actor), parameters, (next, width), &mut self.chance);
         let after = tape.join(next, next_action);
         let [first, second] = [0, 1].map(|index: usize| self.targets[index].forward(tape, parameters, after));
         let lesser = tape.minimum(first, second);
@@ -239,7 +250,7 @@ impl Sac {
         let found = self.networks.descend(
             loss,
             ("the error of the critics", step),
-            self.settings.critic_rate,
+            self.rate * self.settings.critic_rate,
             &mut self.optimizers[1],
         )?;
         self.means.add("critics", found);
@@ -248,11 +259,11 @@ impl Sac {
 
     /// Equation 9: E[alpha ln pi(a | s) - min Q(s, a)]; then equation 18, the temperature.
     fn update_actor(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
-        let ([_, width], entries) = (play.widths(), play.entries());
+        let [_, width] = play.widths();
         let alpha = self.temperature();
         let Batch { rows, seen, .. } = self.batch(play);
         let Networks { tape, parameters, .. } = &mut self.networks;
-        let [action, density] = sample(tape, &self.actor, parameters, (seen, width), &mut self.chance);
+        let [action, density] = sample(tape, (&self.head, &self.actor), parameters, (seen, width), &mut self.chance);
         tape.set_training(false);
         let chosen = tape.join(seen, action);
         let [first, second] = [0, 1].map(|index: usize| self.critics[index].forward(tape, parameters, chosen));
@@ -261,28 +272,28 @@ impl Sac {
         let loss = tape.subtract(entropy, lesser);
         let loss = tape.mean(loss);
         let mean_density = tape.values(density).iter().map(|density| f64::from(*density)).sum::<f64>() / rows as f64;
-        let rate = self.settings.actor_rate;
+        let rate = self.rate * self.settings.actor_rate;
         let found = self.networks.descend(loss, ("the objective of the actor", step), rate, &mut self.optimizers[0])?;
         self.means.add("actor", found);
         self.means.add("entropy", -mean_density);
         if self.settings.automatic {
             // alpha times (entropy - target), whose derivative moves the temperature towards the target entropy.
-            let excess = -mean_density + entries as f64;
+            let excess = -mean_density + self.settings.target_entropy * self.head.degrees() as f64;
             let Networks { tape, parameters, .. } = &mut self.networks;
             tape.clear();
             let logarithm = tape.parameter(1, self.temperature.clone(), parameters);
             let alpha = tape.exp(logarithm);
             let loss = tape.affine(alpha, excess as f32, 0.0);
-            let rate = self.settings.critic_rate;
+            let rate = self.rate * self.settings.critic_rate;
             self.networks.descend(loss, ("the temperature", step), rate, &mut self.optimizers[2])?;
         }
         self.means.add("temperature", f64::from(alpha));
         Ok(())
     }
 
-    /// What acts: the squashed mean.
+    /// What acts: the mean.
     pub fn actor(&self, play: &Play) -> Actor {
-        Actor::new(&self.actor, &self.networks.parameters, play, play.entries(), true)
+        self.head.actor(&self.actor, &self.networks.parameters, play)
     }
 
     pub fn state(&self) -> SacState {
@@ -310,17 +321,12 @@ impl Sac {
 /// An action of the actor for each row, and the logarithm of its density.
 fn sample(
     tape: &mut Tape,
-    actor: &Mlp,
+    (head, actor): (&Head, &Mlp),
     parameters: &Parameters,
     (seen, width): (Variable, usize),
     chance: &mut Stream,
 ) -> [Variable; 2] {
-    let entries = actor.shape().outputs / 2;
-    let [rows, _] = tape.size(seen);
     let observed = tape.columns(seen, 0..width);
-    let head = actor.forward(tape, parameters, observed);
-    let (mean, raw) = (tape.columns(head, 0..entries), tape.columns(head, entries..2 * entries));
-    let log_std = tape.clip(raw, LOG_STD[0], LOG_STD[1]);
-    let noise = tape.constant(rows, entries, (0..rows * entries).map(|_| chance.normal() as f32));
-    squashed_gaussian(tape, mean, log_std, noise)
+    let output = actor.forward(tape, parameters, observed);
+    head.sample(tape, output, chance)
 }

@@ -130,7 +130,7 @@ impl Session {
     /// # Errors
     /// A folder that cannot be written.
     pub fn with_events(self) -> Result<Self, TrainError> {
-        let events = Events::begin(self.folder.path(), &Curve::of(&self.curve).lines)?;
+        let events = Events::begin(self.folder.path(), &Curve::of(&self.curve)?.lines)?;
         Ok(Self { events: Some(events), ..self })
     }
 
@@ -259,10 +259,15 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
     let found = identity(folder.path(), text)?;
     let own = training.identity();
     let settings = |identity: &Identity| identity.settings.text().replace('\n', "; ");
-    let same: [(&'static str, String, String); 7] = [
+    let recorded = |text: &String| if text.is_empty() { "not recorded".to_owned() } else { text.clone() };
+    let [there, here] = [&found.provenance, &own.provenance];
+    let same: [(&'static str, String, String); 10] = [
         ("task", found.task.clone(), own.task.clone()),
         ("hash of the task", found.task_hash.clone(), own.task_hash.clone()),
         ("hash of the body", found.body_hash.clone(), own.body_hash.clone()),
+        ("hash of the body's model", recorded(&there.model_hash), recorded(&here.model_hash)),
+        ("condition of the muscles", recorded(&there.condition), recorded(&here.condition)),
+        ("build of the program", recorded(&there.build), recorded(&here.build)),
         ("seed", found.seed.to_string(), own.seed.to_string()),
         ("number of steps", found.steps.to_string(), own.steps.to_string()),
         ("list of lessons", found.lessons.join("; "), own.lessons.join("; ")),

@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn a_new_process_replaces_the_events_of_the_last() {
         let folder = tempfile::tempdir().unwrap();
-        let curve = Curve::of(b"{\"step\":5,\"losses\":{\"value\":0.25},\"seconds\":1.0}\n");
+        let curve = Curve::of(b"{\"step\":5,\"losses\":{\"value\":0.25},\"seconds\":1.0}\n").unwrap();
         fs::write(folder.path().join("events.out.tfevents.0000000001.msk"), "old").unwrap();
         fs::write(folder.path().join("events.out.tfevents.of.another"), "kept").unwrap();
         let mut events = Events::begin(folder.path(), &curve.lines).unwrap();

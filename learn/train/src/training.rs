@@ -1,8 +1,10 @@
 //! A training in memory: rounds of playing and learning, whose state can be written and continued bit for bit.
 
 use crate::agent::{Agent, body_hash};
+use crate::dynsyn;
 use crate::error::TrainError;
 use crate::evaluate::{Evaluation, Evaluator};
+use crate::head::Head;
 use crate::imitation::{Imitation, ImitationState};
 use crate::learner::Losses;
 use crate::mpo::{Mpo, MpoState};
@@ -11,7 +13,7 @@ use crate::ppo::{Ppo, PpoState};
 use crate::sac::{Sac, SacState};
 use crate::settings::{Algorithm, Settings};
 use crate::teaching::Lessons;
-use msk_network::{Kernel, Processor, Tape};
+use msk_network::{Kernel, Processor, Shape, Tape};
 use msk_runtime::episode::{Engine, EpisodeEnd};
 use msk_settings::SettingsError;
 use serde::{Deserialize, Serialize};
@@ -37,8 +39,23 @@ pub struct Identity {
     /// What it learns from beside the reward.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lessons: Vec<String>,
+    /// Where it runs, as far as names and masses do not say it.
+    #[serde(default)]
+    pub provenance: Provenance,
     /// How it learns.
     pub settings: Settings,
+}
+
+/// What else decides the numbers of a training: its caller knows it.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Provenance {
+    /// Hash of the body's model, with its scene.
+    pub model_hash: String,
+    /// Condition of the muscles.
+    pub condition: String,
+    /// Hash of the sources of the program.
+    pub build: String,
 }
 
 enum Learner {
@@ -97,17 +114,38 @@ fn starting_as(agent: &Agent, engine: &Engine, settings: &Settings) -> Result<Se
     if let Some(reason) = agent.unlike(engine.task(), engine.action_size()) {
         return Err(refuse(reason));
     }
+    match (agent.output().synergies().is_some(), algorithm == Algorithm::Dynsyn) {
+        (true, false) => return Err(refuse("it acts through groups of entries, as only `dynsyn` does".into())),
+        (false, true) => return Err(refuse("it does not act through groups of entries; train it with `dynsyn`".into())),
+        _ => {}
+    }
     let squashes = match algorithm {
         Algorithm::Ppo => false,
-        Algorithm::Sac | Algorithm::Mpo => true,
+        Algorithm::Sac | Algorithm::Simba | Algorithm::Dynsyn | Algorithm::Mpo => true,
         Algorithm::Clone => settings.clone.squash,
     };
-    if squashes != agent.squashes() {
+    if squashes != agent.output().squashes() {
         let (has, needs) = if squashes { ("does not squash", "squash = true") } else { ("squashes", "squash = false") };
         return Err(refuse(format!("it {has} its actions; clone with `{needs}` in `[clone]`")));
     }
-    let shape = agent.shape().clone();
-    Ok(Settings { hidden: shape.hidden, activation: shape.activation, layer_norm: shape.layer_norm, ..settings.clone() })
+    let Shape { hidden, activation, layer_norm, residual, .. } = agent.shape().clone();
+    let settings = Settings { hidden, activation, layer_norm, residual, ..settings.clone() };
+    // Critics that were plain may not do as residual ones.
+    settings.check("")?;
+    Ok(settings)
+}
+
+/// How the actor of an algorithm built on SAC acts: through the groups of the agent that it starts as, or through those that are found.
+fn head(engine: &Engine, settings: &Settings, lessons: &Lessons, seed: u64) -> Result<Head, TrainError> {
+    if settings.algorithm != Algorithm::Dynsyn {
+        return Ok(Head::Entries(engine.action_size()));
+    }
+    let known = lessons.start.as_ref().and_then(|agent| agent.output().synergies().cloned());
+    let synergies = match known {
+        Some(synergies) => synergies,
+        None => dynsyn::find(engine, &settings.dynsyn, seed).map_err(|reason| TrainError::Groups { reason })?,
+    };
+    Ok(Head::Synergies { synergies: synergies.at(&settings.dynsyn, 0.0), settings: settings.dynsyn.clone() })
 }
 
 /// A training.
@@ -152,7 +190,7 @@ impl Training {
         };
         let algorithm = settings.algorithm;
         match algorithm {
-            Algorithm::Sac => check_replay(engine, settings.sac.replay)?,
+            Algorithm::Sac | Algorithm::Simba | Algorithm::Dynsyn => check_replay(engine, settings.sac.replay)?,
             Algorithm::Mpo => check_replay(engine, settings.mpo.replay)?,
             Algorithm::Ppo | Algorithm::Clone => {}
         }
@@ -163,7 +201,10 @@ impl Training {
         let mut play = Play::new(engine, &settings, seed, threads)?;
         let mut learner = match algorithm {
             Algorithm::Ppo => Learner::Ppo(Box::new(Ppo::new(&settings, &play, seed, kernel.clone()))),
-            Algorithm::Sac => Learner::Sac(Box::new(Sac::new(&settings, &play, seed, kernel.clone()))),
+            Algorithm::Sac | Algorithm::Simba | Algorithm::Dynsyn => {
+                let head = head(engine, &settings, lessons, seed)?;
+                Learner::Sac(Box::new(Sac::new(&settings, &play, head, seed, kernel.clone())))
+            }
             Algorithm::Mpo => Learner::Mpo(Box::new(Mpo::new(engine, &settings, &play, seed, kernel.clone())?)),
             Algorithm::Clone => {
                 let tools = (kernel.clone(), threads);
@@ -183,6 +224,7 @@ impl Training {
             task: task.name.clone(),
             task_hash: task.hash.clone(),
             body_hash: body_hash(engine),
+            provenance: Provenance::default(),
             seed,
             steps,
             lessons: lessons.names(),
@@ -190,6 +232,13 @@ impl Training {
         };
         let evaluator = Evaluator::new(engine, seed, settings.evaluation_episodes, threads)?;
         Ok(Self { engine: engine.clone(), identity, play, learner, evaluator, tape: Tape::new(kernel), step: 0 })
+    }
+
+    /// The same with what its caller knows of where it runs: a training that is resumed elsewhere is refused.
+    #[must_use]
+    pub fn with_provenance(mut self, provenance: Provenance) -> Self {
+        self.identity.provenance = provenance;
+        self
     }
 
     /// What decides every number of it.
@@ -223,7 +272,7 @@ impl Training {
         self.play.set_progress(progress)?;
         let (losses, steps) = match &mut self.learner {
             Learner::Ppo(ppo) => (ppo.round(&mut self.play, progress, self.step)?, ppo.round_steps(self.play.slots())),
-            Learner::Sac(sac) => (sac.round(&mut self.play, self.step)?, sac.round_steps(self.play.slots())),
+            Learner::Sac(sac) => (sac.round(&mut self.play, progress, self.step)?, sac.round_steps(self.play.slots())),
             Learner::Mpo(mpo) => {
                 let losses = mpo.round(&mut self.play, &self.identity.settings, self.step)?;
                 (losses, mpo.round_steps(self.play.slots()))

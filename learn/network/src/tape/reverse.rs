@@ -122,6 +122,7 @@ impl Step<'_> {
                 self.move_columns(right, 0..self.nodes[right].columns, width);
             }
             Operation::Columns { x, begin } => self.move_columns(x, begin..begin + self.node.columns, 0),
+            Operation::Gather { x, ref from } => self.scatter(x, from),
             Operation::SumColumns { x } => {
                 let (range, width) = (self.range(x), self.nodes[x].columns.max(1));
                 for (row, slope) in self.before[range].chunks_exact_mut(width).zip(self.own) {
@@ -183,6 +184,18 @@ impl Step<'_> {
         let rows = self.before[range].chunks_exact_mut(width.max(1)).zip(self.own.chunks_exact(own_width.max(1)));
         for (sums, own) in rows {
             sums[to.clone()].iter_mut().zip(&own[from..]).for_each(|(sum, slope)| *sum += slope);
+        }
+    }
+
+    /// Adds own derivatives of each column to those of the operand's column that it was taken from.
+    fn scatter(&mut self, x: usize, from: &[usize]) {
+        if !self.nodes[x].depends {
+            return;
+        }
+        let (range, width) = (self.range(x), self.nodes[x].columns);
+        let rows = self.before[range].chunks_exact_mut(width.max(1)).zip(self.own.chunks_exact(from.len().max(1)));
+        for (sums, own) in rows {
+            from.iter().zip(own).for_each(|(column, slope)| sums[*column] += slope);
         }
     }
 

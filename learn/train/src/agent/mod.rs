@@ -3,15 +3,20 @@
 //! A folder holds `agent.toml` (what it was trained on and how well it does), `policy.safetensors` (its network with the normaliser of
 //! observations, as the policy `network` reads it) and `curve.jsonl` (how it became what it is).
 
+mod actor;
+
+pub use actor::Actor;
+pub(crate) use actor::Output;
+
 use crate::curve;
+use crate::dynsyn::Synergies;
 use crate::evaluate::Evaluation;
 use crate::onnx;
-use crate::play::Play;
-use msk_network::file::{Precision, Stored, TensorFile};
-use msk_network::{Mlp, Moments, Parameters, Shape, Tape};
+use msk_network::Shape;
+use msk_network::file::{Precision, TensorFile};
 use msk_program::digest::hexadecimal;
 use msk_program::task::CompiledTask;
-use msk_runtime::episode::{Engine, single_precision};
+use msk_runtime::episode::Engine;
 use msk_storage::{Folder, StorageError};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -25,20 +30,6 @@ const NETWORK: &str = "policy.safetensors";
 const LARGEST_DESCRIPTION: u64 = 1 << 20;
 /// Largest network, bytes.
 const LARGEST_NETWORK: u64 = 1 << 32;
-
-/// A network that acts.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Actor {
-    network: Mlp,
-    parameters: Parameters,
-    mean: Vec<f32>,
-    std: Vec<f32>,
-    clip: f32,
-    /// Whether the hyperbolic tangent of its output acts; else the episode clips.
-    squash: bool,
-    /// To which the numbers of its layers are rounded, and in which they are stored; those of the normaliser are single.
-    precision: Precision,
-}
 
 /// What an agent was trained on, and how.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,6 +55,9 @@ pub struct Description {
     clip: f32,
     /// How it did when it was last evaluated.
     pub evaluation: Option<Evaluation>,
+    /// The groups of entries through which it acts, if it does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    synergies: Option<Synergies>,
     network: Shape,
     observation: Vec<Channel>,
 }
@@ -146,153 +140,27 @@ impl Description {
         if observed != *inputs || hidden.iter().chain([outputs]).any(|size| !(1..=1 << 20).contains(size)) {
             return Err(invalid(format!("describes a network of {inputs} inputs for {observed} observed numbers")));
         }
+        if !(description.clip.is_finite() && description.clip > 0.0) {
+            return Err(invalid(format!("bounds observations by {}: expected a number greater than 0", description.clip)));
+        }
+        if let Some(needed) = description.synergies.as_ref().map(Synergies::outputs).filter(|needed| needed != outputs) {
+            return Err(invalid(format!("describes a network of {outputs} outputs for synergies that take {needed}")));
+        }
         Ok(description)
     }
-}
 
-impl Actor {
-    /// The first `entries` outputs of a network among the parameters of a learner, with the present normaliser of observations.
-    pub(crate) fn new(network: &Mlp, all: &Parameters, play: &Play, entries: usize, squash: bool) -> Self {
-        let shape = Shape { outputs: entries, ..network.shape().clone() };
-        let mut parameters = Parameters::default();
-        let own = Mlp::new("policy", &shape, &mut parameters);
-        let from = all.tensors().iter().filter(|tensor| network.range().contains(&tensor.range.start));
-        let to = parameters.tensors().to_vec();
-        for (from, to) in from.zip(to) {
-            // Rows of the last layer that mean something else are left out.
-            let source = from.range.start..from.range.start + to.range.len();
-            parameters.values_mut()[to.range].copy_from_slice(&all.values()[source]);
-        }
-        let moments = &play.normaliser.moments()[..shape.inputs];
-        Self {
-            network: own,
-            parameters,
-            mean: moments.iter().map(|moments| moments.mean as f32).collect(),
-            std: moments.iter().map(|moments| moments.deviation() as f32).collect(),
-            clip: play.normaliser.clip() as f32,
-            squash,
-            precision: Precision::Single,
+    /// How the output of the network acts.
+    fn output(&self) -> Output {
+        match (&self.synergies, self.squash) {
+            (Some(synergies), _) => Output::Synergies(synergies.clone()),
+            (None, true) => Output::Squashed,
+            (None, false) => Output::Clipped,
         }
     }
 
-    /// Writes its numbers into a network among the parameters of a learner whose hidden layers are the same; rows of the last layer that
-    /// mean something else stay as they are.
-    pub(crate) fn copy_to(&self, network: &Mlp, all: &mut Parameters) {
-        let to: Vec<_> = all.tensors().iter().filter(|tensor| network.range().contains(&tensor.range.start)).cloned().collect();
-        for (from, to) in self.parameters.tensors().iter().zip(to) {
-            let part = to.range.start..to.range.start + from.range.len();
-            all.values_mut()[part].copy_from_slice(&self.parameters.values()[from.range.clone()]);
-        }
-    }
-
-    /// The same for a network whose last layer has as many rows again, for the deviations of actions: these become `spread`, in the units of
-    /// the learner, whatever is seen.
-    pub(crate) fn begin_in(&self, network: &Mlp, all: &mut Parameters, spread: f32) {
-        self.copy_to(network, all);
-        if let Some(last) = network.layers().last() {
-            let (entries, inputs) = (last.outputs / 2, last.inputs);
-            let values = all.values_mut();
-            values[last.weight.clone()][entries * inputs..].fill(0.0);
-            values[last.bias.clone()][entries..].fill(spread);
-        }
-    }
-
-    /// The moments by which it normalises, as if it had seen so many rows.
-    pub(crate) fn moments(&self, rows: f64) -> impl Iterator<Item = Moments> {
-        self.mean.iter().zip(&self.std).map(move |(mean, std)| Moments::of(f64::from(*mean), f64::from(*std), rows))
-    }
-
-    /// Writes an action for each row of observations.
-    pub fn act(&self, tape: &mut Tape, observations: &[f64], actions: &mut [f64]) {
-        let width = self.mean.len();
-        tape.clear();
-        let scaled = |(index, value): (usize, &f64)| {
-            let scaled = (single_precision(*value) - self.mean[index % width]) / self.std[index % width];
-            if scaled > self.clip {
-                self.clip
-            } else if scaled < -self.clip {
-                -self.clip
-            } else {
-                scaled
-            }
-        };
-        let rows = observations.len() / width.max(1);
-        let seen = tape.constant(rows, width, observations.iter().enumerate().map(scaled));
-        let mut output = self.network.forward(tape, &self.parameters, seen);
-        if self.squash {
-            output = tape.tanh(output);
-        }
-        for (action, output) in actions.iter_mut().zip(tape.values(output)) {
-            *action = f64::from(*output);
-        }
-    }
-
-    fn file(&self, channels: &[Channel]) -> TensorFile {
-        let mut file = TensorFile::default();
-        for tensor in self.parameters.tensors() {
-            let name = tensor.name.strip_prefix("policy.").unwrap_or(&tensor.name);
-            file.add_as(self.precision, name, &tensor.shape, &self.parameters.values()[tensor.range.clone()]);
-        }
-        file.add("observation.mean", &[self.mean.len()], self.mean.as_slice());
-        file.add("observation.std", &[self.std.len()], self.std.as_slice());
-        let shape = self.network.shape();
-        // The policy `network` knows no layer norm and refuses the name.
-        let norm = if shape.layer_norm { "layer_norm " } else { "" };
-        let entries = [
-            ("activation", format!("{norm}{}", shape.activation.name())),
-            ("output_activation", if self.squash { "tanh" } else { "identity" }.to_owned()),
-            ("observation_clip", self.clip.to_string()),
-            // Strings and numbers always have a JSON form.
-            ("observation", serde_json::to_string(channels).unwrap_or_default()),
-        ];
-        file.metadata.extend(entries.map(|(key, value)| (key.to_owned(), value)));
-        file
-    }
-
-    /// # Errors
-    /// Tensors of other sizes, in words that continue the name of the file.
-    fn read(file: &TensorFile, description: &Description) -> Result<Self, String> {
-        let mut parameters = Parameters::default();
-        let network = Mlp::new("policy", &description.network, &mut parameters);
-        let tensor = |name: &str, shape: &[usize]| match file.tensors.get(name) {
-            Some(stored) if stored.shape == shape => Ok(stored),
-            Some(Stored { shape: found, .. }) => Err(format!("holds `{name}` of shape {found:?}: expected {shape:?}")),
-            None => Err(format!("lacks the tensor `{name}`")),
-        };
-        let mut precision = Precision::Half;
-        for known in parameters.tensors().to_vec() {
-            let name = known.name.strip_prefix("policy.").unwrap_or(&known.name);
-            let stored = tensor(name, &known.shape)?;
-            parameters.values_mut()[known.range].copy_from_slice(&stored.values);
-            if stored.precision == Precision::Single {
-                precision = Precision::Single;
-            }
-        }
-        let width = [description.network.inputs];
-        let numbers = |name: &str| tensor(name, &width).map(|stored| stored.values.clone());
-        let (mean, std) = (numbers("observation.mean")?, numbers("observation.std")?);
-        if let Some(index) = std.iter().position(|std| *std <= 0.0) {
-            return Err(format!("holds {} in `observation.std`, number {index}: expected more than 0", std[index]));
-        }
-        Ok(Self { network, parameters, mean, std, clip: description.clip, squash: description.squash, precision })
-    }
-
-    /// It with the numbers of its layers rounded.
-    ///
-    /// # Errors
-    /// A tensor with a number that is too large for that precision.
-    fn rounded_to(&self, precision: Precision) -> Result<Self, AgentError> {
-        let mut rounded = Self { precision, ..self.clone() };
-        for tensor in self.parameters.tensors() {
-            for value in &mut rounded.parameters.values_mut()[tensor.range.clone()] {
-                let stored = precision.round(*value);
-                if !stored.is_finite() {
-                    return Err(AgentError::TooLarge { tensor: tensor.name.clone(), value: *value });
-                }
-                *value = stored;
-            }
-        }
-        Ok(rounded)
+    /// Entries of an action.
+    fn entries(&self) -> usize {
+        self.synergies.as_ref().map_or(self.network.outputs, Synergies::entries)
     }
 }
 
@@ -324,9 +192,10 @@ impl Agent {
             algorithm: algorithm.to_owned(),
             seed,
             steps,
-            squash: actor.squash,
+            squash: actor.output.squashes(),
             clip: actor.clip,
             evaluation: None,
+            synergies: actor.output.synergies().cloned(),
             network: actor.network.shape().clone(),
             observation: channels(task),
         };
@@ -412,13 +281,13 @@ impl Agent {
 
     /// It as an ONNX file, the normaliser included: `observation` [batch, numbers] to `action` [batch, entries].
     pub fn onnx(&self) -> Vec<u8> {
-        let Actor { network, parameters, mean, std, clip, squash, .. } = &self.actor;
+        let Actor { network, parameters, mean, std, clip, output, .. } = &self.actor;
         let known = &self.description;
         // Strings and numbers always have a JSON form.
         let channels = serde_json::to_string(&known.observation).unwrap_or_default();
         let remarks = [("task", &known.task), ("task_hash", &known.task_hash), ("body", &known.body), ("observation", &channels)];
         let remarks = remarks.map(|(key, value)| (key.to_owned(), value.clone()));
-        onnx::file(&onnx::Source { network, parameters, mean, std, clip: *clip, squash: *squash, remarks: &remarks })
+        onnx::file(&onnx::Source { network, parameters, mean, std, clip: *clip, output, remarks: &remarks })
     }
 
     /// The sizes of its network.
@@ -428,19 +297,21 @@ impl Agent {
 
     /// Numbers of an observation, and entries of an action.
     pub fn lengths(&self) -> (usize, usize) {
-        (self.description.network.inputs, self.description.network.outputs)
+        (self.description.network.inputs, self.description.entries())
     }
 
     /// The sizes of its network, from what it sees to what it gives, in words.
     pub fn sizes(&self) -> String {
-        let Shape { inputs, hidden, outputs, activation, .. } = &self.description.network;
+        let Shape { inputs, hidden, outputs, activation, residual, .. } = &self.description.network;
         let sizes: Vec<String> = [inputs].into_iter().chain(hidden).chain([outputs]).map(ToString::to_string).collect();
-        format!("{}, {}", sizes.join(" - "), activation.name())
+        let kind = if *residual { "residual " } else { "" };
+        let synergies = self.description.synergies.as_ref().map_or(String::new(), |synergies| format!(", {synergies}"));
+        format!("{}, {kind}{}{synergies}", sizes.join(" - "), activation.name())
     }
 
-    /// Whether the hyperbolic tangent of its output acts.
-    pub(crate) fn squashes(&self) -> bool {
-        self.actor.squash
+    /// How the output of its network acts.
+    pub(crate) fn output(&self) -> &Output {
+        &self.actor.output
     }
 
     /// What tells it from others: a hash of its network.
@@ -462,8 +333,8 @@ impl Agent {
             let (found, expected) = (shown(&channels), shown(&known.observation));
             return Some(format!("it was trained to see something else: channel {} is {found}, expected {expected}", place + 1));
         }
-        if entries != known.network.outputs {
-            return Some(format!("it gives {} numbers, the action has {entries}", known.network.outputs));
+        if entries != known.entries() {
+            return Some(format!("it gives {} numbers, the action has {entries}", known.entries()));
         }
         None
     }

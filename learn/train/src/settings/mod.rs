@@ -1,9 +1,11 @@
 //! Settings of a training: presets, files, and what they may hold.
 
+mod check;
+mod presets;
+
 use msk_network::{Activation, Shape};
-use msk_settings::{Checked, SettingsError};
+use msk_settings::SettingsError;
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
 
 /// How an agent learns.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -14,6 +16,10 @@ pub enum Algorithm {
     Ppo,
     /// Soft actor-critic.
     Sac,
+    /// Soft actor-critic with residual networks of the kind of `SimBa`.
+    Simba,
+    /// Soft actor-critic of groups of muscles that change together: `DynSyn`.
+    Dynsyn,
     /// Maximum a posteriori policy optimisation, which differential extrinsic plasticity may explore for: DepRL.
     Mpo,
     /// Imitation: behaviour cloning, and DAgger with a teacher.
@@ -33,14 +39,22 @@ pub enum Preset {
 
 impl Algorithm {
     /// All of them, with their names.
-    pub const NAMED: [(&'static str, Self); 4] =
-        [("ppo", Self::Ppo), ("sac", Self::Sac), ("mpo", Self::Mpo), ("clone", Self::Clone)];
+    pub const NAMED: [(&'static str, Self); 6] = [
+        ("ppo", Self::Ppo),
+        ("sac", Self::Sac),
+        ("simba", Self::Simba),
+        ("dynsyn", Self::Dynsyn),
+        ("mpo", Self::Mpo),
+        ("clone", Self::Clone),
+    ];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ppo => "ppo",
             Self::Sac => "sac",
+            Self::Simba => "simba",
+            Self::Dynsyn => "dynsyn",
             Self::Mpo => "mpo",
             Self::Clone => "clone",
         }
@@ -62,12 +76,16 @@ pub struct Settings {
     pub preset: Preset,
     /// Episodes side by side.
     pub episodes: usize,
-    /// Sizes of the hidden layers of every network.
+    /// Sizes of the hidden layers of every network; of residual ones the sizes of their blocks.
     pub hidden: Vec<usize>,
+    /// Those of critics, where they are others.
+    pub critic_hidden: Vec<usize>,
     /// What follows a hidden layer.
     pub activation: Activation,
     /// Whether hidden layers are normalised.
     pub layer_norm: bool,
+    /// Whether hidden layers are residual blocks, which always have norms.
+    pub residual: bool,
     /// Weight of a reward that comes one control step later: gamma.
     pub discount: f64,
     /// Whether networks see observations with running mean 0 and deviation 1.
@@ -84,8 +102,10 @@ pub struct Settings {
     pub critics_first: u64,
     /// Those of PPO.
     pub ppo: PpoSettings,
-    /// Those of SAC.
+    /// Those of SAC and of what is built on it.
     pub sac: SacSettings,
+    /// Those of the groups of `DynSyn`.
+    pub dynsyn: DynsynSettings,
     /// Those of MPO.
     pub mpo: MpoSettings,
     /// Those of what explores for MPO.
@@ -124,7 +144,7 @@ pub struct PpoSettings {
     pub log_std: f64,
 }
 
-/// Settings of SAC alone.
+/// Settings of SAC, of `SimBa` and of `DynSyn`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SacSettings {
@@ -146,8 +166,30 @@ pub struct SacSettings {
     pub follow: f64,
     /// Weight of the entropy; with `automatic` where it begins.
     pub temperature: f64,
-    /// Whether the weight of the entropy is tuned so that the entropy is minus the number of entries of an action.
+    /// Whether the weight of the entropy is tuned so that the entropy is minus `target_entropy` for each entry of an action.
     pub automatic: bool,
+    /// See `automatic`.
+    pub target_entropy: f64,
+    /// Share of the rates that is left at the end; they fall in proportion to what is left of the training until they have reached it.
+    pub anneal: f64,
+    /// Share by which weights shrink in a gradient step, times the rate.
+    pub weight_decay: f64,
+}
+
+/// Settings of the groups of `DynSyn`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DynsynSettings {
+    /// Groups of entries that act together, at most one per entry.
+    pub groups: usize,
+    /// How far the weight of an entry may be from 1 at the end.
+    pub amplitude: f64,
+    /// Share of the training from which on weights are freed, up to `amplitude` at the end.
+    pub release: f64,
+    /// Control steps for which the body is shaken to find the groups.
+    pub rollout: usize,
+    /// Largest speed that a shake gives to a joint, rad/s or m/s.
+    pub speed: f64,
 }
 
 /// Settings of MPO alone.
@@ -208,43 +250,6 @@ pub struct DepSettings {
     pub length: usize,
 }
 
-impl Default for MpoSettings {
-    fn default() -> Self {
-        Self {
-            actor_rate: 3e-4,
-            critic_rate: 3e-4,
-            dual_rate: 1e-2,
-            replay: 1_000_000,
-            start: 5_000,
-            batch: 128,
-            updates: 0.1,
-            block: 30,
-            steps: 3,
-            samples: 10,
-            follow: 0.005,
-            epsilon: 0.1,
-            epsilon_penalty: 1e-3,
-            epsilon_mean: 1e-3,
-            epsilon_std: 1e-6,
-        }
-    }
-}
-
-impl Default for DepSettings {
-    fn default() -> Self {
-        Self {
-            explores: true,
-            gain: 1169.7,
-            horizon: 40,
-            bias_rate: 0.002,
-            delay: 5,
-            smoothing: 2,
-            probability: 0.001,
-            length: 5,
-        }
-    }
-}
-
 /// Settings of imitation alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -265,122 +270,17 @@ pub struct CloneSettings {
     pub squash: bool,
 }
 
-impl Default for CloneSettings {
-    fn default() -> Self {
-        Self { learning_rate: 1e-3, anneal: true, batch: 256, updates: 0.5, guided: 0.0, memory: 200_000, squash: false }
-    }
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self::of(Algorithm::default(), Preset::default())
-    }
-}
-
-impl Default for PpoSettings {
-    fn default() -> Self {
-        Self {
-            learning_rate: 3e-4,
-            anneal: true,
-            horizon: 256,
-            minibatch: 64,
-            epochs: 10,
-            lambda: 0.95,
-            clip: 0.2,
-            clip_values: true,
-            entropy: 0.0,
-            value_weight: 0.5,
-            gradient_norm: 0.5,
-            log_std: 0.0,
-        }
-    }
-}
-
-impl Default for SacSettings {
-    fn default() -> Self {
-        Self {
-            actor_rate: 3e-4,
-            critic_rate: 1e-3,
-            replay: 1_000_000,
-            start: 5_000,
-            batch: 256,
-            updates: 0.25,
-            actor_delay: 2,
-            follow: 0.005,
-            temperature: 0.2,
-            automatic: true,
-        }
-    }
-}
-
 impl Settings {
     /// The shape of a network between so many numbers.
     pub(crate) fn shape(&self, inputs: usize, outputs: usize) -> Shape {
-        let Self { activation, layer_norm, .. } = *self;
-        Shape { inputs, hidden: self.hidden.clone(), outputs, activation, layer_norm }
+        let Self { activation, layer_norm, residual, .. } = *self;
+        Shape { inputs, hidden: self.hidden.clone(), outputs, activation, layer_norm, residual }
     }
 
-    /// Those of a preset.
-    pub fn of(algorithm: Algorithm, preset: Preset) -> Self {
-        let hidden = match (algorithm, preset) {
-            (_, Preset::Paper) => vec![1024, 1024],
-            (Algorithm::Ppo, Preset::Fast) => vec![64, 64],
-            (Algorithm::Sac | Algorithm::Mpo | Algorithm::Clone, Preset::Fast) => vec![256, 256],
-        };
-        let fast = Self {
-            algorithm,
-            preset,
-            episodes: 8,
-            hidden,
-            activation: if algorithm == Algorithm::Ppo { Activation::Tanh } else { Activation::Relu },
-            layer_norm: false,
-            discount: 0.99,
-            normalize_observations: true,
-            normalize_rewards: algorithm == Algorithm::Ppo || (algorithm == Algorithm::Sac && preset == Preset::Paper),
-            evaluate_every: 50_000,
-            evaluation_episodes: 10,
-            checkpoint_every: 50_000,
-            critics_first: 10_000,
-            ppo: PpoSettings::default(),
-            sac: SacSettings::default(),
-            mpo: MpoSettings::default(),
-            dep: DepSettings::default(),
-            clone: CloneSettings::default(),
-        };
-        if preset == Preset::Fast {
-            return fast;
-        }
-        let ppo = PpoSettings {
-            anneal: false,
-            horizon: 2048,
-            minibatch: 256,
-            clip_values: false,
-            entropy: 0.005,
-            ..PpoSettings::default()
-        };
-        let sac = SacSettings {
-            actor_rate: 1e-4,
-            critic_rate: 1e-4,
-            start: 100,
-            updates: 0.125,
-            actor_delay: 1,
-            temperature: 0.05,
-            automatic: false,
-            ..SacSettings::default()
-        };
-        let mpo = MpoSettings {
-            actor_rate: 5e-5,
-            critic_rate: 8e-5,
-            dual_rate: 2e-3,
-            start: 100_000,
-            batch: 256,
-            updates: 0.03,
-            samples: 20,
-            ..MpoSettings::default()
-        };
-        let episodes = if algorithm == Algorithm::Mpo { 16 } else { fast.episodes };
-        let evaluate_every = if algorithm == Algorithm::Ppo { 500_000 } else { 200_000 };
-        Self { episodes, evaluate_every, checkpoint_every: evaluate_every, ppo, sac, mpo, ..fast }
+    /// That of a critic.
+    pub(crate) fn critic_shape(&self, inputs: usize, outputs: usize) -> Shape {
+        let shape = self.shape(inputs, outputs);
+        if self.critic_hidden.is_empty() { shape } else { Shape { hidden: self.critic_hidden.clone(), ..shape } }
     }
 
     /// Reads a TOML file: keys that it does not set are those of its `algorithm` and its `preset`.
@@ -397,89 +297,6 @@ impl Settings {
     pub fn text(&self) -> String {
         // Plain data of numbers and lists always has a TOML form.
         toml::to_string(self).unwrap_or_default()
-    }
-
-    /// Whether every number lies where it makes sense; NaN does not.
-    fn check(&self, text: &str) -> Result<(), SettingsError> {
-        let checked = Checked::of(text);
-        let Self { ppo, sac, mpo, dep, clone, .. } = self;
-        let numbers: [(&'static str, f64, RangeInclusive<f64>); 30] = [
-            ("discount", self.discount, 0.0..=1.0),
-            ("learning_rate", ppo.learning_rate, 1e-8..=1.0),
-            ("lambda", ppo.lambda, 0.0..=1.0),
-            ("clip", ppo.clip, 1e-3..=10.0),
-            ("entropy", ppo.entropy, 0.0..=10.0),
-            ("value_weight", ppo.value_weight, 0.0..=100.0),
-            ("gradient_norm", ppo.gradient_norm, 1e-6..=1e6),
-            ("log_std", ppo.log_std, -10.0..=2.0),
-            ("actor_rate", sac.actor_rate, 1e-8..=1.0),
-            ("critic_rate", sac.critic_rate, 1e-8..=1.0),
-            ("updates", sac.updates, 1e-4..=64.0),
-            ("follow", sac.follow, 1e-6..=1.0),
-            ("temperature", sac.temperature, 1e-8..=100.0),
-            ("actor_rate", mpo.actor_rate, 1e-8..=1.0),
-            ("critic_rate", mpo.critic_rate, 1e-8..=1.0),
-            ("dual_rate", mpo.dual_rate, 1e-8..=1.0),
-            ("updates", mpo.updates, 1e-4..=64.0),
-            ("follow", mpo.follow, 1e-6..=1.0),
-            ("epsilon", mpo.epsilon, 1e-6..=10.0),
-            ("epsilon_penalty", mpo.epsilon_penalty, 1e-9..=10.0),
-            ("epsilon_mean", mpo.epsilon_mean, 1e-9..=10.0),
-            ("epsilon_std", mpo.epsilon_std, 1e-12..=10.0),
-            ("gain", dep.gain, 1e-3..=1e9),
-            ("bias_rate", dep.bias_rate, 0.0..=1.0),
-            ("probability", dep.probability, 0.0..=1.0),
-            ("learning_rate", clone.learning_rate, 1e-8..=1.0),
-            ("updates", clone.updates, 1e-4..=64.0),
-            ("guided", clone.guided, 0.0..=1.0),
-            ("critics_first", self.critics_first as f64, 0.0..=1e12),
-            ("evaluate_every", self.evaluate_every as f64, 1.0..=1e12),
-        ];
-        for (key, found, range) in numbers {
-            checked.number(key, found, range, "")?;
-        }
-        let counts: [(&'static str, usize, RangeInclusive<usize>); 22] = [
-            ("episodes", self.episodes, 1..=4096),
-            ("evaluation_episodes", self.evaluation_episodes, 1..=1000),
-            ("checkpoint_every", usize::try_from(self.checkpoint_every).unwrap_or(usize::MAX), 1..=1_000_000_000_000),
-            ("horizon", ppo.horizon, 1..=1_000_000),
-            ("minibatch", ppo.minibatch, 1..=1_000_000),
-            ("epochs", ppo.epochs, 1..=1000),
-            ("replay", sac.replay, 1..=100_000_000),
-            ("start", sac.start, 1..=100_000_000),
-            ("batch", sac.batch, 1..=1_000_000),
-            ("replay", mpo.replay, 1..=100_000_000),
-            ("start", mpo.start, 1..=100_000_000),
-            ("batch", mpo.batch, 1..=1_000_000),
-            ("block", mpo.block, 1..=100_000),
-            ("steps", mpo.steps, 1..=1000),
-            ("samples", mpo.samples, 1..=10_000),
-            ("horizon", dep.horizon, 3..=10_000),
-            ("delay", dep.delay, 0..=1000),
-            ("smoothing", dep.smoothing, 1..=1000),
-            ("length", dep.length, 1..=100_000),
-            ("batch", clone.batch, 1..=1_000_000),
-            ("memory", clone.memory, 1..=100_000_000),
-            ("actor_delay", sac.actor_delay, 1..=1000),
-        ];
-        for (key, found, range) in counts {
-            checked.count(key, found, range)?;
-        }
-        if !(1..=16).contains(&self.hidden.len()) {
-            return checked.refuse("hidden", format!("{:?}", self.hidden), "1 to 16 sizes of layers".into());
-        }
-        if let Some(size) = self.hidden.iter().find(|size| !(1..=16384).contains(*size)) {
-            return checked.refuse("hidden", size.to_string(), "sizes from 1 to 16384".into());
-        }
-        if self.algorithm == Algorithm::Ppo && ppo.minibatch > ppo.horizon * self.episodes {
-            let all = ppo.horizon * self.episodes;
-            return checked.refuse(
-                "minibatch",
-                ppo.minibatch.to_string(),
-                format!("at most `horizon` x `episodes`, which is {all}"),
-            );
-        }
-        Ok(())
     }
 }
 
@@ -513,6 +330,10 @@ mod tests {
             message("[ppo]\nminibatch = 5000"),
             "line 2: `minibatch` is 5000; expected at most `horizon` x `episodes`, which is 2048"
         );
-        assert!(message("algorithm = \"ddpg\"").contains("expected one of `ppo`, `sac`, `mpo`, `clone`"));
+        assert!(message("algorithm = \"ddpg\"").contains("expected one of `ppo`, `sac`, `simba`, `dynsyn`, `mpo`, `clone`"));
+        assert_eq!(
+            message("algorithm = \"simba\"\ncritic_hidden = [64, 32]"),
+            "line 2: `critic_hidden` is [64, 32]; expected blocks of one size, because `residual` adds them up"
+        );
     }
 }
