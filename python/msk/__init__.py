@@ -13,6 +13,7 @@ from .diagnostics import Diagnostic, Diagnostics, Fix, Place
 from .environment import CAMERAS, Env, Page, Picture, Snapshot, show
 from .errors import CompileError, InternalError, LintWarning
 from .evaluation import evaluate, merge
+from .pipeline import Pipeline
 from .registration import id_of, make, make_vec, register
 from .tasks import TASKS, Channel, Explanation, Parameter, Task, Term, check, compile, compile_text
 from .vector import VectorEnv
@@ -35,6 +36,7 @@ __all__ = [
     "Page",
     "Parameter",
     "Picture",
+    "Pipeline",
     "Place",
     "Snapshot",
     "Task",

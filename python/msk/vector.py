@@ -85,6 +85,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             clip_actions,
             self.single_observation_space.dtype == np.float32,
         )
+        self._queue = _native.Queue()
         self._camera = None if render_mode is None else _native.Camera(self.task._native, width, height, camera)
         #: Weights in all episodes, by term; assign to change them.
         self.weights = LiveWeights(self._native, self.task)
@@ -132,9 +133,41 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
             TypeError, ValueError: actions that are not in the action space; nothing has been stepped then.
             gymnasium.error.ResetNeeded: no episode has begun.
         """
+        self._require_episodes("step")
+        return self._described(self._native.step(actions))
+
+    def send(self, actions: NDArray[Any]) -> None:
+        """Begins a control step in every slot, in Rust threads, and returns at once: a program does something else until :meth:`recv`,
+        which gives what :meth:`step` gives, to the bit. Meanwhile every other method of this environment is an error.
+
+        :class:`Pipeline` does so with several batches of episodes.
+
+        Raises:
+            TypeError, ValueError: actions that are not in the action space; nothing is stepped then.
+            gymnasium.error.ResetNeeded: no episode has begun.
+            RuntimeError: a step is under way already.
+        """
+        self._require_episodes("send")
+        self._native.send(actions, self._queue)
+
+    def recv(self) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """Waits for the step that :meth:`send` has begun; gives what :meth:`step` gives.
+
+        Raises:
+            RuntimeError: no step is under way, or it was begun before this process was forked.
+        """
+        return self._described(self._native.recv())
+
+    def _require_episodes(self, method: str) -> None:
         if not self._begun:
-            raise gymnasium.error.ResetNeeded("no episode has begun: call reset() or restore() before step()")
-        observations, rewards, terminated, truncated, ended = self._native.step(actions)
+            message = f"no episode has begun: call reset() or restore() before {method}()"
+            raise gymnasium.error.ResetNeeded(message)
+
+    def _described(
+        self, step: _native._Step
+    ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """What Gymnasium wants of a step."""
+        observations, rewards, terminated, truncated, ended = step
         infos = self._reports() | self._identities(np.ones(self.num_envs, np.bool_))
         if ended.any():
             endings = self._endings(ended, truncated)

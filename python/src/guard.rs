@@ -1,10 +1,14 @@
 //! The way out of Python and back: without the interpreter's lock, and without panics.
 
+use crate::queue::Queue;
+use crate::workers::Process;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -51,44 +55,118 @@ fn internal(panic: &(dyn Any + Send)) -> PyErr {
     ))
 }
 
-/// A value that a panic may have left half changed: it is not used again.
-pub struct Guarded<T>(Option<T>);
+/// A value that a panic may have left half changed: it is not used again. It may be away for a while, where a [`Queue`] changes it.
+pub struct Guarded<T>(Place<T>);
 
-impl<T: Send> Guarded<T> {
+enum Place<T> {
+    Here(T),
+    /// Where the value comes back to, in the process that has sent it away.
+    Away(Mutex<Receiver<thread::Result<T>>>, Process),
+    Spoiled,
+}
+
+impl<T: Send + 'static> Guarded<T> {
     pub fn new(value: T) -> Self {
-        Self(Some(value))
+        Self(Place::Here(value))
     }
 
     /// Changes the value while other Python threads go on.
     ///
     /// # Errors
-    /// A panic, now or before.
+    /// A panic, now or before; a value that is away.
     pub fn change<R: Send>(&mut self, py: Python<'_>, work: impl FnOnce(&mut T) -> R + Send) -> PyResult<R> {
-        let mut value = self.0.take().ok_or_else(spoiled)?;
+        let mut value = self.take()?;
         // A panic drops the value with the closure.
         let (value, result) = detached(py, move || {
             let result = work(&mut value);
             (value, result)
         })?;
-        self.0 = Some(value);
+        self.0 = Place::Here(value);
         Ok(result)
+    }
+
+    /// Changes the value in the background, after what was sent to the queue before. It is away until [`wait`](Self::wait).
+    ///
+    /// # Errors
+    /// A panic before; a value that is away already; no thread.
+    pub fn send(&mut self, queue: &Queue, work: impl FnOnce(&mut T) + Send + 'static) -> PyResult<()> {
+        let mut value = self.take()?;
+        let (back, received) = sync_channel(1);
+        self.0 = Place::Away(Mutex::new(received), Process::present());
+        queue.send(Box::new(move || {
+            let changed = catch_unwind(AssertUnwindSafe(move || {
+                work(&mut value);
+                value
+            }));
+            // Nobody waits where the environment was dropped meanwhile.
+            drop(back.send(changed));
+        }))
+    }
+
+    /// Waits for a value that is away, while other Python threads go on and signals are handled.
+    ///
+    /// # Errors
+    /// A value that is not away; a panic; what a signal raised: the value is away still.
+    pub fn wait(&mut self, py: Python<'_>) -> PyResult<()> {
+        let Place::Away(received, process) = &mut self.0 else {
+            return Err(PyRuntimeError::new_err("no step is under way: call send() before recv()"));
+        };
+        if *process != Process::present() {
+            // It is not dropped: it would wait for what the thread may have held when the process was forked.
+            std::mem::forget(std::mem::replace(&mut self.0, Place::Spoiled));
+            return Err(PyRuntimeError::new_err("the step was sent before this process was forked: make a new environment"));
+        }
+        let received = received.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let changed = loop {
+            let received = &mut *received;
+            match py.detach(move || received.recv_timeout(SIGNALS)) {
+                Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+                Err(RecvTimeoutError::Disconnected) => break Err(spoiled()),
+                Ok(changed) => break changed.map_err(|panic| internal(&*panic)),
+            }
+        };
+        self.0 = Place::Spoiled;
+        changed.map(|value| self.0 = Place::Here(value))
     }
 
     /// Reads the value.
     ///
     /// # Errors
-    /// A panic before.
+    /// A panic before; a value that is away.
     pub fn get(&self) -> PyResult<&T> {
-        self.0.as_ref().ok_or_else(spoiled)
+        match &self.0 {
+            Place::Here(value) => Ok(value),
+            Place::Away(..) => Err(away()),
+            Place::Spoiled => Err(spoiled()),
+        }
     }
 
     /// The value itself, for changes that cannot panic.
     ///
     /// # Errors
-    /// A panic before.
+    /// A panic before; a value that is away.
     pub fn get_mut(&mut self) -> PyResult<&mut T> {
-        self.0.as_mut().ok_or_else(spoiled)
+        match &mut self.0 {
+            Place::Here(value) => Ok(value),
+            Place::Away(..) => Err(away()),
+            Place::Spoiled => Err(spoiled()),
+        }
     }
+
+    fn take(&mut self) -> PyResult<T> {
+        match std::mem::replace(&mut self.0, Place::Spoiled) {
+            Place::Here(value) => Ok(value),
+            Place::Spoiled => Err(spoiled()),
+            elsewhere @ Place::Away(..) => {
+                self.0 = elsewhere;
+                Err(away())
+            }
+        }
+    }
+}
+
+fn away() -> PyErr {
+    PyRuntimeError::new_err("a step is under way: call recv() first")
 }
 
 fn spoiled() -> PyErr {

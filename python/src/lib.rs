@@ -11,6 +11,7 @@ mod environment;
 mod evaluation;
 mod guard;
 mod physics;
+mod queue;
 mod recorded;
 mod report;
 mod snapshot;
@@ -40,6 +41,8 @@ mod _native {
     use super::guard::provoke_panic;
     #[pymodule_export]
     use super::physics::{Batch, Model, Simulation};
+    #[pymodule_export]
+    use super::queue::Queue;
     #[pymodule_export]
     use super::report::Report;
     #[pymodule_export]

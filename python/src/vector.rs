@@ -3,6 +3,7 @@
 use crate::arrays::{self, OutOfRange};
 use crate::environment::{End, end};
 use crate::guard::{Guarded, detached};
+use crate::queue::Queue;
 use crate::snapshot::Snapshot;
 use crate::state;
 use crate::task::Task;
@@ -81,6 +82,23 @@ impl VectorEnvironment {
         let actions = arrays::actions(actions, Some(self.count), self.task.get().action_names(), self.rule)?;
         self.change(py, move |inner| inner.step(&actions).map(|_| ()))?
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        self.last(py)
+    }
+
+    /// Begins a control step in every slot, in the background, after what was sent to the queue before.
+    fn send(&mut self, actions: &Bound<'_, PyAny>, queue: &Queue) -> PyResult<()> {
+        self.inner.get()?;
+        let actions = arrays::actions(actions, Some(self.count), self.task.get().action_names(), self.rule)?;
+        self.live()?;
+        self.inner.send(queue, move |inner| {
+            // It fails for a wrong number of actions alone, which was checked.
+            drop(inner.step(&actions));
+        })
+    }
+
+    /// Waits for the step that was sent.
+    fn recv<'py>(&mut self, py: Python<'py>) -> PyResult<Step<'py>> {
+        self.inner.wait(py)?;
         self.last(py)
     }
 
@@ -238,10 +256,17 @@ impl VectorEnvironment {
 
     /// Changes the environment with threads that live in this process.
     fn change<R: Send>(&mut self, py: Python<'_>, work: impl FnOnce(&mut episode::VectorEnvironment) -> R + Send) -> PyResult<R> {
-        if self.process.has_changed() {
-            self.inner.get_mut()?.restart_workers().map_err(|error| no_threads(&error))?;
-        }
+        self.live()?;
         self.inner.change(py, work)
+    }
+
+    /// Starts threads in this process where there are none.
+    fn live(&mut self) -> PyResult<()> {
+        let inner = self.inner.get_mut()?;
+        if self.process.has_changed() {
+            inner.restart_workers().map_err(|error| no_threads(&error))?;
+        }
+        Ok(())
     }
 
     fn last<'py>(&self, py: Python<'py>) -> PyResult<Step<'py>> {
