@@ -6,6 +6,7 @@
 //! * [`Folder::read`] gives the bytes of a regular file, within a limit. Pipes, devices and the files of `/proc` are refused
 //!   without being read.
 //! * [`Folder::replace`] exchanges a whole file in one move: readers see the old bytes or the new ones, also after a power cut.
+//!   [`write_file`] does so for a file that the user named.
 //! * [`Log::append`] adds a line to a file of lines: it is on the disk, whole, or the file is what it was. [`Folder::lines`] reads them.
 //! * [`Folder::lock`] keeps other processes out until the lock is dropped or the program ends.
 //!
@@ -20,6 +21,7 @@ mod folder;
 mod lines;
 mod lock;
 mod log;
+mod printable;
 mod regular;
 mod replace;
 
@@ -29,4 +31,6 @@ pub use folder::{Entry, Folder, Kind};
 pub use lines::Lines;
 pub use lock::Lock;
 pub use log::Log;
+pub use printable::printable;
 pub use regular::{read_file, read_text_file};
+pub use replace::write_file;

@@ -2,7 +2,9 @@
 
 use crate::faults::Call;
 use crate::{Folder, StorageError, regular};
-use cap_std::fs::{File, Metadata};
+use cap_fs_ext::OpenOptionsSyncExt;
+use cap_std::ambient_authority;
+use cap_std::fs::{File, Metadata, OpenOptions};
 use cap_tempfile::TempFile;
 use std::io;
 use std::path::Path;
@@ -89,6 +91,29 @@ impl Folder {
         self.gate(Call::Sync, name)?;
         file.sync_all()
     }
+}
+
+/// Writes the file that the user named and that may lie anywhere. A link is followed, and the file that it leads to is replaced as
+/// [`Folder::replace`] does it; a pipe or a device, such as `/dev/stdout`, gets the bytes.
+///
+/// # Errors
+/// Those of [`Folder::of_file`] and [`Folder::replace`], and a pipe that nobody reads: a reader is not waited for.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), StorageError> {
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return stream(path, bytes).map_err(|source| StorageError::new("write", path, source));
+    }
+    let (folder, name) = Folder::of_file(path)?;
+    folder.replace(&name, bytes)
+}
+
+fn stream(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut options = OpenOptions::new();
+    options.write(true).nonblock(true);
+    // Opened so, a pipe without a reader is an error; while this is open there is a reader, and to open it once more does not wait.
+    let ready = File::open_ambient_with(path, &options, ambient_authority())?;
+    let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
+    drop(ready);
+    io::Write::write_all(&mut file, bytes)
 }
 
 fn replaceable(before: &Metadata, path: &Path) -> Result<(), StorageError> {

@@ -1,6 +1,6 @@
 //! What files and folders promise, seen from outside; what they promise when calls fail is in `faults.rs`.
 
-use msk_storage::{Entry, Folder, Kind, Log, StorageError, read_file, read_text_file};
+use msk_storage::{Entry, Folder, Kind, Log, StorageError, read_file, read_text_file, write_file};
 use std::fs;
 use std::path::Path;
 
@@ -143,6 +143,33 @@ fn the_folder_of_a_file_that_the_user_names() {
 mod unix {
     use super::*;
     use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
+
+    #[test]
+    fn a_file_that_the_user_names_is_replaced_also_behind_a_link_and_a_pipe_is_not_waited_for() {
+        let (place, _) = folder();
+        let [named, link, pipe] = ["named", "link", "pipe"].map(|name| place.path().join(name));
+        symlink(&named, &link).unwrap();
+        write_file(&named, b"one").unwrap();
+        write_file(&link, b"two").unwrap();
+        assert_eq!(fs::read(&named).unwrap(), b"two");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        write_file(path("/dev/null"), b"gone").unwrap();
+        assert!(write_file(place.path(), b"a folder").is_err());
+
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let error = write_file(&pipe, b"nobody reads").unwrap_err();
+        assert!(error.to_string().contains("cannot write") && error.to_string().contains("pipe"), "{error}");
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read(pipe).unwrap()
+        });
+        // More than a pipe holds: the writer waits for its reader, and all of it arrives.
+        let bytes = vec![7; 1 << 20];
+        while write_file(&pipe, &bytes).is_err() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        assert_eq!(reader.join().unwrap(), bytes);
+    }
     use std::sync::atomic::{AtomicBool, Ordering};
 
     #[test]

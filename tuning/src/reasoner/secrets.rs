@@ -1,5 +1,6 @@
 //! Secrets: they are sent, and never shown.
 
+use msk_storage::printable;
 use serde_json::Value;
 use std::fmt;
 
@@ -101,19 +102,6 @@ fn spellings(secret: &str) -> Vec<String> {
     let mut spellings = vec![escaped.replace('/', "\\/"), escaped, secret.to_owned()];
     spellings.dedup();
     spellings
-}
-
-/// Control characters become visible: the text of an answer must not steer a terminal.
-fn printable(text: &str) -> String {
-    let mut printable = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '\n' | '\t' => printable.push(character),
-            _ if character.is_control() => printable.extend(character.escape_unicode()),
-            _ => printable.push(character),
-        }
-    }
-    printable
 }
 
 /// The first characters of a text.
