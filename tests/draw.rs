@@ -55,7 +55,7 @@ fn what_cannot_be_drawn_is_reported_in_one_message() {
     assert!(complaint(&["--pose", "lotus"]).contains("it has: neutral"));
     assert!(complaint(&["--activation", "2"]).contains("between 0 and 1"));
     assert!(complaint(&["--state", "missing.json"]).starts_with("error: cannot read missing.json"));
-    assert!(complaint(&["--out", "missing/folder/human.svg"]).starts_with("error: cannot write missing/folder/human.svg"));
+    assert!(complaint(&["--out", "missing/folder/human.svg"]).starts_with("error: cannot write `missing/folder/human.svg`"));
 }
 
 #[test]

@@ -284,6 +284,31 @@ fn a_term_that_is_no_number_is_a_fault_that_names_it() {
 }
 
 #[test]
+fn a_return_beyond_all_numbers_is_a_fault_of_that_episode() {
+    // Each reward is finite, and the sum of two is not.
+    let mut episode = episode(&[("2 upright = torso.up.z", "2 upright = 5e307 * clip(torso.up.z, 0.9, 1)")]);
+    advance(&mut episode, 1);
+    let first = episode.episode().total();
+    assert!(episode.ending().is_none() && first > 8e307, "{first}");
+    advance(&mut episode, 1);
+    let Some(Ending::Fault(fault)) = episode.ending() else { panic!("{:?}", episode.ending()) };
+    assert!(
+        fault.to_string().starts_with("the return is inf after the reward") && fault.to_string().contains("step 2"),
+        "{fault}"
+    );
+    assert_eq!((episode.steps(), episode.episode().total()), (1, first), "the step is not counted");
+}
+
+#[test]
+fn a_channel_that_is_no_number_is_a_fault_that_names_it() {
+    let mut episode = episode(&[("observe { com", "observe { wild = exp(20000 * step); com")]);
+    advance(&mut episode, 1);
+    let Some(Ending::Fault(fault)) = episode.ending() else { panic!("{:?}", episode.ending()) };
+    assert_eq!(fault.to_string(), "the channel `wild` of the observation is inf at step 1");
+    assert_eq!((episode.steps(), episode.episode().total()), (0, 0.0));
+}
+
+#[test]
 fn physics_that_diverges_is_a_fault_that_names_joint_and_time() {
     // Faster than anything that the simulator takes for a number that means something.
     let mut episode = episode(&[("velocity [0.2 m/s, 0, 0]", "velocity [1e12 m/s, 0, 0]")]);

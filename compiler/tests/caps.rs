@@ -109,6 +109,9 @@ fn a_term_that_is_never_finite_is_an_error() {
     for formula in ["1 / 0", "0 / 0", "max(torso.up.z, 1 / 0)", "torso.up.z + 1e308 * 10", "exp(1000)", "log(0)"] {
         assert_eq!(codes(&complete(&format!("reward {{ 1 a = {formula} }}"))), ["E0411"], "{formula}");
     }
+    for block in ["observe { ratio = 1 / 0 }", "observe { pair = [1, 1 / 0] }", "metrics { ratio = 0 / 0 }"] {
+        assert!(codes(&complete(&format!("reward {{ 1 a = torso.up.z }}\n{block}"))).contains(&"E0411"), "{block}");
+    }
     // What is infinite and never rewarded is allowed.
     assert!(!codes(&complete("reward { 1 a = min(torso.up.z, 1 / 0) }")).contains(&"E0411"));
     assert!(!codes(&complete("reward { 1 a = 1 / torso.up.z }")).contains(&"E0411"));

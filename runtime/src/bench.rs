@@ -116,7 +116,9 @@ impl Tally {
 pub fn run(model: &Model, settings: &Settings) -> Report {
     let threads = settings.threads.max(1);
     let start = Instant::now();
-    let deadline = start + Duration::from_secs_f64(settings.seconds.at_least(0.0));
+    // What no clock reaches, and what is no time, is none.
+    let span = Duration::try_from_secs_f64(settings.seconds.at_least(0.0)).unwrap_or_default();
+    let deadline = start.checked_add(span).unwrap_or(start);
     let tally = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads as u64)
             .map(|thread| scope.spawn(move || work(model, settings.protocol, settings.seed.wrapping_add(thread), deadline)))

@@ -9,6 +9,7 @@ use super::value::{TypedValue, Value};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::Operation;
+use crate::numbers::for_people;
 use crate::resolve::scope::{Definition, Place};
 use crate::resolve::{Texts, label_of, summary, written};
 use crate::spoken::{self, SpokenUnit};
@@ -168,6 +169,14 @@ impl<'a> Checker<'a> {
                 false => "label one of them: `label = value`".to_owned(),
             };
             return Err(self.report(diagnostic.help(help)));
+        }
+        let lanes = self.graph.constant_lanes(node);
+        if let Some(value) = lanes.iter().flatten().find(|value| !value.is_finite()) {
+            let message = format!("`{name}` is {} in every state", for_people(*value));
+            let diagnostic = self.diagnostic(codes::tasks::NOT_FINITE, channel.span, message);
+            return Err(
+                self.report(diagnostic.help("what is observed or measured has to be finite: look for a division by zero"))
+            );
         }
         self.spend(self.graph.width(node), channel.span)?;
         let (file, span) = block.map_or((self.place.file, channel.span), |block| (block.file, block.span));

@@ -83,7 +83,7 @@ impl<'a> Checked<'a> {
             return Ok(());
         }
         let expected = format!("a number from {} to {} {unit}", range.start(), range.end());
-        self.refuse(key, found.to_string(), expected.trim_end().to_owned())
+        self.refuse(key, shown(found), expected.trim_end().to_owned())
     }
 
     /// A whole number within a range.
@@ -106,4 +106,9 @@ impl<'a> Checked<'a> {
         let line = self.text.lines().position(is_of).map_or(0, |index| index + 1);
         Err(SettingsError::Range { line, key, found, expected })
     }
+}
+
+/// A number without rows of zeros.
+fn shown(value: f64) -> String {
+    if value.abs() >= 1e9 || (value != 0.0 && value.abs() < 1e-6) { format!("{value:e}") } else { value.to_string() }
 }

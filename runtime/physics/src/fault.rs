@@ -52,7 +52,7 @@ impl core::fmt::Display for Input {
 #[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 pub enum Fault {
     /// A number is not finite or too large to mean anything (MuJoCo's limit, 1e10).
-    #[error("at {time} s the {quantity} of joint `{joint}` (body `{body}`) is {value}")]
+    #[error("at {time} s the {quantity} of joint `{joint}` (body `{body}`) is {}", shown(*value))]
     Diverged {
         /// Simulated time, s.
         time: f64,
@@ -66,7 +66,7 @@ pub enum Fault {
         value: f64,
     },
     /// The excitation (control) or activation of a muscle or other actuator is not a finite number.
-    #[error("at {time} s the {input} of muscle `{muscle}` is {value}")]
+    #[error("at {time} s the {input} of muscle `{muscle}` is {}", shown(*value))]
     Input {
         /// Simulated time, s.
         time: f64,
@@ -95,6 +95,11 @@ pub enum Fault {
         /// The body that the joint moves.
         body: String,
     },
+}
+
+/// A number without rows of zeros.
+fn shown(value: f64) -> String {
+    if value.abs() >= 1e9 { format!("{value:e}") } else { value.to_string() }
 }
 
 /// Values beyond this count as diverged, MuJoCo's `mjMAXVAL`.

@@ -14,6 +14,7 @@ use crate::body::Body;
 use crate::library::BoundBody;
 use msk_physics::model::Model;
 use msk_program::digest::hexadecimal;
+use msk_program::numbers::exact;
 use msk_program::vocabulary::GroupKind;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -46,7 +47,7 @@ pub struct Weakness {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ConditionError {
     /// A factor or rate out of range.
-    #[error("the {what} of a muscle condition is {value}; it must be between 0 and {high}")]
+    #[error("the {what} of a muscle condition is {}; it must be between 0 and {}", exact(*.value), exact(*.high))]
     Range {
         /// Which figure.
         what: &'static str,

@@ -3,6 +3,7 @@
 use crate::body::OutOfReach;
 use crate::cmc::ControlError;
 use msk_physics as physics;
+use msk_program::numbers::exact;
 use msk_program::task::{CompiledTask, NonFiniteTerm, NotDrawn, ParameterError, TaskFault};
 use serde::{Deserialize, Serialize};
 
@@ -57,6 +58,28 @@ pub enum Fault {
     /// A reward term was not a finite number.
     #[error(transparent)]
     Term(#[from] NonFiniteTerm),
+    /// The sum of rewards left the range of numbers.
+    #[error(
+        "the return is {value} after the reward {reward} of step {step}; its sum has to stay finite, so the weights are too large"
+    )]
+    Return {
+        /// The sum, which is not finite.
+        value: f64,
+        /// The reward of the step.
+        reward: String,
+        /// Control step.
+        step: u32,
+    },
+    /// A channel of the observation was not a finite number.
+    #[error("the channel `{channel}` of the observation is {value} at step {step}")]
+    Observation {
+        /// Its name.
+        channel: String,
+        /// The value.
+        value: f64,
+        /// Control step.
+        step: u32,
+    },
     /// A random none of whose draws fulfilled its condition.
     #[error(transparent)]
     Draw(#[from] NotDrawn),
@@ -64,7 +87,7 @@ pub enum Fault {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// What was drawn makes a body or scene that cannot be.
-    #[error("{what} of this episode is {value}; expected {expected}")]
+    #[error("{what} of this episode is {}; expected {expected}", exact(*.value))]
     Variation {
         /// Which number, and of what.
         what: String,
@@ -116,7 +139,8 @@ pub enum EpisodeError {
     },
     /// A control step is not a whole number of physics steps.
     #[error(
-        "task `{task}` is controlled at {frequency} Hz, which is {substeps} physics steps of {timestep} s: not a whole number"
+        "task `{task}` is controlled at {} Hz, which is {} physics steps of {} s: not a whole number",
+        exact(*.frequency), exact(*.substeps), exact(*.timestep)
     )]
     Substeps {
         /// The task.

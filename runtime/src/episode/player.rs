@@ -7,7 +7,8 @@ use crate::cmc::{Moment, Present};
 use crate::condition::Compartments;
 use msk_physics::{self as physics, State};
 use msk_program::action::ActionTarget;
-use msk_program::task::{StepReport, TaskState};
+use msk_program::numbers::for_people;
+use msk_program::task::{Channel, StepReport, TaskState};
 use nalgebra::Vector3;
 
 /// An episode in the hands of a worker.
@@ -67,8 +68,7 @@ impl Player<'_> {
         let episode = &mut *self.episode;
         self.engine.task.reset_given(&episode.frame, &mut episode.streams, &mut episode.task, given)?;
         self.begin_control()?;
-        self.observe();
-        Ok(())
+        self.observe()
     }
 
     /// Gives the episode what it has of its own of body and scene.
@@ -159,23 +159,33 @@ impl Player<'_> {
     pub fn conclude(&mut self) -> Result<bool, Fault> {
         self.measure(self.engine.control_period());
         let released = self.evaluate()?;
-        self.observe();
+        self.observe()?;
+        self.add_up()?;
         Ok(released)
     }
 
-    /// Advances the task by one snapshot, judges, lets go, and adds up. Gives whether something was let go.
+    /// Advances the task by one snapshot, judges, and lets go. Gives whether something was let go.
     pub fn evaluate(&mut self) -> Result<bool, Fault> {
         let episode = &mut *self.episode;
         let Episode { frame, streams, task, report, .. } = episode;
         self.engine.task.step(frame, self.weights, streams, task, report)?;
         self.episode.ending = self.judge();
-        let released = self.release()?;
-        let Episode { report, total, totals, .. } = &mut *self.episode;
+        self.release()
+    }
+
+    /// Adds the reward of the step to the return, and of each term to its own.
+    pub fn add_up(&mut self) -> Result<(), Fault> {
+        let Episode { report, total, totals, task, .. } = &mut *self.episode;
+        let parts = || totals.iter().zip(&report.terms).zip(self.weights).map(|((sum, value), weight)| sum + weight * value);
+        let sums = || core::iter::once(*total + report.reward).chain(parts());
+        if let Some(value) = sums().find(|sum| !sum.is_finite()) {
+            return Err(Fault::Return { value, reward: for_people(report.reward), step: task.step });
+        }
         *total += report.reward;
         for ((sum, value), weight) in totals.iter_mut().zip(&report.terms).zip(self.weights) {
             *sum += weight * value;
         }
-        Ok(released)
+        Ok(())
     }
 
     /// Takes the physics steps of one control step; the scratch then holds the forward pass of the new state.
@@ -353,13 +363,28 @@ impl Player<'_> {
     }
 
     /// Writes the observation.
-    pub fn observe(&mut self) {
+    pub fn observe(&mut self) -> Result<(), Fault> {
         if !self.engine.observes {
-            return;
+            return Ok(());
         }
         let episode = &mut *self.episode;
         self.engine.task.observe(&episode.frame, &episode.task, &mut episode.observation);
         self.engine.task.observe_critic(&episode.frame, &episode.task, &mut episode.critic);
         self.perturb_observation();
+        let Episode { observation, critic, task, .. } = &*self.episode;
+        let channels = [(observation, &self.engine.task.channels), (critic, &self.engine.task.critic)];
+        for (values, channels) in channels {
+            if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+                let channel = channel_at(channels, place);
+                return Err(Fault::Observation { channel, value: values[place], step: task.step });
+            }
+        }
+        Ok(())
     }
+}
+
+/// The name of the channel that has a place of an observation.
+fn channel_at(channels: &[Channel], place: usize) -> String {
+    let of = channels.iter().find(|channel| (channel.offset..channel.offset + channel.size).contains(&place));
+    of.map_or_else(|| format!("number {place}"), |channel| channel.name.clone())
 }

@@ -76,10 +76,9 @@ impl Environment {
     /// The controller of the task's action space begins with what it shows, too; where it cannot, the episode ends with a fault.
     pub fn end_script(&mut self) {
         let mut player = self.player();
-        if let Err(fault) = player.begin_control() {
+        if let Err(fault) = player.begin_control().and_then(|()| player.observe()) {
             player.episode.ending = Some(Ending::Fault(fault));
         }
-        player.observe();
     }
 }
 
@@ -104,8 +103,7 @@ impl Player<'_> {
         self.scratch.pass(model, state)?;
         self.measure(0.0);
         self.take_first_snapshot(given)?;
-        self.observe();
-        Ok(())
+        self.observe()
     }
 
     fn start_at(&mut self, put: &mut dyn FnMut(&mut State<f64>)) -> Result<(), Fault> {
@@ -167,7 +165,7 @@ impl Player<'_> {
             return Err(EpisodeError::Ended);
         }
         let steps = self.episode.steps();
-        if let Err(fault) = measure(self).and_then(|()| self.evaluate().map(|_| ())) {
+        if let Err(fault) = measure(self).and_then(|()| self.evaluate()).and_then(|_| self.add_up()) {
             self.end_with(fault, steps);
         }
         Ok(())

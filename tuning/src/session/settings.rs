@@ -2,6 +2,7 @@
 
 use super::SessionError;
 use crate::statistics::Statistics;
+use msk_compiler::numbers::exact;
 use msk_compiler::task::CompiledTask;
 use msk_compiler::weights::rules::Rules;
 use msk_compiler::weights::{Bounds, Problem};
@@ -121,10 +122,10 @@ impl Settings {
             return wrong("the interval and the number of rounds must be at least 1".into());
         }
         if !(self.rules.step > 0.0 && self.rules.step <= 1.0) {
-            return wrong(format!("a step is a fraction of a weight, above 0 and at most 1, not {}", self.rules.step));
+            return wrong(format!("a step is a fraction of a weight, above 0 and at most 1, not {}", exact(self.rules.step)));
         }
         if let Some(norm) = self.rules.norm.filter(|norm| !(*norm > 0.0 && norm.is_finite())) {
-            return wrong(format!("a norm is a number above 0, not {norm}"));
+            return wrong(format!("a norm is a number above 0, not {}", exact(norm)));
         }
         if let Objective::More(name) | Objective::Less(name) = &self.objective {
             let known: Vec<&str> = task.metrics.iter().map(|metric| metric.name.as_str()).collect();

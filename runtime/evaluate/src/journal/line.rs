@@ -9,8 +9,8 @@
 //! * `run`: the [identity](crate::RunSettings::identity) of the run that the episode belongs to.
 //! * `checksum`: the first 16 hexadecimal digits of the SHA-256 of all bytes of the line before `,"checksum"`.
 //!
-//! The checksum notices damage and edits. It is no signature: who wants to deceive can compute it. Earlier programs wrote `wall_time`
-//! behind the checksum; such lines are read.
+//! The checksum notices damage and edits. It is no signature: who wants to deceive can compute it. Earlier programs wrote a number,
+//! `wall_time`, behind the checksum; such lines are read, and nothing else may stand there.
 
 use super::json;
 use crate::EpisodeRecord;
@@ -60,7 +60,8 @@ impl Line {
         let record = serde_json::from_str(text)?;
         let (content, rest) = text.rsplit_once(CHECKSUM).ok_or(LineError::Bare)?;
         let checksum = match rest.split_once(WALL_TIME) {
-            Some((checksum, _)) => checksum,
+            Some((checksum, time)) if time.strip_suffix('}').is_some_and(|time| time.parse::<f64>().is_ok()) => checksum,
+            Some(_) => return Err(LineError::Changed),
             None => rest.strip_suffix("\"}").unwrap_or(rest),
         };
         if checksum != hex(content.as_bytes()) {

@@ -134,6 +134,15 @@ fn an_edited_line_is_noticed() {
         let error = refusal(folder.path(), &lines.replacen(before, after, 1));
         assert!(error.contains("line 1") && error.contains("its checksum does not match its content"), "{error}");
     }
+    // Behind the checksum earlier programs wrote a time, and nothing else counts there.
+    let (first, rest) = lines.split_once('\n').unwrap();
+    let with = |tail: &str| format!("{}{tail}\n{rest}", first.strip_suffix('}').unwrap());
+    fs::write(folder.path().join(EPISODES), with(",\"wall_time\":1.5}")).unwrap();
+    assert_eq!(Journal::records(folder.path()).unwrap().len(), 3);
+    for tail in [",\"wall_time\":1,\"finished_by\":[\"arrived\"]}", ",\"wall_time\":1, \"awaited\":1}", ",\"awaited\":1}"] {
+        let error = refusal(folder.path(), &with(tail));
+        assert!(error.contains("its checksum does not match its content"), "{error}");
+    }
     let bare = lines.replacen(",\"checksum\"", ",\"other\"", 1);
     assert!(refusal(folder.path(), &bare).contains("it has no checksum"));
 }
