@@ -1,10 +1,10 @@
 //! `--policy` and `--policy-timeout`, and actions written to a file.
 
 use crate::error::{Context, Error};
+use crate::output;
+use msk::plan::Preset;
 use msk::runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError, PolicySource};
 use npyz::WriterBuilder;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 use std::time::Duration;
 
@@ -26,6 +26,19 @@ impl Limits {
         let source = made.unwrap_or_else(|| PolicySource::parse(policy));
         Ok(source?.with_timeout(Duration::from_secs_f64(self.policy_timeout)))
     }
+}
+
+/// The policy that results name. Anybody may have written them, so that it must neither start a program nor open a file.
+///
+/// # Errors
+/// A policy that is neither built in nor a preset of the planner.
+pub fn recorded(policy: &str) -> Result<PolicySource, Error> {
+    let is_preset = Preset::ALL.into_iter().any(|(name, _)| policy.strip_prefix("plan ") == Some(name));
+    let planner = is_preset.then(|| msk::plan::source(policy)).flatten();
+    planner.unwrap_or_else(|| PolicySource::built_in(policy)).map_err(|error| {
+        Error::new(format!("the results name the policy `{policy}`; only built-in policies are played from results: {error}"))
+            .hint("play the episode with `msk run TASK --html FILE`, with the `--policy`, `--seed` and `--episode` of the run")
+    })
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -58,11 +71,12 @@ impl<'p> Recorder<'p> {
     /// A file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let cannot = || format!("cannot write `{}`", path.display());
-        let file = BufWriter::new(File::create(path).context(cannot)?);
+        let mut file = Vec::new();
         let shape = [self.actions.len().checked_div(self.width).unwrap_or(0) as u64, self.width as u64];
-        let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd().context(cannot)?;
+        let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut file).begin_nd().context(cannot)?;
         writer.extend(self.actions.iter().copied()).context(cannot)?;
-        writer.finish().context(cannot)
+        writer.finish().context(cannot)?;
+        output::write(path, file)
     }
 }
 

@@ -3,10 +3,11 @@
 use super::results::Results;
 use crate::error::Error;
 use crate::html::{Film, caption};
-use crate::policies::Limits;
+use crate::policies::{self, Limits};
 use crate::project::Project;
 use msk::evaluate::{EpisodeRecord, Journal, Trial, play_watched};
 use msk::runtime::episode::EpisodeKey;
+use msk::runtime::policy::PolicySource;
 use msk::view::page;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -67,7 +68,8 @@ impl Playback<'_> {
             true => settings.tasks.iter().find(|task| task.owns(record)).map_or(&[][..], |task| &task.weights),
             false => &record.weights.0,
         };
-        self.play(&trial, &record.policy, [record.seed, record.episode], weights, Some(record))
+        let policy = policies::recorded(&record.policy)?;
+        self.play(&trial, &policy, [record.seed, record.episode], weights, Some(record))
     }
 
     fn trained(&self, path: &Path, place: usize) -> Result<Option<Vec<u8>>, Error> {
@@ -77,7 +79,8 @@ impl Playback<'_> {
             return Ok(None);
         }
         let trial = self.trial(&training.task, &training.task_hash)?;
-        self.play(&trial, &format!("agent {}", agent.display()), [training.seed, place as u64], &[], None)
+        let policy = self.limits.source(&format!("agent {}", agent.display()))?;
+        self.play(&trial, &policy, [training.seed, place as u64], &[], None)
     }
 
     /// The task of that name with that meaning.
@@ -99,7 +102,7 @@ impl Playback<'_> {
     fn play(
         &self,
         trial: &Trial,
-        policy: &str,
+        policy: &PolicySource,
         [seed, episode]: [u64; 2],
         weights: &[(String, f64)],
         record: Option<&EpisodeRecord>,
@@ -113,8 +116,7 @@ impl Playback<'_> {
         for (name, value) in record.map_or(&[][..], |record| &record.parameters.0) {
             environment.set_parameter(name, *value)?;
         }
-        let source = self.limits.source(policy)?;
-        let mut policy = source.open(self.stop)?;
+        let mut policy = policy.open(self.stop)?;
         let mut film = Film::of(&environment, trial, true)?;
         let key = EpisodeKey { seed, episode };
         let played =

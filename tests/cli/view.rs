@@ -107,6 +107,36 @@ fn a_finished_evaluation_is_shown_until_it_is_interrupted() {
 }
 
 #[test]
+fn results_that_are_shown_start_no_program_and_open_no_file() {
+    let project = Project::lean();
+    project.msk(&["run", "lean", "--policy", "zero", "--actions", "zero.npy"]).succeeded();
+    project.msk(&["eval", "lean.msk", "--policy", "replay zero.npy", "--episodes", "1", "--out", "out"]).succeeded();
+    let shown = Shown::of(&project, &["out"]);
+    let (status, why) = shown.get("episode/0");
+    assert!(status == 422 && why.contains("only built-in policies are played from results"), "{why}");
+    shown.interrupt();
+
+    project.write("agent.sh", ACTS);
+    project.msk(&["eval", "lean.msk", "--policy", "process sh agent.sh", "--episodes", "1", "--out", "program"]).succeeded();
+    std::fs::remove_file(project.path("started")).unwrap();
+    let shown = Shown::of(&project, &["program"]);
+    let (status, why) = shown.get("episode/0");
+    assert!(status == 422 && why.contains("the policy `process sh agent.sh`"), "{why}");
+    shown.interrupt();
+    assert!(!project.path("started").exists());
+}
+
+/// A program for `sh` that leaves a file when it is started, and rests.
+const ACTS: &str = r#"touch started
+while read -r line; do
+    case "$line" in
+        '{"task"'*) echo '{"ready": true}' ;;
+        *) printf '{"action": ['; printf '%.0s-1,' $(seq 415); echo '-1]}' ;;
+    esac
+done
+"#;
+
+#[test]
 fn the_page_follows_a_run_and_ends_with_it() {
     let project = Project::lean();
     let run = ["eval", "lean.msk", "--policy", "zero", "--episodes", "150", "--threads", "1", "--out", "out"];
