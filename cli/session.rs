@@ -4,11 +4,11 @@ use crate::error::{Context, Error};
 use crate::policies::Limits;
 use crate::project::Project;
 use msk::compiler::numbers::for_people;
-use msk::evaluate::session::{Errors, Moment, Session, SessionFolder, SessionFolderError, read_action};
+use msk::evaluate::session::{Comparison, Errors, Moment, Session, SessionFolder, SessionFolderError, read_action};
 use msk::evaluate::trace::{Quantity, StepReader};
 use msk::evaluate::{Trial, play_watched};
 use msk::runtime::episode::{Environment, EpisodeKey};
-use msk_storage::{Folder, read_text_file};
+use msk_storage::{Folder, printable, read_text_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -47,7 +47,7 @@ enum Command {
     },
     /// Print the distance of the body's landmarks from the reference motion of the task, and when the session diverged from a policy
     /// that follows the same motion: the first of five consecutive control steps whose errors are above the 0.95 quantile of the
-    /// policy's errors, and above its error at the same time
+    /// policy's errors, and above its error at the same time. `msk report` shows what was found
     Tracking(TrackingArgs),
 }
 
@@ -137,10 +137,12 @@ fn tracking(args: &TrackingArgs) -> Result<ExitCode, Error> {
             "of `{}`: {}, largest {largest}, {} control steps",
             args.reference,
             meters(summary.rmse),
-            reference.times.len() - 1
+            reference.times.len().saturating_sub(1)
         )?;
     }
-    match errors.divergence(&reference) {
+    let diverged = errors.divergence(&reference);
+    folder.keep(&Comparison { policy: args.reference.clone(), steps: session.steps(), diverged }).map_err(explain)?;
+    match diverged {
         Some(time) => writeln!(out, "diverged after {} s", for_people(time))?,
         None => writeln!(out, "has not diverged")?,
     }
@@ -157,8 +159,8 @@ fn followed(trial: &Trial, args: &TrackingArgs, seed: u64, steps: u32) -> Result
     let mut errors = Errors::default();
     let mut look = |environment: &Environment| {
         let row = reader.read(&environment.context());
-        errors.times.push(f64::from(environment.steps()) * environment.control_period());
-        errors.errors.extend(row.of(Quantity::TrackingError));
+        let time = f64::from(environment.steps()) * environment.control_period();
+        row.of(Quantity::TrackingError).iter().for_each(|error| errors.add(time, *error));
         stop.store(environment.steps() >= steps, Ordering::Relaxed);
     };
     let key = EpisodeKey { seed, episode: 0 };
@@ -182,14 +184,15 @@ fn explain(error: SessionFolderError) -> Error {
 }
 
 fn status(session: &Session) -> Result<ExitCode, Error> {
-    let steps = session.decisions.last().map_or(0, |decision| decision.steps);
+    let steps = session.steps();
     let (taken, all) = (session.decisions.len(), session.settings.decisions);
     let mut out = io::stdout().lock();
-    writeln!(out, "{}: {taken} of {all} decisions, {steps} control steps, return {:.3}", session.settings.task, session.total)?;
+    let task = printable(&session.settings.task);
+    writeln!(out, "{task}: {taken} of {all} decisions, {steps} control steps, return {:.3}", session.total)?;
     match &session.stopped {
         Some(reason) => {
             let success = if session.success { "success" } else { "no success" };
-            writeln!(out, "stopped: {reason}, {success}")?;
+            writeln!(out, "stopped: {}, {success}", printable(reason))?;
         }
         None => writeln!(out, "waits for the answer to decision-{taken:03}.json")?,
     }

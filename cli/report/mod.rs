@@ -3,41 +3,59 @@
 mod episodes;
 mod page;
 mod paper;
+mod radars;
 mod read;
 mod results;
+mod sessions;
 mod strips;
 
-use crate::error::{Context, Error};
+use crate::error::Error;
+use crate::output;
 use crate::trace::emg::{Human, pair};
-use std::fs;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+/// The folder of `--out` by itself.
+const FOLDER: &str = "report";
+
 /// Write a report of evaluations, sweeps and trainings: one HTML page that works without a network, and its tables as Markdown, CSV
 /// and LaTeX
 ///
-/// The page has the leaderboard, means of families, a radar, standard metrics, recruitment, robustness curves, learning curves with
-/// peak-efficiency steps, film strips of `msk eval --strip`, and for episodes that were traced the reward terms over time and the
-/// activations of muscle families.
+/// The page has the leaderboard, means of families, radars, standard metrics, recruitment, robustness curves, learning curves with
+/// peak-efficiency steps, film strips of `msk eval --strip`, sessions of direct control, and for episodes that were traced the reward
+/// terms over time and the activations of muscle families. The tables in the layouts of the paper are in files of their own.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Folders: results of `msk eval` (with --sweep too) or of `msk train`
+    /// Folders: results of `msk eval` (with --sweep too) or of `msk train`, or sessions of `msk session`
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// Folder for report.html, report.md, report.csv, report.tex, and the tables in the layouts of the paper, paper.tex
-    #[arg(long, value_name = "DIR", default_value = "report")]
+    /// Folder for report.html, report.md, report.csv, report.tex, and the tables in the layouts of the paper, paper.md, paper.csv,
+    /// paper.tex
+    #[arg(long, value_name = "DIR", default_value = FOLDER)]
     out: PathBuf,
     /// Envelopes of human electromyograms, with which the muscles of traced episodes are compared: .csv, .sto or .mot, a column per
-    /// muscle, rows at equal distances over the gait cycle
-    #[arg(long, value_name = "FILE")]
-    emg: Option<PathBuf>,
-    /// A muscle and the column of --emg that it is compared with [default: every column that is called like a muscle]
+    /// muscle, rows at equal distances over the gait cycle. `msk trace envelopes` makes one of a published data set. Several, each with its
+    /// own `--emg`, are for the tasks that they name
+    #[arg(long, value_name = "[TASK=]FILE", value_parser = of_task)]
+    emg: Vec<(Option<String>, PathBuf)>,
+    /// A muscle and the column of --emg that it is compared with [default: every column that is called like a muscle, or as Gait120
+    /// calls one]
     #[arg(long, value_name = "MUSCLE=COLUMN", value_parser = pair, requires = "emg")]
     map: Vec<(String, String)>,
     /// Title of the page
     #[arg(long, default_value = "Evaluation")]
     title: String,
+}
+
+/// Reads `TASK=FILE`, or a file for all tasks.
+fn of_task(text: &str) -> Result<(Option<String>, PathBuf), String> {
+    let is_name = |name: &str| !name.is_empty() && name.bytes().all(|letter| letter.is_ascii_alphanumeric() || letter == b'_');
+    match text.split_once('=') {
+        Some((task, file)) if is_name(task) && !file.is_empty() => Ok((Some(task.to_owned()), file.into())),
+        Some((_, "")) | None if text.is_empty() || text.ends_with('=') => Err("expected FILE or TASK=FILE".into()),
+        _ => Ok((None, text.into())),
+    }
 }
 
 /// A part of a report.
@@ -70,22 +88,27 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let sources = args.folders.iter().map(|folder| read::read(folder)).collect::<Result<Vec<_>, _>>()?;
     let mut sections = results::sections(&sources);
     sections.extend(strips::sections(&sources)?);
-    let human = args.emg.as_ref().map(|path| Human::read(path, &args.map)).transpose()?;
-    sections.extend(episodes::sections(&sources, human.as_ref())?);
+    let recorded = args.emg.iter().map(|(task, path)| Ok((task.clone(), Human::read(path, &args.map)?)));
+    let (episodes, compared) = episodes::sections(&sources, &recorded.collect::<Result<Vec<_>, Error>>()?)?;
+    sections.extend(episodes);
+    let columns = paper::columns(&sources);
+    sections.push(radars::section(&columns, &sources, &compared));
+    let tables = paper::tables(&columns, &sources, &compared);
     sections.retain(|section| section.table.as_ref().is_some_and(|grid| !grid.rows.is_empty()) || !section.figures.is_empty());
-    fs::create_dir_all(&args.out).context(|| format!("cannot make `{}`", args.out.display()))?;
+    let folder = output::folder(&args.out, FOLDER)?;
     let files = [
         ("report.html", page::html(&args.title, &sections)),
         ("report.md", page::markdown(&args.title, &sections)),
         ("report.csv", page::csv(&sections)),
         ("report.tex", page::latex(&sections)),
-        ("paper.tex", paper::latex(&sources)),
+        ("paper.md", paper::markdown(&tables)),
+        ("paper.csv", paper::csv(&tables)),
+        ("paper.tex", paper::latex(&tables)),
     ];
     let mut out = io::stdout().lock();
     for (name, text) in files.into_iter().filter(|(_, text)| !text.is_empty()) {
-        let path = args.out.join(name);
-        fs::write(&path, text).context(|| format!("cannot write `{}`", path.display()))?;
-        writeln!(out, "{}", path.display())?;
+        output::write_in(&folder, name, text)?;
+        writeln!(out, "{}", args.out.join(name).display())?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -33,19 +33,20 @@ pub fn markdown(title: &str, sections: &[Section]) -> String {
 
 /// The tables one below the other, each row with the title of its table first.
 pub fn csv(sections: &[Section]) -> String {
-    let quoted = |cell: &String| match cell.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell.clone(),
-    };
     let mut text = String::new();
     for (section, grid) in tables(sections) {
         for row in [&grid.head].into_iter().chain(&grid.rows) {
-            let cells: Vec<String> = [&section.title].into_iter().chain(row).map(quoted).collect();
+            let cells: Vec<String> = [&section.title].into_iter().chain(row).map(|cell| quoted(cell)).collect();
             text.push_str(&cells.join(","));
             text.push('\n');
         }
     }
     text
+}
+
+/// A cell of comma-separated values, in quotes where it needs them.
+pub fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }
 
 /// The tables as LaTeX, with the rules of `booktabs`.

@@ -66,8 +66,9 @@ pub fn read(folder: &Path) -> Result<Source, Error> {
         error.hint("evaluate again: they may be of another version of the program")
     };
     let sweep: Option<Sweep> = text("sweep.json")?.map(|text| serde_json::from_str(&text)).transpose().map_err(damaged)?;
-    let summary = text("summary.json")?.map_or_else(|| text("unperturbed/summary.json"), |text| Ok(Some(text)))?;
-    let summary: Option<Summary> = summary.map(|text| serde_json::from_str(&text)).transpose().map_err(damaged)?;
+    // What is reported is summed up from the journals: the sums beside them may be of another run, or edited.
+    let sweep = sweep.map(|kept| self::sweep(folder, &kept)).transpose()?.flatten();
+    let summary = summary(folder)?.map_or_else(|| summary(&folder.join("unperturbed")), |found| Ok(Some(found)))?;
     let curve = text(msk::train::curve::FILE)?.map(|lines| Curve::of(lines.as_bytes())).transpose();
     let curve = curve.context(|| format!("cannot read `{}`", folder.display()))?.as_ref().map(points).unwrap_or_default();
     let name = name(folder);
@@ -80,6 +81,29 @@ pub fn read(folder: &Path) -> Result<Source, Error> {
         return Err(error.hint("name a folder that `msk eval`, `msk train` or `msk session` has written"));
     }
     Ok(source)
+}
+
+/// The sums over the episodes of a folder; `None` if it is none or has none.
+fn summary(folder: &Path) -> Result<Option<Summary>, Error> {
+    match Folder::open(folder) {
+        Err(error) if missing(&error) => Ok(None),
+        opened => Summary::of_folder(&opened?).map_err(crate::eval::explain),
+    }
+}
+
+/// A sweep along the axes of `kept`, summed up from the episodes at each scale.
+fn sweep(folder: &Path, kept: &Sweep) -> Result<Option<Sweep>, Error> {
+    let mut points = Vec::new();
+    for (axis, scales) in &kept.axes {
+        let point = |scale: &f64| -> Result<(f64, Summary), Error> {
+            let folder = if *scale == 0.0 { folder.join("unperturbed") } else { folder.join(format!("{}-{scale}", axis.name())) };
+            let gone = || Error::new(format!("the sweep has no results in `{}`", folder.display()));
+            let found = summary(&folder)?.ok_or_else(|| gone().hint("the same `msk eval --sweep` with `--out` completes it"))?;
+            Ok((*scale, found))
+        };
+        points.push((*axis, scales.iter().map(point).collect::<Result<Vec<_>, _>>()?));
+    }
+    Ok(Sweep::of(&points))
 }
 
 fn name(folder: &Path) -> String {

@@ -1,11 +1,10 @@
 //! The parts of a report that are of whole evaluations, sweeps and trainings.
 
 use super::read::Source;
-use super::{Grid, Section};
+use super::{Grid, Section, radars, sessions};
 use msk::compiler::numbers::for_people;
 use msk::draw::bars::{self, Bars};
 use msk::draw::chart::{self, Chart, Panel};
-use msk::draw::radar;
 use msk::evaluate::metrics::{STANDARD, peak};
 use msk::evaluate::sweep::Sweep;
 use msk::evaluate::{GroupSummary, Summary, TaskSummary};
@@ -27,6 +26,7 @@ pub fn sections(sources: &[Source]) -> Vec<Section> {
     all.extend(evaluated.iter().flat_map(|(label, summary)| [metrics(label, summary), recruitment(label, summary)]));
     all.extend(swept.iter().map(|(label, sweep)| robustness(label, sweep)));
     all.push(learning(sources));
+    all.push(sessions::section(sources));
     all
 }
 
@@ -38,11 +38,11 @@ fn grid(head: impl IntoIterator<Item = String>, rows: Vec<Vec<String>>) -> Optio
     Some(Grid { head: head.into_iter().collect(), rows })
 }
 
-/// The tasks of all evaluations, each once, in the order of the first that has them.
+/// The tasks of all evaluations, each once under every condition, in the order of the first that has them.
 fn tasks<'a>(evaluated: &[(&str, &'a Summary)]) -> Vec<&'a TaskSummary> {
     let mut tasks: Vec<&TaskSummary> = Vec::new();
     for task in evaluated.iter().flat_map(|(_, summary)| &summary.tasks) {
-        if !tasks.iter().any(|known| known.task == task.task) {
+        if !tasks.iter().any(|known| known.name() == task.name()) {
             tasks.push(task);
         }
     }
@@ -60,10 +60,10 @@ fn leaderboard(evaluated: &[(&str, &Summary)]) -> Section {
     };
     let row = |task: &&TaskSummary| {
         let of = |(_, summary): &(&str, &Summary)| {
-            let found = summary.tasks.iter().find(|known| known.task == task.task);
+            let found = summary.tasks.iter().find(|known| known.name() == task.name());
             found.map_or(["-".to_owned(), "-".to_owned()], cells)
         };
-        [task.task.clone(), task.family.clone()].into_iter().chain(evaluated.iter().flat_map(of)).collect()
+        [task.name(), task.family.clone()].into_iter().chain(evaluated.iter().flat_map(of)).collect()
     };
     let rows = tasks(evaluated).iter().map(row).collect();
     let head = evaluated.iter().flat_map(|(label, _)| [format!("{label}: success [95 %]"), "return".to_owned()]);
@@ -115,7 +115,7 @@ fn families(evaluated: &[(&str, &Summary)], swept: &[(&str, &Sweep)]) -> Section
     let bars = bars::svg(&Bars { title: "Mean success, %".into(), series: series.clone(), rows: bars });
     let mut figures = if evaluated.is_empty() { vec![] } else { vec![bars] };
     if !evaluated.is_empty() && names.len() > 3 {
-        figures.push(radar(&names, &success, evaluated, swept));
+        figures.push(radars::of_all(&names, &success, evaluated, swept));
     }
     Section {
         title: "Families".into(),
@@ -125,31 +125,6 @@ fn families(evaluated: &[(&str, &Summary)], swept: &[(&str, &Sweep)]) -> Section
     }
 }
 
-/// Families, coverage, and the areas of the sweep of the same label, on axes from 0 to 100.
-fn radar(
-    names: &[&str],
-    success: &dyn Fn(&str) -> Vec<Option<f64>>,
-    evaluated: &[(&str, &Summary)],
-    swept: &[(&str, &Sweep)],
-) -> String {
-    let mut axes: Vec<String> = names.iter().map(|name| format!("{name}: success")).collect();
-    axes.push("coverage".into());
-    let kinds: Vec<&str> = swept.first().map_or(vec![], |(_, sweep)| sweep.axes.iter().map(|(axis, _)| axis.name()).collect());
-    axes.extend(kinds.iter().map(|kind| format!("{kind} noise: area")));
-    let series = evaluated.iter().enumerate().map(|(place, (label, summary))| {
-        let mut values: Vec<f64> = names.iter().map(|name| 100.0 * success(name)[place].unwrap_or(0.0)).collect();
-        let covered = summary.tasks.iter().filter(|task| task.successes > 0).count();
-        values.push(100.0 * covered as f64 / summary.tasks.len().max(1) as f64);
-        let own = swept.iter().find(|(known, _)| known == label);
-        values.extend(kinds.iter().map(|kind| {
-            let place = own.and_then(|(_, sweep)| sweep.axes.iter().position(|(axis, _)| axis.name() == *kind));
-            place.zip(own).and_then(|(place, (_, sweep))| sweep.overall.curves[place].area).unwrap_or(0.0)
-        }));
-        ((*label).to_owned(), values)
-    });
-    radar::svg("Success and robustness, 0 to 100", &axes, &series.collect::<Vec<_>>())
-}
-
 fn metrics(label: &str, summary: &Summary) -> Section {
     let value =
         |task: &TaskSummary, name: &str| task.standard.iter().find(|metric| metric.name == name).map(|metric| metric.value.mean);
@@ -157,7 +132,7 @@ fn metrics(label: &str, summary: &Summary) -> Section {
         STANDARD.into_iter().filter(|(name, _)| summary.tasks.iter().any(|task| value(task, name).is_some())).collect();
     let row = |task: &TaskSummary| {
         let cells = there.iter().map(|(name, _)| value(task, name).map_or("-".into(), for_people));
-        [task.task.clone()].into_iter().chain(cells).collect()
+        [task.name()].into_iter().chain(cells).collect()
     };
     let rows: Vec<Vec<String>> = summary.tasks.iter().filter(|task| !task.standard.is_empty()).map(row).collect();
     let head = there.iter().map(|(name, unit)| {
@@ -166,7 +141,7 @@ fn metrics(label: &str, summary: &Summary) -> Section {
     });
     let bars = BARS.iter().filter_map(|(name, title)| {
         let rows: Vec<(String, Vec<f64>)> =
-            summary.tasks.iter().filter_map(|task| Some((task.task.clone(), vec![value(task, name)?]))).collect();
+            summary.tasks.iter().filter_map(|task| Some((task.name(), vec![value(task, name)?]))).collect();
         let unit = STANDARD.iter().find(|(known, _)| known == name).map_or("", |(_, unit)| unit);
         let title = if unit.is_empty() { format!("{title}, {label}") } else { format!("{title}, {unit}, {label}") };
         (rows.len() > 1).then(|| bars::svg(&Bars { title, series: vec![label.to_owned()], rows }))
@@ -199,14 +174,14 @@ fn recruitment(label: &str, summary: &Summary) -> Section {
     });
     let bars = Bars {
         title: format!("Activation mass of muscle families, {label}"),
-        series: drawn.iter().map(|task| task.task.clone()).collect(),
+        series: drawn.iter().map(|task| task.name()).collect(),
         rows: bars.collect(),
     };
     Section {
         title: format!("Recruitment: {label}"),
         words: "Sum over the muscles of a family of their mean activations, and its part of that of all families.".into(),
         figures: vec![bars::svg(&bars)],
-        table: grid(["family".to_owned()].into_iter().chain(tasks.iter().map(|task| task.task.clone())), rows.collect()),
+        table: grid(["family".to_owned()].into_iter().chain(tasks.iter().map(|task| task.name())), rows.collect()),
     }
 }
 

@@ -1,14 +1,14 @@
 //! `msk trace emg`: activations against envelopes of human electromyograms.
 
 use crate::error::{Context, Error};
+use crate::output;
 use msk::compiler::numbers::for_people;
 use msk::draw::chart::{self, Chart, Panel};
 use msk::evaluate::metrics::similarity::{Similarity, compare, mean_correlation};
-use msk::evaluate::recordings::{OBTAIN, Recording};
+use msk::evaluate::recordings::{OBTAIN, Recording, muscle};
 use msk::evaluate::report::Table;
 use msk::evaluate::trace::Trace;
 use msk_storage::read_file;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -24,10 +24,11 @@ const LARGEST: u64 = 1 << 30;
 pub struct Args {
     /// The trace: with activations, ground_reactions, feet and center_of_mass
     trace: PathBuf,
-    /// Table of human envelopes, .csv, .sto, .mot or .c3d: a column per muscle, rows at equal distances over the gait cycle
+    /// Table of human envelopes, .csv, .sto, .mot or .c3d: a column per muscle, rows at equal distances over the gait cycle. `msk trace
+    /// envelopes` makes one of a published data set
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
-    /// A muscle and the column that it is compared with [default: every column that is called like a muscle]
+    /// A muscle and the column that it is compared with [default: every column that is called like a muscle, or as Gait120 calls one]
     #[arg(long, value_name = "MUSCLE=COLUMN", value_parser = pair)]
     map: Vec<(String, String)>,
     /// Draw the curves to this SVG file
@@ -57,7 +58,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         writeln!(out, "\nmean r {}", for_people(mean))?;
     }
     if let Some(path) = &args.plot {
-        fs::write(path, picture(&trace.origin.task, &found)).context(|| format!("cannot write `{}`", path.display()))?;
+        output::write(path, picture(&trace.origin.task, &found))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -87,8 +88,12 @@ impl Human {
     pub fn compare(&self, trace: &Trace) -> Result<Vec<Similarity>, Error> {
         let muscles = &trace.layout().muscles;
         let like_muscles = || {
-            let known = self.recording.names.iter().filter(|name| muscles.iter().any(|muscle| muscle.name == **name));
-            known.map(|name| (name.clone(), name.clone())).collect::<Vec<_>>()
+            let is_muscle = |name: &String| muscles.iter().any(|muscle| muscle.name == *name);
+            let pair = |name: &String| {
+                let muscle = if is_muscle(name) { Some(name.clone()) } else { muscle(name).filter(is_muscle) };
+                Some((muscle?, name.clone()))
+            };
+            self.recording.names.iter().filter_map(pair).collect::<Vec<_>>()
         };
         let pairs = if self.map.is_empty() { like_muscles() } else { self.map.clone() };
         if pairs.is_empty() {
@@ -106,7 +111,7 @@ fn damaged(path: &Path, error: &dyn std::fmt::Display) -> Error {
 }
 
 /// Titles of the columns of a comparison.
-pub const HEAD: [&str; 6] = ["muscle", "cycles", "shift, %", "r", "chance", "reached by chance"];
+pub const HEAD: [&str; 7] = ["muscle", "recorded as", "cycles", "shift, %", "r", "chance", "reached by chance"];
 
 /// A row for every muscle.
 pub fn rows(found: &[Similarity]) -> Vec<Vec<String>> {
@@ -114,6 +119,7 @@ pub fn rows(found: &[Similarity]) -> Vec<Vec<String>> {
         let Similarity { cycles, shift, correlation, chance, reached, .. } = muscle;
         vec![
             muscle.muscle.clone(),
+            muscle.column.clone(),
             cycles.to_string(),
             format!("{:.0}", 100.0 * shift),
             for_people(*correlation),
@@ -124,13 +130,18 @@ pub fn rows(found: &[Similarity]) -> Vec<Vec<String>> {
     found.iter().map(row).collect()
 }
 
+/// The column of a recording behind the name of a muscle, where it has another name.
+fn recorded(muscle: &Similarity) -> String {
+    if muscle.column == muscle.muscle { String::new() } else { format!(" ({})", muscle.column) }
+}
+
 /// The curves of all muscles, simulated and human.
 pub fn picture(task: &str, found: &[Similarity]) -> String {
     let panel = |muscle: &Similarity| {
         let band =
             |sign: f64| muscle.simulated.iter().zip(&muscle.deviation).map(|(mean, deviation)| mean + sign * deviation).collect();
         Panel {
-            label: format!("{}, r = {}", muscle.muscle, for_people(muscle.correlation)),
+            label: format!("{}{}, r = {}", muscle.muscle, recorded(muscle), for_people(muscle.correlation)),
             curves: vec![
                 ("simulated".into(), muscle.simulated.clone()),
                 ("human".into(), muscle.human.clone()),

@@ -1,8 +1,9 @@
 //! `msk trace export`: a trace as files of OpenSim.
 
-use crate::error::{Context, Error};
+use crate::error::Error;
+use crate::output;
 use msk::evaluate::trace::opensim;
-use std::fs;
+use msk_storage::Folder;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -32,11 +33,11 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         let error = Error::new(format!("`{}` has nothing that OpenSim has a file for", args.trace.display()));
         return Err(error.hint("keep activations, positions or ground_reactions with `--trace`"));
     }
-    fs::create_dir_all(&folder).context(|| format!("cannot make `{}`", folder.display()))?;
+    let opened = Folder::create(&folder)?;
     for file in files {
-        let path = folder.join(format!("{stem}_{}", file.name));
-        fs::write(&path, file.text).context(|| format!("cannot write `{}`", path.display()))?;
-        writeln!(io::stdout(), "{}", path.display())?;
+        let name = format!("{stem}_{}", file.name);
+        output::write_in(&opened, &name, file.text)?;
+        writeln!(io::stdout(), "{}", folder.join(name).display())?;
     }
     Ok(ExitCode::SUCCESS)
 }

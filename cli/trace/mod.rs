@@ -2,6 +2,7 @@
 
 mod args;
 pub mod emg;
+mod envelopes;
 mod export;
 mod plot;
 
@@ -28,6 +29,7 @@ enum Command {
     Plot(plot::Args),
     Export(export::Args),
     Emg(emg::Args),
+    Envelopes(envelopes::Args),
 }
 
 /// Runs the subcommand.
@@ -39,6 +41,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Command::Plot(args) => plot::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Emg(args) => emg::run(&args),
+        Command::Envelopes(args) => envelopes::run(&args),
     }
 }
 

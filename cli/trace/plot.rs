@@ -1,9 +1,9 @@
 //! `msk trace plot`: columns of a trace over time.
 
-use crate::error::{Context, Error};
+use crate::error::Error;
+use crate::output;
 use msk::draw::chart::{self, Chart, Panel};
 use msk::evaluate::trace::{Quantity, Trace};
-use std::fs;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let chart = Chart { title, axis: "time [s]".into(), at: trace.times(), panels, bands: Vec::new() };
     let picture = chart::svg(&chart);
     match &args.out {
-        Some(path) => fs::write(path, picture).context(|| format!("cannot write `{}`", path.display()))?,
+        Some(path) => output::write(path, picture)?,
         None => io::stdout().lock().write_all(picture.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)

@@ -128,6 +128,7 @@ pub fn read_results(project: &Project, asked: &ReadResults) -> Result<Value, Fai
     }
     let path = Path::new(folder).join(file);
     let limit = if file.ends_with(".jsonl") { LARGEST_JOURNAL } else { LARGEST };
+    let text_of = |folder: &str, file: &str| project.confined.text(&Path::new(folder).join(file), LARGEST);
     let text = project.confined.text(&path, limit)?.ok_or_else(|| format!("there is no file `{}`", path.display()))?;
     Ok(match file {
         _ if file.ends_with(".jsonl") => {
@@ -138,6 +139,12 @@ pub fn read_results(project: &Project, asked: &ReadResults) -> Result<Value, Fai
             let shown = &lines[lines.len().saturating_sub(last)..];
             let values: Vec<Value> = shown.iter().map(|line| serde_json::from_str(line)).collect::<Result<_, _>>()?;
             json!({ "file": file, "lines": lines.len(), "last": values })
+        }
+        // The sums are of the episodes: the file may be of another run, or edited.
+        "summary.json" if text_of(folder, "run.json")?.is_some() => {
+            let opened =
+                project.confined.folder().subfolder(Path::new(folder)).map_err(|error| Outside::of(Path::new(folder), &error))?;
+            json!({ "file": file, "content": serde_json::to_value(Summary::of_folder(&opened)?)? })
         }
         _ if file.ends_with(".json") => json!({ "file": file, "content": serde_json::from_str::<Value>(&text)? }),
         _ => json!({ "file": file, "text": text }),

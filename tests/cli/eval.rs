@@ -12,7 +12,7 @@ fn a_suite_is_evaluated_by_its_own_protocol() {
     let project = Project::lean();
     let done = eval(&project, "out", &[]).succeeded();
     assert!(done.out.contains("Policy `random`, 3 episodes per task, seed 5"), "{}", done.out);
-    for part in ["success [95 %]", "return", "horizon", "ended by", "Coverage: 1 of 1 tasks, 3 of 3 episodes", "Results: out"] {
+    for part in ["success [95 %]", "return", "horizon", "ended by", "played: 3 of 3 episodes", "Results: out"] {
         assert!(done.out.contains(part), "no `{part}` in {}", done.out);
     }
     assert!(done.out.lines().all(|line| line.chars().count() <= 80), "{}", done.out);
@@ -71,7 +71,7 @@ fn a_task_that_the_policy_cannot_act_on_is_skipped_with_its_reason() {
         assert!(text.contains(reason), "{text}");
     }
     assert!(done.out.contains("skipped: no test of `lean` plays a script up to"), "{}", done.out);
-    assert!(done.out.contains("Coverage: 1 of 2 tasks, 2 of 4 episodes; 1 skipped"), "{}", done.out);
+    assert!(done.out.contains("of 2 tasks; played: 2 of 4 episodes, 1 task skipped"), "{}", done.out);
     assert!(done.out.contains("stabilization (1 of 2)") && done.out.contains("all tasks (1 of 2)"), "{}", done.out);
     assert!(done.err.lines().any(|row| row.starts_with("shown  ") && row.contains("of 2 succeeded")), "{}", done.err);
     let summary: Value = serde_json::from_str(&project.read("out/summary.json")).unwrap();

@@ -23,7 +23,7 @@ fn a_report_has_every_part_and_no_link_outside() {
                  {\"step\":200,\"evaluation\":{\"episodes\":2,\"success\":1.0,\"return\":6.0,\"steps\":9.0}}\n{\"ste";
     project.write("training/curve.jsonl", curve);
     let done = project.msk(&["report", "random", "zero", "sweep", "training", "--out", "report", "--title", "A < B"]).succeeded();
-    assert_eq!(done.out.lines().count(), 5, "{}", done.out);
+    assert_eq!(done.out.lines().count(), 7, "{}", done.out);
     let page = project.read("report/report.html");
     for part in [
         "A &#60; B",
@@ -48,6 +48,12 @@ fn a_report_has_every_part_and_no_link_outside() {
     assert!(project.read("report/report.csv").contains("Learning,training,100,7,200"), "{}", project.read("report/report.csv"));
     assert!(project.read("report/report.tex").contains("\\toprule"));
     assert!(project.read("report/paper.tex").contains("& Stabilization (1) & "), "{}", project.read("report/paper.tex"));
+    assert!(
+        project.read("report/paper.csv").contains(",SR (%) \u{2191},Stabilization (1),"),
+        "{}",
+        project.read("report/paper.csv")
+    );
+    assert!(project.read("report/paper.md").contains("Coverage \u{2191}"), "{}", project.read("report/paper.md"));
 }
 
 /// A fall while running has one gait cycle.
@@ -61,19 +67,99 @@ fn envelopes_of_people_stand_beside_those_of_an_episode() {
     let emg = ["--emg", "human.csv", "--map", "soleus_r=soleus_r", "--map", "tibant_r=Tibialis"];
     project.msk(&[&["report", "run", "--out", "report"], &emg[..]].concat()).succeeded();
     let page = project.read("report/report.html");
-    for part in
-        ["Envelopes of electromyograms, episode 0 of run", "Mean r ", "soleus_r, r = ", "tibant_r, r = ", "deviation over cycles"]
-    {
+    for part in [
+        "Envelopes of electromyograms, episode 0 of run",
+        "Mean r ",
+        "soleus_r, r = ",
+        "tibant_r (Tibialis), r = ",
+        "deviation over cycles",
+    ] {
         assert!(page.contains(part), "no `{part}`");
     }
     let report = project.read("report/report.md");
     let cells: Vec<&str> =
         report.lines().find(|line| line.starts_with("| soleus_r ")).unwrap().split('|').map(str::trim).collect();
-    assert_eq!(cells[2], "1", "{report}");
+    assert_eq!(cells[2..4], ["soleus_r", "1"], "{report}");
+    // The paper's table of residuals has the correlations of few channels one by one.
+    let line =
+        project.read("report/paper.md").lines().find(|line| line.starts_with("| run ") && line.contains('/')).map(str::to_owned);
+    assert!(line.is_some_and(|line| line.split('/').count() == 2), "{}", project.read("report/paper.md"));
+    // A recording that is for another task is not compared.
+    project.msk(&["report", "run", "--out", "stairs", "--emg", "stairs=human.csv"]).succeeded();
+    assert!(!project.read("stairs/report.html").contains("Envelopes of electromyograms"));
+    project.msk(&["report", "run", "--emg", "stairs="]).failed(2, &["expected FILE or TASK=FILE"]);
     // A column that does not exist is named, and the rest of the report is written.
     let done = project.msk(&["report", "run", "--out", "other", "--emg", "human.csv", "--map", "soleus_r=Soleus"]).succeeded();
     assert!(done.err.contains("episode 0 of run is not compared with electromyograms: "), "{}", done.err);
     assert!(done.err.contains("has no column `Soleus`") && project.path("other/report.html").exists(), "{}", done.err);
+}
+
+#[test]
+fn sums_that_are_not_of_the_episodes_are_not_believed() {
+    let project = Project::lean();
+    for (policy, out) in [("zero", "zero"), ("random", "random")] {
+        project.msk(&["eval", "tasks.msk", "--episodes", "2", "--policy", policy, "--out", out]).succeeded();
+    }
+    project.msk(&["report", "zero", "--out", "before"]).succeeded();
+    let own = project.read("zero/summary.json");
+    let page = project.read("before/report.md");
+    // The summary of another run, and an edited one.
+    for text in
+        [project.read("random/summary.json"), own.replace("\"successes\": 0", "\"successes\": 2").replace("\"zero\"", "\"best\"")]
+    {
+        assert_ne!(text, own);
+        project.write("zero/summary.json", &text);
+        project.msk(&["report", "zero", "--out", "after"]).succeeded();
+        assert_eq!(project.read("after/report.md"), page);
+    }
+}
+
+#[test]
+fn conditions_are_named() {
+    let project = Project::lean();
+    let eval = ["eval", "tasks.msk", "--episodes", "2", "--policy", "zero"];
+    project.msk(&[&eval[..], &["--out", "healthy"]].concat()).succeeded();
+    project.msk(&[&eval[..], &["--out", "weak", "--weakness", "0.3"]].concat()).succeeded();
+    let done = project.msk(&["compare", "healthy", "weak"]).succeeded();
+    assert!(done.out.contains("The muscles of `lean` differ: A is healthy, B is weakness 0.3"), "{}", done.out);
+    project.msk(&["report", "healthy", "weak"]).succeeded();
+    let report = project.read("report/report.md");
+    for row in ["| lean |", "| lean (weakness 0.3) |"] {
+        assert!(report.lines().any(|line| line.starts_with(row)), "no `{row}` in {report}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_written_or_shown_through_a_link() {
+    use std::os::unix::fs::symlink;
+    let project = Project::lean();
+    project.msk(&["eval", "tasks.msk", "--episodes", "1", "--policy", "zero", "--strip", "worst", "--out", "out"]).succeeded();
+    project.write("victim", "secret");
+    std::fs::create_dir(project.path("report")).unwrap();
+    symlink(project.path("victim"), project.path("report/report.html")).unwrap();
+    project.msk(&["report", "out"]).failed(1, &["cannot write `report/report.html`", "a symbolic link"]);
+    assert_eq!(project.read("victim"), "secret");
+
+    // The folder that is taken without `--out` may have come with the project; a named one may be anything.
+    std::fs::remove_dir_all(project.path("report")).unwrap();
+    std::fs::create_dir(project.path("elsewhere")).unwrap();
+    for default in ["report", "export", "snapshots", "results"] {
+        symlink(project.path("elsewhere"), project.path(default)).unwrap();
+    }
+    project.msk(&["report", "out"]).failed(1, &["`report` is a symbolic link", "hint: name another folder"]);
+    project.msk(&["export", "lean", "--target", "python"]).failed(1, &["`export` is a symbolic link"]);
+    project.msk(&["snapshot"]).failed(1, &["`snapshots` is a symbolic link"]);
+    project.msk(&["eval", "--policy", "zero", "--episodes", "1"]).failed(1, &["`results` is a symbolic link"]);
+    assert_eq!(std::fs::read_dir(project.path("elsewhere")).unwrap().count(), 0);
+    project.msk(&["report", "out", "--out", "./report"]).succeeded();
+
+    std::fs::remove_file(project.path("out/lean-worst.png")).unwrap();
+    symlink(project.path("victim"), project.path("out/lean-worst.png")).unwrap();
+    project.msk(&["report", "out", "--out", "other"]).failed(1, &["lean-worst.png", "a symbolic link"]);
+    std::fs::remove_file(project.path("out/lean-worst.png")).unwrap();
+    project.write("out/lean-worst.png", "no picture");
+    project.msk(&["report", "out", "--out", "other"]).failed(1, &["is not a PNG picture"]);
 }
 
 #[test]
@@ -82,7 +168,7 @@ fn what_has_no_results_is_named() {
     project.write("empty/file", "");
     project.msk(&["report", "empty"]).failed(1, &["`empty` has no results", "hint: name a folder"]);
     project.write("bad/summary.json", "{");
-    project.msk(&["report", "bad"]).failed(1, &["the results in `bad` are damaged"]);
+    project.msk(&["report", "bad"]).failed(1, &["bad/summary.json", "was modified"]);
     project.msk(&["compare", "empty", "empty"]).failed(1, &["contains no results"]);
 }
 

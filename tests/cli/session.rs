@@ -47,6 +47,17 @@ fn a_session_takes_actions_and_goes_the_same_way_each_time() {
 }
 
 #[test]
+fn the_text_of_a_session_steers_no_terminal() {
+    let project = Project::lean();
+    project.msk(&["session", "init", "lean", "try"]).succeeded();
+    let session = project.read("try/session.json");
+    project.write("try/session.json", &session.replacen("\"lean\"", "\"le\\u001b[2Jan\"", 1));
+    let done = project.msk(&["session", "status", "try"]);
+    assert!(!done.out.contains('\u{1b}') && !done.err.contains('\u{1b}'), "{done:?}");
+    assert!(format!("{}{}", done.out, done.err).contains("\\u{1b}[2J"), "{done:?}");
+}
+
+#[test]
 fn another_task_is_another_session() {
     let project = Project::lean();
     project.msk(&["session", "init", "lean", "try"]).succeeded();
@@ -73,6 +84,23 @@ fn the_distance_from_the_reference_motion_is_measured_and_compared() {
     // The body stands where the reference begins, so errors are small at first.
     let error: f64 = done.out.split_whitespace().nth(2).unwrap().parse().unwrap();
     assert!(error > 0.0 && error < 0.2, "{}", done.out);
+    // A report has what was found, until the session goes on.
+    project.msk(&["report", "try"]).succeeded();
+    let cells =
+        |file: &str| project.read(file).lines().find(|line| line.contains(",walk,")).map(str::to_owned).unwrap_or_default();
+    assert!(cells("report/report.csv").starts_with("Direct control,try,walk,1,0.05,"), "{}", project.read("report/report.csv"));
+    assert!(
+        cells("report/paper.csv").contains(",walk,0.05,N/A,") && cells("report/paper.csv").ends_with(",waits"),
+        "{}",
+        cells("report/paper.csv")
+    );
+    project.msk(&["session", "submit", "try", "rest.json"]).succeeded();
+    project.msk(&["report", "try"]).succeeded();
+    assert!(
+        cells("report/paper.csv").contains(",walk,0.10,--,") && cells("report/paper.csv").ends_with(",decisions"),
+        "{}",
+        cells("report/paper.csv")
+    );
     project.msk(&["session", "init", "lean", "other"]).succeeded();
     project.msk(&["session", "tracking", "other"]).failed(1, &["follows no reference motion", "hint:"]);
 }

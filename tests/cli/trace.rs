@@ -1,6 +1,7 @@
 //! Traces of episodes, what is made of them, and perturbation sweeps.
 
 use super::project::{Project, journal};
+use crate::support::repository;
 use serde_json::Value;
 
 #[test]
@@ -20,6 +21,17 @@ fn a_trace_is_plotted_and_exported() {
     // A row for each state between the header and the end.
     let rows = coordinates.lines().count() - 7;
     assert_eq!(coordinates.lines().find_map(|line| line.strip_prefix("nRows=")), Some(rows.to_string().as_str()));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_export_follows_no_link() {
+    let project = Project::lean();
+    project.msk(&["run", "lean", "--policy", "random", "--trace", "lean.npz"]).succeeded();
+    project.write("victim", "mine");
+    std::os::unix::fs::symlink(project.path("victim"), project.path("lean_activations.sto")).unwrap();
+    project.msk(&["trace", "export", "lean.npz"]).failed(1, &["lean_activations.sto", "a symbolic link"]);
+    assert_eq!(project.read("victim"), "mine");
 }
 
 #[test]
@@ -50,6 +62,48 @@ fn activations_are_compared_with_envelopes_of_people() {
     emg(&["--map", "tibialis"]).failed(2, &["expected MUSCLE=COLUMN"]);
     project.write("human.txt", "");
     project.msk(&["trace", "emg", "lean.npz", "--reference", "human.txt"]).failed(1, &["`human.txt` has an unknown format"]);
+}
+
+/// A participant in the layout of Gait120, as `tests/oracle/recordings.py` writes one.
+#[test]
+fn a_published_data_set_becomes_a_table_of_envelopes() {
+    let project = Project::lean();
+    let file = |name: &str| std::fs::read(repository(&format!("runtime/evaluate/src/recordings/{name}"))).unwrap();
+    for (participant, name, bytes) in [
+        ("S001", "ProcessedData.mat", file("gait120/processed.mat")),
+        ("S002", "ConvertedData.mat", file("gait120/converted.mat")),
+        ("S003", "ProcessedData.mat", b"MATLAB 7.3".to_vec()),
+    ] {
+        let folder = project.path(&format!("data/Gait120_001_to_010/{participant}/EMG"));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join(name), bytes).unwrap();
+    }
+    let done = project.msk(&["trace", "envelopes", "data", "--out", "walking.csv"]).succeeded();
+    assert!(done.err.contains("6 cycles of 2 participants"), "{}", done.err);
+    assert!(
+        done.err.contains("S003/EMG/ProcessedData.mat` is a MAT file of version 7.3") && done.err.contains("left out"),
+        "{}",
+        done.err
+    );
+    let table = project.read("walking.csv");
+    assert!(table.starts_with("percent,VastusLateralis,GastrocnemuisMedialis\n0,3,3\n"), "{table}");
+    assert_eq!(table.lines().count(), 102);
+    // Its columns are muscles of the right leg without being told.
+    project.msk(&["run", "lean", "--policy", "zero", "--trace", "lean.npz"]).succeeded();
+    project.msk(&["trace", "emg", "lean.npz", "--reference", "walking.csv"]).failed(1, &["no whole gait cycle of `vaslat_r`"]);
+    let envelopes = |more: &[&str]| project.msk(&[&["trace", "envelopes", "data"], more].concat());
+    envelopes(&["--condition", "StairAscent"])
+        .failed(1, &["no file of `data` has a gait cycle", "hint: no recordings of people are included"]);
+    envelopes(&["--condition", "3ms"]).failed(2, &["Gait120 has no movement `3ms`", "LevelWalking, StairAscent"]);
+    project.write("none/file", "");
+    project.msk(&["trace", "envelopes", "none"]).failed(1, &["no data set that is known", "https://osf.io/7qbxc"]);
+    project.write("runners/Sub_01_3ms.c3d", "");
+    project.msk(&["trace", "envelopes", "runners"]).failed(1, &["no `Excel file with EMG channels.xlsx`", "hint:"]);
+    std::fs::write(project.path("runners/Excel file with EMG channels.xlsx"), file("van_hooren/channels.xlsx")).unwrap();
+    project
+        .msk(&["trace", "envelopes", "runners"])
+        .failed(1, &["Sub_01_3ms.c3d` has no mark of a C3D file", "no file of `runners`"]);
+    project.msk(&["trace", "envelopes", "runners", "--condition", "5ms"]).failed(2, &["of the condition `5ms`", "there are 3ms"]);
 }
 
 #[test]

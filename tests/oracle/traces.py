@@ -12,6 +12,55 @@ import tempfile
 import numpy
 
 
+def strikes(forces, period):
+    """Rows at which a foot begins to stand, and leaves the ground again or not: above 20 N, for at least 50 ms."""
+    stands = forces > 20
+    edges = numpy.flatnonzero(numpy.diff(stands)) + 1
+    starts, ends = numpy.concatenate([[0], edges]), numpy.concatenate([edges, [len(stands)]])
+    present, found = stands[0], []
+    for start, end in zip(starts, ends):
+        if stands[start] != present and (end - start + 0.5) * period >= 0.05:
+            present = stands[start]
+            if present:
+                found.append([start, None])
+            elif found:
+                found[-1][1] = start
+    return found
+
+
+def gait(archive, period):
+    """Gait figures of two feet."""
+    feet = [strikes(archive["ground_reactions"][:, 2 + 7 * foot], period) for foot in range(2)]
+    places = archive["feet"].reshape(len(archive["time"]), 2, 3)
+    steps = sorted((start, foot) for foot in range(2) for start, _ in feet[foot])
+    if len(steps) < 2:
+        return {}
+    (first, _), (last, _) = steps[0], steps[-1]
+    found = {"cadence": 60 * (len(steps) - 1) / ((last - first) * period)} if last > first else {}
+    way = (archive["center_of_mass"][last] - archive["center_of_mass"][first])[:2]
+    way = way / numpy.linalg.norm(way)
+    lengths = [[], []]
+    for (_, other), (row, foot) in zip(steps, steps[1:]):
+        if foot != other:
+            lengths[foot].append((places[row, foot] - places[row, 1 - foot])[:2] @ way)
+    shares = [[(off - start) / (after[0] - start) for (start, off), after in zip(own, own[1:]) if off is not None] for own in feet]
+    for name, values in (("step_length", lengths), ("stance_share", shares)):
+        if sum(values, []):
+            found[name] = numpy.mean(sum(values, []))
+        if all(values):
+            left, right = (numpy.mean(side) for side in values)
+            asymmetry = {"step_length": "step_length_asymmetry", "stance_share": "stance_asymmetry"}[name]
+            found[asymmetry] = abs(left - right) / (0.5 * abs(left + right))
+    return found
+
+
+def recruitment(archive, layout):
+    """Activation mass of each muscle family."""
+    families = numpy.array([muscle["family"] for muscle in layout["muscles"]])
+    means = archive["activations"][:-1].mean(axis=0)
+    return {family: means[families == family].sum() for family in layout["families"]}
+
+
 def metrics(archive):
     """Metrics by name, from the arrays of a trace."""
     layout = json.loads(archive["trace.json"])["layout"]
@@ -35,7 +84,9 @@ def metrics(archive):
     }
     if distance >= 1:
         found["cost_of_transport"] = energy / (weight * distance)
-    return found
+    if "tracking_error" in archive:
+        found["tracking_error"] = numpy.sqrt(numpy.nanmean(archive["tracking_error"] ** 2))
+    return {**found, **gait(archive, period)}
 
 
 def main():
@@ -45,9 +96,15 @@ def main():
         path = pathlib.Path(folder) / "trace.npz"
         command = [msk, "run", task, "--policy", policy, "--json", "--trace", str(path)]
         record = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-        found = metrics(numpy.load(path))
-    for name, value in found.items():
-        expected = record["standard"][name]
+        archive = numpy.load(path)
+        layout = json.loads(archive["trace.json"])["layout"]
+        found, masses = metrics(archive), recruitment(archive, layout)
+    if set(found) != set(record["standard"]):
+        sys.exit(f"error: NumPy finds {sorted(found)}, the record has {sorted(record['standard'])}")
+    numbers = [*((name, value, record["standard"]) for name, value in found.items())]
+    numbers += [(name, value, record["recruitment"]) for name, value in masses.items()]
+    for name, value, known in numbers:
+        expected = known[name]
         print(f"{name:22} {value:.9g}")
         if not numpy.isclose(value, expected, rtol=1e-12, atol=1e-12):
             sys.exit(f"error: {name} is {value} by NumPy and {expected} in the record")

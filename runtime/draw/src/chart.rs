@@ -38,13 +38,13 @@ pub struct Band {
     pub range: [f64; 2],
 }
 
-const WIDTH: f64 = 1000.0;
-const LEFT: f64 = 130.0;
-const RIGHT: f64 = 40.0;
-const TOP: f64 = 80.0;
+pub(super) const WIDTH: f64 = 1000.0;
+pub(super) const LEFT: f64 = 130.0;
+pub(super) const RIGHT: f64 = 40.0;
+pub(super) const TOP: f64 = 80.0;
 const HEIGHT: f64 = 230.0;
 const GAP: f64 = 46.0;
-const BOTTOM: f64 = 90.0;
+pub(super) const BOTTOM: f64 = 90.0;
 /// Strokes of the curves of a panel, one after the other.
 pub(super) const STROKES: [&str; 12] = [
     "#b4232f", "#3f6fa8", "#8a8577", "#0f7b5f", "#c2541b", "#6b4f9e", "#1f8fa3", "#a3821f", "#7a1f5c", "#4f8a2c", "#2f3f8f",
@@ -56,7 +56,7 @@ pub(super) const WORDS: &str = "\
 text{font:22px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-serif;fill:#4b4a47}\
 .title{font-size:27px;font-weight:600}.small{font-size:19px}.middle{text-anchor:middle}.end{text-anchor:end}";
 
-const STYLE: &str = "\
+pub(super) const STYLE: &str = "\
 text{font:22px system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,sans-serif;fill:#4b4a47}\
 .title{font-size:27px;font-weight:600}.small{font-size:19px}.middle{text-anchor:middle}.end{text-anchor:end}\
 .curve{fill:none;stroke-width:3.5;stroke-linejoin:round;stroke-linecap:round}.grid{stroke:#e3dfd7;stroke-width:1.5}\
@@ -133,12 +133,12 @@ fn pieces(at: &[f64], values: &[f64]) -> Vec<Vec<[f64; 2]>> {
     points.split(|[_, y]| !y.is_finite()).filter(|piece| !piece.is_empty()).map(<[_]>::to_vec).collect()
 }
 
-fn text(out: &mut String, class: &str, [x, y]: [f64; 2], words: &str) {
+pub(super) fn text(out: &mut String, class: &str, [x, y]: [f64; 2], words: &str) {
     let _ = writeln!(out, r#"<text class="{class}" x="{}" y="{}">{}</text>"#, number(x), number(y), escape(words));
 }
 
 /// A linear scale with round ticks.
-struct Scale {
+pub(super) struct Scale {
     values: [f64; 2],
     places: [f64; 2],
     step: f64,
@@ -146,7 +146,7 @@ struct Scale {
 
 impl Scale {
     /// Over all finite values; with `round` ends at ticks, else exactly at the smallest and largest value.
-    fn new(values: impl Iterator<Item = f64>, places: [f64; 2], round: bool) -> Self {
+    pub(super) fn new(values: impl Iterator<Item = f64>, places: [f64; 2], round: bool) -> Self {
         let finite = values.filter(|value| value.is_finite());
         let [mut low, mut high] = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
         if low > high {
@@ -164,13 +164,13 @@ impl Scale {
         Self { values, places, step }
     }
 
-    fn place(&self, value: f64) -> f64 {
+    pub(super) fn place(&self, value: f64) -> f64 {
         let share = (value - self.values[0]) / (self.values[1] - self.values[0]);
         self.places[0] + share * (self.places[1] - self.places[0])
     }
 
     /// Round values within the scale, and how they are written.
-    fn ticks(&self) -> Vec<(f64, String)> {
+    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let decimals = (-libm::floor(libm::log10(self.step) + 1e-9)).clamp(0.0, 9.0) as usize;
         let first = (self.values[0] / self.step - 1e-9).ceil() as i64;
         let last = (self.values[1] / self.step + 1e-9).floor() as i64;

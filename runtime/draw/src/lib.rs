@@ -5,8 +5,8 @@
 //! 3. `panel`: one view, painted from far to near;
 //! 4. `forces`: arrows of contact forces on top, the centre of mass, and the legend.
 //!
-//! Apart from these, [`chart`] draws curves over a common axis, [`bars`], [`heat`] and [`radar`] other charts, and [`motion`] a body
-//! through a motion.
+//! Apart from these, [`chart`] draws curves over a common axis, [`bars`], [`heat`], [`radar`] and [`stack`] other charts, and [`motion`] a
+//! body through a motion.
 //!
 //! The same state gives the same bytes. Units in the file are millimetres.
 
@@ -24,6 +24,7 @@ mod path;
 pub mod radar;
 mod silhouette;
 mod skeleton;
+pub mod stack;
 
 pub use camera::View;
 

@@ -6,6 +6,7 @@
 
 use crate::EpisodeRecord;
 use crate::statistics::quantile;
+use msk_runtime::condition::MuscleCondition;
 use msk_runtime::episode::{EpisodeKey, Stream};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -27,6 +28,12 @@ pub struct Estimate {
 pub struct Pairing {
     /// The task.
     pub task: String,
+    /// Conditions of the muscles; empty where they are healthy.
+    pub conditions: [String; 2],
+    /// Hashes of the task.
+    pub task_hashes: [String; 2],
+    /// Hashes of the body's model.
+    pub model_hashes: [String; 2],
     /// Episodes that both have.
     pub pairs: usize,
     /// Success rates, 0..1.
@@ -80,7 +87,9 @@ pub struct Outcomes {
 #[derive(Debug, Clone, PartialEq)]
 struct TaskOutcomes {
     task: String,
+    condition: MuscleCondition,
     hash: String,
+    model_hash: String,
     /// Success and return by seed and index.
     episodes: BTreeMap<(u64, u64), (bool, f64)>,
 }
@@ -91,22 +100,25 @@ impl Outcomes {
         if self.policy.is_empty() {
             self.policy.clone_from(&record.policy);
         }
-        let known = self.tasks.iter().position(|known| known.task == record.task);
+        let known = self.tasks.iter().position(|known| known.task == record.task && known.condition == record.condition);
         let place = known.unwrap_or_else(|| {
-            let (task, hash) = (record.task.clone(), record.task_hash.clone());
-            self.tasks.push(TaskOutcomes { task, hash, episodes: BTreeMap::new() });
+            self.tasks.push(TaskOutcomes {
+                task: record.task.clone(),
+                condition: record.condition.clone(),
+                hash: record.task_hash.clone(),
+                model_hash: record.model_hash.clone(),
+                episodes: BTreeMap::new(),
+            });
             self.tasks.len() - 1
         });
         self.tasks[place].episodes.insert((record.seed, record.episode), (record.success, record.total));
     }
 
-    /// Hash of a task that was evaluated.
-    pub fn hash(&self, task: &str) -> Option<&str> {
-        self.find(task).map(|known| known.hash.as_str())
-    }
-
-    fn find(&self, task: &str) -> Option<&TaskOutcomes> {
-        self.tasks.iter().find(|known| known.task == task)
+    /// The task under the same condition, or under the only one that it was evaluated under.
+    fn partner(&self, task: &TaskOutcomes) -> Option<&TaskOutcomes> {
+        let same: Vec<&TaskOutcomes> = self.tasks.iter().filter(|known| known.task == task.task).collect();
+        let exact = same.iter().find(|known| known.condition == task.condition);
+        exact.or_else(|| same.first().filter(|_| same.len() == 1)).copied()
     }
 }
 
@@ -119,9 +131,10 @@ impl<'a> FromIterator<&'a EpisodeRecord> for Outcomes {
 }
 
 /// Compares the episodes that two evaluations have in common, task by task in the order of the first; tasks without a pair are left out.
+/// A task is compared under the same condition where both have that, else under another one, which the pairing names.
 /// Pairs are of the same task, seed and index; a return that is not finite makes no pair.
 pub fn compare(first: &Outcomes, second: &Outcomes) -> Vec<Pairing> {
-    first.tasks.iter().filter_map(|task| pairing(task, second.find(&task.task)?)).collect()
+    first.tasks.iter().filter_map(|task| pairing(task, second.partner(task)?)).collect()
 }
 
 fn pairing(first: &TaskOutcomes, second: &TaskOutcomes) -> Option<Pairing> {
@@ -137,6 +150,9 @@ fn pairing(first: &TaskOutcomes, second: &TaskOutcomes) -> Option<Pairing> {
     let task = &first.task;
     Some(Pairing {
         task: task.clone(),
+        conditions: [first, second].map(|of| if of.condition.is_none() { String::new() } else { of.condition.to_string() }),
+        task_hashes: [first, second].map(|of| of.hash.clone()),
+        model_hashes: [first, second].map(|of| of.model_hash.clone()),
         pairs: pairs.len(),
         success: [mean(&of(&|[first, _]| success(first))), mean(&of(&|[_, second]| success(second)))],
         success_difference: bootstrap(&differences, mean, &format!("{task}/success")),

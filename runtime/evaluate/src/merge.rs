@@ -1,13 +1,12 @@
 //! The shards of a run as one run: the folder that one machine would have written.
 
 use super::journal::{Journal, JournalError, Reader, SUMMARY, pretty};
+use super::summary::{self, BesideJournal};
 use super::{EpisodeRecord, EpisodeSet, Job, RunSettings, Summarizer, Summary};
 use msk_storage::{Folder, StorageError};
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 
-/// Most bytes that are read of the summary of a shard.
-const LARGEST_SUMMARY: u64 = 256 << 20;
 /// Episodes that are written at once.
 const AT_ONCE: usize = 256;
 
@@ -98,14 +97,7 @@ pub fn merge(shards: &[PathBuf], out: &Path) -> Result<Merged, MergeError> {
     let settings = settings(shards)?;
     let summaries = shards.iter().map(|shard| summary(shard)).collect::<Result<Vec<_>, _>>()?;
     // Tasks that the policy cannot act on, and units of metrics, which journals do not have.
-    let of_task = |place: usize| summaries.iter().filter_map(move |summary| summary.tasks.get(place));
-    let skipped = |place: usize| Some((place, of_task(place).find_map(|task| task.skipped.clone())?));
-    let skipped: Vec<(usize, String)> = (0..settings.tasks.len()).filter_map(skipped).collect();
-    let units = |place: usize| -> Vec<String> {
-        let known = of_task(place).find(|task| !task.metrics.is_empty());
-        known.into_iter().flat_map(|task| &task.metrics).map(|metric| metric.unit.clone()).collect()
-    };
-    let units = (0..settings.tasks.len()).map(units).collect();
+    let BesideJournal { skipped, units } = BesideJournal::of(&summaries, &settings);
 
     let mut summarizer = Summarizer::of(settings.clone(), units);
     let mut done = EpisodeSet::default();
@@ -155,7 +147,7 @@ fn settings(shards: &[PathBuf]) -> Result<RunSettings, MergeError> {
 /// What a shard's evaluation has summed up.
 fn summary(shard: &Path) -> Result<Summary, MergeError> {
     let cannot = |reason: String| MergeError::Summary { folder: shard.into(), reason };
-    let text = Folder::open(shard).and_then(|folder| folder.read_text(Path::new(SUMMARY), LARGEST_SUMMARY));
+    let text = Folder::open(shard).and_then(|folder| folder.read_text(Path::new(SUMMARY), summary::LARGEST));
     let text = text.map_err(|error| cannot(error.reason()))?.ok_or_else(|| cannot("there is no such file".into()))?;
     serde_json::from_str(&text).map_err(|error| cannot(error.to_string()))
 }

@@ -4,7 +4,8 @@
 
 use npyz::{AutoSerialize, WriterBuilder};
 use std::io::{self, Cursor, Read, Seek, Write};
-use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter, result::ZipError, write::SimpleFileOptions};
+pub use zip::result::ZipError;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 /// Size from which on an entry needs the 64-bit extension of ZIP, bytes; deflated noise is larger than it was, by less than 16 MiB.
 const LARGE: u64 = u32::MAX as u64 - (16 << 20);

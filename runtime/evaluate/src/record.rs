@@ -55,6 +55,12 @@ pub struct EpisodeRecord {
     /// Sum of rewards over the steps.
     #[serde(rename = "return", deserialize_with = "number")]
     pub total: f64,
+    /// First control step at which the task's success held; none if it never did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub success_step: Option<u32>,
+    /// Sum of rewards up to that step, as evaluators count them that stop there; none if success never held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub return_to_success: Option<f64>,
     /// Sum over the steps of each term's weight times value: these add up to the return.
     pub terms: ByTerm,
     /// Sum over the steps of each term's unweighted value.
@@ -111,6 +117,8 @@ const SATURATED: f64 = 0.99;
 #[derive(Debug, Clone)]
 pub struct Tally {
     steps: u32,
+    /// First step at which success held, and the return up to it.
+    success: Option<(u32, f64)>,
     values: Vec<f64>,
     squares: Vec<f64>,
     dead: Vec<f64>,
@@ -129,6 +137,7 @@ impl Tally {
         let metrics = task.metrics.iter().map(|metric| metric.size).sum();
         Self {
             steps: 0,
+            success: None,
             values: vec![0.0; terms],
             squares: vec![0.0; terms],
             dead: vec![0.0; terms],
@@ -148,6 +157,9 @@ impl Tally {
     pub fn add(&mut self, episode: &Episode) {
         let report = episode.report();
         self.steps = episode.steps();
+        if report.success && self.success.is_none() {
+            self.success = Some((episode.steps(), episode.total()));
+        }
         for (index, value) in report.terms.iter().enumerate() {
             let (size, largest) = (value.abs(), self.largest[index]);
             self.values[index] += value;
@@ -198,6 +210,8 @@ impl Tally {
             fault,
             steps: episode.steps(),
             total: episode.total(),
+            success_step: self.success.map(|(step, _)| step),
+            return_to_success: self.success.map(|(_, total)| total),
             terms: by_term(episode.totals().to_vec()),
             values: by_term(self.values),
             squares: by_term(self.squares),
@@ -311,6 +325,8 @@ mod tests {
             fault: None,
             steps: 57,
             total: 0.1 + 0.2,
+            success_step: Some(40),
+            return_to_success: Some(0.25),
             terms: ByTerm(vec![("pose".into(), 1.0 / 3.0), ("balance".into(), -2.5e-17)]),
             values: ByTerm(vec![("pose".into(), 1.0 / 30.0), ("balance".into(), 0.0)]),
             squares: ByTerm(vec![("pose".into(), 1.0 / 90.0), ("balance".into(), 0.0)]),

@@ -105,6 +105,21 @@ mod tests {
         close(wilson_interval(1, 29), [0.0061, 0.1718]);
     }
 
+    /// `tests/oracle/metrics.py`: `scipy.stats.binomtest(...).proportion_ci(0.95, method="wilson")`.
+    #[test]
+    fn the_interval_is_scipys_to_the_last_digits() {
+        let all = [
+            ((0, 30), [0.0, 0.113_513_393_173_968_75]),
+            ((1, 50), [0.003_539_259_271_646_222, 0.104_954_435_896_378_14]),
+            ((27, 30), [0.743_789_174_208_159_2, 0.965_400_111_252_665_7]),
+            ((50, 50), [0.928_652_400_866_641_2, 1.0]),
+        ];
+        for ((successes, trials), expected) in all {
+            let found = wilson_interval(successes, trials);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {expected:?}");
+        }
+    }
+
     #[test]
     fn the_interval_stays_inside_and_is_widest_without_trials() {
         assert_eq!(wilson_interval(0, 0), [0.0, 1.0]);

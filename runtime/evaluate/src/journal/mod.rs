@@ -21,6 +21,7 @@ use super::{EpisodeRecord, RunSettings, Summary, TRACES, report};
 use line::Line;
 use msk_storage::{Folder, Kind, Lock, Log, StorageError};
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -211,11 +212,19 @@ impl Journal {
             let log = opened(&mut files.wall_times, &self.folder, WALL_TIMES);
             log.and_then(|log| log.append_unsynced(&line?)).map_err(|source| self.unusable(source))?;
         }
-        let Ok(traces) = folder.subfolder(Path::new(TRACES)) else { return Ok(()) };
-        for entry in traces.entries(Path::new("")).map_err(unusable)?.iter().filter(|entry| entry.kind == Kind::File) {
-            if let Some(bytes) = traces.read(&entry.name, LARGEST_TRACE).map_err(unusable)? {
-                self.write_below(&format!("{TRACES}/{}", entry.name.display()), bytes)?;
-            }
+        let traces = match folder.subfolder(Path::new(TRACES)) {
+            Err(error) if error.kind() == Some(ErrorKind::NotFound) => return Ok(()),
+            traces => traces.map_err(unusable)?,
+        };
+        // What is no file, such as a link out of the folder, is an error of reading it: no trace is left out silently.
+        for entry in traces.entries(Path::new("")).map_err(unusable)?.iter().filter(|entry| entry.kind != Kind::Folder) {
+            let gone = || StorageError::System {
+                action: "read",
+                path: traces.path().join(&entry.name),
+                source: ErrorKind::NotFound.into(),
+            };
+            let bytes = traces.read(&entry.name, LARGEST_TRACE).and_then(|bytes| bytes.ok_or_else(gone)).map_err(unusable)?;
+            self.write_below(&format!("{TRACES}/{}", entry.name.display()), bytes)?;
         }
         Ok(())
     }

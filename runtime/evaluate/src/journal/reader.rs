@@ -25,8 +25,16 @@ impl Reader {
     /// A folder that holds no journal.
     pub fn open(path: &Path) -> Result<Self, JournalError> {
         let folder = Folder::open(path).map_err(|source| JournalError::Unusable { folder: path.into(), source })?;
-        let settings = claimed(&folder)?.ok_or_else(|| JournalError::Empty { folder: path.into() })?;
-        Self::of(&folder, settings)
+        Self::in_folder(&folder)
+    }
+
+    /// [`open`](Self::open) of an opened folder.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn in_folder(folder: &Folder) -> Result<Self, JournalError> {
+        let settings = claimed(folder)?.ok_or_else(|| JournalError::Empty { folder: folder.path().into() })?;
+        Self::of(folder, settings)
     }
 
     /// Of the episodes in a folder, all of which must be of the run `settings`.

@@ -9,6 +9,7 @@ mod gait;
 mod reactions;
 mod recruitment;
 mod smoothness;
+mod tracking;
 
 pub mod curve;
 pub mod peak;
@@ -25,9 +26,10 @@ use msk_runtime::episode::{Ending, Engine};
 use msk_runtime::policy::PolicyContext;
 use reactions::Reactions;
 use smoothness::Smoothness;
+use tracking::Tracking;
 
 /// What standard metrics are computed from.
-pub const QUANTITIES: [Quantity; 7] = [
+pub const QUANTITIES: [Quantity; 8] = [
     Quantity::Activations,
     Quantity::Velocities,
     Quantity::JointReactions,
@@ -35,10 +37,11 @@ pub const QUANTITIES: [Quantity; 7] = [
     Quantity::Feet,
     Quantity::CenterOfMass,
     Quantity::MetabolicPower,
+    Quantity::TrackingError,
 ];
 
 /// Names of the standard metrics with their units, in the order of results.
-pub const STANDARD: [(&str, &str); 13] = [
+pub const STANDARD: [(&str, &str); 14] = [
     ("activation_cost", ""),
     ("joint_smoothness", "log10(rad^2/s^6)"),
     ("metabolic_energy", "J"),
@@ -52,6 +55,7 @@ pub const STANDARD: [(&str, &str); 13] = [
     ("stance_share", ""),
     ("step_length_asymmetry", ""),
     ("stance_asymmetry", ""),
+    ("tracking_error", "m"),
 ];
 
 /// Computes the standard metrics of an episode while it is played.
@@ -62,6 +66,7 @@ pub struct StandardMetrics {
     energy: Energy,
     reactions: Reactions,
     gait: Gait,
+    tracking: Tracking,
     recruitment: Recruitment,
 }
 
@@ -73,11 +78,12 @@ impl StandardMetrics {
         self.energy.look(row);
         self.reactions.look(row);
         self.gait.look(row);
+        self.tracking.look(row);
         self.recruitment.look(row);
     }
 
     /// The metrics that the episode has, by the names of [`STANDARD`]: one that stood still has no cost of transport, one without two
-    /// steps no cadence.
+    /// steps no cadence, one of a task that follows no motion no tracking error.
     pub fn finish(&self) -> ByTerm {
         let gait = self.gait.figures();
         let values = [
@@ -94,6 +100,7 @@ impl StandardMetrics {
             gait.stance_share,
             gait.step_length_asymmetry,
             gait.stance_asymmetry,
+            self.tracking.finish(),
         ];
         let named = STANDARD.iter().zip(values).filter_map(|((name, _), value)| Some(((*name).to_owned(), value?)));
         ByTerm(named.filter(|(_, value)| value.is_finite()).collect())

@@ -28,6 +28,8 @@ const SURROGATES: usize = 200;
 pub struct Envelope {
     /// The muscle of the body that it is compared with.
     pub muscle: String,
+    /// The column of the recording that it is of.
+    pub column: String,
     /// Values at equal distances; more than three.
     pub values: Vec<f64>,
 }
@@ -37,6 +39,8 @@ pub struct Envelope {
 pub struct Similarity {
     /// The muscle.
     pub muscle: String,
+    /// The column of the recording.
+    pub column: String,
     /// Cycles that were averaged.
     pub cycles: usize,
     /// Mean activation over the cycle, scaled to 0..1 and shifted: 101 points.
@@ -115,6 +119,7 @@ fn compare_one(trace: &Trace, gait: &Gait, envelope: &Envelope) -> Result<Simila
     let deviation: Vec<f64> = deviation.iter().map(|value| value / (high - low)).collect();
     Ok(Similarity {
         muscle: muscle(),
+        column: envelope.column.clone(),
         cycles: cycles.len(),
         simulated: shifted(&simulated, shift),
         deviation: shifted(&deviation, shift),

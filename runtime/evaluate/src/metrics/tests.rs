@@ -20,11 +20,21 @@ struct Values {
     /// Place of the centre of mass along x, m.
     com: f64,
     power: f64,
+    /// Distance from the reference motion, m.
+    error: f64,
 }
 
 impl Default for Values {
     fn default() -> Self {
-        Self { activations: [0.0; 2], velocities: [0.0; 4], joint: 0.0, feet: [[0.0; 2]; 2], com: 0.0, power: 0.0 }
+        Self {
+            activations: [0.0; 2],
+            velocities: [0.0; 4],
+            joint: 0.0,
+            feet: [[0.0; 2]; 2],
+            com: 0.0,
+            power: 0.0,
+            error: f64::NAN,
+        }
     }
 }
 
@@ -50,11 +60,12 @@ fn trace(rows: usize, row: impl Fn(f64) -> Values) -> Trace {
             block(Quantity::Feet, columns(6)),
             block(Quantity::CenterOfMass, columns(3)),
             block(Quantity::MetabolicPower, columns(1)),
+            block(Quantity::TrackingError, columns(1)),
         ],
     };
     let mut trace = Trace::new(Arc::new(layout));
     for index in 0..rows {
-        let Values { activations, velocities, joint, feet, com, power } = row(index as f64 * 0.01);
+        let Values { activations, velocities, joint, feet, com, power, error } = row(index as f64 * 0.01);
         let reaction = |[force, _]: [f64; 2]| [0.0, 0.0, force, 0.0, 0.0, 0.0, 0.0];
         let values: Vec<f64> = activations
             .into_iter()
@@ -62,7 +73,7 @@ fn trace(rows: usize, row: impl Fn(f64) -> Values) -> Trace {
             .chain([joint])
             .chain(feet.into_iter().flat_map(reaction))
             .chain(feet.into_iter().flat_map(|[_, x]| [x, 0.0, 0.0]))
-            .chain([com, 0.0, 0.9, power])
+            .chain([com, 0.0, 0.9, power, error])
             .collect();
         let layout = Arc::clone(trace.layout());
         trace.push(&Row::new(&layout, &values, index == 0));
@@ -114,6 +125,15 @@ fn energy_is_the_integral_of_power() {
     close(found.get("cost_of_transport"), 100.0 / (100.0 * 10.0 * 2.0));
     let still = play(101, |time| Values { power: 1.0, com: 0.5 * time, ..Values::default() }).finish();
     assert_eq!(still.get("cost_of_transport"), None);
+}
+
+#[test]
+fn tracking_errors_are_of_the_rows_that_follow_a_motion() {
+    let follows = |time: f64| if time < 0.015 { 300.0 * time + 1.0 } else { f64::NAN };
+    // 1 at the reset and 4 after the first step; then the task follows nothing.
+    let found = play(4, |time| Values { error: follows(time), ..Values::default() }).finish();
+    close(found.get("tracking_error"), (17.0_f64 / 2.0).sqrt());
+    assert_eq!(play(4, |_| Values::default()).finish().get("tracking_error"), None);
 }
 
 #[test]
@@ -208,13 +228,35 @@ fn the_best_shift_is_found_without_the_duplicated_end() {
     assert!((0.5..1.0).contains(&chance) && reached < 0.1, "{chance} {reached}");
 }
 
+/// `tests/oracle/metrics.py`: cycles of 60, 70 and 80 samples, resampled, averaged, scaled and shifted by NumPy and SciPy.
+#[test]
+fn an_envelope_is_that_of_numpy_and_scipy() {
+    use core::f64::consts::TAU;
+    let of = |count: usize, value: &dyn Fn(f64) -> f64| {
+        (0..count).map(|place| value(place as f64 / (count - 1) as f64)).collect::<Vec<_>>()
+    };
+    let cycle = |count: usize| of(count, &|part| (TAU * part).sin().powi(3) + 0.01 * count as f64);
+    let curves: Vec<Vec<f64>> = [60, 70, 80].map(|count| curve::resample(&cycle(count), 101)).to_vec();
+    let human = of(40, &|part| (TAU * part).cos().powi(3) + 0.2 * (2.0 * TAU * part).sin());
+    let human = curve::normalized(&curve::resample(&human, 101)).unwrap();
+    let (mean, deviation) = curve::mean_and_deviation(&curves).unwrap();
+    let simulated = curve::normalized(&mean).unwrap();
+    let [low, high] = curve::range(&mean).unwrap();
+    let (shift, r) = similarity::best_shift(&simulated, &human).unwrap();
+    assert_eq!(shift, 75);
+    close(Some(r), 0.9694603117733295);
+    close(Some(deviation[0] / (high - low)), 0.040824930344082036);
+    close(Some(simulated[30]), 0.9301193357055195);
+}
+
 #[test]
 fn activations_are_compared_over_the_cycles_of_their_side() {
     let phase = |time: f64| (core::f64::consts::TAU * time).sin();
     let walk = |time: f64| Values { activations: [0.5 + 0.4 * phase(time), 0.25], ..walk(time, [0.3, 0.3]) };
     let trace = trace(600, walk);
     let human = (0..50).map(|point| 3.0 + phase(f64::from(point) / 49.0 - 0.25)).collect();
-    let envelope = |muscle: &str, values: Vec<f64>| similarity::Envelope { muscle: muscle.into(), values };
+    let envelope =
+        |muscle: &str, values: Vec<f64>| similarity::Envelope { muscle: muscle.into(), column: "human".into(), values };
     let found = similarity::compare(&trace, &[envelope("soleus_l", human)]).unwrap();
     assert_eq!((found[0].cycles, found[0].shift), (4, 0.25));
     close(similarity::mean_correlation(&found).map(|r| (1e4 * r).round()), 1e4);

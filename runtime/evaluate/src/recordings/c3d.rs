@@ -17,12 +17,34 @@ const MARK: u8 = 0x50;
 ///
 /// The crate `c3dio` was tried: it panics on damaged files, and takes as much memory as a header claims.
 pub(super) fn read(bytes: &[u8]) -> Result<Recording, RecordingError> {
+    let (numbers, layout) = open(bytes)?;
+    layout.rows(&numbers)
+}
+
+/// Some analog channels of a file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Analog {
+    /// Samples per second.
+    pub rate: f64,
+    /// How many channels the file has.
+    pub all: usize,
+    /// Number (from 0), name and samples of each channel that was asked for.
+    pub channels: Vec<(usize, String, Vec<f64>)>,
+}
+
+/// Reads those analog channels whose number (from 0) and name are wanted, and none of the markers.
+pub(super) fn analog(bytes: &[u8], wanted: impl Fn(usize, &str) -> bool) -> Result<Analog, RecordingError> {
+    let (numbers, layout) = open(bytes)?;
+    layout.analog(&numbers, wanted)
+}
+
+fn open(bytes: &[u8]) -> Result<(Numbers<'_>, Layout), RecordingError> {
     let [parameters, MARK, ..] = *bytes else { return Err(Missing("mark of a C3D file in its second byte")) };
     let start = usize::from(parameters).checked_sub(1).ok_or(Damaged("the place of its parameters"))? * BLOCK;
     let numbers = Numbers { bytes, order: Order::of(bytes.get(start + 3).copied())? };
     let parameters = Parameters::read(&numbers, start + 4)?;
     let layout = Layout::of(&numbers, &parameters)?;
-    layout.rows(&numbers)
+    Ok((numbers, layout))
 }
 
 /// How a family of processors writes numbers.
@@ -262,33 +284,70 @@ impl Layout {
         })
     }
 
+    /// Bytes of a number.
+    fn width(&self) -> usize {
+        if self.scale.is_some() { 2 } else { 4 }
+    }
+
+    /// The bytes of each frame, first those of its markers, then those of its samples.
+    fn frames<'a>(&self, numbers: &Numbers<'a>) -> Result<impl Iterator<Item = (&'a [u8], &'a [u8])>, RecordingError> {
+        let of_markers = 4 * self.width() * self.markers.len();
+        let of_frame = of_markers + self.width() * self.samples * self.channels.len();
+        let data = numbers.slice(self.start, self.frames.saturating_mul(of_frame))?;
+        Ok(data.chunks_exact(of_frame.max(1)).map(move |frame| frame.split_at(of_markers)))
+    }
+
+    fn number(&self, order: Order, bytes: &[u8], unsigned: bool) -> f64 {
+        match *bytes {
+            [a, b] if unsigned => f64::from(order.word([a, b])),
+            [a, b] => f64::from(order.word([a, b]) as i16),
+            [a, b, c, d] => order.float([a, b, c, d]),
+            _ => f64::NAN,
+        }
+    }
+
+    /// The value of a sample of a channel.
+    fn sample(&self, order: Order, bytes: &[u8], channel: usize) -> f64 {
+        let Channel { offset, scale, .. } = self.channels[channel];
+        (self.number(order, bytes, self.unsigned) - offset) * scale
+    }
+
+    fn analog(&self, numbers: &Numbers<'_>, wanted: impl Fn(usize, &str) -> bool) -> Result<Analog, RecordingError> {
+        let channels = self.channels.iter().enumerate().filter(|(place, channel)| wanted(*place, &channel.name));
+        let mut channels: Vec<_> = channels.map(|(place, channel)| (place, channel.name.clone(), Vec::new())).collect();
+        if self.frames.saturating_mul(self.samples).saturating_mul(channels.len()) > MOST_NUMBERS {
+            return Err(RecordingError::Large);
+        }
+        for (_, samples) in self.frames(numbers)? {
+            for sample in samples.chunks_exact((self.width() * self.channels.len()).max(1)) {
+                for (place, _, values) in &mut channels {
+                    let start = *place * self.width();
+                    values.push(self.sample(numbers.order, &sample[start..start + self.width()], *place));
+                }
+            }
+        }
+        Ok(Analog { rate: self.rate * self.samples as f64, all: self.channels.len(), channels })
+    }
+
     fn rows(&self, numbers: &Numbers<'_>) -> Result<Recording, RecordingError> {
         let places = self.markers.iter().flat_map(|marker| ["x", "y", "z"].map(|axis| format!("{marker}.{axis}")));
         let names = ["frame", "time"].map(String::from).into_iter().chain(places);
         let names: Vec<String> = names.chain(self.channels.iter().map(|channel| channel.name.clone())).collect();
-        let width = if self.scale.is_some() { 2 } else { 4 };
-        let in_frame = 4 * self.markers.len() + self.samples * self.channels.len();
-        let whole = self.frames.saturating_mul(width * in_frame);
         if self.frames.saturating_mul(self.samples).saturating_mul(names.len()) > MOST_NUMBERS {
             return Err(RecordingError::Large);
         }
-        let data = numbers.slice(self.start, whole)?;
+        let frames = self.frames(numbers)?;
         let rows = self.frames * self.samples;
         let mut columns = vec![vec![f64::NAN; rows]; names.len()];
         let frame = |row: usize| (self.first + row / self.samples) as f64;
         let time = |row: usize| (frame(row) - 1.0 + (row % self.samples) as f64 / self.samples as f64) / self.rate;
         columns[0] = (0..rows).map(frame).collect();
         columns[1] = (0..rows).map(time).collect();
-        let number = |bytes: &[u8], unsigned: bool| match *bytes {
-            [a, b] if unsigned => f64::from(numbers.order.word([a, b])),
-            [a, b] => f64::from(numbers.order.word([a, b]) as i16),
-            [a, b, c, d] => numbers.order.float([a, b, c, d]),
-            _ => f64::NAN,
-        };
-        for (frame, bytes) in data.chunks_exact((width * in_frame).max(1)).enumerate() {
-            let (places, samples) = bytes.split_at(4 * width * self.markers.len());
+        let width = self.width();
+        for (frame, (places, samples)) in frames.enumerate() {
             for (marker, place) in places.chunks_exact(4 * width).enumerate() {
-                let [x, y, z, residual] = [0, 1, 2, 3].map(|part| number(&place[part * width..(part + 1) * width], false));
+                let part = |part: usize| self.number(numbers.order, &place[part * width..(part + 1) * width], false);
+                let [x, y, z, residual] = [0, 1, 2, 3].map(part);
                 if residual >= 0.0 {
                     for (axis, value) in [x, y, z].into_iter().enumerate() {
                         columns[2 + 3 * marker + axis][frame * self.samples] = value * self.scale.unwrap_or(1.0);
@@ -298,8 +357,7 @@ impl Layout {
             let first = 2 + 3 * self.markers.len();
             for (place, bytes) in samples.chunks_exact(width).enumerate() {
                 let (sample, channel) = (place / self.channels.len(), place % self.channels.len());
-                let Channel { offset, scale, .. } = self.channels[channel];
-                columns[first + channel][frame * self.samples + sample] = (number(bytes, self.unsigned) - offset) * scale;
+                columns[first + channel][frame * self.samples + sample] = self.sample(numbers.order, bytes, channel);
             }
         }
         Ok(Recording { degrees: false, names, columns })
@@ -307,4 +365,4 @@ impl Layout {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -5,20 +5,33 @@
 //! * `.c3d` of motion capture: markers, and analog channels such as electromyograms;
 //! * `.csv` (separated by commas, semicolons or tabs): names and rows, as envelopes of electromyograms are exported.
 //!
-//! Recordings of people are not part of this project: their owners publish them, for example Gait120 (Boo et al. 2025, walking and stairs)
-//! and Van Hooren and Meijer (2024, running). [`OBTAIN`] says how to bring one of them here.
+//! Recordings of people are not part of this project: their owners publish them. Two data sets are read in the layouts in which they are
+//! published, and [averaged](average) to such a table of envelopes: [`gait120`] (walking, stairs, slopes) and [`van_hooren`] (running).
+//! [`OBTAIN`] says where they are.
 
 mod c3d;
 mod csv;
+mod envelopes;
+mod filter;
+mod mat;
+mod muscles;
 mod storage;
 mod trc;
+mod workbook;
+
+pub mod gait120;
+pub mod van_hooren;
+
+pub use envelopes::{Participant, average};
+pub use muscles::muscle;
 
 use crate::metrics::similarity::Envelope;
 
 /// How to obtain envelopes of human electromyograms.
-pub const OBTAIN: &str = "no recordings of people are included: download those of Gait120 (walking, stairs) or of Van Hooren and Meijer \
-    (running) from where their authors publish them, average the rectified and filtered signal of each muscle over gait cycles from \
-    foot strike to foot strike, and save a table with a column per muscle and a row per percent of the cycle as .csv or .sto";
+pub const OBTAIN: &str = "no recordings of people are included: download Gait120 (walking, stairs, slopes) from \
+    https://doi.org/10.6084/m9.figshare.27677016, or the running of Van Hooren and Meijer from https://osf.io/7qbxc, and average a data \
+    set with `msk trace envelopes FOLDER`; any other table with a column per muscle and a row per percent of the gait cycle, \
+    as .csv or .sto, will do";
 
 /// Most rows times columns that are read.
 const MOST_NUMBERS: usize = 50_000_000;
@@ -40,6 +53,22 @@ pub enum RecordingError {
     /// An ending that names no format.
     #[error("has an unknown format: expected a name that ends in .sto, .mot, .trc, .c3d or .csv")]
     Format,
+    /// MATLAB's newer format.
+    #[error("is a MAT file of version 7.3, which is HDF5: expected level 5, which `save -v7` writes")]
+    Hdf5,
+    /// A sheet that is asked for and is not there.
+    #[error("has no sheet `{0}`; it has {1}")]
+    Sheet(String, String),
+    /// A channel that the recording does not have.
+    #[error("has {all} analog channels, expected `{name}` in channel {number}")]
+    Channel {
+        /// The muscle.
+        name: String,
+        /// Counted from 1.
+        number: usize,
+        /// As many as there are.
+        all: usize,
+    },
     /// A binary file whose parts contradict each other.
     #[error("is damaged: {0}")]
     Damaged(&'static str),
@@ -70,6 +99,9 @@ pub enum RecordingError {
     /// More than is read.
     #[error("has more numbers than are read")]
     Large,
+    /// A variable that is asked for and is not there.
+    #[error("has no variable `{0}`; it has {1}")]
+    Variable(String, String),
     /// A column that is asked for and is not there.
     #[error("has no column `{0}`; it has {1}")]
     Column(String, String),
@@ -109,7 +141,8 @@ impl Recording {
     pub fn envelopes(&self, pairs: &[(String, String)]) -> Result<Vec<Envelope>, RecordingError> {
         let envelope = |(muscle, column): &(String, String)| {
             let values = self.column(column).ok_or_else(|| RecordingError::Column(column.clone(), self.names.join(", ")))?;
-            Ok(Envelope { muscle: muscle.clone(), values: values.iter().copied().filter(|value| value.is_finite()).collect() })
+            let (muscle, column) = (muscle.clone(), column.clone());
+            Ok(Envelope { muscle, column, values: values.iter().copied().filter(|value| value.is_finite()).collect() })
         };
         pairs.iter().map(envelope).collect()
     }

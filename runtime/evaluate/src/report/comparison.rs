@@ -40,6 +40,7 @@ pub fn comparison(summaries: &[Summary]) -> String {
     }
     if several {
         table.row(means("all tasks", summaries.iter().map(|summary| Some(&summary.overall))));
+        table.row(coverage(summaries));
     }
     let _ = write!(text, "\n{}", table.plain(WIDTH));
     text.push_str("\nPer policy: success, mean return; -: it cannot act, or no episode has ended\n");
@@ -52,6 +53,15 @@ fn outcome(task: &TaskSummary) -> [String; 2] {
         Some(total) => [percent(task.success_rate), for_people(total.mean)],
         None => ["-".into(), "-".into()],
     }
+}
+
+/// Tasks with a success.
+fn coverage(summaries: &[Summary]) -> Vec<String> {
+    let of = |summary: &Summary| {
+        let successful = summary.tasks.iter().filter(|task| task.successes > 0).count();
+        [format!("{successful}/{}", summary.tasks.len()), String::new()]
+    };
+    ["tasks with a success".to_owned()].into_iter().chain(summaries.iter().flat_map(of)).collect()
 }
 
 fn means<'a>(name: &str, groups: impl Iterator<Item = Option<&'a GroupSummary>>) -> Vec<String> {

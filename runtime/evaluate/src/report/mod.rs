@@ -35,6 +35,7 @@ pub fn markdown(summary: &Summary) -> String {
         }
         let _ = write!(text, "\n{}", means.markdown());
     }
+    text.push_str(&to_success(&summary.tasks));
     for task in &summary.tasks {
         faults(task, &mut text);
     }
@@ -55,6 +56,20 @@ pub fn markdown(summary: &Summary) -> String {
         "\nReturn and steps: mean ± standard deviation over episodes. Interval: Wilson's. Families: means over\ntasks; horizon: mean fraction of it that an episode lasted. Value: mean over all steps; reward:\nweight times value; share: reward over the sum of the absolute values of all rewards.\n",
     );
     text
+}
+
+/// Returns up to success beside whole ones; empty where they are the same.
+fn to_success(tasks: &[TaskSummary]) -> String {
+    let differ = |task: &&TaskSummary| task.return_to_success.is_some() && task.return_to_success != task.total;
+    let tasks: Vec<&TaskSummary> = tasks.iter().filter(differ).collect();
+    if tasks.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&["task", "return", "return to success"]);
+    let row = |task: &TaskSummary| vec![task.task.clone(), spread(task.total), spread(task.return_to_success)];
+    tasks.into_iter().for_each(|task| table.row(row(task)));
+    const WORDS: &str = "Return to success: up to the first step at which success held, as evaluators that stop there\ncount it; of other episodes the whole return. Tasks in which both are the same are left out.\n";
+    format!("\n## Returns up to success\n\n{}\n{WORDS}", table.markdown())
 }
 
 /// The first few faults in full: what broke matters more than how often.
@@ -174,6 +189,7 @@ mod tests {
             success_rate: Some(successes as f64 / 50.0),
             success_interval: wilson_interval(successes, 50),
             total: Some(Spread { mean: 38123.46, deviation: Some(1234.5) }),
+            return_to_success: Some(Spread { mean: 30210.5, deviation: Some(99.0) }),
             steps: Some(Spread { mean: 970.0, deviation: Some(120.0) }),
             ended_by: vec![("horizon".into(), 40), ("fallen".into(), 7), ("tilted".into(), 2), ("fault".into(), 1)],
             faults: vec![],
@@ -199,6 +215,7 @@ mod tests {
             success_rate: None,
             success_interval: [0.0, 1.0],
             total: None,
+            return_to_success: None,
             steps: None,
             ended_by: vec![],
             ..task(name, "locomotion", 0)
@@ -239,6 +256,7 @@ mod tests {
             text.contains("| single_leg_stand |  94 % [84, 98] | 38123 ± 1234 | 970.0 ± 120.0 | horizon 40, fallen 7, other 3 |"),
             "{text}"
         );
+        assert!(text.contains("| single_leg_stand | 38123 ± 1234 |        30210 ± 99 |"), "{text}");
         assert!(text.contains("\nFault in `single_leg_stand`, episode 31: at 0.2 s the velocity of joint `knee`"), "{text}");
         assert!(text.contains("| lean   |  rad |  0.5 |          - |"), "{text}");
         insta::assert_snapshot!(standard::markdown(&[self::task("run", "", 1), summarized]), @r"
@@ -293,7 +311,7 @@ mod tests {
 
         [ ]: Wilson's interval; horizon: mean fraction of it that an episode lasted
         Fault in `crawl`, episode 3: at 0.2 s the velocity of joint `knee` (body `tib...
-        Coverage: 3 of 4 tasks, 150 of 200 episodes; 1 skipped
+        Coverage: success in 2 of 4 tasks; played: 150 of 200 episodes, 1 task skipped
         ");
     }
 
@@ -306,7 +324,7 @@ mod tests {
         stand  100 % [93, 100]   38123     97 %  horizon 40, other 10
 
         [ ]: Wilson's interval; horizon: mean fraction of it that an episode lasted
-        Coverage: 1 of 1 tasks, 50 of 50 episodes
+        Coverage: success in 1 of 1 tasks; played: 50 of 50 episodes
         ");
     }
 

@@ -46,17 +46,18 @@ pub fn overview(summary: &Summary) -> String {
     text
 }
 
-/// How much of what was asked for has been evaluated.
+/// Tasks with a success, and how much of what was asked for has been played.
 pub(super) fn coverage(summary: &Summary) -> String {
-    let planned = summary.protocol.episodes;
-    let whole = summary.tasks.iter().filter(|task| task.episodes == planned).count();
+    let successful = summary.tasks.iter().filter(|task| task.successes > 0).count();
     let episodes: u64 = summary.tasks.iter().map(|task| task.episodes).sum();
     let tasks = summary.tasks.len();
     let skipped = match summary.tasks.iter().filter(|task| task.skipped.is_some()).count() {
         0 => String::new(),
-        skipped => format!("; {skipped} skipped"),
+        1 => ", 1 task skipped".to_owned(),
+        skipped => format!(", {skipped} tasks skipped"),
     };
-    format!("Coverage: {whole} of {tasks} tasks, {episodes} of {} episodes{skipped}", planned * tasks as u64)
+    let planned = summary.protocol.episodes * tasks as u64;
+    format!("Coverage: success in {successful} of {tasks} tasks; played: {episodes} of {planned} episodes{skipped}")
 }
 
 /// The name of a group, with the number of tasks that its means are of where that is not all of them.

@@ -41,6 +41,11 @@ pub(super) fn markdown(tasks: &[TaskSummary]) -> String {
     );
     section("Gait", numbers(tasks, &GAIT), "Asymmetry: |l - r| over the mean of both feet; 0 is symmetric.");
     section(
+        "Tracking",
+        numbers(tasks, &[("error, m", "tracking_error")]),
+        "Root mean square distance, per coordinate, of the landmarks from where the reference motion has them.",
+    );
+    section(
         "Recruitment",
         recruitment(tasks),
         "Sum over a family's muscles of their mean activations, and its part of that of all families.",

@@ -1,6 +1,6 @@
 //! A session as files.
 
-use super::{Errors, Moment, Session, SessionError, Tracking, Visible};
+use super::{Comparison, Errors, Moment, Session, SessionError, Tracking, Visible};
 use crate::trace::{ArchiveError, MOST_BYTES, Trace};
 use msk_storage::{Folder, StorageError};
 use std::path::{Path, PathBuf};
@@ -12,6 +12,7 @@ const LOCK: &str = ".lock";
 /// What one who decides must not read.
 const PRIVATE: &str = "private";
 const TRACE: &str = "private/trace.npz";
+const COMPARISON: &str = "private/tracking.json";
 
 /// Why a folder cannot serve a session.
 #[derive(Debug, thiserror::Error)]
@@ -123,6 +124,29 @@ impl SessionFolder {
     /// Those of [`trace`](Self::trace).
     pub fn tracking(&self) -> Result<Option<Tracking>, SessionFolderError> {
         Ok(Errors::of(&self.trace()?).and_then(|errors| errors.summary()))
+    }
+
+    /// Keeps the comparison of the session with a policy, for reports.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn keep(&self, comparison: &Comparison) -> Result<(), SessionFolderError> {
+        let text = crate::journal::pretty(comparison) + "\n";
+        Ok(self.folder.replace(Path::new(COMPARISON), text.as_bytes())?)
+    }
+
+    /// The comparison that was kept of a session, if it has taken no further step since.
+    ///
+    /// # Errors
+    /// A damaged file.
+    pub fn comparison(&self, session: &Session) -> Result<Option<Comparison>, SessionFolderError> {
+        let Some(text) = self.folder.read_text(Path::new(COMPARISON), LARGEST)? else { return Ok(None) };
+        let damaged = |error: serde_json::Error| SessionFolderError::Damaged {
+            path: self.folder.path().join(COMPARISON),
+            reason: error.to_string(),
+        };
+        let found: Comparison = serde_json::from_str(&text).map_err(damaged)?;
+        Ok(Some(found).filter(|found| found.steps == session.steps()))
     }
 
     /// Writes what a decision has come to. The session itself comes last: until then nothing has happened.

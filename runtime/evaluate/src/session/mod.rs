@@ -12,12 +12,13 @@ mod tracking;
 pub use action::{ActionError, read_action};
 pub use folder::{SessionFolder, SessionFolderError};
 pub use gate::{FALLEN_HEIGHT, FALLEN_TILT, fallen};
-pub use tracking::{Errors, Tracking};
+pub use tracking::{Comparison, Errors, Tracking};
 
 use crate::journal::line::hex;
 use crate::settings::BUILD;
 use crate::trace::{Quantity, StepReader, Trace};
 use crate::{EvaluationError, Trial};
+use msk_program::numbers::exact;
 use msk_runtime::action::ActionBuffer;
 use msk_runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::policy::ActsOn;
@@ -126,7 +127,7 @@ pub enum SessionError {
     #[error("decision {0} comes to another state when it is played again: its recorded hash differs")]
     Diverged(usize),
     /// An action cannot be held for so long.
-    #[error("{seconds} s are {steps} control steps of `{task}`; an action is held for whole control steps")]
+    #[error("{} s are {} control steps of `{task}`; an action is held for whole control steps", exact(*.seconds), exact(*.steps))]
     Hold {
         /// As asked for, s.
         seconds: f64,
@@ -156,6 +157,11 @@ impl Session {
             true => Ok(whole as u32),
             false => Err(SessionError::Hold { seconds, steps, task: trial.task.name.clone() }),
         }
+    }
+
+    /// Control steps so far.
+    pub fn steps(&self) -> u32 {
+        self.decisions.last().map_or(0, |decision| decision.steps)
     }
 
     /// A session of a trial, before its first decision.

@@ -2,7 +2,7 @@
 
 use crate::statistics::quantile;
 use crate::trace::{Quantity, Trace};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Quantile of the errors of a reference episode above which an error is large.
 const LARGE: f64 = 0.95;
@@ -16,6 +16,17 @@ pub struct Errors {
     pub times: Vec<f64>,
     /// Root mean square distances of the landmarks from where the reference has them, m.
     pub errors: Vec<f64>,
+}
+
+/// A session compared with a policy that follows the same motion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Name of the policy.
+    pub policy: String,
+    /// Control steps of the session when it was compared: with more it is another one.
+    pub steps: u32,
+    /// When the session diverged from the policy, s; none if it has not.
+    pub diverged: Option<f64>,
 }
 
 /// Tracking errors summed up.
@@ -33,7 +44,17 @@ impl Errors {
     /// Of a trace; `None` if its task follows no motion, or it lacks these columns.
     pub fn of(trace: &Trace) -> Option<Self> {
         let errors = trace.column(Quantity::TrackingError, 0)?;
-        Some(Self { times: trace.times(), errors })
+        let mut found = Self::default();
+        trace.times().into_iter().zip(errors).for_each(|(time, error)| found.add(time, error));
+        Some(found)
+    }
+
+    /// Adds the error at the next time; what is no number, where a task follows nothing, is left out.
+    pub fn add(&mut self, time: f64, error: f64) {
+        if error.is_finite() {
+            self.times.push(time);
+            self.errors.push(error);
+        }
     }
 
     /// Summed up; `None` without any.
@@ -83,6 +104,13 @@ mod tests {
     fn errors_are_summed_up() {
         assert_eq!(errors(&[3.0, 4.0, 0.0]).summary(), Some(Tracking { rmse: (25.0_f64 / 3.0).sqrt(), last: 0.0, largest: 4.0 }));
         assert_eq!(Errors::default().summary(), None);
+    }
+
+    #[test]
+    fn times_without_a_reference_are_left_out() {
+        let mut found = Errors::default();
+        [(0.0, 1.0), (0.1, f64::NAN), (0.2, 3.0)].into_iter().for_each(|(time, error)| found.add(time, error));
+        assert_eq!((found.times.as_slice(), found.errors.as_slice()), (&[0.0, 0.2][..], &[1.0, 3.0][..]));
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! All episodes of a run, summed up per task.
 
+mod folder;
 mod summarizer;
 
+pub(crate) use folder::{BesideJournal, LARGEST};
 pub use summarizer::Summarizer;
 
 use super::{EpisodeRecord, Plan, Protocol, Spread};
@@ -64,6 +66,9 @@ pub struct TaskSummary {
     /// Sum of rewards per episode.
     #[serde(rename = "return")]
     pub total: Option<Spread>,
+    /// Sum of rewards per episode up to the first step at which success held; of others, the whole return.
+    #[serde(default)]
+    pub return_to_success: Option<Spread>,
     /// Control steps per episode.
     pub steps: Option<Spread>,
     /// How episodes ended and how many did so, the most frequent first.
@@ -176,6 +181,11 @@ impl Summary {
 }
 
 impl TaskSummary {
+    /// Name of the task, with the condition of the muscles unless they are healthy.
+    pub fn name(&self) -> String {
+        if self.condition.is_none() { self.task.clone() } else { format!("{} ({})", self.task, self.condition) }
+    }
+
     /// Mean part of the horizon that episodes lasted, 0..1.
     pub fn horizon_part(&self) -> Option<f64> {
         self.steps.map(|steps| steps.mean / f64::from(self.horizon.max(1)))

@@ -53,6 +53,7 @@ pub(super) struct TaskTally {
     episodes: u64,
     successes: u64,
     total: Moments,
+    to_success: Moments,
     steps: Moments,
     /// Control steps of all episodes.
     all_steps: f64,
@@ -85,6 +86,7 @@ impl TaskTally {
             episodes: 0,
             successes: 0,
             total: Moments::default(),
+            to_success: Moments::default(),
             steps: Moments::default(),
             all_steps: 0.0,
             ended_by: BTreeMap::new(),
@@ -102,6 +104,7 @@ impl TaskTally {
         self.episodes += 1;
         self.successes += u64::from(record.success);
         self.total.add(record.total);
+        self.to_success.add(record.return_to_success.unwrap_or(record.total));
         self.steps.add(f64::from(record.steps));
         self.all_steps += f64::from(record.steps);
         *self.ended_by.entry(record.ended_by()).or_default() += 1;
@@ -167,6 +170,7 @@ impl TaskTally {
             success_rate: (*episodes > 0).then(|| *successes as f64 / *episodes as f64),
             success_interval: wilson_interval(*successes, *episodes),
             total: self.total.spread(),
+            return_to_success: self.to_success.spread(),
             steps: self.steps.spread(),
             ended_by: self.endings(),
             faults: self.faults.clone(),

@@ -21,6 +21,8 @@ fn record(episode: u64, steps: u32, pose: f64, effort: f64, ended: &str) -> Epis
         fault: None,
         steps,
         total: pose + effort,
+        success_step: None,
+        return_to_success: None,
         terms: by_term(pose, effort),
         values: by_term(pose / 10.0, -effort),
         squares: ByTerm::default(),
@@ -119,4 +121,13 @@ fn faults_are_counted_and_the_first_are_kept() {
     let found = summary(&[], &(0..300).map(faulty).collect::<Vec<_>>());
     assert_eq!((found.faults.len(), found.faults[99].0), (100, 99));
     assert_eq!(found.ended_by, [("fault".into(), 300)]);
+}
+
+#[test]
+fn returns_up_to_success_stand_beside_whole_ones() {
+    let early = EpisodeRecord { success_step: Some(3), return_to_success: Some(2.0), ..record(0, 10, 20.0, 0.0, "horizon") };
+    let never = record(1, 10, 6.0, 0.0, "fallen");
+    let found = summary(&[("pose", 1.0), ("effort", 1.0)], &[early, never]);
+    let means = [found.total, found.return_to_success].map(|spread| spread.unwrap().mean);
+    assert_eq!(means, [13.0, 4.0]);
 }

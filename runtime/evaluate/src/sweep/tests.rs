@@ -13,6 +13,7 @@ fn task(name: &str, family: &str, successes: Option<u64>) -> TaskSummary {
         successes: successes.unwrap_or(0),
         success_rate: successes.map(|count| count as f64 / 10.0),
         success_interval: wilson_interval(successes.unwrap_or(0), 10),
+        return_to_success: None,
         total: Some(Spread { mean: 1.0, deviation: None }),
         steps: None,
         ended_by: vec![],

@@ -127,8 +127,8 @@ impl StepReader {
             }
             Quantity::CenterOfMass => values.extend(body.centre_of_mass(model, &workspace.kinematics).iter()),
             Quantity::MetabolicPower => values.push((0..muscles).map(|muscle| snapshot.metabolic_power(muscle)).sum()),
-            // A phase of a sequence may follow none.
-            Quantity::TrackingError => values.extend(self.tracking_error(context)),
+            // A phase of a sequence may follow none, and then has no error.
+            Quantity::TrackingError => values.push(self.tracking_error(context).unwrap_or(f64::NAN)),
             Quantity::Terms => values.extend(context.weights.iter().zip(&report.terms).map(|(weight, value)| weight * value)),
             Quantity::Rewards => values.push(report.reward),
             Quantity::Observations => values.extend_from_slice(context.observation),

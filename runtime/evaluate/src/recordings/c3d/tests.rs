@@ -87,6 +87,45 @@ fn file(order: Order, whole: bool) -> Vec<u8> {
     [header, parameters, data.collect()].concat()
 }
 
+/// A file of analog channels alone, of as many samples each, one per frame, as numbers with a point.
+pub(in super::super) fn analog_file(rate: f32, channels: &[(&str, Vec<f64>)]) -> Vec<u8> {
+    let count = channels.len() as u16;
+    let frames = channels[0].1.len() as u16;
+    let mut header = vec![2, MARK];
+    [0, count, 1, frames, 0].into_iter().for_each(|value: u16| header.extend(value.to_le_bytes()));
+    header.extend((-1.0_f32).to_le_bytes());
+    [3, 1].into_iter().for_each(|value: u16| header.extend(value.to_le_bytes()));
+    header.extend(rate.to_le_bytes());
+    header.resize(BLOCK, 0);
+    let mut parameters = vec![1, MARK, 1, 84];
+    let mut entry = |id: i8, name: &str, body: &[u8]| {
+        parameters.extend([name.len() as u8, id as u8]);
+        parameters.extend(name.as_bytes());
+        parameters.extend((body.len() as u16 + 2).to_le_bytes());
+        parameters.extend(body);
+    };
+    let labels: Vec<u8> = channels.iter().flat_map(|(name, _)| format!("{name:16}").into_bytes()).collect();
+    entry(-2, "ANALOG", &[0]);
+    entry(2, "LABELS", &[&[0xFF, 2, 16, count as u8][..], &labels, &[0]].concat());
+    parameters.resize(BLOCK, 0);
+    let sample = |frame: usize| channels.iter().flat_map(move |(_, values)| (values[frame] as f32).to_le_bytes());
+    [header, parameters, (0..frames.into()).flat_map(sample).collect()].concat()
+}
+
+#[test]
+fn channels_are_read_without_the_markers() {
+    let found = analog(EXAMPLE, |place, name| place == 2 || name == "Soleus").unwrap();
+    assert_eq!((found.rate, found.all, found.channels.len()), (400.0, 3, 2));
+    let whole = read(EXAMPLE).unwrap();
+    for (place, name, values) in found.channels {
+        assert_eq!(Some(values.as_slice()), whole.column(&name), "{place}");
+    }
+    assert_eq!(
+        analog(&file(Order::Mips, true), |_, _| true).unwrap().channels[0].2,
+        read(&file(Order::Mips, true)).unwrap().columns[5]
+    );
+}
+
 #[test]
 fn numbers_of_all_processors_are_read() {
     for order in [Order::Intel, Order::Dec, Order::Mips] {
